@@ -1,0 +1,163 @@
+//! Saving and restoring the memory of running stages, to the bit.
+//!
+//! Every stage lists its memory once, in [`Stage::visit_state`](crate::stage::Stage::visit_state);
+//! the same list serves saving and restoring, so the two cannot drift apart.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{scalar::Scalar, stage::Stage};
+
+/// Walks over the memory of a stage.
+///
+/// A stage hands out every number that influences its future, always in the same order. A
+/// visitor may read or overwrite them.
+pub trait StateVisitor<T> {
+    /// Visits real numbers.
+    fn reals(&mut self, name: &'static str, values: &mut [T]);
+
+    /// Visits counters, flags and other integers.
+    fn counts(&mut self, name: &'static str, values: &mut [u64]);
+}
+
+/// The memory of a stage or pipeline at one instant.
+///
+/// Reals are kept as the bits of their `f64` value, so that a snapshot that went through a text
+/// file restores the very same numbers, infinities included.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Snapshot {
+    fields: Vec<Field>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Field {
+    name: String,
+    bits: Vec<u64>,
+}
+
+/// A snapshot does not belong to the stage it is restored into.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// Another quantity was expected at this place.
+    #[error(
+        "snapshot field {index}: expected `{expected}` with {expected_len} values, found {found}"
+    )]
+    Field {
+        /// Position in the snapshot.
+        index: usize,
+        /// Name of the quantity in the stage.
+        expected: &'static str,
+        /// Its length in the stage.
+        expected_len: usize,
+        /// What the snapshot holds instead.
+        found: String,
+    },
+    /// The snapshot holds more than the stage.
+    #[error("snapshot has {found} fields, the stage has {expected}")]
+    Surplus {
+        /// Fields of the stage.
+        expected: usize,
+        /// Fields of the snapshot.
+        found: usize,
+    },
+}
+
+impl Snapshot {
+    /// Reads the memory of `stage`, which is left as it was.
+    pub fn of<T: Scalar>(stage: &mut (impl Stage<T> + ?Sized)) -> Self {
+        let mut save = Save { fields: Vec::new() };
+        stage.visit_state(&mut save);
+        Self { fields: save.fields }
+    }
+
+    /// Puts the memory back.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first field that does not fit; `stage` is then unchanged.
+    pub fn restore<T: Scalar>(
+        &self,
+        stage: &mut (impl Stage<T> + ?Sized),
+    ) -> Result<(), SnapshotError> {
+        let mut check = Check { fields: &self.fields, next: 0, error: None };
+        stage.visit_state(&mut check);
+        if let Some(error) = check.error {
+            return Err(error);
+        }
+        if check.next != self.fields.len() {
+            return Err(SnapshotError::Surplus { expected: check.next, found: self.fields.len() });
+        }
+        stage.visit_state(&mut Load { fields: self.fields.iter() });
+        Ok(())
+    }
+}
+
+struct Save {
+    fields: Vec<Field>,
+}
+
+impl<T: Scalar> StateVisitor<T> for Save {
+    fn reals(&mut self, name: &'static str, values: &mut [T]) {
+        let bits = values.iter().map(|v| v.to_report().to_bits()).collect();
+        self.fields.push(Field { name: name.to_owned(), bits });
+    }
+
+    fn counts(&mut self, name: &'static str, values: &mut [u64]) {
+        self.fields.push(Field { name: name.to_owned(), bits: values.to_vec() });
+    }
+}
+
+struct Check<'a> {
+    fields: &'a [Field],
+    next: usize,
+    error: Option<SnapshotError>,
+}
+
+impl Check<'_> {
+    fn field(&mut self, expected: &'static str, expected_len: usize) {
+        let index = self.next;
+        self.next += 1;
+        let field = self.fields.get(index);
+        if self.error.is_some()
+            || field.is_some_and(|f| f.name == expected && f.bits.len() == expected_len)
+        {
+            return;
+        }
+        let found = field.map_or_else(
+            || "nothing".to_owned(),
+            |f| format!("`{}` with {} values", f.name, f.bits.len()),
+        );
+        self.error = Some(SnapshotError::Field { index, expected, expected_len, found });
+    }
+}
+
+impl<T> StateVisitor<T> for Check<'_> {
+    fn reals(&mut self, name: &'static str, values: &mut [T]) {
+        self.field(name, values.len());
+    }
+
+    fn counts(&mut self, name: &'static str, values: &mut [u64]) {
+        self.field(name, values.len());
+    }
+}
+
+struct Load<'a> {
+    fields: std::slice::Iter<'a, Field>,
+}
+
+impl<T: Scalar> StateVisitor<T> for Load<'_> {
+    fn reals(&mut self, _name: &'static str, values: &mut [T]) {
+        for (v, bits) in values.iter_mut().zip(self.fields.next().into_iter().flat_map(|f| &f.bits))
+        {
+            *v = T::from_design(f64::from_bits(*bits));
+        }
+    }
+
+    fn counts(&mut self, _name: &'static str, values: &mut [u64]) {
+        for (v, bits) in values.iter_mut().zip(self.fields.next().into_iter().flat_map(|f| &f.bits))
+        {
+            *v = *bits;
+        }
+    }
+}

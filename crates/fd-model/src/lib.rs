@@ -1,0 +1,27 @@
+//! Linear models: designed with faer in `f64`, run with any [`Scalar`](fd_core::Scalar).
+//!
+//! | Side | Type | Numbers | Sizes |
+//! |------|------|---------|-------|
+//! | design | [`StateSpace`] | `f64`, faer | run time |
+//! | run | [`Lti`] | any scalar, nalgebra | compile time or run time |
+//!
+//! [`StateSpace::freeze`] is the only way from the first row to the second.
+
+mod channel;
+mod discretize;
+mod domain;
+mod error;
+mod freeze;
+mod lti;
+mod record;
+mod state_space;
+
+pub use crate::{
+    channel::Channel,
+    domain::{Continuous, Discrete, SampleTime, TimeDomain},
+    error::ModelError,
+    freeze::freeze,
+    lti::Lti,
+    record::Record,
+    state_space::StateSpace,
+};

@@ -1,0 +1,176 @@
+//! Recorded signals: the one form in which data travels between files, methods and reports.
+
+use fd_core::{Shape, ShapeError};
+
+use crate::{channel::Channel, domain::SampleTime, error::ModelError};
+
+/// Inputs and outputs of one run on an even time base.
+///
+/// Samples are stored row by row, so that [`Record::u`] and [`Record::y`] can be fed to a
+/// pipeline as they are. A missing sample is NaN in the channels that are missing.
+///
+/// # Examples
+///
+/// ```
+/// use fd_model::{Channel, Record, SampleTime};
+///
+/// let ts = SampleTime::new(0.1)?;
+/// let (u, y) = (vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 0.5]);
+/// let record = Record::new(Channel::numbered("u", 1), Channel::numbered("y", 1), u, y, ts)?;
+/// assert_eq!(record.len(), 3);
+/// assert_eq!(record.y(2), [0.5]);
+/// # Ok::<(), fd_model::ModelError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    inputs: Vec<Channel>,
+    outputs: Vec<Channel>,
+    u: Vec<f64>,
+    y: Vec<f64>,
+    ts: SampleTime,
+    start: f64,
+}
+
+impl Record {
+    /// A record from row-major samples: `u` has `inputs.len()` values per sample, `y` has
+    /// `outputs.len()`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no output channel, or the numbers of values do not make
+    /// equally many whole samples.
+    pub fn new(
+        inputs: Vec<Channel>,
+        outputs: Vec<Channel>,
+        u: Vec<f64>,
+        y: Vec<f64>,
+        ts: SampleTime,
+    ) -> Result<Self, ModelError> {
+        if outputs.is_empty() {
+            return Err(ModelError::NoOutputs);
+        }
+        let samples = y.len() / outputs.len();
+        for (role, values, width) in
+            [("recorded inputs u", &u, inputs.len()), ("recorded outputs y", &y, outputs.len())]
+        {
+            if values.len() != samples * width {
+                let expected = Shape::new(samples, width);
+                let found = Shape::new(values.len().div_ceil(width.max(1)), width);
+                return Err(ShapeError { role, expected, found }.into());
+            }
+        }
+        Ok(Self { inputs, outputs, u, y, ts, start: 0.0 })
+    }
+
+    /// Sets the time of the first sample, in seconds.
+    #[must_use]
+    pub fn starting_at(mut self, seconds: f64) -> Self {
+        self.start = seconds;
+        self
+    }
+
+    /// Input channels.
+    #[must_use]
+    pub fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+
+    /// Output channels.
+    #[must_use]
+    pub fn outputs(&self) -> &[Channel] {
+        &self.outputs
+    }
+
+    /// Inputs of sample `k`, one value per input channel.
+    ///
+    /// # Panics
+    ///
+    /// Panics when `k` is not below [`Record::len`], as indexing a slice does.
+    #[must_use]
+    pub fn u(&self, k: usize) -> &[f64] {
+        let width = self.inputs.len();
+        &self.u[k * width..(k + 1) * width]
+    }
+
+    /// Outputs of sample `k`, one value per output channel.
+    ///
+    /// # Panics
+    ///
+    /// Panics when `k` is not below [`Record::len`], as indexing a slice does.
+    #[must_use]
+    pub fn y(&self, k: usize) -> &[f64] {
+        let width = self.outputs.len();
+        &self.y[k * width..(k + 1) * width]
+    }
+
+    /// Outputs of sample `k`, to be changed, for example by a sensor fault.
+    ///
+    /// # Panics
+    ///
+    /// Panics when `k` is not below [`Record::len`], as indexing a slice does.
+    pub fn y_mut(&mut self, k: usize) -> &mut [f64] {
+        let width = self.outputs.len();
+        &mut self.y[k * width..(k + 1) * width]
+    }
+
+    /// Samples `(u, y)` in order of time.
+    pub fn samples(&self) -> impl ExactSizeIterator<Item = (&[f64], &[f64])> + '_ {
+        (0..self.len()).map(|k| (self.u(k), self.y(k)))
+    }
+
+    /// One input over time.
+    pub fn input(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
+        (0..self.len()).map(move |k| self.u(k)[channel])
+    }
+
+    /// One output over time.
+    pub fn output(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
+        (0..self.len()).map(move |k| self.y(k)[channel])
+    }
+
+    /// Whether every channel of sample `k` is there.
+    #[must_use]
+    pub fn is_complete(&self, k: usize) -> bool {
+        self.u(k).iter().chain(self.y(k)).all(|v| v.is_finite())
+    }
+
+    /// The part from sample `from` up to but not including sample `to`, clamped to what there is.
+    #[must_use]
+    pub fn slice(&self, from: usize, to: usize) -> Self {
+        let to = to.min(self.len());
+        let from = from.min(to);
+        let part = |values: &[f64], width: usize| values[from * width..to * width].to_vec();
+        Self {
+            inputs: self.inputs.clone(),
+            outputs: self.outputs.clone(),
+            u: part(&self.u, self.inputs.len()),
+            y: part(&self.y, self.outputs.len()),
+            ts: self.ts,
+            start: self.time(from),
+        }
+    }
+
+    /// Time of sample `k`, in seconds.
+    #[must_use]
+    pub fn time(&self, k: usize) -> f64 {
+        self.start + k as f64 * self.ts.seconds()
+    }
+
+    /// Time between samples.
+    #[must_use]
+    pub fn ts(&self) -> SampleTime {
+        self.ts
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.y.len() / self.outputs.len()
+    }
+
+    /// Whether there are no samples.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.y.is_empty()
+    }
+}

@@ -1,0 +1,2 @@
+//! The `fdiag` command line.
+fn main() {}
