@@ -114,16 +114,19 @@ impl Record {
     }
 
     /// Samples `(u, y)` in order of time.
+    #[must_use]
     pub fn samples(&self) -> impl ExactSizeIterator<Item = (&[f64], &[f64])> + '_ {
         (0..self.len()).map(|k| (self.u(k), self.y(k)))
     }
 
     /// One input over time.
+    #[must_use]
     pub fn input(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(move |k| self.u(k)[channel])
     }
 
     /// One output over time.
+    #[must_use]
     pub fn output(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(move |k| self.y(k)[channel])
     }
