@@ -1,1 +1,3 @@
-//! The facade.
+//! Model-based fault diagnosis with on-line residual compensation.
+
+pub mod report;
