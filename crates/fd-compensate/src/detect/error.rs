@@ -1,0 +1,44 @@
+//! Why a detector cannot be built.
+
+use thiserror::Error;
+
+/// A detector cannot be built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DetectorError {
+    /// A number is outside its range.
+    #[error("{parameter} must be {expected}, got {found}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Range it must lie in.
+        expected: &'static str,
+        /// Value given.
+        found: f64,
+    },
+    /// A list has the wrong number of entries.
+    #[error("{parameter} must have {expected} entries, got {found}")]
+    Length {
+        /// Name of the list.
+        parameter: &'static str,
+        /// Residual channels.
+        expected: usize,
+        /// Entries given.
+        found: usize,
+    },
+    /// A channel never moves in the fault-free data, so nothing can be learned from it.
+    #[error("residual channel {channel} is constant in {samples} fault-free samples")]
+    ConstantChannel {
+        /// Index of the channel.
+        channel: usize,
+        /// Samples looked at.
+        samples: usize,
+    },
+}
+
+/// Refuses what is not a positive number.
+pub(crate) fn positive(parameter: &'static str, found: f64) -> Result<(), DetectorError> {
+    let expected = "positive and finite";
+    let fine = found > 0.0 && found.is_finite();
+    if fine { Ok(()) } else { Err(DetectorError::Parameter { parameter, expected, found }) }
+}
