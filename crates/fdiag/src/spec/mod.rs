@@ -30,6 +30,9 @@ pub struct PipelineSpec {
     pub detector: DetectorSpec,
     /// Test statistics to alarms.
     pub rule: Debouncing,
+    /// Time in s at the start of each log that is not learned from, while the generator forgets
+    /// where it started; none takes five time constants of its slowest pole.
+    pub settle_s: Option<f64>,
     /// Most missing samples in a row that are replaced by the last good one; 0 refuses them.
     pub hold_missing: u64,
 }
@@ -43,6 +46,7 @@ impl Default for PipelineSpec {
             compensation: CompensationPlan::default(),
             detector: DetectorSpec::default(),
             rule: Debouncing::consecutive(3),
+            settle_s: None,
             hold_missing: 0,
         }
     }
