@@ -16,6 +16,10 @@ mod lti;
 mod record;
 mod state_space;
 
+// Signals, faults, records and files.
+mod clock;
+pub mod signal;
+
 pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
