@@ -26,6 +26,10 @@ pub mod lyapunov;
 pub mod reduce;
 pub mod riccati;
 
+// Signals, faults, records and files.
+mod clock;
+pub mod signal;
+
 pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
