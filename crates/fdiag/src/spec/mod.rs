@@ -89,13 +89,19 @@ pub enum OrderSpec {
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LearningSpec {
     /// Least squares over all healthy logs together.
-    Batch {},
+    Batch {
+        /// Corner in rad/s of a second-order Butterworth low-pass that input and residual both go
+        /// through before the fit; it leaves their transfer function as it is and keeps noise out.
+        /// None fits the raw signals, as the paper does.
+        #[serde(default)]
+        prefilter_rad_s: Option<f64>,
+    },
     /// Recursive least squares in the running pipeline, until it converges (eq. 18).
     Recursive(RlsDesign),
 }
 
 impl Default for LearningSpec {
     fn default() -> Self {
-        Self::Batch {}
+        Self::Batch { prefilter_rad_s: None }
     }
 }
