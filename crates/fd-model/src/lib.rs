@@ -16,6 +16,16 @@ mod lti;
 mod record;
 mod state_space;
 
+// Numerics of linear models.
+mod connect;
+mod frequency;
+mod gramian;
+mod hankel;
+mod linalg;
+pub mod lyapunov;
+pub mod reduce;
+pub mod riccati;
+
 pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},

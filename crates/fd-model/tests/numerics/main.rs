@@ -1,0 +1,8 @@
+//! Numerics of linear models: published numbers, algebra and edge cases.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod engines;
+mod models;
+mod reduction;
+mod riccati;
+mod sampling;
