@@ -18,7 +18,11 @@ mod state_space;
 
 // Signals, faults, records and files.
 mod clock;
+pub mod fault;
+mod inputs;
 pub mod signal;
+mod simulate;
+pub mod unit;
 
 pub use crate::{
     channel::Channel,
@@ -28,4 +32,9 @@ pub use crate::{
     lti::Lti,
     record::Record,
     state_space::StateSpace,
+};
+pub use crate::{
+    inputs::Inputs,
+    record::{ChannelScale, MissingCounts, RecordError, Scaling},
+    simulate::{Simulation, SimulationError},
 };
