@@ -28,7 +28,11 @@ pub mod riccati;
 
 // Signals, faults, records and files.
 mod clock;
+pub mod fault;
+mod inputs;
 pub mod signal;
+mod simulate;
+pub mod unit;
 
 pub use crate::{
     channel::Channel,
@@ -38,4 +42,9 @@ pub use crate::{
     lti::Lti,
     record::Record,
     state_space::StateSpace,
+};
+pub use crate::{
+    inputs::Inputs,
+    record::{ChannelScale, MissingCounts, RecordError, Scaling},
+    simulate::{Simulation, SimulationError},
 };

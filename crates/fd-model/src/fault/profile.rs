@@ -150,7 +150,11 @@ impl RunningProfile {
         match self.profile {
             FaultProfile::Abrupt { size } => size,
             FaultProfile::Incipient { size, rise_s } => {
-                if t < rise_s { size * (t / rise_s) } else { size }
+                if t < rise_s {
+                    size * (t / rise_s)
+                } else {
+                    size
+                }
             }
             FaultProfile::Drift { slope_per_s } => slope_per_s * t,
             FaultProfile::Intermittent { size, period_s, duty, .. } => {
@@ -160,7 +164,7 @@ impl RunningProfile {
                 }
                 // Every period draws once, so the pattern does not depend on the sample time.
                 while (self.periods as f64) <= period {
-                    self.place = self.rng.as_mut().map_or(0.0, |rng| rng.random());
+                    self.place = self.rng.as_mut().map_or(0.0, RngExt::random);
                     self.periods += 1;
                 }
                 let on = (period + self.place * (1.0 - duty)) * period_s;

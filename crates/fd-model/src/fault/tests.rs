@@ -86,10 +86,7 @@ fn profiles_take_their_shapes() {
     };
     assert!(near(shape(FaultProfile::incipient(2.0, 0.2)), [0.0, 0.0, 0.0, 1.0, 2.0, 2.0]));
     assert!(near(shape(FaultProfile::drift(10.0)), [0.0, 0.0, 0.0, 1.0, 2.0, 3.0]));
-    assert_eq!(
-        shape(FaultProfile::intermittent(1.0, 0.2, 0.5)),
-        [0.0, 0.0, 1.0, 0.0, 1.0, 0.0]
-    );
+    assert_eq!(shape(FaultProfile::intermittent(1.0, 0.2, 0.5)), [0.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
     assert_eq!(shape(FaultProfile::incipient(2.0, 0.0)), shape(FaultProfile::abrupt(2.0)));
 }
 
@@ -120,9 +117,8 @@ fn random_patterns_do_not_depend_on_the_sample_time() {
 #[test]
 fn only_sensor_faults_act_on_records_and_unknown_sensors_are_named() {
     let outputs = vec![Channel::new("T_7", "K"), Channel::new("P_6", "kPa")];
-    let mut record = Record::new(vec![], outputs, vec![], vec![1.0; 8], ts(1.0))
-        .unwrap()
-        .starting_at(100.0);
+    let mut record =
+        Record::new(vec![], outputs, vec![], vec![1.0; 8], ts(1.0)).unwrap().starting_at(100.0);
     let fault = FaultSpec::add(Site::sensor("P_6"), 102.0, FaultProfile::abrupt(1.0));
     fault.apply_to_record(&mut record).unwrap();
     assert_eq!(record.output(1).collect::<Vec<_>>(), [1.0, 1.0, 2.0, 2.0]);
@@ -154,10 +150,7 @@ fn parameters_out_of_range_are_named() {
     assert_eq!(error(Effect::Scale(f64::NAN)), "fault: `scale` must be finite, got NaN");
     let mut ends_early = on_sensor(5.0, Effect::StuckLast);
     ends_early.end_s = Some(4.0);
-    assert_eq!(
-        applied_error(&ends_early),
-        "fault: `end_s` must be at or after `start_s`, got 4"
-    );
+    assert_eq!(applied_error(&ends_early), "fault: `end_s` must be at or after `start_s`, got 4");
 }
 
 fn applied_error(fault: &FaultSpec) -> String {

@@ -125,7 +125,7 @@ impl Prbs {
 }
 
 /// A Fibonacci feedback shift register; iterates over its output for ever.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Register {
     pub(super) state: u64,
     taps: u64,
