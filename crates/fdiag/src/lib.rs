@@ -4,6 +4,7 @@
 //! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), and reports
 //! ([`report`]).
 
+pub mod engine;
 pub mod report;
 pub mod road;
 pub mod spec;

@@ -150,6 +150,12 @@ impl Trained {
         (peak(&self.primary), peak(&self.compensated))
     }
 
+    /// Fault-free samples of the primary and the compensated residual, row by row.
+    #[must_use]
+    pub fn calibration(&self) -> (&[f64], &[f64]) {
+        (&self.primary, &self.compensated)
+    }
+
     /// A fresh pipeline that subtracts the learned bias.
     ///
     /// # Errors
