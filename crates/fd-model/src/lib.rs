@@ -23,8 +23,13 @@ mod gramian;
 mod hankel;
 mod linalg;
 pub mod lyapunov;
+mod norms;
 pub mod reduce;
 pub mod riccati;
+pub mod uncertainty;
+mod zeros;
+
+pub use crate::norms::PeakGain;
 
 // Signals, faults, records and files.
 mod clock;

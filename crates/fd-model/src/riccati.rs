@@ -12,12 +12,13 @@
 //! the unit circle.
 
 use faer::{Mat, MatRef, prelude::Solve};
-use fd_core::{Shape, ShapeError};
+use fd_core::Shape;
 
 use crate::{
     domain::unit_disk_margin,
     error::ModelError,
     linalg::{balance, eigenvalues, is_positive, require_decay, solve, symmetric},
+    state_space::check_matrix,
 };
 
 /// Stabilising solution of a discrete Riccati equation.
@@ -113,10 +114,7 @@ fn solve_regulator(
     roles: [Role<'_>; 4],
 ) -> Result<DiscreteRiccati, ModelError> {
     for (role, matrix, expected) in roles {
-        let found = Shape::new(matrix.nrows(), matrix.ncols());
-        if found != expected {
-            return Err(ShapeError { role, expected, found }.into());
-        }
+        check_matrix(role, matrix, expected)?;
     }
     let [(_, a, _), (_, b, _), (q_role, q, _), (r_role, r, _)] = roles;
     if !is_positive(q, 0.0)? {

@@ -2,7 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod engines;
+mod lyapunov;
 mod models;
+mod norms;
 mod reduction;
 mod riccati;
 mod sampling;
+mod uncertainty;
