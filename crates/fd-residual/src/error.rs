@@ -67,34 +67,6 @@ pub enum DesignError {
         /// Value that was given.
         factor: f64,
     },
-    /// A covariance matrix is not symmetric.
-    #[error("{role} must be symmetric, but entries [{row}, {col}] and [{col}, {row}] differ")]
-    NotSymmetric {
-        /// Role of the matrix.
-        role: &'static str,
-        /// Row, from 0.
-        row: usize,
-        /// Column, from 0.
-        col: usize,
-    },
-    /// A covariance matrix is not positive (semi-)definite.
-    #[error("{role} has eigenvalue {found:e}, expected {expected}")]
-    NotPositive {
-        /// Role of the matrix.
-        role: &'static str,
-        /// `"> 0"` or `">= 0"`.
-        expected: &'static str,
-        /// Smallest eigenvalue.
-        found: f64,
-    },
-    /// The Riccati recursion has not settled.
-    #[error("observer gain still moves by {change:e} after {iterations} Riccati steps")]
-    RiccatiNoConvergence {
-        /// Steps taken.
-        iterations: usize,
-        /// Largest relative change of the gain in the last step.
-        change: f64,
-    },
     /// The window is too short for any parity relation with the wanted decoupling.
     #[error(
         "no parity relation of order {order}: {rows} rows of rank {rank} leave nothing \
@@ -133,15 +105,5 @@ pub enum DesignError {
     Empty {
         /// What is missing.
         what: &'static str,
-    },
-    /// Two parts have different sample times.
-    #[error("{what} has a sample time of {found} s, expected {expected} s")]
-    SampleTimes {
-        /// Part that differs.
-        what: &'static str,
-        /// Sample time of the first part, in seconds.
-        expected: f64,
-        /// Sample time found, in seconds.
-        found: f64,
     },
 }

@@ -6,10 +6,10 @@ use faer::{Mat, MatRef, c64};
 use fd_core::{IoDims, Shape, ShapeError, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
-use super::frequency::{FrequencyAxis, frequency_grid, response_of};
+use super::frequency::frequency_grid;
 use crate::{
     error::DesignError,
-    matrix::{blocks, spectral_norm},
+    matrix::{check_shape, spectral_norm},
 };
 
 /// A residual generator at design time.
@@ -162,7 +162,7 @@ impl<D: TimeDomain> ResidualForm<D> {
     pub fn weighted(&self, w: MatRef<'_, f64>) -> Result<Self, DesignError> {
         let s = &self.system;
         let expected = Shape::new(w.nrows(), self.residual_len());
-        crate::matrix::check_shape("weighting W", w, expected)?;
+        check_shape("weighting W", w, expected)?;
         let (a, b) = (s.a().to_owned(), s.b().to_owned());
         let system = StateSpace::new(a, b, w * s.c(), w * s.d(), s.domain())?;
         Self::new(self.io, system)
@@ -175,44 +175,20 @@ impl<D: TimeDomain> ResidualForm<D> {
     ///
     /// # Errors
     ///
-    /// Returns an error when `G` has not one output per plant output.
+    /// Returns an error when `G` has not one output per plant output, or another sample time.
     pub fn residual_of(&self, g: &StateSpace<D>) -> Result<StateSpace<D>, DesignError> {
-        if g.ny() != self.io.ny {
-            return Err(ShapeError {
-                role: "feedthrough of G",
-                expected: Shape::new(self.io.ny, g.nu()),
-                found: Shape::new(g.ny(), g.nu()),
-            }
-            .into());
-        }
-        let hy = self.hy()?;
-        let zero = Mat::zeros(g.nx(), hy.nx());
-        // x_g⁺ = A_g x_g + B_g f; x_h⁺ = B_h C_g x_g + A_h x_h + B_h D_g f.
-        let by = hy.b() * g.c();
-        let a = blocks(&[&[g.a(), zero.as_ref()], &[by.as_ref(), hy.a()]]);
-        let b = blocks(&[&[g.b()], &[(hy.b() * g.d()).as_ref()]]);
-        let c = blocks(&[&[(hy.d() * g.c()).as_ref(), hy.c()]]);
-        Ok(StateSpace::new(a, b, c, hy.d() * g.d(), hy.domain())?)
-    }
-}
-
-impl<D: FrequencyAxis> ResidualForm<D> {
-    /// `[H_u H_y]` at a frequency in rad/s, one row per residual channel.
-    #[must_use]
-    pub fn response(&self, omega: f64) -> Mat<c64> {
-        response_of(&self.system, self.system.domain().boundary_point(omega))
+        Ok(g.series(&self.hy()?)?)
     }
 
-    /// `H_u` at a frequency in rad/s.
-    #[must_use]
-    pub fn hu_response(&self, omega: f64) -> Mat<c64> {
-        self.response(omega).subcols(0, self.io.nu).to_owned()
-    }
-
-    /// `H_y` at a frequency in rad/s.
-    #[must_use]
-    pub fn hy_response(&self, omega: f64) -> Mat<c64> {
-        self.response(omega).subcols(self.io.nu, self.io.ny).to_owned()
+    /// `H_u` and `H_y` at a frequency in rad/s, one row per residual channel.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is a pole at this frequency.
+    pub fn response(&self, omega: f64) -> Result<(Mat<c64>, Mat<c64>), DesignError> {
+        let both = self.system.frequency_response(omega)?;
+        let IoDims { nu, ny } = self.io;
+        Ok((both.subcols(0, nu).to_owned(), both.subcols(nu, ny).to_owned()))
     }
 
     /// Largest `‖H_u + H_y G_u‖` over frequency (eq. 5), relative to `‖H_u‖ + ‖H_y‖ ‖G_u‖` there.
@@ -223,21 +199,23 @@ impl<D: FrequencyAxis> ResidualForm<D> {
     ///
     /// # Errors
     ///
-    /// Returns an error when the model has other channels than the form.
+    /// Returns an error when the model has other channels or another sample time than the form.
     pub fn consistency(&self, model: &StateSpace<D>) -> Result<f64, DesignError> {
         let (expected, found) =
             (Shape::new(self.io.ny, self.io.nu), Shape::new(model.ny(), model.nu()));
         if expected != found {
             return Err(ShapeError { role: "transfer function G_u", expected, found }.into());
         }
+        self.system.domain().join(model.domain())?;
         let mut worst = 0.0_f64;
         for omega in frequency_grid(&[&self.system, model])? {
-            let g = response_of(model, model.domain().boundary_point(omega));
-            let (hu, hy) = (self.hu_response(omega), self.hy_response(omega));
+            let (Ok(g), Ok((hu, hy))) = (model.frequency_response(omega), self.response(omega))
+            else {
+                continue;
+            };
             let scale = hu.norm_l2() + hy.norm_l2() * g.norm_l2();
-            let defect = spectral_norm((hu + hy * g).as_ref());
-            if scale.is_finite() && 0.0 < scale {
-                worst = worst.max(defect / scale);
+            if 0.0 < scale {
+                worst = worst.max(spectral_norm((hu + hy * g).as_ref()) / scale);
             }
         }
         Ok(worst)

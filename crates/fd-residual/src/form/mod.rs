@@ -14,8 +14,9 @@ mod design;
 mod frequency;
 mod run;
 
+pub(crate) use self::frequency::{frequency_grid, peak_gain};
 pub use self::{
     design::{GeneratorDesign, ResidualForm},
-    frequency::FrequencyAxis,
+    frequency::Peak,
     run::FormGenerator,
 };

@@ -1,8 +1,8 @@
 //! Choosing the observer gain.
 
-use faer::{Mat, MatRef, Side, c64, prelude::Solve};
+use faer::{Mat, MatRef, c64};
 use fd_core::{Heap, IoDims, Scalar, Shape, Storage, stage::ResidualGenerator};
-use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze};
+use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze, riccati};
 
 use super::{
     place::{check_observable, place_poles},
@@ -196,11 +196,11 @@ impl ObserverDesign<Discrete> {
         q: MatRef<'_, f64>,
         r: MatRef<'_, f64>,
     ) -> Result<Self, DesignError> {
-        check_covariance("state noise covariance Q", q, model.nx(), false)?;
-        check_covariance("output noise covariance R", r, model.ny(), true)?;
+        check_shape("process noise covariance Q", q, Shape::new(model.nx(), model.nx()))?;
+        check_shape("measurement noise covariance R", r, Shape::new(model.ny(), model.ny()))?;
         check_observable(model.a(), model.c(), |mode| !model.domain().decays(mode))?;
-        let gain = stationary_gain(model, q, r)?;
-        Self::with_gain(model, gain.as_ref())
+        let filter = riccati::discrete_filter(model.a(), model.c(), q, r)?;
+        Self::with_gain(model, filter.gain.as_ref())
     }
 
     /// Moves the observer to run time, starting at `x̂ = 0`.
@@ -229,63 +229,4 @@ impl GeneratorDesign for ObserverDesign<Discrete> {
     fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
         Ok(Box::new(self.freeze::<f64, Heap>()?))
     }
-}
-
-/// Checks size, symmetry and definiteness.
-fn check_covariance(
-    role: &'static str,
-    m: MatRef<'_, f64>,
-    n: usize,
-    definite: bool,
-) -> Result<(), DesignError> {
-    check_shape(role, m, Shape::new(n, n))?;
-    let scale = m.norm_max();
-    for col in 0..n {
-        for row in 0..col {
-            if 1e-12 * scale < (m[(row, col)] - m[(col, row)]).abs() {
-                return Err(DesignError::NotSymmetric { role, row, col });
-            }
-        }
-    }
-    let eigenvalues = m
-        .self_adjoint_eigenvalues(Side::Lower)
-        .map_err(|_| ModelError::NoConvergence { what: "eigenvalues of a covariance", order: n })?;
-    let found = eigenvalues.first().copied().unwrap_or(1.0);
-    // The eigenvalues of a symmetric matrix are exact to about n ε ‖M‖.
-    let rounding = n as f64 * f64::EPSILON * scale;
-    if definite && found <= rounding {
-        return Err(DesignError::NotPositive { role, expected: "> 0", found });
-    }
-    if found < -rounding {
-        return Err(DesignError::NotPositive { role, expected: ">= 0", found });
-    }
-    Ok(())
-}
-
-/// Iterates the Riccati recursion until the gain stands still.
-fn stationary_gain(
-    model: &StateSpace<Discrete>,
-    q: MatRef<'_, f64>,
-    r: MatRef<'_, f64>,
-) -> Result<Mat<f64>, DesignError> {
-    const ITERATIONS: usize = 10_000;
-    const TOLERANCE: f64 = 1e-14;
-
-    let (a, c) = (model.a(), model.c());
-    let mut p = Mat::<f64>::identity(model.nx(), model.nx());
-    let mut gain = Mat::<f64>::zeros(model.nx(), model.ny());
-    let mut change = f64::INFINITY;
-    for _ in 0..ITERATIONS {
-        // S = C P Cᵀ + R and L = A P Cᵀ S⁻¹, solved as Lᵀ = S⁻¹ (A P Cᵀ)ᵀ.
-        let s = c * &p * c.transpose() + r;
-        let apc = a * &p * c.transpose();
-        let next = s.partial_piv_lu().solve(apc.transpose()).transpose().to_owned();
-        p = a * &p * a.transpose() - &next * apc.transpose() + q;
-        change = (&next - &gain).norm_max() / next.norm_max().max(f64::MIN_POSITIVE);
-        gain = next;
-        if change <= TOLERANCE {
-            return Ok(gain);
-        }
-    }
-    Err(DesignError::RiccatiNoConvergence { iterations: ITERATIONS, change })
 }

@@ -87,10 +87,7 @@ pub(crate) fn check_stable<D: TimeDomain>(
     what: &'static str,
     model: &StateSpace<D>,
 ) -> Result<(), DesignError> {
-    let poles = model.poles()?;
-    let growing = poles.into_iter().filter(|&pole| !model.domain().decays(pole));
-    // Among poles that do not decay, the largest is the worst on either time axis.
-    match growing.max_by(|p, q| p.norm().total_cmp(&q.norm())) {
+    match model.worst_pole()?.filter(|&pole| !model.domain().decays(pole)) {
         Some(pole) => Err(ModelError::Unstable { what, re: pole.re, im: pole.im }.into()),
         None => Ok(()),
     }

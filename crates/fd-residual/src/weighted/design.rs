@@ -2,13 +2,13 @@
 
 use faer::{Mat, MatRef};
 use fd_core::{Heap, HeapMap, IoDims, Shape, ShapeError, stage::ResidualGenerator};
-use fd_model::{Discrete, StateSpace, freeze};
+use fd_model::{Discrete, StateSpace, TimeDomain, freeze};
 
 use super::run::{Filtered, Weighted};
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
-    matrix::{blocks, check_shape},
+    matrix::check_shape,
     simulation::check_stable,
 };
 
@@ -99,8 +99,8 @@ impl<G: GeneratorDesign> FilteredDesign<G> {
     ///
     /// # Errors
     ///
-    /// Returns an error when the filter has not one input per residual channel of `inner`, or is
-    /// unstable.
+    /// Returns an error when the filter has not one input per residual channel of `inner`, is
+    /// unstable, or has another sample time.
     ///
     /// # Examples
     ///
@@ -113,7 +113,7 @@ impl<G: GeneratorDesign> FilteredDesign<G> {
     /// let lag = StateSpace::new(mat![[0.5]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
     /// let smooth = StateSpace::new(mat![[0.8]], mat![[0.2]], mat![[1.0]], mat![[0.0]], domain)?;
     /// let design = FilteredDesign::new(SimulationDesign::new(&lag)?, &smooth)?;
-    /// assert!((design.form()?.hy_response(0.0)[(0, 0)].re - 1.0).abs() < 1e-14);
+    /// assert!((design.form()?.hy()?.dc_gain()?[(0, 0)] - 1.0).abs() < 1e-14);
     /// # Ok::<(), fd_residual::DesignError>(())
     /// ```
     pub fn new(inner: G, filter: &StateSpace<Discrete>) -> Result<Self, DesignError> {
@@ -122,6 +122,7 @@ impl<G: GeneratorDesign> FilteredDesign<G> {
             let found = Shape::new(filter.ny(), filter.nu());
             return Err(ShapeError { role: "filter W(z)", expected, found }.into());
         }
+        inner.form()?.system().domain().join(filter.domain())?;
         check_stable("a residual filter", filter)?;
         Ok(Self { inner, filter: filter.clone() })
     }
@@ -137,13 +138,8 @@ impl<G: GeneratorDesign> GeneratorDesign for FilteredDesign<G> {
     }
 
     fn form(&self) -> Result<ResidualForm, DesignError> {
-        let (form, w) = (self.inner.form()?, &self.filter);
-        let s = form.system();
-        let zero = Mat::zeros(s.nx(), w.nx());
-        let a = blocks(&[&[s.a(), zero.as_ref()], &[(w.b() * s.c()).as_ref(), w.a()]]);
-        let b = blocks(&[&[s.b()], &[(w.b() * s.d()).as_ref()]]);
-        let c = blocks(&[&[(w.d() * s.c()).as_ref(), w.c()]]);
-        let system = StateSpace::new(a, b, c, w.d() * s.d(), s.domain())?;
+        let form = self.inner.form()?;
+        let system = form.system().series(&self.filter)?;
         ResidualForm::new(form.io(), system)
     }
 
