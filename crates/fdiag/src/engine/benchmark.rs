@@ -8,7 +8,6 @@ use fd_jetengine::{
 use fd_model::{
     Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace, reduce,
     signal::{SignalSpec, WhiteNoise},
-    uncertainty::{MatrixPerturbation, Spread},
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -60,7 +59,6 @@ impl Benchmark {
             return Err(EngineStudyError::Version { expected, found });
         }
         for (setting, found) in [
-            ("plant.perturbation", config.plant.perturbation),
             ("plant.noise", config.plant.noise),
             ("faults.size", config.faults.size),
         ] {
@@ -113,12 +111,7 @@ impl Benchmark {
     /// Draws everything for one seed.
     pub(super) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let perturbation = MatrixPerturbation {
-            spread: Spread::Uniform,
-            fraction: self.config.plant.perturbation,
-            ..MatrixPerturbation::default()
-        };
-        let draw = perturbation.draw(&self.nominal.model, rng.next_u64())?;
+        let draw = self.config.plant.perturbation.draw(&self.nominal.model, rng.next_u64())?;
         let nonlinear = |fuel: f64, health: Health<f64>| -> Result<_, EngineStudyError> {
             let engine = Engine17::<f64>::new(&Parameters::default())?.with_health(health);
             let trim = engine.trim(fuel)?;

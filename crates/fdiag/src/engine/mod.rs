@@ -6,7 +6,6 @@ mod error;
 mod excitation;
 mod quantile;
 mod reality;
-mod smallest;
 mod study;
 mod trial;
 
