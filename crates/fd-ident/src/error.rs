@@ -49,6 +49,16 @@ pub enum IdentError {
         /// Value in this record.
         found: f64,
     },
+    /// A record does not have the channels of the model.
+    #[error("{what} of the record is {found}, the model has {expected}")]
+    ModelMismatch {
+        /// What differs: `"number of inputs"` or `"number of residuals"`.
+        what: &'static str,
+        /// Value in the model.
+        expected: usize,
+        /// Value in the record.
+        found: usize,
+    },
     /// There are fewer complete rows than parameters.
     #[error(
         "residual {channel}: {parameters} parameters need more than {found} complete rows \
@@ -100,4 +110,29 @@ pub enum IdentError {
         /// What was computed.
         what: &'static str,
     },
+}
+
+impl IdentError {
+    /// The same error, seen from a problem with several residual channels.
+    pub(crate) fn in_channel(self, channel: usize) -> Self {
+        match self {
+            Self::TooFewRows { parameters, found, skipped, .. } => {
+                Self::TooFewRows { channel, parameters, found, skipped }
+            }
+            Self::RankDeficient { rank, parameters, rows, condition, .. } => {
+                Self::RankDeficient { channel, rank, parameters, rows, condition }
+            }
+            other => other,
+        }
+    }
+
+    /// The same error, with the number of rows that a compressed problem stands for.
+    pub(crate) fn with_rows(self, rows: usize) -> Self {
+        match self {
+            Self::RankDeficient { channel, rank, parameters, condition, .. } => {
+                Self::RankDeficient { channel, rank, parameters, rows, condition }
+            }
+            other => other,
+        }
+    }
 }

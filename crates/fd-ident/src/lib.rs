@@ -3,7 +3,10 @@
 mod error;
 
 pub mod arx;
+pub mod diagnostics;
 pub mod least_squares;
+pub mod order;
+pub mod refine;
 pub mod rls;
 
 pub use crate::error::IdentError;

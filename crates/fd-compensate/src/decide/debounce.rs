@@ -102,7 +102,7 @@ impl Debounce {
     }
 
     /// Takes note of one sample and returns the first alarm of the present fault, if there is one.
-    pub(super) fn judge(&mut self, k: u64, phase: Phase, alarm: bool) -> Option<u64> {
+    pub(crate) fn judge(&mut self, k: u64, phase: Phase, alarm: bool) -> Option<u64> {
         if phase == Phase::Compensating {
             self.listen(k, alarm);
         } else {

@@ -16,4 +16,29 @@ pub enum RuleError {
         /// Value given.
         found: u64,
     },
+    /// A number is outside its range.
+    #[error("{parameter} must be {expected}, got {found}")]
+    Number {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Range it must lie in.
+        expected: &'static str,
+        /// Value given.
+        found: f64,
+    },
+    /// A signature cannot be told from no fault, or does not belong to this residual.
+    #[error(
+        "signature of hypothesis {hypothesis} `{name}`: expected {residual_len} finite gains, not all \
+         zero, got {found:?}"
+    )]
+    Signature {
+        /// Index of the hypothesis.
+        hypothesis: usize,
+        /// Its name.
+        name: String,
+        /// Residual channels.
+        residual_len: usize,
+        /// Gains given.
+        found: Vec<f64>,
+    },
 }

@@ -34,6 +34,12 @@ pub enum DetectorError {
         /// Samples looked at.
         samples: usize,
     },
+    /// A channel is, to rounding, a combination of the channels before it.
+    #[error("the covariance of the residual is singular at channel {channel}")]
+    SingularCovariance {
+        /// Index of the channel.
+        channel: usize,
+    },
 }
 
 /// Refuses what is not a positive number.
@@ -41,4 +47,24 @@ pub(crate) fn positive(parameter: &'static str, found: f64) -> Result<(), Detect
     let expected = "positive and finite";
     let fine = found > 0.0 && found.is_finite();
     if fine { Ok(()) } else { Err(DetectorError::Parameter { parameter, expected, found }) }
+}
+
+/// Refuses what is not a finite number.
+pub(crate) fn finite(parameter: &'static str, found: f64) -> Result<(), DetectorError> {
+    let expected = "finite";
+    let fine = found.is_finite();
+    if fine { Ok(()) } else { Err(DetectorError::Parameter { parameter, expected, found }) }
+}
+
+/// Refuses a list of another length than there are channels.
+pub(crate) fn length(
+    parameter: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), DetectorError> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(DetectorError::Length { parameter, expected, found })
+    }
 }

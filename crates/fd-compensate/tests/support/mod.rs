@@ -1,5 +1,10 @@
 //! A small bias model with its recursive least squares, just enough to drive a compensator.
-#![allow(clippy::unwrap_used, dead_code, reason = "shared by several test binaries")]
+#![allow(
+    clippy::unwrap_used,
+    dead_code,
+    unreachable_pub,
+    reason = "shared by several test binaries"
+)]
 
 use fd_compensate::residual_compensation::{CompensationPlan, ResidualCompensator};
 use fd_core::{
@@ -121,6 +126,8 @@ pub struct Rls<T, const N: usize> {
     phi: Vec<T>,
     gain: Vec<T>,
     regressor: Regressor<T, N>,
+    /// Samples in the regressor; nothing is learned before it is full.
+    filled: u64,
 }
 
 /// Prior variance of the parameters: next to no prior.
@@ -136,6 +143,7 @@ impl<T: Scalar, const N: usize> Rls<T, N> {
             phi: zeros.clone(),
             gain: zeros,
             regressor: Regressor::new(),
+            filled: 0,
         };
         Stage::<T>::reset(&mut rls);
         rls
@@ -149,11 +157,13 @@ impl<T: Scalar, const N: usize> Stage<T> for Rls<T, N> {
         self.p.fill(T::zero());
         (0..n).for_each(|i| self.p[i * n + i] = T::from_design(PRIOR));
         self.regressor = Regressor::new();
+        self.filled = 0;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         visitor.reals("rls theta", &mut self.theta);
         visitor.reals("rls p", &mut self.p);
+        visitor.counts("rls filled", std::slice::from_mut(&mut self.filled));
         self.regressor.visit(visitor);
     }
 }
@@ -169,6 +179,11 @@ impl<T: Scalar, const N: usize> Identifier<T> for Rls<T, N> {
 
     fn update(&mut self, u: &[T], mu: &[T]) {
         let n = self.theta.len();
+        if self.filled < N as u64 {
+            self.filled += 1;
+            self.regressor.push(u[0], mu[0]);
+            return;
+        }
         for i in 0..n {
             self.phi[i] = self.regressor.entry(i, u[0]);
         }

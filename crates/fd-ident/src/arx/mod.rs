@@ -18,19 +18,26 @@
 //! poles are slow against the sample time and the residual is noisy: least squares then finds
 //! poles that are too fast (see [`refine`](crate::refine)).
 
+mod estimate;
 mod fit;
 mod history;
 mod model;
 mod orders;
 mod recursive;
 mod regression;
+mod replay;
+mod response;
 mod simulator;
 mod stability;
 
 pub use self::{
+    estimate::{ArxDiagnosis, ArxEstimate},
     fit::ArxFit,
-    model::{ArxEstimate, ArxModel},
+    model::ArxModel,
     orders::ArxOrders,
     recursive::RecursiveArx,
+    replay::Start,
     simulator::ArxSimulator,
+    stability::{MovedPole, Projection},
 };
+pub(crate) use self::{fit::check_records, regression::Regression};

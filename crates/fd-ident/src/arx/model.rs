@@ -6,7 +6,6 @@ use fd_model::SampleTime;
 use crate::{
     arx::{ArxOrders, ArxSimulator},
     error::IdentError,
-    least_squares::LinearFit,
 };
 
 /// A difference equation (14) for each residual channel, with known parameters.
@@ -31,15 +30,6 @@ pub struct ArxModel {
     ny: usize,
     theta: Vec<f64>,
     ts: SampleTime,
-}
-
-/// A fitted model and, per residual channel, the least-squares problem that gave it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ArxEstimate {
-    /// The difference equations.
-    pub model: ArxModel,
-    /// Covariance, noise, rank and condition of each residual channel.
-    pub channels: Vec<LinearFit>,
 }
 
 impl ArxModel {

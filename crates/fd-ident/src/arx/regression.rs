@@ -55,8 +55,10 @@ impl Regression {
         }
     }
 
-    pub(crate) fn skipped(&self) -> usize {
-        self.skipped
+    /// Drops the rows and keeps only what errors need to be located.
+    pub(crate) fn forget_rows(&mut self) {
+        self.phi = Vec::new();
+        self.target = Vec::new();
     }
 
     pub(crate) fn target(&self) -> &[f64] {
@@ -74,14 +76,9 @@ impl Regression {
 
     /// Completes an error by what only this regression knows.
     pub(crate) fn locate(&self, error: IdentError) -> IdentError {
-        match error {
-            IdentError::TooFewRows { parameters, found, .. } => {
-                let (channel, skipped) = (self.channel, self.skipped);
-                IdentError::TooFewRows { channel, parameters, found, skipped }
-            }
-            IdentError::RankDeficient { rank, parameters, rows, condition, .. } => {
-                let channel = self.channel;
-                IdentError::RankDeficient { channel, rank, parameters, rows, condition }
+        match error.in_channel(self.channel) {
+            IdentError::TooFewRows { channel, parameters, found, .. } => {
+                IdentError::TooFewRows { channel, parameters, found, skipped: self.skipped }
             }
             other => other,
         }

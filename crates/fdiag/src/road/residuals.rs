@@ -1,7 +1,9 @@
 //! From a log to the primary residual, as a record that identification can learn from.
 
 use fd_core::{Frame, stage::ResidualGenerator};
-use fd_model::{Channel, ModelError, Record};
+use fd_model::{Channel, Record};
+
+use super::error::RoadError;
 
 /// Runs `generator` over `record` from rest and returns its residual with the inputs.
 ///

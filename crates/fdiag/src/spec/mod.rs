@@ -30,6 +30,9 @@ pub struct PipelineSpec {
     pub detector: DetectorSpec,
     /// Test statistics to alarms.
     pub rule: Debouncing,
+    /// Time in s at the start of each log that is not learned from, while the generator forgets
+    /// where it started; none takes five time constants of its slowest pole.
+    pub settle_s: Option<f64>,
     /// Most missing samples in a row that are replaced by the last good one; 0 refuses them.
     pub hold_missing: u64,
 }
@@ -43,6 +46,7 @@ impl Default for PipelineSpec {
             compensation: CompensationPlan::default(),
             detector: DetectorSpec::default(),
             rule: Debouncing::consecutive(3),
+            settle_s: None,
             hold_missing: 0,
         }
     }
@@ -85,13 +89,19 @@ pub enum OrderSpec {
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LearningSpec {
     /// Least squares over all healthy logs together.
-    Batch {},
+    Batch {
+        /// Corner in rad/s of a second-order Butterworth low-pass that input and residual both go
+        /// through before the fit; it leaves their transfer function as it is and keeps noise out.
+        /// None fits the raw signals, as the paper does.
+        #[serde(default)]
+        prefilter_rad_s: Option<f64>,
+    },
     /// Recursive least squares in the running pipeline, until it converges (eq. 18).
     Recursive(RlsDesign),
 }
 
 impl Default for LearningSpec {
     fn default() -> Self {
-        Self::Batch {}
+        Self::Batch { prefilter_rad_s: None }
     }
 }
