@@ -86,6 +86,9 @@ pub enum EngineError {
         /// Unit.
         unit: &'static str,
     },
+    /// The values about which a linear model holds are needed, but not published.
+    #[error("the operating point of this linear engine is not known")]
+    NoOperatingPoint,
     /// A linear model cannot be built.
     #[error(transparent)]
     Model(#[from] ModelError),

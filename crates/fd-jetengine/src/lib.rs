@@ -2,5 +2,9 @@
 
 pub mod engine17;
 mod error;
+mod model;
 
-pub use crate::error::{Compressor, EngineError};
+pub use crate::{
+    error::{Compressor, EngineError},
+    model::{EngineModel, OperatingPoint, Scaling},
+};

@@ -21,24 +21,35 @@
 mod combustor;
 mod compressor;
 mod design;
+mod discretise;
+mod dynamics;
 mod environment;
+mod extended;
 mod gas;
 mod health;
 mod hpc;
+mod linearise;
 mod lpc;
 mod nozzle;
 mod params;
 mod plenum;
 mod rhs;
 mod state;
+mod transient;
+mod trim;
 mod turbine;
 
 pub use self::{
     design::Design,
+    discretise::{MAX_STEP, PerUnit, Sampled},
+    dynamics::{Dynamics, SurgeLimits},
     environment::{Ambient, Environment},
+    extended::{ExtendedEngine, NX_EXTENDED, Unmodelled},
     gas::{GAS_CONSTANT, Gas},
     health::{Health, HealthParameter},
     params::{Ducts, HpcMap, LpcMap, Parameters, Reference, TurbineMap, Volumes},
     rhs::{Auxiliary, Engine17},
     state::{MEASURED, NX, NY, State, input_channels, output_channels, state_channels},
+    transient::{FuelLimiter, Trajectory, Transient},
+    trim::Trim,
 };

@@ -113,7 +113,7 @@ pub struct Reference {
     /// Pressure between the turbines, kPa. Default 443.831.
     pub p_5: f64,
     /// Pressure at the low-pressure turbine exit, kPa. Default 234.5 (published: 239.1, which
-    /// would need a low-pressure turbine efficiency above 1).
+    /// with the published fuel flow would need a low-pressure turbine efficiency of 0.97).
     pub p_6: f64,
     /// Pressure of the bypass duct, kPa. Default 234.362.
     pub p_29: f64,

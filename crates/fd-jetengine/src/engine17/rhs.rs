@@ -239,8 +239,18 @@ impl<T: Scalar> Engine17<T> {
     }
 
     /// Rates of the states, and what else is known at that instant.
-    #[allow(clippy::similar_names, reason = "the stations of the engine are numbered")]
     pub fn rates(&self, x: &[T; NX], fuel: T) -> ([T; NX], Auxiliary<T>) {
+        self.rates_with_heat(x, fuel, [T::zero(); 2])
+    }
+
+    /// As [`Engine17::rates`], with heat in W from the metal into the gas at the inlets of the
+    /// high- and low-pressure turbines.
+    pub fn rates_with_heat(
+        &self,
+        x: &[T; NX],
+        fuel: T,
+        [heat_4, heat_5]: [T; 2],
+    ) -> ([T; NX], Auxiliary<T>) {
         let s = State::from_array(x);
         let (health, air, zero) = (&self.health, &self.air, T::zero());
 
@@ -280,14 +290,14 @@ impl<T: Scalar> Engine17<T> {
         // Storage.
         let (v, d) = (&self.plenums, &self.ducts);
         let burn = (fuel, self.combustor.fuel_heat(health));
-        let v_3 = v.combustor.rates(&gas_4, s.p_3, s.t_4, [(w_a, hpc.h_3), burn], hpt.w, zero);
+        let v_3 = v.combustor.rates(&gas_4, s.p_3, s.t_4, [(w_a, hpc.h_3), burn], hpt.w, heat_4);
         let v_5 = v.inter_turbine.rates(
             &gas_5,
             s.p_5,
             s.t_5,
             [(hpt.w, hpt.h), (w_cool, hpc.h_3)],
             lpt.w,
-            zero,
+            heat_5,
         );
         let v_6 = v.turbine_exit.rates(&gas_5, s.p_6, s.t_6, [(lpt.w, lpt.h)], s.w_6, zero);
         let v_29 = v.bypass.rates(air, s.p_29, s.t_29, [(s.w_b, lpc.h_b)], s.w_29, zero);
