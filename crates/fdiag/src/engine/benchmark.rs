@@ -122,7 +122,8 @@ impl Benchmark {
         let (training, fresh, model) = match self.config.plant.engine {
             EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter } => {
                 let mut health = Health::default();
-                for parameter in HealthParameter::MODULES {
+                // Efficiency and flow capacity of the two compressors and the two turbines.
+                for parameter in HealthParameter::ALL.into_iter().take(8) {
                     let delta = health_scatter * rng.random_range(-1.0..1.0);
                     health = health.shifted(parameter, delta);
                 }
@@ -217,15 +218,10 @@ fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), Engi
             Ok((per_unit, with_readings(&physical, scale)))
         }
         EngineChoice::F100 {} => {
-            let physical = fd_jetengine::f100()?;
-            let (scaled, scaling) = physical.equilibrated()?;
-            let readings = with_readings(&physical, scaling.y);
-            Ok((scaled, readings))
+            Err(EngineStudyError::None { setting: "f100" })
         }
         EngineChoice::ChenPattonZhang {} => {
-            let per_unit = fd_jetengine::chen_patton_zhang()?;
-            let readings = per_unit.outputs.iter().map(|c| (c.clone(), 1.0)).collect();
-            Ok((per_unit, readings))
+            Err(EngineStudyError::None { setting: "chen" })
         }
     }
 }

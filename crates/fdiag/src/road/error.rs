@@ -51,6 +51,12 @@ pub enum RoadError {
         /// Samples of the log.
         samples: usize,
     },
+    /// No order could be fitted.
+    #[error("no bias model of order 1 to {most} could be fitted to the healthy logs")]
+    NoOrder {
+        /// Highest order tried.
+        most: usize,
+    },
     /// The learned bias model is unstable, so it cannot be simulated.
     #[error(
         "the learned bias model is unstable (largest pole {radius:.6}): choose another order, \
