@@ -31,6 +31,14 @@ mod zeros;
 
 pub use crate::norms::PeakGain;
 
+// Signals, faults, records and files.
+mod clock;
+pub mod fault;
+mod inputs;
+pub mod signal;
+mod simulate;
+pub mod unit;
+
 pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
@@ -39,4 +47,9 @@ pub use crate::{
     lti::Lti,
     record::Record,
     state_space::StateSpace,
+};
+pub use crate::{
+    inputs::Inputs,
+    record::{ChannelScale, MissingCounts, RecordError, Scaling},
+    simulate::{Simulation, SimulationError},
 };
