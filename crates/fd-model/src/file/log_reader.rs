@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufRead, BufReader, Cursor, Read},
+    io::{self, BufReader, Cursor, Read},
     path::Path,
 };
 
@@ -10,16 +10,15 @@ use csv::ByteRecord;
 
 use crate::{
     channel::Channel,
-    domain::SampleTime,
     file::{
+        log_columns::{Column, Time, resolve, time_source},
         log_error::LogError,
-        log_header::{HeaderColumn, detect_delimiter, find, texts},
-        log_map::{ColumnMap, LogMap},
-        model_error::FileAction,
+        log_head::{Head, LineCounter, cannot_read, utf8},
+        log_header::{HeaderColumn, detect_delimiter},
+        log_map::LogMap,
     },
     record::Record,
     resample::{TimeBaseError, TimeBaseReport, TimeSeries},
-    unit::Conversion,
 };
 
 /// A log on an even time base, and what its own time base was like.
@@ -55,24 +54,11 @@ pub struct LogReader<R> {
     decimal_comma: bool,
     time: Time,
     columns: Vec<Column>,
+    rows_read: u64,
     inputs: Vec<Channel>,
     outputs: Vec<Channel>,
     values: Vec<f64>,
     sample_time: Option<f64>,
-}
-
-/// A column that is read.
-#[derive(Clone, Debug)]
-struct Column {
-    index: usize,
-    text: String,
-    conversion: Conversion,
-}
-
-#[derive(Clone, Debug)]
-enum Time {
-    Column(Column),
-    Rows { ts: f64, next: u64 },
 }
 
 /// Reads a log and puts it on an even time base.
@@ -182,6 +168,7 @@ impl<R: Read> LogReader<R> {
             time,
             values: vec![f64::NAN; columns.len()],
             columns,
+            rows_read: 0,
             inputs,
             outputs,
             sample_time: head.sample_time,
@@ -217,21 +204,17 @@ impl<R: Read> LogReader<R> {
             let (expected, found) = (self.width, self.cells.len());
             return Err(LogError::Cells { file: self.file.clone(), row, expected, found });
         }
-        let time = match &mut self.time {
-            Time::Rows { ts, next } => {
-                let time = *next as f64 * *ts;
-                *next += 1;
-                time
-            }
+        let time = match &self.time {
+            Time::Rows(ts) => self.rows_read as f64 * ts.seconds(),
             Time::Column(column) => {
-                let column = column.clone();
-                let (time, text) = self.number(row, &column)?;
+                let (time, text) = self.number(row, column)?;
                 if time.is_nan() {
-                    return Err(self.not_a_number(row, &column, text));
+                    return Err(self.not_a_number(row, column, text));
                 }
                 time
             }
         };
+        self.rows_read += 1;
         for i in 0..self.columns.len() {
             self.values[i] = self.number(row, &self.columns[i])?.0;
         }
@@ -303,145 +286,6 @@ fn is_missing(text: &str) -> bool {
     text.is_empty() || ["nan", "na", "n/a", "null"].iter().any(|m| text.eq_ignore_ascii_case(m))
 }
 
-fn time_source(file: &str, header: &[HeaderColumn], map: &LogMap) -> Result<Time, LogError> {
-    let index = match (&map.time.column, map.time.sample_time) {
-        (Some(column), _) => find(file, header, column)?,
-        (None, Some(ts)) => {
-            let ts = SampleTime::new(ts).map_err(|source| LogError::TimeBase {
-                file: file.to_owned(),
-                source: source.into(),
-            })?;
-            return Ok(Time::Rows { ts: ts.seconds(), next: 0 });
-        }
-        (None, None) => header
-            .iter()
-            .position(|c| ["time", "t", "time_s"].iter().any(|t| c.name.eq_ignore_ascii_case(t)))
-            .ok_or_else(|| LogError::NoTime { file: file.to_owned(), known: texts(header) })?,
-    };
-    let seconds = ColumnMap {
-        name: header[index].text.clone(),
-        unit: Some("s".to_owned()),
-        column: Some(header[index].text.clone()),
-        column_unit: map.time.unit.clone(),
-    };
-    Ok(Time::Column(resolve(file, header, &seconds)?.0))
-}
-
-/// Finds a column and settles its unit.
-fn resolve(
-    file: &str,
-    header: &[HeaderColumn],
-    map: &ColumnMap,
-) -> Result<(Column, Channel), LogError> {
-    let index = find(file, header, map.column.as_ref().unwrap_or(&map.name))?;
-    let HeaderColumn { text, unit: header_unit, .. } = &header[index];
-    let column_unit = match (header_unit, &map.column_unit) {
-        (Some(header), Some(map))
-            if Conversion::between(header, map) != Ok(Conversion::IDENTITY) =>
-        {
-            let (file, column) = (file.to_owned(), text.clone());
-            let (header, map) = (header.clone(), map.clone());
-            return Err(LogError::UnitConflict { file, column, header, map });
-        }
-        (Some(unit), _) | (None, Some(unit)) => Some(unit),
-        (None, None) => map.unit.as_ref(),
-    };
-    let column_unit = column_unit.map_or("1", String::as_str);
-    let unit = map.unit.as_deref().unwrap_or(column_unit);
-    let conversion = Conversion::between(column_unit, unit).map_err(|source| LogError::Unit {
-        file: file.to_owned(),
-        column: text.clone(),
-        source,
-    })?;
-    Ok((Column { index, text: text.clone(), conversion }, Channel::new(map.name.clone(), unit)))
-}
-
-/// The lines of a file up to and including the header.
-struct Head {
-    header: Vec<u8>,
-    lines_before: u64,
-    /// Whether the file begins with the version line of the format.
-    written_here: bool,
-    sample_time: Option<f64>,
-}
-
-impl Head {
-    fn read<R: Read>(file: &str, from: R) -> Result<(Self, BufReader<R>), LogError> {
-        const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
-        let mut from = BufReader::new(from);
-        let mut head =
-            Self { header: Vec::new(), lines_before: 0, written_here: false, sample_time: None };
-        loop {
-            let mut line = Vec::new();
-            from.read_until(b'\n', &mut line).map_err(|error| cannot_read(file, error.kind()))?;
-            if head.lines_before == 0 {
-                if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
-                    let found = "a UTF-16 byte order mark".to_owned();
-                    return Err(LogError::NotUtf8 { file: file.to_owned(), row: 1, found });
-                }
-                line = line.strip_prefix(UTF8_MARK).map_or(line.clone(), <[u8]>::to_vec);
-            }
-            if line.is_empty() {
-                return Err(LogError::Empty { file: file.to_owned() });
-            }
-            if line.starts_with(b"#") {
-                head.comment(file, &line)?;
-            } else if !line.trim_ascii().is_empty() {
-                head.header = line;
-                return Ok((head, from));
-            }
-            head.lines_before += 1;
-        }
-    }
-
-    /// Reads `# fdiag-log version=1 sample_time=0.1`; any other comment is skipped.
-    fn comment(&mut self, file: &str, line: &[u8]) -> Result<(), LogError> {
-        let text = String::from_utf8_lossy(line);
-        let mut words = text.trim_start_matches('#').split_whitespace();
-        if self.lines_before > 0 || words.next() != Some("fdiag-log") {
-            return Ok(());
-        }
-        self.written_here = true;
-        for (key, value) in words.filter_map(|word| word.split_once('=')) {
-            match key {
-                "version" if value != "1" => {
-                    let (file, found) = (file.to_owned(), value.to_owned());
-                    return Err(LogError::Version { file, found });
-                }
-                "sample_time" => self.sample_time = value.parse().ok(),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-}
-
-/// From the line counts of the CSV reader to lines of the file.
-#[derive(Clone, Copy, Debug)]
-struct LineCounter {
-    before_header: u64,
-    crlf: bool,
-}
-
-impl LineCounter {
-    /// Line of the record between whose start and end the reader counted `before` and `after`.
-    ///
-    /// The reader skips blank lines at the start of a record, and takes the second byte of a
-    /// CR LF for one of those.
-    fn row(self, before: u64, after: u64) -> u64 {
-        let line = if self.crlf { after.max(before + 1) } else { before.max(after - 1) };
-        self.before_header + line
-    }
-}
-
-fn utf8<'a>(file: &str, row: u64, cell: &'a [u8]) -> Result<&'a str, LogError> {
-    std::str::from_utf8(cell).map_err(|_| LogError::NotUtf8 {
-        file: file.to_owned(),
-        row,
-        found: format!("`{}`", cell.escape_ascii()),
-    })
-}
-
 fn csv_error(file: &str, error: &csv::Error) -> LogError {
     let kind = match error.kind() {
         csv::ErrorKind::Io(error) => error.kind(),
@@ -449,8 +293,4 @@ fn csv_error(file: &str, error: &csv::Error) -> LogError {
         _ => io::ErrorKind::InvalidData,
     };
     cannot_read(file, kind)
-}
-
-fn cannot_read(file: &str, kind: io::ErrorKind) -> LogError {
-    LogError::Io { file: file.to_owned(), action: FileAction::Read, kind }
 }

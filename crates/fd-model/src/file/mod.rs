@@ -7,7 +7,9 @@
 //! | huge log, row by row | [`LogReader`] | |
 
 mod atomic;
+mod log_columns;
 mod log_error;
+mod log_head;
 mod log_header;
 mod log_map;
 mod log_reader;
