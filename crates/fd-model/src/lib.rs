@@ -16,6 +16,21 @@ mod lti;
 mod record;
 mod state_space;
 
+// Numerics of linear models.
+mod connect;
+mod frequency;
+mod gramian;
+mod hankel;
+mod linalg;
+pub mod lyapunov;
+mod norms;
+pub mod reduce;
+pub mod riccati;
+pub mod uncertainty;
+mod zeros;
+
+pub use crate::norms::PeakGain;
+
 // Signals, faults, records and files.
 mod clock;
 pub mod fault;
