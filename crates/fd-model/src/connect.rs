@@ -1,12 +1,12 @@
 //! Models out of models: series, parallel, feedback, side by side.
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatRef, Scale};
 use fd_core::{Shape, ShapeError};
 
 use crate::{
     domain::TimeDomain,
     error::ModelError,
-    linalg::{identity_minus, solve},
+    linalg::{beside, diagonal, identity_minus, lower, solve, stack},
     state_space::StateSpace,
 };
 
@@ -153,7 +153,7 @@ impl<D: TimeDomain> StateSpace<D> {
     fn sum(&self, other: &Self, sign: f64) -> Result<Self, ModelError> {
         let domain = self.domain().join(other.domain())?;
         expect_gain("gain of the other model", other, self.ny(), self.nu())?;
-        let signed = |m: MatRef<'_, f64>| faer::Scale(sign) * m;
+        let signed = |m: MatRef<'_, f64>| Scale(sign) * m;
         Self::new(
             diagonal(self.a(), other.a()),
             stack(self.b(), other.b()),
@@ -172,44 +172,4 @@ fn expect_gain<D: TimeDomain>(
 ) -> Result<(), ModelError> {
     let (expected, found) = (Shape::new(ny, nu), Shape::new(model.ny(), model.nu()));
     if expected == found { Ok(()) } else { Err(ShapeError { role, expected, found }.into()) }
-}
-
-/// `[P 0; 0 S]`.
-fn diagonal(p: MatRef<'_, f64>, s: MatRef<'_, f64>) -> Mat<f64> {
-    lower(p, Mat::zeros(s.nrows(), p.ncols()).as_ref(), s)
-}
-
-/// `[P 0; R S]`.
-fn lower(p: MatRef<'_, f64>, r: MatRef<'_, f64>, s: MatRef<'_, f64>) -> Mat<f64> {
-    let (rows, cols) = (p.nrows(), p.ncols());
-    Mat::from_fn(rows + s.nrows(), cols + s.ncols(), |i, j| match (i < rows, j < cols) {
-        (true, true) => p[(i, j)],
-        (true, false) => 0.0,
-        (false, true) => r[(i - rows, j)],
-        (false, false) => s[(i - rows, j - cols)],
-    })
-}
-
-/// `[P; S]`.
-fn stack(p: MatRef<'_, f64>, s: MatRef<'_, f64>) -> Mat<f64> {
-    let rows = p.nrows();
-    Mat::from_fn(
-        rows + s.nrows(),
-        p.ncols(),
-        |i, j| {
-            if i < rows { p[(i, j)] } else { s[(i - rows, j)] }
-        },
-    )
-}
-
-/// `[P S]`.
-fn beside(p: MatRef<'_, f64>, s: MatRef<'_, f64>) -> Mat<f64> {
-    let cols = p.ncols();
-    Mat::from_fn(
-        p.nrows(),
-        cols + s.ncols(),
-        |i, j| {
-            if j < cols { p[(i, j)] } else { s[(i, j - cols)] }
-        },
-    )
 }

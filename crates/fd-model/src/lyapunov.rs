@@ -1,13 +1,80 @@
-//! Lyapunov equations of stable systems.
+//! Lyapunov and Sylvester equations.
 
 use faer::{Mat, MatRef};
-use fd_core::{Shape, ShapeError};
+use fd_core::Shape;
 
 use crate::{
     domain::unit_disk_margin,
     error::ModelError,
-    linalg::{balance, eigenvalues, require_decay, symmetric},
+    linalg::{self, RealSchur, balance, eigenvalues, require_decay, symmetric},
+    state_space::check_matrix,
 };
+
+/// Solves `A X + X Aᵀ + Q = 0` for a symmetric `Q` and an `A` with all eigenvalues in the left
+/// half-plane.
+///
+/// The solution is the covariance of `ẋ = A x + w` under white noise of intensity `Q`. Bartels
+/// and Stewart's method in balanced coordinates: the residual is near `n ε ‖A‖ ‖X‖`.
+///
+/// # Errors
+///
+/// Returns an error when the sizes do not fit, or `A` is not stable (with its worst eigenvalue).
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::lyapunov;
+///
+/// // p = q / 2a
+/// let p = lyapunov::continuous(mat![[-2.0]].as_ref(), mat![[3.0]].as_ref())?;
+/// assert!((p[(0, 0)] - 0.75).abs() < 1e-15);
+/// # Ok::<(), fd_model::ModelError>(())
+/// ```
+pub fn continuous(a: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Result<Mat<f64>, ModelError> {
+    let n = a.nrows();
+    check_shapes([("state matrix A", a, n, n), ("weight Q", q, n, n)])?;
+    require_decay("the continuous Lyapunov equation", &eigenvalues(a)?, |pole| -pole.re)?;
+
+    let scaling = balance(a, q, Mat::zeros(0, n).as_ref());
+    let schur = RealSchur::new(scaling.a(a).as_ref())?;
+    // Units act on both sides of a covariance.
+    let q = scaling.b(scaling.b(symmetric(q).as_ref()).transpose());
+    let x = linalg::sylvester(&schur, &schur.transposed(), (-q).as_ref())?;
+    Ok(scaling.undo_b(scaling.undo_b(symmetric(x.as_ref()).as_ref()).transpose()))
+}
+
+/// Solves the Sylvester equation `A X + X B = C` for square `A` and `B` of any stability.
+///
+/// # Errors
+///
+/// Returns an error when the sizes do not fit, or an eigenvalue of `A` is the negative of one of
+/// `B`, so that there is no unique solution.
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::lyapunov;
+///
+/// let (a, b, c) = (mat![[3.0]], mat![[-1.0]], mat![[4.0]]);
+/// let x = lyapunov::sylvester(a.as_ref(), b.as_ref(), c.as_ref())?;
+/// assert!((x[(0, 0)] - 2.0).abs() < 1e-15);
+/// # Ok::<(), fd_model::ModelError>(())
+/// ```
+pub fn sylvester(
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    c: MatRef<'_, f64>,
+) -> Result<Mat<f64>, ModelError> {
+    let (n, m) = (a.nrows(), b.nrows());
+    check_shapes([
+        ("left matrix A", a, n, n),
+        ("right matrix B", b, m, m),
+        ("right-hand side C", c, n, m),
+    ])?;
+    linalg::sylvester(&RealSchur::new(a)?, &RealSchur::new(b)?, c)
+}
 
 /// Solves `A X Aᵀ − X + Q = 0` for a symmetric `Q` and an `A` with all eigenvalues inside the
 /// unit circle.
@@ -32,8 +99,8 @@ use crate::{
 /// # Ok::<(), fd_model::ModelError>(())
 /// ```
 pub fn discrete(a: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Result<Mat<f64>, ModelError> {
-    check_shapes(a, q)?;
     let n = a.nrows();
+    check_shapes([("state matrix A", a, n, n), ("weight Q", q, n, n)])?;
     if n == 0 {
         return Ok(Mat::zeros(0, 0));
     }
@@ -77,13 +144,12 @@ fn smith(a: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, ModelError> {
     Err(ModelError::NoConvergence { what: "the discrete Lyapunov equation", order: a.nrows() })
 }
 
-fn check_shapes(a: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Result<(), ModelError> {
-    let n = a.nrows();
-    for (role, matrix) in [("state matrix A", a), ("weight Q", q)] {
-        let (expected, found) = (Shape::new(n, n), Shape::new(matrix.nrows(), matrix.ncols()));
-        if expected != found {
-            return Err(ShapeError { role, expected, found }.into());
-        }
+/// Checks the finite entries and the rows and columns of each matrix.
+fn check_shapes<const N: usize>(
+    roles: [(&'static str, MatRef<'_, f64>, usize, usize); N],
+) -> Result<(), ModelError> {
+    for (role, matrix, rows, cols) in roles {
+        check_matrix(role, matrix, Shape::new(rows, cols))?;
     }
     Ok(())
 }

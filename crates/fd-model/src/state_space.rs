@@ -65,11 +65,7 @@ impl<D: TimeDomain> StateSpace<D> {
             ("feedthrough D", d.as_ref(), Shape::new(ny, nu)),
         ];
         for (role, matrix, expected) in roles {
-            let found = Shape::new(matrix.nrows(), matrix.ncols());
-            if found != expected {
-                return Err(ShapeError { role, expected, found }.into());
-            }
-            check_finite(role, matrix)?;
+            check_matrix(role, matrix, expected)?;
         }
         Ok(Self { a, b, c, d, domain })
     }
@@ -156,7 +152,16 @@ impl<D: TimeDomain> StateSpace<D> {
     }
 }
 
-fn check_finite(role: &'static str, matrix: MatRef<'_, f64>) -> Result<(), ModelError> {
+/// Checks the size of a matrix, and that each entry is a number.
+pub(crate) fn check_matrix(
+    role: &'static str,
+    matrix: MatRef<'_, f64>,
+    expected: Shape,
+) -> Result<(), ModelError> {
+    let found = Shape::new(matrix.nrows(), matrix.ncols());
+    if found != expected {
+        return Err(ShapeError { role, expected, found }.into());
+    }
     for col in 0..matrix.ncols() {
         for row in 0..matrix.nrows() {
             let value = matrix[(row, col)];

@@ -2,7 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod engines;
+mod lyapunov;
 mod models;
+mod norms;
+mod oracle;
 mod reduction;
 mod riccati;
 mod sampling;
+mod uncertainty;
