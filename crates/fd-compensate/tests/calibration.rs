@@ -1,4 +1,5 @@
 //! Thresholds from fault-free data keep the false-alarm rate they were asked for.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use fd_compensate::{
     SampleRows,
@@ -79,6 +80,7 @@ fn a_rate_per_sample_is_kept_on_fresh_data() {
     for (pole, worth) in [(0.0, 1.0), (0.8, 9.0)] {
         let rates = rates_on_fresh_data(&mut magnitude(), pole, wanted, Debouncing::default());
         let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+        println!("AR({pole}): mean {mean} of {rates:?} for {wanted}");
         // Binomial error of one record, with n / τ independent samples as an upper bound of the
         // clustering; the fresh data, five times as long, add a fifth of the variance.
         let error = (wanted * worth / 20_000.0 * 1.2).sqrt();
@@ -94,6 +96,7 @@ fn a_rate_per_sample_is_kept_with_memory_and_debouncing() {
     let rates = rates_on_fresh_data(&mut sum(), 0.0, wanted, debouncing);
     // The sum remembers some ten samples: fifteen times the binomial variance.
     let error = (wanted * 15.0 / 20_000.0 * 1.2).sqrt();
+    println!("cusum: {rates:?} for {wanted}");
     assert!(rates.iter().all(|r| (r - wanted).abs() < 4.0 * error), "{rates:?}");
 }
 
@@ -115,10 +118,10 @@ fn a_probability_per_run_is_kept_on_fresh_runs() {
             .filter(|run| run.iter().any(|r| r.abs() > found.threshold))
             .count();
         let rate = alarmed as f64 / f64::from(runs);
-        // The record holds about 10.5 independent exceedances of this level, so the rate of the
-        // threshold scatters by a third of itself; the fresh runs by 7 %. Three of these.
-        assert!((rate - probability).abs() < 0.1 * probability * 10.0, "{pole}: {rate}, {found:?}");
-        assert!(rate > 0.02 && rate < 0.25, "{pole}: {rate}");
+        // The record holds about 10.5 independent exceedances of this level, so that the rate of the
+        // threshold scatters by a third of itself, the fresh runs by 7 %: four of these at most.
+        println!("AR({pole}): {rate} of the runs for {probability}, {found:?}");
+        assert!((rate / probability).ln().abs() < 4.0 * 0.32, "{pole}: {rate}, {found:?}");
     }
 }
 
@@ -137,6 +140,7 @@ fn the_interval_covers_the_true_quantile() {
                 found.low <= exact && exact <= found.high
             })
             .count();
+        println!("AR({pole}): {covered} of 20 covered");
         // Confidence 0.9 of 20: 18 on average; fewer than 13 happens once in 400 if it is 0.9.
         assert!(covered >= 13, "{pole}: {covered}");
     }

@@ -1,4 +1,5 @@
 //! Debounced alarms, estimated sizes, and what the offline evaluation says of them.
+#![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use fd_compensate::{
     SampleRows,

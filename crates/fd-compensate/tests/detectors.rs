@@ -1,4 +1,5 @@
 //! Detectors: published run lengths and quantiles, invariances, memory.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use fd_compensate::{
     SampleRows,
