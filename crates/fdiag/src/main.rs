@@ -1,2 +1,2 @@
-//! The `fdiag` command line.
+//! The `fdiag` command line: arguments in, tables, reports and an exit code out.
 fn main() {}

@@ -1,0 +1,60 @@
+//! What a recursive estimator asks of its covariance matrix, however that is factorised.
+
+use std::fmt::Debug;
+
+use fd_core::{Buffer, Scalar, ShapeError, StateVisitor};
+
+/// A symmetric positive definite matrix `P` that is changed by rank one at a time.
+///
+/// Every kind of forgetting in this crate is made of these few operations, so it is written once
+/// and runs on every factorisation. None of them allocates.
+pub trait Covariance<T: Scalar>: Clone + Debug + Send + Sync {
+    /// A vector over the parameters.
+    type Parameters: Buffer<T>;
+
+    /// `variance · I` of size `n`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the storage is fixed and has another size.
+    fn isotropic(n: usize, variance: T) -> Result<Self, ShapeError>;
+
+    /// Starts again from `variance · I`.
+    fn restart(&mut self, variance: T);
+
+    /// Returns `φᵀPφ` and remembers `φ` as the direction of the next [`Self::absorb`] or
+    /// [`Self::release`].
+    fn energy(&mut self, phi: &[T]) -> T;
+
+    /// Takes in information along the remembered direction: `P⁻¹ ← P⁻¹ + w φφᵀ` with `w > 0`.
+    /// Writes `Pφ` of the old `P` to `p_phi`.
+    fn absorb(&mut self, weight: T, p_phi: &mut [T]);
+
+    /// Gives up information along the remembered direction: `P⁻¹ ← P⁻¹ − w φφᵀ` with `w > 0` and
+    /// `1 − w φᵀPφ = remainder > 0`. Writes `Pφ` of the old `P` to `p_phi`.
+    fn release(&mut self, weight: T, remainder: T, p_phi: &mut [T]);
+
+    /// Computes `P ← factor · P` with `factor > 0`.
+    fn scale(&mut self, factor: T);
+
+    /// Sum of the diagonal.
+    fn trace(&self) -> T;
+
+    /// Writes the diagonal.
+    fn diagonal_into(&self, diagonal: &mut [T]);
+
+    /// Shows the numbers that make up `P` to `visitor`.
+    fn visit(&mut self, visitor: &mut dyn StateVisitor<T>);
+}
+
+/// Scalar product of two slices, summed in order.
+pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
+}
+
+/// Computes `y ← y + factor · x`.
+pub(crate) fn add_scaled<T: Scalar>(y: &mut [T], factor: T, x: &[T]) {
+    for (y, &x) in y.iter_mut().zip(x) {
+        *y += factor * x;
+    }
+}

@@ -1,0 +1,198 @@
+//! How a recursive estimator forgets, and what keeps it from winding up, as plain data.
+
+use fd_core::Scalar;
+use serde::{Deserialize, Serialize};
+
+use crate::error::IdentError;
+
+/// How old samples lose their weight.
+///
+/// With information `R = P⁻¹` and regressor `φ`, per sample:
+///
+/// | kind | update | when not to use |
+/// |---|---|---|
+/// | `None` | `R⁺ = R + φφᵀ` | when the plant changes: the gain goes to zero |
+/// | `Equation18` | `R⁺ = R + φφᵀ/α` | it does not forget, see below |
+/// | `Exponential` | `R⁺ = λR + φφᵀ` | when excitation may stop: `P` grows as `λ⁻ᵏ` up to the guard |
+/// | `Directional` | `R⁺ = R + (λ − (1−λ)/φᵀPφ) φφᵀ` | when parameters drift in directions seldom excited |
+/// | `Bounded` | `R⁺ = λR + φφᵀ + (1−λ)/c I` | when a bias-free covariance is needed: `P` is too small by the regularisation |
+/// | `Resetting` | as `Exponential`, `P ← P₀` when `tr P` falls below a floor | when jumps of the gain, hence of the estimate, are not acceptable |
+///
+/// `Equation18` is eq. (18) of Patton & Chen (1992) as printed: `P(k)⁻¹ = P(k−1)⁻¹ +
+/// φφᵀ/α(k)`, `K = Pφ/α(k)`. With a constant `α` it is ordinary least squares that starts from
+/// `P₀/α`: the paper calls `α` a forgetting factor, but nothing is forgotten.
+///
+/// `Directional` is Kulhavý (1987) in the form of Bittanti, Bolzern & Campi (1990): only what
+/// the present regressor tells about anew is forgotten. `Bounded` adds the regularisation one
+/// axis per sample in turn, so that a sample still costs O(n²), and leaves the estimate alone
+/// (Levenberg-Marquardt regularisation, Ljung & Söderström 1983; Gay 1996); it keeps
+/// `P ≤ λ^{1−n} c I` for any input, and forgets in excited directions as `Exponential` does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Forgetting<T = f64> {
+    /// Every sample counts the same.
+    #[default]
+    None,
+    /// The paper's eq. (18) with a constant `α > 0`.
+    Equation18 {
+        /// Variance that the paper divides by.
+        alpha: T,
+    },
+    /// A sample of age `k` counts `λᵏ`.
+    Exponential {
+        /// Forgetting factor `0 < λ ≤ 1`.
+        lambda: T,
+    },
+    /// Exponential, but only in the direction of the present regressor.
+    Directional {
+        /// Forgetting factor `0 < λ ≤ 1`.
+        lambda: T,
+    },
+    /// Exponential with a covariance that cannot pass a bound.
+    Bounded {
+        /// Forgetting factor `0 < λ ≤ 1`.
+        lambda: T,
+        /// Largest variance `c > 0` of a parameter, relative to a noise of variance 1.
+        variance: T,
+    },
+    /// Exponential, with the covariance reset when it has become small.
+    Resetting {
+        /// Forgetting factor `0 < λ ≤ 1`.
+        lambda: T,
+        /// Trace of `P`, as a part of its initial value, below which it is reset.
+        floor: T,
+    },
+}
+
+/// Safeguards against wind-up.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Guard {
+    /// Skip samples whose `φᵀPφ` is below the rounding of 1, so that silence is not forgotten
+    /// into.
+    pub skip_silence: bool,
+    /// Forgetting pauses while it would lift the trace of `P` above so many times its initial
+    /// value.
+    pub trace_limit: f64,
+}
+
+impl Default for Guard {
+    fn default() -> Self {
+        Self { skip_silence: true, trace_limit: 10.0 }
+    }
+}
+
+impl Guard {
+    /// No safeguards: for experiments on wind-up.
+    ///
+    /// ```
+    /// # use fd_ident::rls::Guard;
+    /// assert!(!Guard::off().skip_silence);
+    /// ```
+    #[must_use]
+    pub const fn off() -> Self {
+        Self { skip_silence: false, trace_limit: f64::INFINITY }
+    }
+}
+
+/// Settings of a recursive estimator.
+///
+/// # Examples
+///
+/// ```
+/// use fd_ident::rls::{Forgetting, RlsDesign};
+///
+/// let design = RlsDesign::forgetting(Forgetting::Exponential { lambda: 0.999 });
+/// assert!(design.guard.skip_silence);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RlsDesign {
+    /// Variance `c` of each parameter before the first sample, relative to a noise of variance
+    /// 1: `P₀ = c I`, the same as a ridge of `1/c`.
+    pub prior_variance: f64,
+    /// How old samples lose their weight.
+    pub forgetting: Forgetting,
+    /// Safeguards against wind-up.
+    pub guard: Guard,
+}
+
+impl Default for RlsDesign {
+    fn default() -> Self {
+        Self { prior_variance: 1e6, forgetting: Forgetting::None, guard: Guard::default() }
+    }
+}
+
+impl RlsDesign {
+    /// Default settings with another forgetting.
+    #[must_use]
+    pub fn forgetting(forgetting: Forgetting) -> Self {
+        Self { forgetting, ..Self::default() }
+    }
+
+    /// Checks all settings.
+    pub(crate) fn check(&self) -> Result<(), IdentError> {
+        positive("prior variance", self.prior_variance)?;
+        if self.guard.trace_limit.is_nan() || self.guard.trace_limit < 1.0 {
+            let found = self.guard.trace_limit;
+            return Err(IdentError::Setting {
+                setting: "trace limit",
+                expected: "at least 1",
+                found,
+            });
+        }
+        match self.forgetting {
+            Forgetting::None => Ok(()),
+            Forgetting::Equation18 { alpha } => positive("alpha of eq. (18)", alpha),
+            Forgetting::Exponential { lambda } | Forgetting::Directional { lambda } => {
+                forgetting_factor(lambda)
+            }
+            Forgetting::Bounded { lambda, variance } => {
+                forgetting_factor(lambda)?;
+                positive("largest variance", variance)
+            }
+            Forgetting::Resetting { lambda, floor } => {
+                forgetting_factor(lambda)?;
+                let (setting, expected) = ("trace floor", "between 0 and 1");
+                in_range(setting, expected, 0.0 < floor && floor < 1.0, floor)
+            }
+        }
+    }
+}
+
+impl Forgetting {
+    /// Rounds the constants to the run-time scalar.
+    pub(crate) fn freeze<T: Scalar>(self) -> Forgetting<T> {
+        let t = T::from_design;
+        match self {
+            Self::None => Forgetting::None,
+            Self::Equation18 { alpha } => Forgetting::Equation18 { alpha: t(alpha) },
+            Self::Exponential { lambda } => Forgetting::Exponential { lambda: t(lambda) },
+            Self::Directional { lambda } => Forgetting::Directional { lambda: t(lambda) },
+            Self::Bounded { lambda, variance } => {
+                Forgetting::Bounded { lambda: t(lambda), variance: t(variance) }
+            }
+            Self::Resetting { lambda, floor } => {
+                Forgetting::Resetting { lambda: t(lambda), floor: t(floor) }
+            }
+        }
+    }
+}
+
+fn forgetting_factor(lambda: f64) -> Result<(), IdentError> {
+    let (setting, expected) = ("forgetting factor", "above 0 and at most 1");
+    in_range(setting, expected, 0.0 < lambda && lambda <= 1.0, lambda)
+}
+
+pub(crate) fn positive(setting: &'static str, value: f64) -> Result<(), IdentError> {
+    in_range(setting, "positive and finite", 0.0 < value && value.is_finite(), value)
+}
+
+fn in_range(
+    setting: &'static str,
+    expected: &'static str,
+    inside: bool,
+    found: f64,
+) -> Result<(), IdentError> {
+    if inside { Ok(()) } else { Err(IdentError::Setting { setting, expected, found }) }
+}

@@ -1,0 +1,102 @@
+//! Per-sample methods do not allocate, seen by a counting allocator.
+#![allow(unsafe_code, reason = "a global allocator cannot be written without")]
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+mod common;
+
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    cell::Cell,
+};
+
+use common::noise;
+use fd_core::stage::{BiasModel, Identifier};
+use fd_ident::{
+    arx::{ArxOrders, ArxSimulator, RecursiveArx},
+    rls::{Forgetting, RlsDesign, RlsKernel, UdRls, WindowDesign, WindowRls},
+};
+
+struct Counting;
+
+thread_local! {
+    // Per thread, so that the test harness does not count.
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: forwards to the system allocator; the counter does not allocate.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(work: impl FnOnce()) -> usize {
+    let before = ALLOCATIONS.with(Cell::get);
+    work();
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+const ORDERS: ArxOrders = ArxOrders { na: 3, nb: 2, delay: 1, offset: true };
+
+fn learn<K: RlsKernel<f64>>(kernel: K) -> usize {
+    let mut arx = RecursiveArx::new(ORDERS, 2, 2, kernel).unwrap();
+    let (u, mu) = (noise(1, 2000), noise(2, 2000));
+    let mut variance = vec![0.0; arx.theta().len()];
+    allocations(|| {
+        for (u, mu) in u.chunks_exact(2).zip(mu.chunks_exact(2)) {
+            arx.update(u, mu);
+            arx.variance_into(&mut variance);
+        }
+    })
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(vec![1.0_f64; 10]))), 1);
+}
+
+#[test]
+fn learning_does_not_allocate() {
+    let n = ORDERS.parameters(2);
+    let lambda = 0.95;
+    for forgetting in [
+        Forgetting::None,
+        Forgetting::Equation18 { alpha: 0.5 },
+        Forgetting::Exponential { lambda },
+        Forgetting::Directional { lambda },
+        Forgetting::Bounded { lambda, variance: 10.0 },
+        Forgetting::Resetting { lambda, floor: 0.01 },
+    ] {
+        let kernel = UdRls::<f64>::new(n, &RlsDesign::forgetting(forgetting)).unwrap();
+        assert_eq!(learn(kernel), 0, "{forgetting:?}");
+    }
+    let window = WindowDesign { samples: 20, prior_variance: 1e3 };
+    assert_eq!(learn(WindowRls::<f64>::new(n, &window).unwrap()), 0);
+}
+
+#[test]
+fn running_a_bias_model_does_not_allocate() {
+    let mut bias = ArxSimulator::<f64>::new(ORDERS, 2, 2).unwrap();
+    let theta = noise(3, bias.theta_len());
+    let u = noise(4, 600);
+    let mut mu_hat = [0.0; 2];
+    let count = allocations(|| {
+        bias.load(&theta);
+        for u in u.chunks_exact(2) {
+            bias.observe(u, &[0.1, 0.2]);
+            bias.predict(u, &[0.1, 0.2], &mut mu_hat);
+            bias.simulate(u, &mut mu_hat);
+        }
+    });
+    assert_eq!(count, 0);
+}

@@ -1,0 +1,21 @@
+//! The engine benchmark: Patton & Chen's experiment, repeated over many perturbed engines.
+
+mod benchmark;
+mod config;
+mod error;
+mod excitation;
+mod quantile;
+mod reality;
+mod study;
+mod trial;
+
+pub use self::{
+    benchmark::Benchmark,
+    config::{
+        CONFIG_VERSION, EngineChoice, EngineConfig, FaultConfig, PlantConfig, ReductionConfig,
+    },
+    error::EngineStudyError,
+    excitation::{FreshRun, TrainingRun},
+    study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
+    trial::{FaultOutcome, Pair, Trial},
+};
