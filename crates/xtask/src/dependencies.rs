@@ -12,7 +12,19 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("fd-ident", &["fd-core", "fd-model"]),
     ("fd-compensate", &["fd-core", "fd-model"]),
     ("fd-jetengine", &["fd-core", "fd-model"]),
-    ("fdiag", &["fd-core", "fd-model", "fd-residual", "fd-ident", "fd-compensate", "fd-jetengine"]),
+    ("fd-gap", &["fd-core", "fd-model", "fd-residual", "fd-ident", "fd-compensate"]),
+    (
+        "fdiag",
+        &[
+            "fd-core",
+            "fd-model",
+            "fd-residual",
+            "fd-ident",
+            "fd-compensate",
+            "fd-jetengine",
+            "fd-gap",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
