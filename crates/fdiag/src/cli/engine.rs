@@ -1,10 +1,10 @@
 //! `fdiag engine`: the benchmark.
 
-use std::{fs, process::ExitCode};
+use std::process::ExitCode;
 
 use fdiag::engine::{Benchmark, EngineConfig};
 
-use super::{args::EngineArgs, failure::Failure, output::Output, progress::bar};
+use super::{args::EngineArgs, failure::Failure, output::Output, progress::bar, toml_file};
 
 /// Size of the pictures that are written as files, in pixels.
 const PICTURE_SIZE: (u32, u32) = (720, 400);
@@ -44,10 +44,7 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
 fn configuration(args: &EngineArgs) -> Result<EngineConfig, Failure> {
     let mut config = match &args.config {
         None => EngineConfig::default(),
-        Some(file) => {
-            let text = fs::read_to_string(file).map_err(|e| Failure::input(file, e))?;
-            toml::from_str(&text).map_err(|e| Failure::input(file, e))?
-        }
+        Some(file) => toml_file::read(file)?,
     };
     if let Some(seeds) = args.seeds {
         config.seeds = seeds;

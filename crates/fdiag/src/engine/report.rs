@@ -4,7 +4,7 @@ use super::{
     example::{Example, FaultyRun, Residuals},
     study::{Range, Study},
 };
-use crate::report::{Line, Page, Picture, PictureError, Table};
+use crate::report::{Line, Page, Picture, PictureError, Table, figure};
 
 /// A picture with the name of its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -296,26 +296,6 @@ impl Example {
                 ..Picture::default()
             },
         }
-    }
-}
-
-/// Three significant figures.
-fn figure(value: f64) -> String {
-    if !value.is_finite() {
-        return "-".to_owned();
-    }
-    let magnitude = value.abs();
-    if magnitude >= 100.0 {
-        format!("{value:.0}")
-    } else if magnitude >= 10.0 {
-        format!("{value:.1}")
-    } else if magnitude >= 1.0 {
-        format!("{value:.2}")
-    } else if magnitude >= 0.001 || magnitude == 0.0 {
-        let text = format!("{value:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.1e}")
     }
 }
 
