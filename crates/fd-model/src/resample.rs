@@ -39,7 +39,7 @@ pub struct ResamplePolicy {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_time: Option<f64>,
     /// Longest distance of samples that is bridged, in seconds; without it, five steps of the
-    /// grid.
+    /// grid or five median steps, whichever is longer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_gap_s: Option<f64>,
     /// Distance of a sample from a grid time, in steps, that counts as none.
@@ -150,7 +150,7 @@ pub enum TimeBaseError {
 }
 
 impl Default for ResamplePolicy {
-    /// A step found from the data, gaps above five steps, a tolerance of a thousandth of a step,
+    /// A step found from the data, gaps above five steps of the grid or the data, a tolerance of a thousandth of a step,
     /// and disorder rejected.
     fn default() -> Self {
         Self { sample_time: None, max_gap_s: None, tolerance: 1e-3, disorder: Disorder::Reject }

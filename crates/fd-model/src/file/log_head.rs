@@ -56,7 +56,15 @@ impl Head {
                     let (file, found) = (file.to_owned(), value.to_owned());
                     return Err(LogError::Version { file, found });
                 }
-                "sample_time" => self.sample_time = value.parse().ok(),
+                "sample_time" => {
+                    let wrong = |_| LogError::Number {
+                        file: file.to_owned(),
+                        column: key.to_owned(),
+                        row: 1,
+                        found: value.to_owned(),
+                    };
+                    self.sample_time = Some(value.parse().map_err(wrong)?);
+                }
                 _ => {}
             }
         }

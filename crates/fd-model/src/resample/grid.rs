@@ -87,8 +87,9 @@ impl Grid {
         if MOST_SAMPLES as f64 <= samples {
             return Err(TimeBaseError::TooLong { span_s: span, step_s: step, most: MOST_SAMPLES });
         }
-        let max_gap = policy.max_gap_s.unwrap_or(BRIDGED_STEPS * step) + tolerance;
         let median = steps.get(steps.len() / 2).copied().unwrap_or(step);
+        let bridged = policy.max_gap_s.unwrap_or(BRIDGED_STEPS * step.max(median));
+        let max_gap = bridged + tolerance;
         let bridged = steps.iter().filter(|&&dt| dt <= max_gap);
         let gaps = kept.windows(2).map(|pair| Gap { from_s: t[pair[0]], to_s: t[pair[1]] });
         Ok(Self {

@@ -80,6 +80,15 @@ fn gaps_are_left_missing() {
 }
 
 #[test]
+fn a_fine_grid_does_not_make_gaps() {
+    let t = [0.0, 1.0, 2.0];
+    let policy = ResamplePolicy { sample_time: Some(0.125), ..ResamplePolicy::default() };
+    let (record, report) = series(&t, &t, &t).resample(&policy).unwrap();
+    assert!(report.gaps.is_empty());
+    assert!(record.output(0).eq((0..17).map(|k| f64::from(k) * 0.125)));
+}
+
+#[test]
 fn a_missing_value_spreads_to_what_is_made_of_it() {
     let (t, hole) = ([0.0, 1.0, 2.5, 3.0], [0.0, 1.0, f64::NAN, 3.0]);
     let (record, _) = series(&t, &hole, &hole).resample(&ResamplePolicy::default()).unwrap();

@@ -249,6 +249,10 @@ fn unknown_versions_are_refused() {
         message("# fdiag-log version=2\nt,wf,T_7\n"),
         "run3.csv, row 1: expected log format version 1, found 2"
     );
+    assert_eq!(
+        message("# fdiag-log version=1 sample_time=1s\nt,wf,T_7\n"),
+        "column `sample_time` of run3.csv, row 1: expected a finite number, found `1s`"
+    );
 }
 
 #[test]

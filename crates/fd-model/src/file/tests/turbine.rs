@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
-use crate::file::{ColumnMap, LogMap, TimeMap, read_log};
+use crate::{
+    ResamplePolicy,
+    file::{LogMap, read_log},
+};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 #[test]
 fn logs_of_the_micro_gas_turbine_are_read_and_resampled() {
+    let map = format!("{ROOT}/examples/micro-gas-turbine-map.toml");
+    let map: LogMap = toml::from_str(&std::fs::read_to_string(map).unwrap()).unwrap();
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/micro_gas_turbine");
     let folder = PathBuf::from(folder);
     if !folder.is_dir() {
         println!("skipped: {} is not there", folder.display());
         return;
     }
-    let map = LogMap {
-        time: TimeMap::in_column("time_s"),
-        inputs: vec![ColumnMap::new("voltage", "input_voltage_V").in_unit("V")],
-        outputs: vec![ColumnMap::new("power", "electric_power_W").in_unit("W")],
-        ..LogMap::default()
-    };
     // Numbers of rows from the README of the data.
     for (run, rows) in [
         (1, 9920),
@@ -29,7 +30,8 @@ fn logs_of_the_micro_gas_turbine_are_read_and_resampled() {
         (23, 9188),
         (24, 9023),
     ] {
-        let log = read_log(folder.join(format!("mgt_ex_{run}.csv")), &map).unwrap();
+        let path = folder.join(format!("mgt_ex_{run}.csv"));
+        let log = read_log(&path, &map).unwrap();
         let base = &log.time_base;
         println!(
             "run {run}: {} rows, step {:.4} s (median {:.4}, {:.4} to {:.4}), jitter {:.3} s, \
@@ -53,5 +55,10 @@ fn logs_of_the_micro_gas_turbine_are_read_and_resampled() {
         for (u, y) in log.record.samples() {
             assert!((3.0..=10.0).contains(&u[0]) && (900.0..3400.0).contains(&y[0]));
         }
+        // Without a policy of its own, the step of the file is found.
+        let found = LogMap { resample: ResamplePolicy::default(), ..map.clone() };
+        let found = read_log(&path, &found).unwrap();
+        assert!((found.time_base.step_s - base.median_step_s).abs() < 1e-3);
+        assert_eq!(found.record.missing().complete, found.record.len());
     }
 }
