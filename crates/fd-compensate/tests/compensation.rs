@@ -157,18 +157,49 @@ fn a_hard_fault_in_training_is_reported_and_not_learned() {
     let u = paper_input(3000);
     let healthy = response::<2>(&THETA, &u);
     let mut r = healthy.clone();
-    // A sensor jumps by twice the largest bias for 300 samples.
+    // A sensor jumps by twice the largest bias for 300 samples, after the input has shown its range.
     let peak = healthy.iter().fold(0.0_f64, |p, v| p.max(v.abs()));
-    r[180..480].iter_mut().for_each(|v| *v += 2.0 * peak);
-    let (star, log) = run(&mut subject::<f64>(&CompensationPlan::default()), &u, &r);
-    assert_eq!(log[0], (0, EventKind::TrainingStarted));
-    assert_eq!(log[1], (180, EventKind::HardFaultWhileTraining));
+    r[400..700].iter_mut().for_each(|v| *v += 2.0 * peak);
+    let mut plan = CompensationPlan::default();
+    plan.convergence.least_samples = 600;
+    let (star, log) = run(&mut subject::<f64>(&plan), &u, &r);
+    assert_eq!(log[0], (0, TrainingStarted));
+    assert_eq!(log[1], (400, HardFaultWhileTraining));
     // While paused r* shows the fault: the simulation knows nothing of it.
-    assert!(star[180..480].iter().all(|v| (v - 2.0 * peak).abs() < 0.5 * peak));
-    assert_eq!(log[2], (500, EventKind::TrainingStarted));
+    assert!(star[400..700].iter().all(|v| (v - 2.0 * peak).abs() < 0.5 * peak));
+    assert_eq!(log[2], (720, TrainingStarted));
     assert_eq!(log[3].1, EventKind::Frozen);
     let left = star[log[3].0 + 1..].iter().fold(0.0_f64, |p, v| p.max(v.abs()));
     assert!(left < 1e-3 * peak, "{left}");
+}
+
+/// The engine idles, then the test begins: the innovation jumps because the input does.
+#[test]
+fn an_input_step_in_training_is_no_hard_fault() {
+    let mut u = paper_input(3000);
+    u[..150].fill(0.0);
+    let r = response::<2>(&THETA, &u);
+    let log = run(&mut subject::<f64>(&CompensationPlan::default()), &u, &r).1;
+    assert_eq!(kinds(&log), [TrainingStarted, Frozen]);
+}
+
+#[test]
+fn a_candidate_that_does_not_help_is_rejected_until_time_is_up() {
+    let mut plan = CompensationPlan::default();
+    // No simulation is that good: the prior of the estimator leaves its mark.
+    plan.trial.worst_ratio = 1e-12;
+    plan.convergence.longest = Some(1000);
+    plan.convergence.at_longest = Timeout::FreezeAnyway;
+    let u = paper_input(1200);
+    let r = response::<2>(&THETA, &u);
+    let (star, log) = run(&mut subject::<f64>(&plan), &u, &r);
+    let kinds = kinds(&log);
+    let rejected = kinds.iter().filter(|k| **k == EventKind::BiasModelRejected).count();
+    // From sample 200 on each trial of 50 follows a streak of 50.
+    assert_eq!(rejected, 8, "{log:?}");
+    assert_eq!(log[log.len() - 2..], [(999, EventKind::TrainingInconclusive), (999, Frozen)]);
+    let peak = r.iter().fold(0.0_f64, |p, v| p.max(v.abs()));
+    assert!(star[1000..].iter().all(|v| v.abs() < 1e-3 * peak));
 }
 
 fn moved_input() -> Vec<f64> {
@@ -251,8 +282,10 @@ fn runs_in_single_precision() {
 fn eventful() -> (CompensationPlan, Vec<f64>, Vec<f64>) {
     let u = moved_input();
     let mut r = response::<2>(&THETA, &u);
-    r[180..260].iter_mut().for_each(|v| *v += 5.0);
-    (plan_with(RangePolicy::RetrainAfter { samples: 50, band: 0.5 }), u, r)
+    r[400..480].iter_mut().for_each(|v| *v += 5.0);
+    let mut plan = plan_with(RangePolicy::RetrainAfter { samples: 50, band: 0.5 });
+    plan.convergence.least_samples = 450;
+    (plan, u, r)
 }
 
 proptest! {

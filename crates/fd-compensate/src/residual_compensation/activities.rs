@@ -73,6 +73,9 @@ where
         self.predictor.load(self.identifier.theta());
         self.predictor.predict(u, r, &mut self.mu_hat);
         subtract(r, &self.mu_hat, r_star);
+        if self.operating_point.is_new(u) {
+            self.jump.warm_up();
+        }
         if self.jump.jumps(r_star, self.peak) {
             events.push(EventKind::HardFaultWhileTraining);
             self.pause(u, r, r_star);
