@@ -173,6 +173,25 @@ fn a_hard_fault_in_training_is_reported_and_not_learned() {
     assert!(left < 1e-3 * peak, "{left}");
 }
 
+#[test]
+fn a_hard_fault_that_stays_shows_once_the_time_is_up() {
+    let u = paper_input(1500);
+    let mut r = response::<2>(&THETA, &u);
+    let peak = r.iter().fold(0.0_f64, |p, v| p.max(v.abs()));
+    r[400..].iter_mut().for_each(|v| *v += 2.0 * peak);
+    let mut plan = CompensationPlan::default();
+    plan.convergence.least_samples = 600;
+    plan.convergence.longest = Some(1000);
+    plan.convergence.at_longest = Timeout::FreezeAnyway;
+    let (star, log) = run(&mut subject::<f64>(&plan), &u, &r);
+    let late = EventKind::TrainingInconclusive;
+    assert_eq!(
+        log,
+        [(0, TrainingStarted), (400, HardFaultWhileTraining), (999, late), (999, Frozen)]
+    );
+    assert!(star[1000..].iter().all(|v| (v - 2.0 * peak).abs() < 1e-3 * peak));
+}
+
 /// The engine idles, then the test begins: the innovation jumps because the input does.
 #[test]
 fn an_input_step_in_training_is_no_hard_fault() {

@@ -121,7 +121,9 @@ impl Default for Trial {
 /// A channel jumps when its innovation exceeds both `factor` times its running mean magnitude and
 /// `least_jump` times the largest residual of the training. Adaptation then pauses: `μ̂` is
 /// simulated with the last parameters, and training starts afresh once the jumped channels have
-/// been back within half the jump for `resume_after` samples.
+/// been back within half the jump for `resume_after` samples, or as [`Convergence::at_longest`] says
+/// once the longest training is over; with [`Timeout::FreezeAnyway`] a fault that is still there then
+/// shows in `r*`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HardFault {
