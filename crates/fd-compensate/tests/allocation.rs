@@ -56,11 +56,12 @@ fn no_stage_allocates_per_sample() {
         .collect();
     let mut r = response::<2>(&theta, &u);
     // A hard fault in training, then one while compensating.
-    r[180..260].iter_mut().for_each(|v| *v += 5.0);
+    r[400..480].iter_mut().for_each(|v| *v += 5.0);
     r[1800..1900].iter_mut().for_each(|v| *v += 5.0);
 
     let mut plan = CompensationPlan::default();
     plan.operating_point.policy = RangePolicy::Retrain;
+    plan.convergence.least_samples = 450;
     let mut compensator = subject::<f64>(&plan);
     let unit = || Standardizer::new(&[0.0], &[1.0]).unwrap();
     let mut detectors: Vec<Box<dyn Detector<f64>>> = vec![

@@ -186,6 +186,31 @@ fn records_that_promise_nothing_are_refused() {
     assert!(matches!(ask(&white, &malformed), CalibrationError::Debouncing(_)));
 }
 
+/// Other units of the residual are other units of the threshold, so that decisions stay.
+#[test]
+fn a_calibrated_threshold_scales_with_the_residual() {
+    let healthy = noise(5000, 0.5, 4);
+    // A power of two, so that no rounding differs.
+    let scaled: Vec<f64> = healthy.iter().map(|r| 1024.0 * r).collect();
+    for wanted in [
+        FalseAlarms::PerSample { rate: 0.02 },
+        FalseAlarms::PerRun { probability: 0.2, samples: 100 },
+    ] {
+        let ask = |values: &[f64]| {
+            let rows = SampleRows::new(1, values).unwrap();
+            calibrate(&mut magnitude(), rows, wanted, &CalibrationPlan::default()).unwrap()
+        };
+        let (plain, scaled) = (ask(&healthy), ask(&scaled));
+        for (plain, scaled) in [
+            (plain.threshold, scaled.threshold),
+            (plain.low, scaled.low),
+            (plain.high, scaled.high),
+        ] {
+            assert_eq!((1024.0 * plain).to_bits(), scaled.to_bits());
+        }
+    }
+}
+
 #[test]
 fn the_seed_settles_the_answer() {
     let healthy = noise(5000, 0.5, 4);

@@ -12,7 +12,7 @@ use fd_compensate::{
 };
 use fd_core::{
     Snapshot,
-    stage::{Decision, DecisionRule, Evidence, Fault, Phase, Stage, Verdict},
+    stage::{Decision, DecisionRule, Detector, Evidence, Fault, Phase, Stage, Verdict},
 };
 use proptest::prelude::*;
 
@@ -178,24 +178,32 @@ fn the_smallest_fault_in_closed_form() {
 }
 
 #[test]
-fn a_lasting_small_fault_is_smaller_for_a_sum() {
-    // White-looking healthy residual, a step fault: the sum sees less than the magnitude does.
+fn the_smallest_fault_by_search() {
     let healthy: Vec<f64> = (0..400).map(|k| (f64::from(k).powi(2) * 0.618).sin()).collect();
     let response: Vec<f64> = (0..400).map(|k| f64::from(u8::from(k >= 100))).collect();
     let rows = SampleRows::new(1, &healthy).unwrap();
     let step = SampleRows::new(1, &response).unwrap();
-    let rule = Debouncing::default();
+    let rule = Debouncing::consecutive(2);
+
+    // A statistic without memory: as in closed form.
     let mut magnitude = Magnitude::new(&[1.0], 1.05).unwrap();
-    let unit = Standardizer::new(&[0.0], &[0.7]).unwrap();
-    let mut sum = Cusum::new(unit, 0.5, 8.0).unwrap();
-    let by_magnitude = smallest_detectable_by_search(&mut magnitude, rule, rows, step, 9.0);
-    let by_sum = smallest_detectable_by_search(&mut sum, rule, rows, step, 9.0);
-    let large = by_magnitude.unwrap().unwrap();
+    let found = smallest_detectable_by_search(&mut magnitude, rule, rows, step, 9.0).unwrap();
     let closed = smallest_detectable(&healthy, &response, 1.05, rule).unwrap();
-    assert!((large - closed).abs() < 1e-10);
-    assert!(by_sum.unwrap().unwrap() > 0.0);
+    assert!((found.unwrap() - closed).abs() < 9.0 * 2.0_f64.powi(-39));
     let far = smallest_detectable_by_search(&mut magnitude, rule, rows, step, 0.01).unwrap();
     assert_eq!(far, None);
+
+    // A statistic with memory: the answer is the edge between unseen and seen.
+    let unit = Standardizer::new(&[0.0], &[0.7]).unwrap();
+    let mut sum = Cusum::new(unit, 0.5, 8.0).unwrap();
+    let edge = smallest_detectable_by_search(&mut sum, rule, rows, step, 9.0).unwrap().unwrap();
+    let mut is_seen = |size: f64| {
+        Stage::<f64>::reset(&mut sum);
+        let pairs = healthy.iter().zip(&response);
+        let margins: Vec<f64> = pairs.map(|(r, g)| sum.update(&[r + size * g]).statistic).collect();
+        alarms(&margins, 8.0, rule).unwrap().contains(&true)
+    };
+    assert!(edge > 0.0 && is_seen(edge) && !is_seen(edge * (1.0 - 1e-6)), "{edge}");
 }
 
 #[test]

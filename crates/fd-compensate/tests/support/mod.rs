@@ -274,3 +274,11 @@ pub fn response<const N: usize>(theta: &[f64], u: &[f64]) -> Vec<f64> {
 
 /// Parameters that the paper reports for its engine (section 4).
 pub const PAPER_THETA: [f64; 5] = [-1.430_808, 0.432_895, -0.002_161, 0.002_153, 0.0];
+
+pub fn kinds(log: &[(usize, EventKind)]) -> Vec<EventKind> {
+    log.iter().map(|&(_, kind)| kind).collect()
+}
+
+pub fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|v| v.to_bits()).collect()
+}
