@@ -7,7 +7,7 @@ use super::{
     dynamics::{Dynamics, check_state},
     state::NY,
 };
-use crate::error::EngineError;
+use crate::{error::EngineError, runge_kutta};
 
 /// Longest internal step, s.
 ///
@@ -48,14 +48,8 @@ impl<E, const N: usize> Sampled<E, N> {
     where
         E: Dynamics<T, N>,
     {
-        // A multiple of the longest step must not gain a step by rounding.
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "small and positive"
-        )]
-        let substeps = (ts.seconds() / MAX_STEP * (1.0 - 1e-12)).ceil().max(1.0) as u32;
-        Self { engine, substeps, step: ts.seconds() / f64::from(substeps) }
+        let (substeps, step) = runge_kutta::substeps(ts, MAX_STEP);
+        Self { engine, substeps, step }
     }
 
     /// The engine.
@@ -104,14 +98,7 @@ pub(super) fn try_step<T: Scalar, const N: usize>(
     check_state(x, time)?;
     let (k1, auxiliary) = engine.rates(x, fuel);
     engine.surge_limits().check(&auxiliary, time)?;
-    let h = T::from_design(step);
-    let half = T::from_design(0.5 * step);
-    let shifted = |k: &[T; N], h: T| -> [T; N] { std::array::from_fn(|i| x[i] + h * k[i]) };
-    let k2 = engine.rates(&shifted(&k1, half), fuel).0;
-    let k3 = engine.rates(&shifted(&k2, half), fuel).0;
-    let k4 = engine.rates(&shifted(&k3, h), fuel).0;
-    let (two, sixth) = (T::from_design(2.0), T::from_design(step / 6.0));
-    let next = std::array::from_fn(|i| x[i] + sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]));
+    let next = runge_kutta::step(x, &k1, step, |x| engine.rates(x, fuel).0);
     check_state(&next, time + step)?;
     Ok(next)
 }

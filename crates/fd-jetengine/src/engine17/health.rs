@@ -108,6 +108,19 @@ impl HealthParameter {
         Self::CombustorEfficiency,
         Self::HeatingValue,
     ];
+
+    /// Efficiency and flow capacity of the four turbomachines: what differs from engine to engine
+    /// and deteriorates.
+    pub const MODULES: [Self; 8] = [
+        Self::LpcEfficiency,
+        Self::LpcFlow,
+        Self::HpcEfficiency,
+        Self::HpcFlow,
+        Self::HptEfficiency,
+        Self::HptFlow,
+        Self::LptEfficiency,
+        Self::LptFlow,
+    ];
 }
 
 impl<T: Copy + std::ops::AddAssign> Health<T> {

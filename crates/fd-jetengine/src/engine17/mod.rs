@@ -34,6 +34,7 @@ mod nozzle;
 mod params;
 mod plenum;
 mod rhs;
+mod scatter;
 mod state;
 mod transient;
 mod trim;

@@ -24,10 +24,7 @@ pub(super) struct Learned {
 }
 
 /// Learns from residual records, one per log.
-pub(super) fn learn(
-    spec: &PipelineSpec,
-    records: &[Record],
-) -> Result<Learned, RoadError> {
+pub(super) fn learn(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, RoadError> {
     let filtered = match spec.bias.learning {
         LearningSpec::Batch { prefilter_rad_s: Some(omega) } => prefiltered(records, omega)?,
         _ => None,
