@@ -85,7 +85,7 @@ fn any_forgetting() -> impl Strategy<Value = Forgetting> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..Default::default() })]
 
     // The tolerance of 1e-9 is eps times the largest condition of the information matrix on the
     // way, about 1e3 prior variance, times a few hundred steps.
@@ -227,9 +227,9 @@ fn same_future<K: RlsKernel<f64>>(
 fn directional_forgetting_changes_the_information_along_the_regressor() {
     let lambda = 0.95;
     let forgetting = Forgetting::Directional { lambda };
-    let design = RlsDesign { prior_variance: 0.01, forgetting, guard: Guard::default() };
+    let design = RlsDesign { prior_variance: 0.1, forgetting, guard: Guard::default() };
     let mut kernel = rls::<UdHeap>(&design);
-    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(100.0);
+    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(10.0);
     let (mut theta, mut signs) = ([0.0; N], [0, 0]);
     for (phi, y) in data(5, 200) {
         let phi_vector = faer::Col::from_fn(N, |i| phi[i]);
@@ -246,7 +246,7 @@ fn directional_forgetting_changes_the_information_along_the_regressor() {
         }
     }
     // Both branches, taking in and giving up, have been tried.
-    assert!(signs[0] > 20 && signs[1] > 20, "{signs:?}");
+    assert!(signs[0] > 50 && signs[1] > 50, "{signs:?}");
 }
 
 fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
