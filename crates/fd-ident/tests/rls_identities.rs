@@ -254,6 +254,25 @@ fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
     matrix.partial_piv_lu().inverse()
 }
 
+/// The only sample that tells about a direction leaves the window.
+#[test]
+fn a_window_is_factorised_again_when_downdating_would_lose_the_digits() {
+    let design = WindowDesign { samples: 7, prior_variance: 1e10 };
+    let mut data: Vec<([f64; N], f64)> = data(6, 20).into_iter().collect();
+    for (k, (phi, _)) in data.iter_mut().enumerate() {
+        phi[3] = if k == 10 { 10.0 } else { 0.0 };
+    }
+    let (theta, variance, kernel) = run(WindowRls::<f64>::new(N, &design).unwrap(), &data);
+    let (expected, expected_variance) = batch(&data[13..], |_| 1.0, 1e-10);
+    // Condition after the scaling of the columns about 1e2, downdates included.
+    close(&theta, &expected, 1e-8).unwrap();
+    close(&variance, &expected_variance, 1e-8).unwrap();
+    let (_, _, before) = run(WindowRls::<f64>::new(N, &design).unwrap(), &data[..17]);
+    let (_, _, after) = run(WindowRls::<f64>::new(N, &design).unwrap(), &data[..18]);
+    assert_eq!((before.guard().bounded, after.guard().bounded), (0, 1));
+    assert_eq!(kernel.guard().bounded, 1);
+}
+
 #[test]
 fn settings_out_of_range_are_named() {
     let message = |forgetting| {

@@ -73,8 +73,8 @@ pub enum Forgetting<T = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Guard {
-    /// Skip samples whose `φᵀPφ` is below the rounding of 1, so that silence is not forgotten
-    /// into.
+    /// Skip samples whose `φᵀPφ` is below the rounding of the noise variance it adds to, so that
+    /// nothing is forgotten in silence.
     pub skip_silence: bool,
     /// Forgetting pauses while it would lift the trace of `P` above so many times its initial
     /// value.
