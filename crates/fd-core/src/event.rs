@@ -22,6 +22,10 @@ pub enum EventKind {
     TrainingStarted,
     /// The parameters converged and were frozen: the switch is open.
     Frozen,
+    /// The training reached its longest duration before the parameters converged.
+    TrainingInconclusive,
+    /// The bias model does not reproduce the bias in simulation, or diverged.
+    BiasModelRejected,
     /// The residual jumped while the compensator was still learning.
     HardFaultWhileTraining,
     /// The input left the range that the bias was learned in.
@@ -43,6 +47,8 @@ impl fmt::Display for EventKind {
         f.write_str(match self {
             Self::TrainingStarted => "training started",
             Self::Frozen => "parameters converged and frozen",
+            Self::TrainingInconclusive => "training ended without convergence",
+            Self::BiasModelRejected => "bias model rejected",
             Self::HardFaultWhileTraining => "hard fault while training",
             Self::OperatingPointLeft => "operating point left the trained range",
             Self::OperatingPointRegained => "operating point back in the trained range",

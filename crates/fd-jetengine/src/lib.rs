@@ -1,1 +1,13 @@
-//! Placeholder to be filled by its first method.
+//! The benchmark plant: a nonlinear 17-state two-spool turbofan and published linear engines.
+
+pub mod engine17;
+mod error;
+mod linear;
+mod model;
+mod runge_kutta;
+
+pub use crate::{
+    error::{Compressor, EngineError},
+    linear::{ChenPattonZhang, chen_patton_zhang, f100},
+    model::{EngineModel, OperatingPoint, Scaling},
+};

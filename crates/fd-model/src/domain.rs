@@ -1,13 +1,67 @@
 //! Continuous and discrete time as types, so that the two cannot be mixed up.
 
-use faer::c64;
+use std::f64::consts::PI;
 
-use crate::error::ModelError;
+use faer::{Mat, MatRef, c64};
+
+use crate::{error::ModelError, linalg::cayley, state_space::StateSpace};
 
 /// A time axis on which a linear model lives.
-pub trait TimeDomain: Copy {
+pub trait TimeDomain: Copy + Sized {
+    /// Distance of an eigenvalue from the edge of stability, positive when its mode dies out.
+    fn margin(&self, eigenvalue: c64) -> f64;
+
+    /// The point at which a transfer matrix is evaluated for a sinusoid of `omega` rad/s.
+    fn point(&self, omega: f64) -> c64;
+
+    /// The point at which a transfer matrix gives the steady-state gain: `s = 0` or `z = 1`.
+    fn steady_point(&self) -> f64;
+
+    /// Largest frequency that tells itself apart, in rad/s: infinite or `π/Ts`.
+    fn highest_frequency(&self) -> f64;
+
+    /// The square of the H2 norm of a constant gain, given the square of its Frobenius norm.
+    ///
+    /// White noise of finite intensity has infinite variance in continuous time, so that any
+    /// feedthrough makes the norm infinite there.
+    fn feedthrough_h2_squared(&self, frobenius_squared: f64) -> f64;
+
+    /// The common time axis of two models that are to be connected.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the sample times differ.
+    fn join(self, other: Self) -> Result<Self, ModelError>;
+
+    /// A discrete pair `(A, B)` with the same controllability gramian as a stable pair on this
+    /// axis, given the eigenvalues of `A`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when `A` has an eigenvalue in the unstable region that the mapping sends
+    /// to infinity.
+    fn smith_pair(
+        &self,
+        a: MatRef<'_, f64>,
+        b: MatRef<'_, f64>,
+        poles: &[c64],
+    ) -> Result<(Mat<f64>, Mat<f64>), ModelError>;
+
+    /// A continuous model with the same gains in another order of frequencies, and the same
+    /// H-infinity norm.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a pole lies where the mapping sends it to infinity.
+    fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError>;
+
+    /// The frequency on this axis at which [`TimeDomain::half_plane`] has the gain of `omega`.
+    fn frequency_of_half_plane(&self, omega: f64) -> f64;
+
     /// Whether a mode with this eigenvalue dies out.
-    fn decays(&self, eigenvalue: c64) -> bool;
+    fn decays(&self, eigenvalue: c64) -> bool {
+        0.0 < self.margin(eigenvalue)
+    }
 }
 
 /// Time in seconds.
@@ -26,15 +80,105 @@ pub struct Discrete {
 pub struct SampleTime(f64);
 
 impl TimeDomain for Continuous {
-    fn decays(&self, eigenvalue: c64) -> bool {
-        eigenvalue.re < 0.0
+    fn margin(&self, eigenvalue: c64) -> f64 {
+        -eigenvalue.re
+    }
+
+    fn point(&self, omega: f64) -> c64 {
+        c64::new(0.0, omega)
+    }
+
+    fn steady_point(&self) -> f64 {
+        0.0
+    }
+
+    fn highest_frequency(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn feedthrough_h2_squared(&self, frobenius_squared: f64) -> f64 {
+        if 0.0 < frobenius_squared { f64::INFINITY } else { 0.0 }
+    }
+
+    fn join(self, _: Self) -> Result<Self, ModelError> {
+        Ok(self)
+    }
+
+    fn smith_pair(
+        &self,
+        a: MatRef<'_, f64>,
+        b: MatRef<'_, f64>,
+        poles: &[c64],
+    ) -> Result<(Mat<f64>, Mat<f64>), ModelError> {
+        // Maps the slowest and the fastest mode to the same distance from the unit circle.
+        let (slowest, fastest) =
+            poles.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), pole| {
+                (low.min(pole.norm()), high.max(pole.norm()))
+            });
+        cayley(a, b, (slowest * fastest).sqrt())
+    }
+
+    fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {
+        Ok(model.clone())
+    }
+
+    fn frequency_of_half_plane(&self, omega: f64) -> f64 {
+        omega
     }
 }
 
 impl TimeDomain for Discrete {
-    fn decays(&self, eigenvalue: c64) -> bool {
-        eigenvalue.norm() < 1.0
+    fn margin(&self, eigenvalue: c64) -> f64 {
+        unit_disk_margin(eigenvalue)
     }
+
+    fn point(&self, omega: f64) -> c64 {
+        c64::from_polar(1.0, omega * self.ts.seconds())
+    }
+
+    fn steady_point(&self) -> f64 {
+        1.0
+    }
+
+    fn highest_frequency(&self) -> f64 {
+        PI / self.ts.seconds()
+    }
+
+    fn feedthrough_h2_squared(&self, frobenius_squared: f64) -> f64 {
+        frobenius_squared
+    }
+
+    fn join(self, other: Self) -> Result<Self, ModelError> {
+        // Two ways to the same sample time may differ in rounding.
+        let (expected, found) = (self.ts.seconds(), other.ts.seconds());
+        if (expected - found).abs() <= 4.0 * f64::EPSILON * expected {
+            Ok(self)
+        } else {
+            Err(ModelError::SampleTimeMismatch { expected, found })
+        }
+    }
+
+    fn smith_pair(
+        &self,
+        a: MatRef<'_, f64>,
+        b: MatRef<'_, f64>,
+        _: &[c64],
+    ) -> Result<(Mat<f64>, Mat<f64>), ModelError> {
+        Ok((a.to_owned(), b.to_owned()))
+    }
+
+    fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {
+        model.undo_tustin()
+    }
+
+    fn frequency_of_half_plane(&self, omega: f64) -> f64 {
+        2.0 * (omega * self.ts.seconds() / 2.0).atan() / self.ts.seconds()
+    }
+}
+
+/// Distance from the unit circle, positive inside.
+pub(crate) fn unit_disk_margin(eigenvalue: c64) -> f64 {
+    1.0 - eigenvalue.norm()
 }
 
 impl SampleTime {

@@ -55,4 +55,66 @@ pub enum ModelError {
         /// Role of the matrix.
         role: &'static str,
     },
+    /// Two models with different sample times were connected.
+    #[error("sample times must agree, expected {expected} s, found {found} s")]
+    SampleTimeMismatch {
+        /// Sample time of the first model, in seconds.
+        expected: f64,
+        /// Sample time of the second model, in seconds.
+        found: f64,
+    },
+    /// More states were asked for than the model has to give.
+    #[error("order {requested} is not possible: only {available} {what}")]
+    Order {
+        /// Order that was asked for.
+        requested: usize,
+        /// Largest order that is possible.
+        available: usize,
+        /// What is limited.
+        what: &'static str,
+    },
+    /// A state index is out of range or occurs twice.
+    #[error("state {index} cannot be kept: it {why} ({states} states)")]
+    StateIndex {
+        /// Index, from 0.
+        index: usize,
+        /// Number of states.
+        states: usize,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// No gain can make the loop stable, or the problem is too close to such a one.
+    #[error("{what} has no stabilising solution: a closed-loop eigenvalue stays at {re} {im:+}i")]
+    NotStabilisable {
+        /// What was solved.
+        what: &'static str,
+        /// Real part of the worst closed-loop eigenvalue.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// A weight is not symmetric positive (semi)definite.
+    #[error("{role} must be symmetric positive {needed}")]
+    NotPositive {
+        /// Role of the weight.
+        role: &'static str,
+        /// `"definite"` or `"semidefinite"`.
+        needed: &'static str,
+    },
+    /// A number is outside the range in which it means something.
+    #[error("{role} must lie in {range}, got {value}")]
+    OutOfRange {
+        /// Role of the number, with its unit.
+        role: &'static str,
+        /// Range in interval notation.
+        range: &'static str,
+        /// Value that was given.
+        value: f64,
+    },
+    /// No stable model turned up among the random ones.
+    #[error("none of {draws} perturbed models was stable; the perturbation is too large")]
+    NoStableDraw {
+        /// Number of models that were drawn.
+        draws: usize,
+    },
 }

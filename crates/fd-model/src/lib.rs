@@ -16,6 +16,31 @@ mod lti;
 mod record;
 mod state_space;
 
+// Numerics of linear models.
+mod connect;
+mod frequency;
+mod gramian;
+mod hankel;
+mod linalg;
+pub mod lyapunov;
+mod norms;
+pub mod reduce;
+pub mod riccati;
+pub mod uncertainty;
+mod zeros;
+
+pub use crate::norms::PeakGain;
+
+// Signals, faults, records and files.
+mod clock;
+pub mod fault;
+pub mod file;
+mod inputs;
+mod resample;
+pub mod signal;
+mod simulate;
+pub mod unit;
+
 pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
@@ -24,4 +49,10 @@ pub use crate::{
     lti::Lti,
     record::Record,
     state_space::StateSpace,
+};
+pub use crate::{
+    inputs::Inputs,
+    record::{ChannelScale, MissingCounts, RecordError, Scaling},
+    resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
+    simulate::{Simulation, SimulationError},
 };

@@ -4,6 +4,19 @@ use fd_core::{Shape, ShapeError};
 
 use crate::{channel::Channel, domain::SampleTime, error::ModelError};
 
+mod blocks;
+mod decimate;
+mod error;
+mod join;
+mod scaling;
+mod unit_change;
+
+pub use self::{
+    blocks::MissingCounts,
+    error::RecordError,
+    scaling::{ChannelScale, Scaling},
+};
+
 /// Inputs and outputs of one run on an even time base.
 ///
 /// Samples are stored row by row, so that [`Record::u`] and [`Record::y`] can be fed to a
@@ -62,6 +75,44 @@ impl Record {
         Ok(Self { inputs, outputs, u, y, ts, start: 0.0 })
     }
 
+    /// A record from samples `(u, y)`, one value per channel in each.
+    ///
+    /// ```
+    /// # use fd_model::{Channel, Record, SampleTime};
+    /// let rows = [([1.0], [10.0]), ([2.0], [20.0])];
+    /// let ts = SampleTime::new(0.1)?;
+    /// let record =
+    ///     Record::from_rows(Channel::numbered("u", 1), Channel::numbered("y", 1), rows, ts)?;
+    /// assert_eq!(record.y(1), [20.0]);
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no output channel or a row has the wrong number of values.
+    pub fn from_rows<U: AsRef<[f64]>, Y: AsRef<[f64]>>(
+        inputs: Vec<Channel>,
+        outputs: Vec<Channel>,
+        rows: impl IntoIterator<Item = (U, Y)>,
+        ts: SampleTime,
+    ) -> Result<Self, ModelError> {
+        let (mut u, mut y) = (Vec::new(), Vec::new());
+        for (row_u, row_y) in rows {
+            for (role, row, width) in [
+                ("row of inputs u", row_u.as_ref(), inputs.len()),
+                ("row of outputs y", row_y.as_ref(), outputs.len()),
+            ] {
+                if row.len() != width {
+                    let (expected, found) = (Shape::new(1, width), Shape::new(1, row.len()));
+                    return Err(ShapeError { role, expected, found }.into());
+                }
+            }
+            u.extend_from_slice(row_u.as_ref());
+            y.extend_from_slice(row_y.as_ref());
+        }
+        Self::new(inputs, outputs, u, y, ts)
+    }
+
     /// Sets the time of the first sample, in seconds.
     #[must_use]
     pub fn starting_at(mut self, seconds: f64) -> Self {
@@ -79,6 +130,18 @@ impl Record {
     #[must_use]
     pub fn outputs(&self) -> &[Channel] {
         &self.outputs
+    }
+
+    /// Index of the input channel with this name.
+    #[must_use]
+    pub fn input_index(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|channel| channel.name == name)
+    }
+
+    /// Index of the output channel with this name.
+    #[must_use]
+    pub fn output_index(&self, name: &str) -> Option<usize> {
+        self.outputs.iter().position(|channel| channel.name == name)
     }
 
     /// Inputs of sample `k`, one value per input channel.
@@ -114,16 +177,19 @@ impl Record {
     }
 
     /// Samples `(u, y)` in order of time.
+    #[must_use]
     pub fn samples(&self) -> impl ExactSizeIterator<Item = (&[f64], &[f64])> + '_ {
         (0..self.len()).map(|k| (self.u(k), self.y(k)))
     }
 
     /// One input over time.
+    #[must_use]
     pub fn input(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(move |k| self.u(k)[channel])
     }
 
     /// One output over time.
+    #[must_use]
     pub fn output(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(move |k| self.y(k)[channel])
     }
@@ -174,3 +240,6 @@ impl Record {
         self.y.is_empty()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,11 @@
 use faer::{Mat, MatRef, c64};
 use fd_core::{Shape, ShapeError};
 
-use crate::{domain::TimeDomain, error::ModelError};
+use crate::{
+    domain::TimeDomain,
+    error::ModelError,
+    linalg::{eigenvalues, require_decay},
+};
 
 /// A linear model `ẋ = A x + B u` (or `x⁺ = …`), `y = C x + D u`.
 ///
@@ -44,8 +48,8 @@ impl<D: TimeDomain> StateSpace<D> {
     ///
     /// # Errors
     ///
-    /// Returns the first matrix of the wrong size or with a NaN or infinity; `A` sets the number of states, `B` of
-    /// inputs and `C` of outputs.
+    /// Returns the first matrix of the wrong size or with a NaN or infinity; `A` sets the number
+    /// of states, `B` of inputs and `C` of outputs.
     pub fn new(
         a: Mat<f64>,
         b: Mat<f64>,
@@ -61,11 +65,7 @@ impl<D: TimeDomain> StateSpace<D> {
             ("feedthrough D", d.as_ref(), Shape::new(ny, nu)),
         ];
         for (role, matrix, expected) in roles {
-            let found = Shape::new(matrix.nrows(), matrix.ncols());
-            if found != expected {
-                return Err(ShapeError { role, expected, found }.into());
-            }
-            check_finite(role, matrix)?;
+            check_matrix(role, matrix, expected)?;
         }
         Ok(Self { a, b, c, d, domain })
     }
@@ -116,12 +116,30 @@ impl<D: TimeDomain> StateSpace<D> {
     ///
     /// Returns an error when the iteration does not converge.
     pub fn poles(&self) -> Result<Vec<c64>, ModelError> {
-        if self.nx() == 0 {
-            return Ok(Vec::new());
-        }
-        self.a
-            .eigenvalues()
-            .map_err(|_| ModelError::NoConvergence { what: "eigenvalues", order: self.nx() })
+        eigenvalues(self.a())
+    }
+
+    /// The eigenvalue that is closest to instability, or deepest in it; `None` without states.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the eigenvalues do not converge.
+    pub fn worst_pole(&self) -> Result<Option<c64>, ModelError> {
+        let poles = self.poles()?;
+        Ok(poles
+            .into_iter()
+            .min_by(|p, q| self.domain.margin(*p).total_cmp(&self.domain.margin(*q))))
+    }
+
+    /// Eigenvalues of `A`, all of which have to decay for `what` to make sense.
+    ///
+    /// # Errors
+    ///
+    /// Returns the worst eigenvalue when it does not decay.
+    pub(crate) fn stable_poles(&self, what: &'static str) -> Result<Vec<c64>, ModelError> {
+        let poles = self.poles()?;
+        require_decay(what, &poles, |pole| self.domain.margin(pole))?;
+        Ok(poles)
     }
 
     /// Whether every mode dies out.
@@ -134,7 +152,16 @@ impl<D: TimeDomain> StateSpace<D> {
     }
 }
 
-fn check_finite(role: &'static str, matrix: MatRef<'_, f64>) -> Result<(), ModelError> {
+/// Checks the size of a matrix, and that each entry is a number.
+pub(crate) fn check_matrix(
+    role: &'static str,
+    matrix: MatRef<'_, f64>,
+    expected: Shape,
+) -> Result<(), ModelError> {
+    let found = Shape::new(matrix.nrows(), matrix.ncols());
+    if found != expected {
+        return Err(ShapeError { role, expected, found }.into());
+    }
     for col in 0..matrix.ncols() {
         for row in 0..matrix.nrows() {
             let value = matrix[(row, col)];

@@ -1,1 +1,28 @@
-//! Placeholder to be filled by its first method.
+//! Residual generators, each of the one form `r = H_u u + H_y y` (Patton and Chen 1992, eq. 2).
+//!
+//! | Room | Residual | Choose it when |
+//! |------|----------|----------------|
+//! | [`simulation`] | `y − y_sim(u)` | the plant is stable and a model of any kind exists |
+//! | [`observer`] | innovation of an observer | initial state and disturbances must be forgotten |
+//! | [`parity`] | `W (Y − T U)` over a window | a dead-beat, design-by-rank answer is wanted |
+//! | [`weighted`] | `W r` of any of these | channels are combined, scaled or filtered |
+//! | [`bank`] | several of these side by side | faults are isolated by a set of residuals |
+//! | [`form`] | any stable `H_u`, `H_y` | the generator was designed elsewhere |
+//!
+//! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
+//! which faults it detects, how far they stand above noise, which signature it has.
+
+pub mod analysis;
+pub mod bank;
+mod error;
+pub mod form;
+mod matrix;
+pub mod observer;
+pub mod parity;
+pub mod simulation;
+pub mod weighted;
+
+pub use crate::{
+    error::DesignError,
+    form::{GeneratorDesign, ResidualForm},
+};

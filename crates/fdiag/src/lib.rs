@@ -1,1 +1,17 @@
-//! The facade.
+//! Model-based fault diagnosis with on-line residual compensation.
+//!
+//! The facade of the workspace: the method crates under short names, pipelines described as data
+//! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), and reports
+//! ([`report`]).
+
+pub mod engine;
+pub mod report;
+pub mod road;
+pub mod spec;
+
+pub use fd_compensate as compensate;
+pub use fd_core as core;
+pub use fd_ident as ident;
+pub use fd_jetengine as jetengine;
+pub use fd_model as model;
+pub use fd_residual as residual;

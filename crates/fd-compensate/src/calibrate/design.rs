@@ -1,0 +1,374 @@
+//! From a fault-free record and a wanted false-alarm rate to a threshold with an interval.
+
+use fd_core::stage::Detector;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{
+    autocorrelation::autocorrelation_time,
+    bootstrap::CircularBlocks,
+    tail::{exponential_tail, upper_quantile},
+};
+use crate::{
+    count::whole,
+    decide::{Debouncing, RuleError},
+    evaluate::debounced_statistics,
+    rows::SampleRows,
+};
+
+/// How often an alarm may be false.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FalseAlarms {
+    /// Share of healthy samples at which the raise condition holds.
+    PerSample {
+        /// That share, between 0 and 1.
+        rate: f64,
+    },
+    /// Probability of any alarm in a healthy run.
+    PerRun {
+        /// That probability, between 0 and 1.
+        probability: f64,
+        /// Length of the run in samples.
+        samples: usize,
+    },
+}
+
+/// What to do with a rate that the record cannot resolve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Beyond {
+    /// Return an error.
+    #[default]
+    Refuse,
+    /// Continue with an exponential tail, and say so in the answer.
+    Extrapolate,
+}
+
+/// Choices of the calibration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationPlan {
+    /// Seed of all resampling; default 1992.
+    pub seed: u64,
+    /// Resampled runs behind a threshold per run; default 400.
+    pub runs: usize,
+    /// Resampled records behind the interval; default 60.
+    pub records: usize,
+    /// Probability that the interval covers; default 0.9.
+    pub confidence: f64,
+    /// Block length in samples; default five integrated autocorrelation times, and at least the cube
+    /// root of the number of samples.
+    pub block: Option<usize>,
+    /// The raise condition that the rule will use; default every sample for itself.
+    pub debouncing: Debouncing,
+    /// What to do with a rate that the record cannot resolve; default refuse.
+    pub beyond: Beyond,
+}
+
+impl Default for CalibrationPlan {
+    fn default() -> Self {
+        Self {
+            seed: 1992,
+            runs: 400,
+            records: 60,
+            confidence: 0.9,
+            block: None,
+            debouncing: Debouncing::default(),
+            beyond: Beyond::default(),
+        }
+    }
+}
+
+/// A threshold with what it rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedThreshold {
+    /// The threshold, in the unit of the detector's statistic.
+    pub threshold: f64,
+    /// Lower end of its interval.
+    pub low: f64,
+    /// Upper end of its interval.
+    pub high: f64,
+    /// Probability that the interval covers.
+    pub confidence: f64,
+    /// Fault-free samples.
+    pub samples: usize,
+    /// Integrated autocorrelation time in samples, the longest of residual channels and statistic.
+    pub autocorrelation_time: f64,
+    /// Independent samples that the record is worth.
+    pub effective_samples: f64,
+    /// Block length in samples.
+    pub block: usize,
+    /// Independent exceedances that the record is expected to hold.
+    pub resolved_exceedances: f64,
+    /// Whether the threshold lies on a fitted tail beyond what the record resolves.
+    pub extrapolated: bool,
+}
+
+/// A threshold cannot be calibrated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// The record has other channels than the detector.
+    #[error("the fault-free record has {found} channels, the detector {expected}")]
+    Channels {
+        /// Channels of the detector.
+        expected: usize,
+        /// Channels of the record.
+        found: usize,
+    },
+    /// A number is outside its range.
+    #[error("{parameter} must be {expected}, got {found}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Range it must lie in.
+        expected: &'static str,
+        /// Value given.
+        found: f64,
+    },
+    /// The raise condition is malformed.
+    #[error(transparent)]
+    Debouncing(#[from] RuleError),
+    /// The record is short against its own memory, or not stationary.
+    #[error(
+        "{samples} fault-free samples are too few: {needed} are needed for blocks of {block} samples"
+    )]
+    TooShort {
+        /// Samples of the record.
+        samples: usize,
+        /// Block length in samples.
+        block: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// The autocorrelation does not decay within half of the record.
+    #[error(
+        "the fault-free record of {samples} samples does not forget itself: it drifts or is too short"
+    )]
+    Drift {
+        /// Samples of the record.
+        samples: usize,
+    },
+    /// The record holds too few independent exceedances for the rate.
+    #[error(
+        "the wanted rate means {expected_exceedances:.2} independent exceedances in a record worth \
+         {effective_samples:.0} independent samples; at least {LEAST_EXCEEDANCES} are needed"
+    )]
+    Unresolved {
+        /// Exceedances expected in the record.
+        expected_exceedances: f64,
+        /// Independent samples that the record is worth.
+        effective_samples: f64,
+    },
+}
+
+/// Fewest expected independent exceedances that count as resolved: their number then scatters by less
+/// than half of itself.
+const LEAST_EXCEEDANCES: f64 = 5.0;
+
+/// Fewest blocks in a record.
+const LEAST_BLOCKS: usize = 10;
+
+/// Finds the threshold at which `detector` keeps the wanted rate of false alarms on records like
+/// `healthy`; the threshold that the detector has plays no part. The detector is left reset.
+///
+/// # Errors
+///
+/// Returns an error when channels differ, a number is out of range, the record is too short or drifts,
+/// or cannot resolve the rate.
+///
+/// # Examples
+///
+/// ```
+/// use fd_compensate::{
+///     SampleRows,
+///     calibrate::{CalibrationPlan, FalseAlarms, calibrate},
+///     detect::Magnitude,
+/// };
+///
+/// // A pseudo-random sequence on (-1, 1) that is uniform and hardly correlated.
+/// let healthy: Vec<f64> = (0..5000).map(|k| (f64::from(k).powi(2) * 0.618).sin()).collect();
+/// let mut detector = Magnitude::new(&[1.0], 1.0)?;
+/// let wanted = FalseAlarms::PerSample { rate: 0.01 };
+/// let rows = SampleRows::new(1, &healthy)?;
+/// let found = calibrate(&mut detector, rows, wanted, &CalibrationPlan::default())?;
+/// assert!(found.low <= found.threshold && found.threshold <= found.high);
+/// let detector = detector.with_threshold(found.threshold)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn calibrate<D: Detector<f64> + ?Sized>(
+    detector: &mut D,
+    healthy: SampleRows<'_>,
+    wanted: FalseAlarms,
+    plan: &CalibrationPlan,
+) -> Result<CalibratedThreshold, CalibrationError> {
+    check(detector.residual_len(), healthy, wanted, plan)?;
+    let samples = healthy.len();
+    let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
+    // Minus infinity until the debouncing window holds enough samples.
+    statistics.retain(|s| s.is_finite());
+    let times = (0..healthy.channels())
+        .map(|channel| autocorrelation_time(&healthy.channel(channel).collect::<Vec<_>>()))
+        .chain([autocorrelation_time(&statistics)]);
+    let Some(time) = times.into_iter().try_fold(1.0, |worst: f64, t| Some(worst.max(t?))) else {
+        return Err(CalibrationError::Drift { samples });
+    };
+    let block = block_length(plan, samples, time)?;
+    let effective_samples = samples as f64 / time;
+    let resolved_exceedances = match wanted {
+        FalseAlarms::PerSample { rate } => rate * effective_samples,
+        FalseAlarms::PerRun { probability, samples: run } => {
+            -(-probability).ln_1p() * samples as f64 / run as f64
+        }
+    };
+    let extrapolated = resolved_exceedances < LEAST_EXCEEDANCES;
+    if extrapolated && plan.beyond == Beyond::Refuse {
+        let expected_exceedances = resolved_exceedances;
+        return Err(CalibrationError::Unresolved { expected_exceedances, effective_samples });
+    }
+    let question = Question { wanted, plan, block, effective_samples, extrapolated };
+    let whole: Vec<usize> = (0..samples).collect();
+    let threshold = question.threshold(detector, healthy, &whole, plan.seed);
+    let mut resampled: Vec<f64> = (1..=plan.records as u64)
+        .map(|record| {
+            // Seeds of records and of the runs within them must not coincide.
+            let seed = plan.seed.wrapping_add(record.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            let drawn: Vec<usize> =
+                CircularBlocks::new(samples, block, seed).take(samples).collect();
+            question.threshold(detector, healthy, &drawn, !seed)
+        })
+        .collect();
+    resampled.sort_unstable_by(f64::total_cmp);
+    detector.reset();
+    let tail = 0.5 * (1.0 - plan.confidence);
+    Ok(CalibratedThreshold {
+        threshold,
+        low: upper_quantile(&resampled, 1.0 - tail).min(threshold),
+        high: upper_quantile(&resampled, tail).max(threshold),
+        confidence: plan.confidence,
+        samples,
+        autocorrelation_time: time,
+        effective_samples,
+        block,
+        resolved_exceedances,
+        extrapolated,
+    })
+}
+
+/// What is asked of every record, original or resampled.
+struct Question<'a> {
+    wanted: FalseAlarms,
+    plan: &'a CalibrationPlan,
+    block: usize,
+    effective_samples: f64,
+    extrapolated: bool,
+}
+
+impl Question<'_> {
+    /// The threshold for the record made of the samples `drawn` from `healthy`.
+    fn threshold<D: Detector<f64> + ?Sized>(
+        &self,
+        detector: &mut D,
+        healthy: SampleRows<'_>,
+        drawn: &[usize],
+        seed: u64,
+    ) -> f64 {
+        let debouncing = self.plan.debouncing;
+        match self.wanted {
+            FalseAlarms::PerSample { rate } => {
+                let mut values = statistics(detector, healthy, drawn.iter().copied(), debouncing);
+                values.sort_unstable_by(f64::total_cmp);
+                if self.extrapolated {
+                    let resolved = (4.0 * LEAST_EXCEEDANCES / self.effective_samples).min(0.5);
+                    exponential_tail(&values, resolved, rate)
+                } else {
+                    upper_quantile(&values, rate)
+                }
+            }
+            FalseAlarms::PerRun { probability, samples } => {
+                // A run that the record holds often enough; the rest is Poisson.
+                let longest = (drawn.len() / LEAST_BLOCKS).max(1);
+                let length = if self.extrapolated { samples.min(longest) } else { samples };
+                let mut blocks = CircularBlocks::new(drawn.len(), self.block, seed);
+                let mut maxima: Vec<f64> = (0..self.plan.runs)
+                    .map(|_| {
+                        blocks.restart();
+                        let run = blocks.by_ref().take(length).map(|i| drawn[i]);
+                        let values = statistics(detector, healthy, run, debouncing);
+                        values.into_iter().fold(f64::NEG_INFINITY, f64::max)
+                    })
+                    .collect();
+                maxima.sort_unstable_by(f64::total_cmp);
+                if self.extrapolated {
+                    let share = length as f64 / samples as f64;
+                    let rate = -((-probability).ln_1p() * share).exp_m1();
+                    exponential_tail(&maxima, rate.max(0.5), rate)
+                } else {
+                    upper_quantile(&maxima, probability)
+                }
+            }
+        }
+    }
+}
+
+/// The debounced statistics of a reset detector over the samples `drawn`.
+fn statistics<D: Detector<f64> + ?Sized>(
+    detector: &mut D,
+    healthy: SampleRows<'_>,
+    drawn: impl Iterator<Item = usize>,
+    debouncing: Debouncing,
+) -> Vec<f64> {
+    detector.reset();
+    let raw: Vec<f64> = drawn.map(|k| detector.update(healthy.row(k)).statistic).collect();
+    debounced_statistics(&raw, debouncing)
+}
+
+fn block_length(
+    plan: &CalibrationPlan,
+    samples: usize,
+    time: f64,
+) -> Result<usize, CalibrationError> {
+    let automatic = (5.0 * time).max((samples as f64).cbrt()).ceil();
+    let block = plan.block.unwrap_or(whole(automatic));
+    let needed = LEAST_BLOCKS * block;
+    if samples < needed {
+        return Err(CalibrationError::TooShort { samples, block, needed });
+    }
+    Ok(block)
+}
+
+fn check(
+    channels: usize,
+    healthy: SampleRows<'_>,
+    wanted: FalseAlarms,
+    plan: &CalibrationPlan,
+) -> Result<(), CalibrationError> {
+    if healthy.channels() != channels {
+        let (expected, found) = (channels, healthy.channels());
+        return Err(CalibrationError::Channels { expected, found });
+    }
+    plan.debouncing.check()?;
+    let (rate, run) = match wanted {
+        FalseAlarms::PerSample { rate } => (rate, 1),
+        FalseAlarms::PerRun { probability, samples } => (probability, samples),
+    };
+    for (parameter, found) in [("false-alarm rate", rate), ("confidence", plan.confidence)] {
+        if !(found > 0.0 && found < 1.0) {
+            let expected = "between 0 and 1";
+            return Err(CalibrationError::Parameter { parameter, expected, found });
+        }
+    }
+    let counts = [
+        ("run length", run),
+        ("runs", plan.runs),
+        ("records", plan.records),
+        ("block", plan.block.unwrap_or(1)),
+    ];
+    match counts.into_iter().find(|&(_, count)| count == 0) {
+        Some((parameter, _)) => {
+            Err(CalibrationError::Parameter { parameter, expected: "at least 1", found: 0.0 })
+        }
+        None => Ok(()),
+    }
+}

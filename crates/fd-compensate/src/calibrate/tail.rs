@@ -1,0 +1,48 @@
+//! Quantiles of a sample, inside and beyond it.
+
+use crate::count::whole;
+
+/// The smallest of the values that at most the share `rate` of them exceeds. `sorted` is ascending and
+/// not empty.
+pub(super) fn upper_quantile(sorted: &[f64], rate: f64) -> f64 {
+    let n = sorted.len();
+    // At most this many may exceed it; the small excess undoes the rounding of rate * n.
+    let above = whole(rate * n as f64 * (1.0 + 4.0 * f64::EPSILON)).min(n - 1);
+    sorted[n - 1 - above]
+}
+
+/// The quantile for a `rate` that the values cannot resolve: an exponential tail fitted to what exceeds
+/// the quantile of `resolved`. Right for exponential tails, too high (safe) for Gaussian ones, too low
+/// for heavier ones.
+pub(super) fn exponential_tail(sorted: &[f64], resolved: f64, rate: f64) -> f64 {
+    let foot = upper_quantile(sorted, resolved);
+    let above = sorted.partition_point(|&v| v <= foot);
+    let excess: Vec<f64> = sorted[above..].iter().map(|v| v - foot).collect();
+    let mean = excess.iter().sum::<f64>() / (excess.len() as f64).max(1.0);
+    foot + mean * (resolved / rate).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_than_the_rate_exceeds_the_quantile() {
+        let sorted: Vec<f64> = (0..100).map(f64::from).collect();
+        for (rate, expected) in [(0.0, 99.0), (0.01, 98.0), (0.05, 94.0), (0.055, 94.0)] {
+            let quantile = upper_quantile(&sorted, rate);
+            assert!((quantile - expected).abs() < f64::EPSILON, "{rate}: {quantile}");
+        }
+    }
+
+    #[test]
+    fn an_exponential_tail_is_continued_exactly() {
+        // Quantiles of the unit exponential: its tail at rate p is -ln p.
+        let n = 100_000;
+        let sorted: Vec<f64> =
+            (0..n).map(|i| -(1.0 - (f64::from(i) + 0.5) / f64::from(n)).ln()).collect();
+        let far = exponential_tail(&sorted, 0.01, 1e-6);
+        // 1000 excesses placed evenly: their mean is right to about ln(1000)/1000.
+        assert!((far - 1e6_f64.ln()).abs() < 0.05, "{far}");
+    }
+}

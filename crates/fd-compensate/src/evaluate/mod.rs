@@ -1,0 +1,13 @@
+//! What a detector is worth, measured on recorded statistics.
+//!
+//! Plain functions on slices for benchmarks and reports: how often it alarms without a fault, how long
+//! a fault stays unseen, and which fault is the smallest that is seen. Comparisons between methods are
+//! fair only at equal false-alarm rates: calibrate each threshold first.
+
+mod alarms;
+mod smallest;
+
+pub use self::{
+    alarms::{alarms, debounced_statistics, detection_delay, false_alarm_rate},
+    smallest::{smallest_detectable, smallest_detectable_by_search},
+};

@@ -1,0 +1,73 @@
+//! Two-stage on-line residual compensation of Patton & Chen (1992), section 3.
+//!
+//! Modelling errors leave a bias in the residual that is driven by the input (eq. 13-14),
+//!
+//! ```text
+//! μ(k) + a₁ μ(k−1) + … + aₙ μ(k−n) = b₀ u(k) + … + bₙ u(k−n),      θ = [a₁ … aₙ b₀ … bₙ]
+//! ```
+//!
+//! and while the plant is healthy that bias *is* the residual, `μ(k) = r(k)`. Hence two stages:
+//!
+//! 1. **Training.** The identifier learns `θ` from `(u, r)` (eq. 18) until
+//!    `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖` for `μ` samples in a row. No sample of this stage may be judged
+//!    by a threshold for `r*`; decision rules are muted by [`Phase::Training`](fd_core::stage::Phase).
+//! 2. **Compensation.** The switch opens (event `Frozen`), `θ* = θ` stays fixed, `μ̂` is *simulated*
+//!    from `u` and its own past (eq. 16), and `r* = r − μ̂` (eq. 17). The histories of the model
+//!    run on from the measured bias, so that opening the switch causes no transient.
+//!
+//! # What `r*` is during training
+//!
+//! The innovation `r(k) − φᵀ(k) θ(k−1)`: what the one-step prediction with the newest parameters
+//! leaves. It is what the paper's figure 3 shows behind the still closed switch, and the quantity in
+//! which a hard fault jumps ("the detection is also possible even if the adaptive parameter
+//! identification is not switched off").
+//!
+//! # Why simulation and not one-step prediction
+//!
+//! With the bias model `A(z) μ = B(z) u` and a fault that adds `f_r` to the residual,
+//! `r = B/A u + f_r`:
+//!
+//! ```text
+//! simulated:  r* = r − B/A u               = f_r                [`Mode::Simulation`]
+//! one step:   r* = r − (1 − A) r − B u     = A(z) f_r           [`Mode::OneStep`]
+//! ```
+//!
+//! The one-step prediction has seen the fault in `r(k−1) … r(k−n)` and explains it away. A lasting
+//! fault keeps only `A(1)` of its effect. With the parameters that the paper reports
+//! (`a₁ = −1.430808, a₂ = 0.432895`) that is `A(1) = 0.002087`: the fault is attenuated 479-fold, and
+//! an incipient fault vanishes. `Mode::OneStep` exists only to show this.
+//!
+//! # Assumptions, and when not to use it
+//!
+//! * The plant is healthy during training. A fault that is present then is learned as bias and is
+//!   never seen; an abrupt one is caught by the hard-fault test, an incipient one cannot be.
+//! * The bias is a stable linear function of `u` near the operating point of the training. The guard
+//!   of [`OperatingPoint`] watches that `u` stays there; it cannot see a change of the plant itself.
+//! * Faults do not act through `u`. A fault of the *measured* `u` (or a controller that reacts to a
+//!   sensor fault) moves `μ̂` as well.
+//! * Re-training is itself a training: under [`RangePolicy::Retrain`] a fault that is present
+//!   when the operating point moves is learned as bias.
+//! * The paper's convergence test is weak: the gain of recursive least squares falls like `1/k`, so it
+//!   passes sooner or later whether or not `θ` is any good. Hence the least number of samples, the
+//!   demand that the input moves, the optional bound on the standard error, and the [`Trial`]: a
+//!   candidate `θ*` is simulated next to the still healthy residual before the switch opens.
+
+mod activities;
+mod convergence;
+mod design;
+mod error;
+mod fixed;
+mod jump;
+mod operating_point;
+mod run;
+mod trial;
+
+pub use self::{
+    design::{
+        CompensationPlan, Convergence, HardFault, Mode, OperatingPoint, PreFitted, RangePolicy,
+        Timeout, Trial,
+    },
+    error::CompensationError,
+    fixed::FixedParameters,
+    run::ResidualCompensator,
+};

@@ -1,0 +1,203 @@
+//! The pipeline: data flow, missing samples, events, and continuing from a snapshot.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use fd_core::{
+    BuildError, EventKind, Frame, FrameError, IoDims, MissingSamples, Pipeline, Snapshot,
+    SnapshotError, Stages, StateVisitor,
+    stage::{
+        Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
+        Verdict,
+    },
+};
+use proptest::prelude::*;
+
+/// `r = y − a·(previous y) − u`: the smallest generator with a memory.
+#[derive(Clone, Debug)]
+struct Lag {
+    previous: f64,
+}
+
+impl Stage for Lag {
+    fn reset(&mut self) {
+        self.previous = 0.0;
+    }
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        visitor.reals("previous", std::slice::from_mut(&mut self.previous));
+    }
+}
+
+impl ResidualGenerator for Lag {
+    fn io(&self) -> IoDims {
+        IoDims { nu: 1, ny: 1 }
+    }
+    fn residual_len(&self) -> usize {
+        1
+    }
+    fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
+        r[0] = frame.y()[0] - 0.5 * self.previous - frame.u()[0];
+        self.previous = frame.y()[0];
+    }
+}
+
+/// Sum of `|r|`, so that the past matters.
+#[derive(Clone, Debug)]
+struct Sum {
+    sum: f64,
+    len: usize,
+}
+
+impl Stage for Sum {
+    fn reset(&mut self) {
+        self.sum = 0.0;
+    }
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        visitor.reals("sum", std::slice::from_mut(&mut self.sum));
+    }
+}
+
+impl Detector for Sum {
+    fn residual_len(&self) -> usize {
+        self.len
+    }
+    fn update(&mut self, r: &[f64]) -> Verdict<f64> {
+        self.sum = 0.9 * self.sum + r[0].abs();
+        Verdict { statistic: self.sum, threshold: 1.0 }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct AlarmIsFault;
+
+impl Stage for AlarmIsFault {
+    fn reset(&mut self) {}
+    fn visit_state(&mut self, _: &mut dyn StateVisitor<f64>) {}
+}
+
+impl DecisionRule for AlarmIsFault {
+    fn residual_len(&self) -> usize {
+        1
+    }
+    fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
+        if evidence.verdict.alarm() {
+            Decision::Fault(Fault { since: evidence.k, hypothesis: None, size: None })
+        } else {
+            Decision::Nominal
+        }
+    }
+}
+
+type TestPipeline = Pipeline<f64, Stages<Lag, Uncompensated, Sum, AlarmIsFault>>;
+
+fn pipeline() -> TestPipeline {
+    Pipeline::new(Stages {
+        generator: Lag { previous: 0.0 },
+        compensator: Uncompensated::new(1),
+        detector: Sum { sum: 0.0, len: 1 },
+        rule: AlarmIsFault,
+    })
+    .unwrap()
+}
+
+#[test]
+fn stages_must_fit() {
+    let misfit = Pipeline::new(Stages {
+        generator: Lag { previous: 0.0 },
+        compensator: Uncompensated::new(1),
+        detector: Sum { sum: 0.0, len: 3 },
+        rule: AlarmIsFault,
+    });
+    let expected = BuildError { stage: "detector", signal: "residual", expected: 3, found: 1 };
+    assert_eq!(misfit.err(), Some(expected));
+    assert_eq!(
+        expected.to_string(),
+        "detector expects 3 residual channels, the residual generator has 1"
+    );
+}
+
+#[test]
+fn a_rejected_sample_leaves_no_trace() {
+    let (mut a, mut b) = (pipeline(), pipeline());
+    for k in 0..20 {
+        let y = f64::from(k) * 0.01;
+        assert_eq!(
+            a.step(&[0.0], &[f64::NAN]).err(),
+            Some(FrameError::NonFinite { k: k as u64, signal: "y", channel: 0 })
+        );
+        assert!(matches!(a.step(&[], &[y]).err(), Some(FrameError::Length { found: 0, .. })));
+        let left = a.step(&[0.0], &[y]).unwrap().verdict;
+        assert_eq!(left, b.step(&[0.0], &[y]).unwrap().verdict);
+    }
+}
+
+#[test]
+fn missing_samples_are_held_for_a_while() {
+    let mut p = pipeline().with_missing_samples(MissingSamples::Hold { at_most: 2 });
+    assert!(p.step(&[0.0], &[f64::NAN]).is_err(), "nothing to hold before the first sample");
+    p.step(&[0.25], &[0.5]).unwrap();
+    for _ in 0..2 {
+        // y = 0.5 and u = 0.25 are held: r = 0.5 − 0.25 − 0.25 = 0, exact in binary.
+        let step = p.step(&[f64::NAN], &[f64::INFINITY]).unwrap();
+        assert_eq!(step.residual, [0.0]);
+        assert_eq!(step.events.iter().collect::<Vec<_>>(), [EventKind::SampleHeld]);
+    }
+    assert!(p.step(&[f64::NAN], &[0.5]).is_err(), "a third one in a row is refused");
+    p.step(&[0.25], &[0.5]).unwrap();
+    assert!(p.step(&[f64::NAN], &[0.5]).is_ok(), "a good sample ends the row");
+}
+
+#[test]
+fn alarms_are_events() {
+    let mut p = pipeline();
+    let mut events = Vec::new();
+    for k in 0..60 {
+        let y = if (10..20).contains(&k) { 1.0 } else { 0.0 };
+        let step = p.step(&[0.0], &[y]).unwrap();
+        events.extend(step.events.iter().map(|kind| (step.k, kind)));
+    }
+    let kinds: Vec<EventKind> = events.iter().map(|event| event.1).collect();
+    assert_eq!(kinds, [EventKind::AlarmRaised, EventKind::AlarmCleared]);
+    assert!(events[0].0 >= 10 && events[1].0 >= 20, "{events:?}");
+}
+
+#[test]
+fn a_snapshot_of_something_else_is_refused() {
+    let mut p = pipeline();
+    p.step(&[0.0], &[0.3]).unwrap();
+    let before = Snapshot::of(&mut p);
+    let foreign = Snapshot::of(&mut Sum { sum: 2.0, len: 1 });
+    let error = foreign.restore(&mut p).unwrap_err();
+    assert!(matches!(error, SnapshotError::Field { index: 0, .. }), "{error}");
+    assert!(matches!(
+        before.restore(&mut Sum { sum: 2.0, len: 1 }),
+        Err(SnapshotError::Field { .. })
+    ));
+    assert_eq!(Snapshot::of(&mut p), before, "a refused snapshot changes nothing");
+}
+
+proptest! {
+    #[test]
+    fn restored_from_a_file_the_future_is_the_same(
+        ys in prop::collection::vec(-1e3..1e3_f64, 2..40),
+        cut in 1..39_usize,
+    ) {
+        let cut = cut.min(ys.len() - 1);
+        let mut original = pipeline();
+        for y in &ys[..cut] {
+            original.step(&[0.1], &[*y]).unwrap();
+        }
+        let text = serde_json::to_string(&Snapshot::of(&mut original)).unwrap();
+        let mut restored = pipeline();
+        serde_json::from_str::<Snapshot>(&text).unwrap().restore(&mut restored).unwrap();
+        for y in &ys[cut..] {
+            let left = original.step(&[0.1], &[*y]).unwrap();
+            let right = restored.step(&[0.1], &[*y]).unwrap();
+            prop_assert_eq!(left.k, right.k);
+            prop_assert_eq!(left.residual, right.residual);
+            prop_assert_eq!(left.verdict, right.verdict);
+            prop_assert_eq!(left.events, right.events);
+        }
+        original.reset();
+        let mut fresh = pipeline();
+        prop_assert_eq!(Snapshot::of(&mut original), Snapshot::of(&mut fresh));
+    }
+}

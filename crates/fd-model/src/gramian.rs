@@ -1,0 +1,63 @@
+//! Controllability and observability gramians of stable models.
+
+use faer::Mat;
+
+use crate::{
+    domain::TimeDomain,
+    error::ModelError,
+    linalg::{balance, smith_factor},
+    state_space::StateSpace,
+};
+
+/// Factors of the gramians in their own units: `P = L_c L_cᵀ`, `Q = L_o L_oᵀ`.
+pub(crate) struct GramianFactors {
+    pub(crate) controllability: Mat<f64>,
+    pub(crate) observability: Mat<f64>,
+}
+
+impl<D: TimeDomain> StateSpace<D> {
+    /// The controllability gramian `P`: the covariance of the states under white noise of unit
+    /// intensity on the inputs.
+    ///
+    /// `A P + P Aᵀ + B Bᵀ = 0` in continuous and `A P Aᵀ − P + B Bᵀ = 0` in discrete time.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model is unstable or within rounding of it.
+    pub fn controllability_gramian(&self) -> Result<Mat<f64>, ModelError> {
+        let factor = self.gramian_factors("the controllability gramian")?.controllability;
+        Ok(&factor * factor.transpose())
+    }
+
+    /// The observability gramian `Q`: `xᵀ Q x` is the energy of the free response from `x`.
+    ///
+    /// `Aᵀ Q + Q A + Cᵀ C = 0` in continuous and `Aᵀ Q A − Q + Cᵀ C = 0` in discrete time.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model is unstable or within rounding of it.
+    pub fn observability_gramian(&self) -> Result<Mat<f64>, ModelError> {
+        let factor = self.gramian_factors("the observability gramian")?.observability;
+        Ok(&factor * factor.transpose())
+    }
+
+    /// Factors of both gramians, without ever squaring them.
+    pub(crate) fn gramian_factors(&self, what: &'static str) -> Result<GramianFactors, ModelError> {
+        let poles = self.stable_poles(what)?;
+        if self.nx() == 0 {
+            return Ok(GramianFactors {
+                controllability: Mat::zeros(0, self.nu()),
+                observability: Mat::zeros(0, self.ny()),
+            });
+        }
+        let scaling = balance(self.a(), self.b(), self.c());
+        let (a, b, c) = (scaling.a(self.a()), scaling.b(self.b()), scaling.c(self.c()));
+        let (forward, b) = self.domain().smith_pair(a.as_ref(), b.as_ref(), &poles)?;
+        let (backward, c) = self.domain().smith_pair(a.transpose(), c.transpose(), &poles)?;
+        let (l_c, l_o) = (smith_factor(&forward, &b)?, smith_factor(&backward, &c)?);
+        Ok(GramianFactors {
+            controllability: scaling.undo_b(l_c.as_ref()),
+            observability: scaling.undo_c(l_o.transpose()).transpose().to_owned(),
+        })
+    }
+}

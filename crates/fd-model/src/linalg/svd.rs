@@ -1,0 +1,30 @@
+//! Singular value decomposition with sizes of zero allowed.
+
+use faer::{Mat, MatRef};
+
+use crate::error::ModelError;
+
+/// `A = U diag(values) Vᵀ` with as many columns in `U` and `V` as there are values.
+pub(crate) struct Svd {
+    pub(crate) u: Mat<f64>,
+    /// Largest first.
+    pub(crate) values: Vec<f64>,
+    pub(crate) v: Mat<f64>,
+}
+
+/// Thin singular value decomposition.
+pub(crate) fn svd(a: MatRef<'_, f64>) -> Result<Svd, ModelError> {
+    if a.nrows() == 0 || a.ncols() == 0 {
+        let (u, v) = (Mat::zeros(a.nrows(), 0), Mat::zeros(a.ncols(), 0));
+        return Ok(Svd { u, values: Vec::new(), v });
+    }
+    let svd = a.thin_svd().map_err(|_| ModelError::NoConvergence {
+        what: "singular values",
+        order: a.nrows().min(a.ncols()),
+    })?;
+    Ok(Svd {
+        u: svd.U().to_owned(),
+        values: svd.S().column_vector().iter().copied().collect(),
+        v: svd.V().to_owned(),
+    })
+}

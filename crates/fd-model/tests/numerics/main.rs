@@ -1,0 +1,12 @@
+//! Numerics of linear models: published numbers, algebra and edge cases.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod engines;
+mod lyapunov;
+mod models;
+mod norms;
+mod oracle;
+mod reduction;
+mod riccati;
+mod sampling;
+mod uncertainty;

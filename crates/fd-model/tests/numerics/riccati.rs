@@ -1,0 +1,77 @@
+//! Riccati equations: closed forms, residuals, stability, bad input.
+
+use faer::{Mat, mat};
+use fd_model::{ModelError, riccati};
+use proptest::prelude::*;
+
+use crate::models::{distance, random, recipes, rng};
+
+#[test]
+fn scalar_riccati_equation_has_its_closed_form() {
+    for (a, b, q, r) in [(1.0, 1.0, 1.0, 1.0), (0.5, 2.0, 3.0, 0.1), (1.7, 0.3, 1e-3, 40.0)] {
+        // p = a²p − a²p²b²/(r + b²p) + q, a quadratic in p.
+        let (half, square): (f64, f64) = (0.5 * (r - a * a * r - q * b * b), q * r * b * b);
+        let p = ((half * half + square).sqrt() - half) / (b * b);
+        let (ma, mb, mq, mr) = (mat![[a]], mat![[b]], mat![[q]], mat![[r]]);
+        let found = riccati::discrete_regulator(ma.as_ref(), mb.as_ref(), mq.as_ref(), mr.as_ref())
+            .unwrap();
+        assert!((found.p[(0, 0)] - p).abs() < 1e-13 * p, "{} is not {p}", found.p[(0, 0)]);
+        assert!((found.gain[(0, 0)] - a * b * p / (r + b * b * p)).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn unreachable_unstable_modes_cannot_be_stabilised() {
+    let a = mat![[2.0, 0.0], [0.0, 0.5]];
+    let b = mat![[0.0], [1.0]];
+    let q = Mat::<f64>::identity(2, 2);
+    let error =
+        riccati::discrete_regulator(a.as_ref(), b.as_ref(), q.as_ref(), mat![[1.0]].as_ref())
+            .unwrap_err();
+    assert!(
+        matches!(error, ModelError::NotStabilisable { .. } | ModelError::NoConvergence { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn indefinite_weights_are_rejected() {
+    let one = mat![[1.0]];
+    let minus = mat![[-1.0]];
+    let regulator = |q, r| riccati::discrete_regulator(one.as_ref(), one.as_ref(), q, r);
+    let error = regulator(minus.as_ref(), one.as_ref()).unwrap_err();
+    assert_eq!(error, ModelError::NotPositive { role: "state weight Q", needed: "semidefinite" });
+    let error = regulator(one.as_ref(), mat![[0.0]].as_ref()).unwrap_err();
+    assert_eq!(error, ModelError::NotPositive { role: "input weight R", needed: "definite" });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn regulator_solves_its_equation_and_stabilises(recipe in recipes(12), scale in -3.0..3.0_f64) {
+        let mut rng = rng(recipe.seed);
+        let (n, m) = (recipe.nx, recipe.nu);
+        let a = random(n, n, &mut rng);
+        let b = random(n, m, &mut rng);
+        let root = random(n, n, &mut rng);
+        let q = &root * root.transpose();
+        let r = faer::Scale(scale.exp()) * Mat::<f64>::identity(m, m);
+        let found =
+            riccati::discrete_regulator(a.as_ref(), b.as_ref(), q.as_ref(), r.as_ref()).unwrap();
+        let p = &found.p;
+        prop_assert!(distance(p.as_ref(), p.transpose()) <= 0.0, "P must be symmetric");
+        let lowest = p.self_adjoint_eigenvalues(faer::Side::Lower).unwrap()[0];
+        prop_assert!(lowest >= -1e-12 * p.norm_l2());
+
+        let closed = &a - &b * &found.gain;
+        let radius = closed.eigenvalues().unwrap().iter().fold(0.0_f64, |m, z| m.max(z.norm()));
+        prop_assert!(radius < 1.0, "closed loop has radius {radius}");
+
+        let residual = a.transpose() * p * &closed + &q - p;
+        // n ε ‖A‖ ‖P‖ ‖A − BK‖ for the products that the residual goes through.
+        let size = a.norm_l2() * p.norm_l2() * closed.norm_l2() + p.norm_l2();
+        let unit = n as f64 * f64::EPSILON * size;
+        prop_assert!(residual.norm_l2() < 2.0 * unit, "{:e}", residual.norm_l2() / unit);
+    }
+}

@@ -1,0 +1,109 @@
+//! What can go wrong while a residual generator is designed.
+
+use fd_core::ShapeError;
+use fd_model::ModelError;
+use thiserror::Error;
+
+/// No residual generator with the wanted properties exists, or the request is inconsistent.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// A matrix has the wrong size.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A model cannot be built or transformed, or is unstable where a stable one is needed.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The outputs do not show a mode of the model, so no observer gain can move it.
+    #[error(
+        "the mode at {re} {im:+}i cannot be seen in the outputs: \
+         [A - pI; C] has relative smallest singular value {distance:.1e}"
+    )]
+    Unobservable {
+        /// Real part of the eigenvalue (1/s, or per sample for discrete models).
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+        /// Smallest singular value of `[A − p I; C]` over the norm of `[A; C]`.
+        distance: f64,
+    },
+    /// Too many or too few poles were asked for.
+    #[error("an observer of {expected} states has {expected} poles, got {found}")]
+    PoleCount {
+        /// States of the model.
+        expected: usize,
+        /// Poles that were given.
+        found: usize,
+    },
+    /// A complex pole was given without its conjugate, or a pole is not finite.
+    #[error("pole {re} {im:+}i must be finite and come with its conjugate, equally often")]
+    PoleConjugate {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// A pole is repeated more often than an observer with full eigenvectors allows.
+    #[error("pole {re} {im:+}i is wanted {multiplicity} times, but C has rank {rank} only")]
+    PoleMultiplicity {
+        /// Real part.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+        /// How often it was given.
+        multiplicity: usize,
+        /// Number of independent outputs, the largest multiplicity possible.
+        rank: usize,
+    },
+    /// The eigenvectors of the wanted poles are dependent to working precision.
+    #[error("the wanted poles make eigenvectors of condition {condition:.1e}; spread the poles")]
+    PlacementCondition {
+        /// 2-norm condition number of the eigenvector matrix.
+        condition: f64,
+    },
+    /// A speed factor is not a positive number.
+    #[error("observer speed must be positive and finite, got {factor}")]
+    Speed {
+        /// Value that was given.
+        factor: f64,
+    },
+    /// The window is too short for any parity relation with the wanted decoupling.
+    #[error(
+        "no parity relation of order {order}: {rows} rows of rank {rank} leave nothing \
+         (smallest relative singular value {smallest:.1e}); take a longer window"
+    )]
+    NoParity {
+        /// Window length minus one.
+        order: usize,
+        /// Rank of the matrix that has to be annihilated.
+        rank: usize,
+        /// Its rows.
+        rows: usize,
+        /// Its smallest singular value over its largest.
+        smallest: f64,
+    },
+    /// A given parity vector does not annihilate the observability matrix.
+    #[error("parity vector {row} leaves a relative {residue:.1e} of the initial state")]
+    NotParity {
+        /// Row of the given matrix, from 0.
+        row: usize,
+        /// `‖w Γ‖ / (‖w‖ ‖Γ‖)`.
+        residue: f64,
+    },
+    /// An index lies outside what there is.
+    #[error("{what} {index} does not exist, there are {count}")]
+    Index {
+        /// What is counted.
+        what: &'static str,
+        /// Index that was given, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Something that must not be empty is.
+    #[error("at least one {what} is needed")]
+    Empty {
+        /// What is missing.
+        what: &'static str,
+    },
+}

@@ -1,0 +1,315 @@
+//! Laws that every generator of this crate obeys, on random stable plants.
+#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+
+mod common;
+
+use common::{
+    Draw, distance, draws, joined, peak, plant, plus, random_matrix, residuals, rng, signal,
+    simulate,
+};
+use faer::Mat;
+use fd_core::{
+    Fixed, Heap,
+    stage::{ResidualGenerator, Stage},
+    testing::reset_and_restore,
+};
+use fd_model::{Discrete, StateSpace};
+use fd_residual::{
+    GeneratorDesign,
+    bank::{Bank, BankDesign},
+    observer::ObserverDesign,
+    parity::{FixedWindow, ParityDesign},
+    simulation::SimulationDesign,
+    weighted::{FilteredDesign, WeightedDesign},
+};
+use proptest::prelude::*;
+
+/// Every kind of generator, with the number of samples that it waits.
+fn designs(model: &StateSpace<Discrete>, seed: u64) -> Vec<(usize, Box<dyn GeneratorDesign>)> {
+    let mut rng = rng(seed ^ 0x5eed);
+    let ny = model.ny();
+    let kalman = ObserverDesign::kalman(model, 1.0, 0.1).unwrap();
+    let weight = random_matrix(&mut rng, 2, ny);
+    let filter = StateSpace::new(
+        Mat::from_fn(2, 2, |i, j| if i == j { 0.6 } else { -0.1 }),
+        random_matrix(&mut rng, 2, ny),
+        random_matrix(&mut rng, 1, 2),
+        random_matrix(&mut rng, 1, ny),
+        model.domain(),
+    )
+    .unwrap();
+    let parity = ParityDesign::all(model, model.nx()).unwrap();
+    let simulation = SimulationDesign::new(model).unwrap();
+    let bank = BankDesign::new(vec![Box::new(simulation.clone()), Box::new(parity.clone())]);
+    vec![
+        (0, Box::new(simulation)),
+        (model.nx(), Box::new(parity.select(&[0]).unwrap())),
+        (model.nx(), Box::new(parity)),
+        (model.nx(), Box::new(bank.unwrap())),
+        (0, Box::new(kalman.clone())),
+        (0, Box::new(WeightedDesign::new(kalman.clone(), weight.as_ref()).unwrap())),
+        (0, Box::new(FilteredDesign::new(kalman.clone(), &filter).unwrap())),
+        (0, Box::new(kalman.form().unwrap())),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Eq. (5): `H_u + H_y G_u = 0`.
+    #[test]
+    fn inputs_do_not_reach_the_residual(draw in draws()) {
+        let model = plant(draw);
+        for (_, design) in designs(&model, draw.seed) {
+            // Two resolvents of radius <= 0.95 (cond <= ~1e4 for these sizes) cost 1e4 n eps.
+            let defect = design.form().unwrap().consistency(&model).unwrap();
+            prop_assert!(defect < 1e-10, "{defect:e} for {design:?}");
+        }
+    }
+
+    /// The residual of a healthy plant dies out whatever its initial state was.
+    #[test]
+    fn a_healthy_plant_shows_no_residual(draw in draws()) {
+        // At radius 0.9 every transient is below 0.9^600 = 4e-28 of its start; observers are faster.
+        let model = plant(Draw { radius: draw.radius.min(0.9), ..draw });
+        let u = signal(draw.seed ^ 1, draw.nu, 700);
+        let x0 = signal(draw.seed ^ 2, draw.nx, 1).remove(0);
+        let y = simulate(&model, &x0, &u);
+        for (_, design) in designs(&model, draw.seed) {
+            let r = residuals(&mut *design.build().unwrap(), &u, &y);
+            // Rounding of sums of some ten terms of the size of y, filtered by a gain of up to 100.
+            prop_assert!(peak(&r[600..]) < 1e-11 * (1.0 + peak(&y)), "{design:?}");
+        }
+    }
+
+    /// What runs is what was designed.
+    #[test]
+    fn a_generator_computes_its_form(draw in draws()) {
+        let model = plant(draw);
+        let (u, y) = (signal(draw.seed ^ 1, draw.nu, 60), signal(draw.seed ^ 2, draw.ny, 60));
+        for (wait, design) in designs(&model, draw.seed) {
+            let system = design.form().unwrap().system().clone();
+            let expected = simulate(&system, &vec![0.0; system.nx()], &joined(&u, &y));
+            let mut generator = design.build().unwrap();
+            prop_assert_eq!(generator.residual_len(), design.residual_len());
+            prop_assert_eq!(generator.io(), design.io());
+            let r = residuals(&mut *generator, &u, &y);
+            let error = distance(&r[wait..], &expected[wait..]);
+            // 60 steps of stable recursions in two orders of summation.
+            prop_assert!(error < 1e-11 * (1.0 + peak(&expected)), "{error:e} for {design:?}");
+        }
+    }
+
+    /// Faults add their own response `H_y f` to the residual of the healthy plant.
+    #[test]
+    fn faults_superpose(draw in draws()) {
+        let model = plant(draw);
+        let u = signal(draw.seed ^ 1, draw.nu, 60);
+        let y = simulate(&model, &vec![0.3; draw.nx], &u);
+        let fault = signal(draw.seed ^ 2, draw.ny, 60);
+        for (wait, design) in designs(&model, draw.seed) {
+            let hy = design.form().unwrap().hy().unwrap();
+            let effect = simulate(&hy, &vec![0.0; hy.nx()], &fault);
+            let healthy = residuals(&mut *design.build().unwrap(), &u, &y);
+            let faulty = residuals(&mut *design.build().unwrap(), &u, &plus(&y, &fault));
+            let error = distance(&faulty[wait..], &plus(&healthy, &effect)[wait..]);
+            prop_assert!(error < 1e-11 * (1.0 + peak(&faulty)), "{error:e} for {design:?}");
+        }
+    }
+
+    /// A simulation that starts where the plant starts has no residual at all.
+    #[test]
+    fn a_simulation_from_the_right_state_is_exact(draw in draws()) {
+        let model = plant(draw);
+        let u = signal(draw.seed ^ 1, draw.nu, 100);
+        let x0 = signal(draw.seed ^ 2, draw.nx, 1).remove(0);
+        let y = simulate(&model, &x0, &u);
+        let mut generator = SimulationDesign::new(&model)
+            .unwrap()
+            .freeze::<f64, Heap>()
+            .unwrap()
+            .starting_at(&x0)
+            .unwrap();
+        let r = residuals(&mut generator, &u, &y);
+        prop_assert!(peak(&r) < 1e-12 * (1.0 + peak(&y)));
+        generator.reset();
+        prop_assert_eq!(residuals(&mut generator, &u, &y), r);
+    }
+
+    /// Other units of a sensor and another order of sensors give the same residual in these.
+    #[test]
+    fn units_and_order_of_sensors_do_not_matter(draw in draws()) {
+        let model = plant(draw);
+        let ny = draw.ny;
+        // y' = S y with S a scaled rotation of the channels.
+        let scale = |i: usize| 10.0_f64.powi(i32::try_from(i).unwrap() - 1);
+        let change = |i: usize, j: usize| if (i + 1) % ny == j { scale(i) } else { 0.0 };
+        let s = Mat::from_fn(ny, ny, change);
+        let (a, b) = (model.a().to_owned(), model.b().to_owned());
+        let changed = StateSpace::new(a, b, &s * model.c(), &s * model.d(), model.domain()).unwrap();
+        let r = Mat::<f64>::identity(ny, ny);
+        let q = Mat::<f64>::identity(draw.nx, draw.nx);
+        let one = ObserverDesign::kalman_with(&model, q.as_ref(), r.as_ref()).unwrap();
+        let noise = &s * r * s.transpose();
+        let other = ObserverDesign::kalman_with(&changed, q.as_ref(), noise.as_ref()).unwrap();
+        // L' S = L; the scales span 1000, whose square enters the innovation covariance.
+        prop_assert!((other.gain() * &s - one.gain()).norm_max() < 1e-8);
+    }
+}
+
+/// Sizes for static storage.
+const DRAW: Draw = Draw { nx: 4, nu: 2, ny: 3, radius: 0.9, seed: 7 };
+type Size = Fixed<4, 2, 3>;
+
+fn frames(len: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
+    signal(1, DRAW.nu, len).into_iter().zip(signal(2, DRAW.ny, len)).collect()
+}
+
+/// Asserts equal residuals to the bit, and the law of reset and restore for both.
+fn same_to_the_bit<A, B>(mut a: A, mut b: B)
+where
+    A: ResidualGenerator + Clone,
+    B: ResidualGenerator + Clone,
+{
+    let frames = frames(50);
+    let (u, y): (Vec<_>, Vec<_>) = frames.iter().cloned().unzip();
+    let r = residuals(&mut a, &u, &y);
+    assert!(0.1 < peak(&r), "a test on zeros shows nothing");
+    assert_eq!(r, residuals(&mut b, &u, &y));
+    reset_and_restore(&mut a, &frames);
+    reset_and_restore(&mut b, &frames);
+}
+
+#[test]
+fn static_and_heap_storage_agree() {
+    use fd_core::{HeapMap, Storage};
+    use fd_model::freeze;
+    use fd_residual::weighted::{Filtered, Weighted};
+
+    let model = plant(DRAW);
+    let simulation = SimulationDesign::new(&model).unwrap();
+    same_to_the_bit(
+        simulation.freeze::<f64, Size>().unwrap(),
+        simulation.freeze::<f64, Heap>().unwrap(),
+    );
+    let kalman = ObserverDesign::kalman(&model, 1.0, 1.0).unwrap();
+    let (fixed, heap) =
+        (kalman.freeze::<f64, Size>().unwrap(), kalman.freeze::<f64, Heap>().unwrap());
+    same_to_the_bit(fixed.clone(), heap.clone());
+    let form = kalman.form().unwrap();
+    same_to_the_bit(
+        form.freeze::<f64, Fixed<4, 2, 3>, Fixed<4, 3, 3>>().unwrap(),
+        form.freeze::<f64, Heap, Heap>().unwrap(),
+    );
+
+    // Order 2: 9 rows of rank 4 leave 5 vectors.
+    let parity = ParityDesign::all(&model, 2).unwrap();
+    same_to_the_bit(
+        parity.freeze::<f64, FixedWindow<5, 9, 6>>().unwrap(),
+        parity.freeze::<f64, Heap>().unwrap(),
+    );
+    same_to_the_bit(
+        Bank::<_, [_; 2]>::new([fixed.clone(), fixed.clone()]).unwrap(),
+        Bank::<_>::new(vec![heap.clone(), heap.clone()]).unwrap(),
+    );
+
+    type Row = <Fixed<3, 1, 1> as Storage<f64>>::Yx;
+    let w = Mat::from_fn(1, 3, |_, _| 1.0);
+    let row: Row = freeze("weighting W", w.as_ref()).unwrap();
+    let map: HeapMap<f64> = freeze("weighting W", w.as_ref()).unwrap();
+    same_to_the_bit(
+        Weighted::<f64, _, Row, [f64; 3]>::new(fixed.clone(), row).unwrap(),
+        Weighted::<f64, _>::new(heap.clone(), map).unwrap(),
+    );
+
+    let lag = StateSpace::new(
+        Mat::from_fn(1, 1, |_, _| 0.5),
+        w.clone(),
+        Mat::from_fn(1, 1, |_, _| 1.0),
+        Mat::zeros(1, 3),
+        model.domain(),
+    )
+    .unwrap();
+    same_to_the_bit(
+        Filtered::<f64, _, Fixed<1, 3, 1>, [f64; 3]>::new(fixed, lag.freeze().unwrap()).unwrap(),
+        Filtered::<f64, _>::new(heap, lag.freeze().unwrap()).unwrap(),
+    );
+}
+
+/// Single precision runs the same designs; also its snapshots are exact.
+#[test]
+fn single_precision_follows_double() {
+    let model = plant(DRAW);
+    let kalman = ObserverDesign::kalman(&model, 1.0, 1.0).unwrap();
+    let narrow: Vec<_> = frames(50)
+        .iter()
+        .map(|(u, y)| {
+            let f = |v: &[f64]| v.iter().map(|&v| v as f32).collect::<Vec<f32>>();
+            (f(u), f(y))
+        })
+        .collect();
+    let (u, y): (Vec<_>, Vec<_>) = frames(50).into_iter().unzip();
+    let (un, yn): (Vec<_>, Vec<_>) = narrow.iter().cloned().unzip();
+    let mut single = kalman.freeze::<f32, Size>().unwrap();
+    let r = residuals(&mut kalman.freeze::<f64, Size>().unwrap(), &u, &y);
+    let s: Vec<Vec<f64>> = residuals(&mut single, &un, &yn)
+        .iter()
+        .map(|r| r.iter().map(|&v| f64::from(v)).collect())
+        .collect();
+    // Some ten roundings of 6e-8 per step, accumulated over the observer's memory of ~10 steps.
+    assert!(distance(&r, &s) < 1e-5 * peak(&r), "{}", distance(&r, &s));
+    reset_and_restore(&mut single, &narrow);
+}
+
+#[test]
+fn a_nonlinear_plant_can_stand_beside_its_twin() {
+    use fd_core::{IoDims, stage::Plant};
+    use fd_residual::{observer::Observer, simulation::Simulation};
+
+    #[derive(Clone, Debug)]
+    struct Pendulum;
+
+    impl Plant for Pendulum {
+        fn nx(&self) -> usize {
+            2
+        }
+        fn io(&self) -> IoDims {
+            IoDims { nu: 1, ny: 1 }
+        }
+        fn advance(&self, x: &[f64], u: &[f64], x_next: &mut [f64]) {
+            x_next[0] = x[0] + 0.05 * x[1];
+            x_next[1] = x[1] + 0.05 * (u[0] - x[0].sin() - 0.5 * x[1]);
+        }
+        fn output(&self, x: &[f64], _u: &[f64], y: &mut [f64]) {
+            y[0] = x[0];
+        }
+    }
+
+    let u = signal(3, 1, 400);
+    let mut x = vec![0.8, -0.1];
+    let mut y = Vec::new();
+    for u in &u {
+        let (mut out, mut next) = (vec![0.0], vec![0.0; 2]);
+        Pendulum.output(&x, u, &mut out);
+        Pendulum.advance(&x, u, &mut next);
+        y.push(out);
+        x = next;
+    }
+    let twin = Simulation::<f64, Fixed<2, 1, 1>, _>::new(Pendulum).unwrap();
+    let r = residuals(&mut twin.clone().starting_at(&[0.8, -0.1]).unwrap(), &u, &y);
+    assert!(peak(&r) < f64::MIN_POSITIVE, "the same arithmetic leaves nothing");
+
+    // From the wrong state the observer forgets at the rate of its gain, the twin at its own.
+    let gain = static_gain([0.5, 0.8]);
+    let mut observer = Observer::<f64, Fixed<2, 1, 1>, _>::new(Pendulum, gain).unwrap();
+    let r = residuals(&mut observer, &u, &y);
+    assert!(0.5 < peak(&r[..5]) && peak(&r[300..]) < 1e-12, "{}", peak(&r[300..]));
+    let frames: Vec<_> = u.into_iter().zip(y).collect();
+    reset_and_restore(&mut observer, &frames);
+}
+
+/// A 2 × 1 gain in static storage.
+fn static_gain(column: [f64; 2]) -> <Fixed<2, 1, 1> as fd_core::Storage<f64>>::Xy {
+    fd_core::LinMap::from_fn("observer gain L", fd_core::Shape::new(2, 1), |i, _| column[i])
+        .unwrap()
+}

@@ -1,0 +1,248 @@
+//! The bench: the nominal engine, its model, and everything that is drawn for one seed.
+
+use fd_core::Heap;
+use fd_jetengine::{
+    EngineModel,
+    engine17::{Engine17, Health, HealthParameter, Parameters, Sampled},
+};
+use fd_model::{
+    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace, reduce,
+    signal::{SignalSpec, WhiteNoise},
+};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{
+    config::{CONFIG_VERSION, EngineChoice, EngineConfig, ReductionConfig},
+    error::EngineStudyError,
+    reality::{Reality, Relative},
+};
+
+/// What does not depend on the seed.
+#[derive(Clone, Debug)]
+pub struct Benchmark {
+    config: EngineConfig,
+    ts: SampleTime,
+    nominal: EngineModel,
+    readings: Vec<(Channel, f64)>,
+}
+
+/// One perturbed engine with the model that is to watch it.
+pub(super) struct Case {
+    training: Reality,
+    fresh: Reality,
+    x0_training: Vec<f64>,
+    x0_fresh: Vec<f64>,
+    /// The perturbed plant, when it is linear.
+    pub(super) plant: Option<StateSpace<Discrete>>,
+    pub(super) model: StateSpace<Discrete>,
+    pub(super) redraws: usize,
+    rng: Xoshiro256PlusPlus,
+}
+
+impl Benchmark {
+    /// Prepares the nominal engine of a configuration.
+    ///
+    /// ```
+    /// use fdiag::engine::{Benchmark, EngineConfig};
+    ///
+    /// let benchmark = Benchmark::new(EngineConfig::default())?;
+    /// assert_eq!(benchmark.readings().len(), 5);
+    /// # Ok::<(), fdiag::engine::EngineStudyError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a setting is out of its range or the engine has no such operating
+    /// point.
+    pub fn new(config: EngineConfig) -> Result<Self, EngineStudyError> {
+        if config.version != CONFIG_VERSION {
+            let (expected, found) = (CONFIG_VERSION, config.version);
+            return Err(EngineStudyError::Version { expected, found });
+        }
+        for (setting, found) in
+            [("plant.noise", config.plant.noise), ("faults.size", config.faults.size)]
+        {
+            if !(found >= 0.0 && found.is_finite()) {
+                return Err(EngineStudyError::Setting { setting, found });
+            }
+        }
+        let ts = SampleTime::new(config.sample_time_s)?;
+        let (nominal, readings) = nominal_engine(&config)?;
+        Ok(Self { config, ts, nominal, readings })
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub fn config(&self) -> &EngineConfig {
+        &self.config
+    }
+
+    /// Output channels in physical units, each with the value that one per unit stands for.
+    #[must_use]
+    pub fn readings(&self) -> &[(Channel, f64)] {
+        &self.readings
+    }
+
+    /// Name of the engine.
+    #[must_use]
+    pub fn engine_name(&self) -> &str {
+        &self.nominal.name
+    }
+
+    pub(super) fn ts(&self) -> SampleTime {
+        self.ts
+    }
+
+    /// Index of the sensors that the faults are on.
+    pub(super) fn fault_channels(&self) -> Result<Vec<usize>, EngineStudyError> {
+        let names = || self.nominal.outputs.iter().map(|c| c.name.clone()).collect();
+        self.config
+            .faults
+            .sensors
+            .iter()
+            .map(|name| {
+                self.nominal.outputs.iter().position(|c| c.name == *name).ok_or_else(|| {
+                    EngineStudyError::UnknownSensor { found: name.clone(), known: names() }
+                })
+            })
+            .collect()
+    }
+
+    /// Draws everything for one seed.
+    pub(super) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let draw = self.config.plant.perturbation.draw(&self.nominal.model, rng.next_u64())?;
+        let nonlinear = |fuel: f64, health: Health<f64>| -> Result<_, EngineStudyError> {
+            let engine = Engine17::<f64>::new(&Parameters::default())?.with_health(health);
+            let trim = engine.trim(fuel)?;
+            let x0 = trim.x.to_vec();
+            let relative = Relative::new(Sampled::new(engine, self.ts), &trim);
+            Ok((Reality::Nonlinear(Box::new(relative)), x0))
+        };
+        let (training, fresh, plant, model) = match self.config.plant.engine {
+            EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter } => {
+                let mut health = Health::default();
+                // Efficiency and flow capacity of the two compressors and the two turbines.
+                for parameter in HealthParameter::ALL.into_iter().take(8) {
+                    let delta = health_scatter * rng.random_range(-1.0..1.0);
+                    health = health.shifted(parameter, delta);
+                }
+                let training = nonlinear(fuel_kg_s, health)?;
+                let fresh = nonlinear(moved_to_kg_s.unwrap_or(fuel_kg_s), health)?;
+                // The engine is what it is; it is the model that is wrong.
+                (training, fresh, None, self.observer_model(&draw.model)?)
+            }
+            _ => {
+                let plant = draw.model.sample_zoh(self.ts)?;
+                let x0 = vec![0.0; plant.nx()];
+                let reality = (Reality::Linear(plant.freeze::<f64, Heap>()?), x0);
+                let model = self.observer_model(&self.nominal.model)?;
+                (reality.clone(), reality, Some(plant), model)
+            }
+        };
+        Ok(Case {
+            training: training.0,
+            x0_training: training.1,
+            fresh: fresh.0,
+            x0_fresh: fresh.1,
+            plant,
+            model,
+            redraws: draw.rejected,
+            rng,
+        })
+    }
+
+    /// The discrete model of the residual generator.
+    fn observer_model(
+        &self,
+        full: &StateSpace<Continuous>,
+    ) -> Result<StateSpace<Discrete>, EngineStudyError> {
+        let reduced = match self.config.reduction {
+            ReductionConfig::MeasuredStates {} => {
+                reduce::residualise_onto(full, &measured_states(full)?)?
+            }
+            ReductionConfig::BalancedTruncation { order } => {
+                reduce::balanced_truncation(full, order)?.model
+            }
+            ReductionConfig::BalancedResidualisation { order } => {
+                reduce::balanced_residualisation(full, order)?.model
+            }
+            ReductionConfig::None {} => full.clone(),
+        };
+        Ok(reduced.sample_zoh(self.ts)?)
+    }
+
+    /// The healthy run that the bias is learned from.
+    pub(super) fn training_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
+        let inputs = self.config.training.inputs(&self.nominal.inputs, self.ts)?;
+        let (reality, x0) = (case.training.clone(), case.x0_training.clone());
+        self.run(&reality, x0, &inputs, &mut case.rng)
+    }
+
+    /// A healthy run with a fresh input.
+    pub(super) fn fresh_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
+        let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
+        let (reality, x0) = (case.fresh.clone(), case.x0_fresh.clone());
+        self.run(&reality, x0, &inputs, &mut case.rng)
+    }
+
+    fn run(
+        &self,
+        reality: &Reality,
+        x0: Vec<f64>,
+        inputs: &Inputs,
+        rng: &mut Xoshiro256PlusPlus,
+    ) -> Result<Record, EngineStudyError> {
+        let sigma = self.config.plant.noise;
+        let output_noise: Vec<SignalSpec> = if sigma > 0.0 {
+            self.nominal
+                .outputs
+                .iter()
+                .map(|_| WhiteNoise::new(sigma, rng.next_u64()).into())
+                .collect()
+        } else {
+            Vec::new()
+        };
+        let simulation = Simulation { x0, output_noise, ..Simulation::default() };
+        Ok(simulation.run(reality, inputs, self.nominal.outputs.clone())?)
+    }
+}
+
+type Readings = Vec<(Channel, f64)>;
+
+fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), EngineStudyError> {
+    let with_readings = |physical: &EngineModel, scale: Vec<f64>| -> Readings {
+        physical.outputs.iter().cloned().zip(scale).collect()
+    };
+    match config.plant.engine {
+        EngineChoice::Engine17 { fuel_kg_s }
+        | EngineChoice::Engine17Nonlinear { fuel_kg_s, .. } => {
+            let engine = Engine17::<f64>::new(&Parameters::default())?;
+            let physical = engine.linearise(&engine.trim(fuel_kg_s)?)?;
+            let per_unit = physical.per_unit()?;
+            let scale = physical.operating_point.as_ref().map_or_else(Vec::new, |p| p.y.clone());
+            Ok((per_unit, with_readings(&physical, scale)))
+        }
+        EngineChoice::F100 {} => Err(EngineStudyError::None { setting: "f100" }),
+        EngineChoice::ChenPattonZhang {} => Err(EngineStudyError::None { setting: "chen" }),
+    }
+}
+
+/// For each output, the state that it measures.
+fn measured_states(model: &StateSpace<Continuous>) -> Result<Vec<usize>, EngineStudyError> {
+    let c = model.c();
+    let mut states = Vec::new();
+    for row in 0..c.nrows() {
+        let mut columns = (0..c.ncols()).filter(|&j| c[(row, j)].abs() > 0.0);
+        match (columns.next(), columns.next()) {
+            (Some(state), None) => {
+                if !states.contains(&state) {
+                    states.push(state);
+                }
+            }
+            _ => return Err(EngineStudyError::NotAState { output: row }),
+        }
+    }
+    Ok(states)
+}

@@ -1,0 +1,25 @@
+//! The engine benchmark: Patton & Chen's experiment, repeated over many perturbed engines.
+
+mod benchmark;
+mod config;
+mod error;
+mod example;
+mod excitation;
+mod quantile;
+mod reality;
+mod report;
+mod study;
+mod trial;
+
+pub use self::{
+    benchmark::Benchmark,
+    config::{
+        CONFIG_VERSION, EngineChoice, EngineConfig, FaultConfig, PlantConfig, ReductionConfig,
+    },
+    error::EngineStudyError,
+    example::{Example, FaultyRun, Residuals, TrainingTrace},
+    excitation::{FreshRun, TrainingRun},
+    report::NamedPicture,
+    study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
+    trial::{FaultOutcome, Pair, Trial},
+};

@@ -1,0 +1,172 @@
+//! Many seeds in parallel, and what they say together.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, quantile::quantile,
+    trial::Trial,
+};
+
+/// The version of the JSON report.
+pub const REPORT_VERSION: u32 = 1;
+
+/// The result of the benchmark.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// Version of this schema.
+    pub version: u32,
+    /// What was run.
+    pub config: EngineConfig,
+    /// Name of the engine.
+    pub engine: String,
+    /// Summary over all seeds.
+    pub summary: Summary,
+    /// Every seed.
+    pub trials: Vec<Trial>,
+    /// Seeds for which no diagnosis could be trained, with the reason.
+    pub failed: Vec<(u64, String)>,
+}
+
+/// Medians and ranges over the seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Largest fault-free magnitude of the primary residual.
+    pub fault_free_primary: Range,
+    /// Largest fault-free magnitude of the compensated residual.
+    pub fault_free_compensated: Range,
+    /// How many times the compensation made it smaller.
+    pub fault_free_ratio: Range,
+    /// Share of fault-free test runs with an alarm, without compensation.
+    pub false_alarms_primary: f64,
+    /// Share of fault-free test runs with an alarm, with compensation.
+    pub false_alarms_compensated: f64,
+    /// One entry per faulty sensor.
+    pub faults: Vec<FaultSummary>,
+}
+
+/// Medians and ranges for one faulty sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FaultSummary {
+    /// Name of the sensor.
+    pub sensor: String,
+    /// Steady residual for a fault of size 1.
+    pub residual_gain: Range,
+    /// Smallest detectable size without compensation, relative to the reading.
+    pub smallest_primary: Range,
+    /// Smallest detectable size with compensation, relative to the reading.
+    pub smallest_compensated: Range,
+    /// How many times the compensation made it smaller.
+    pub smallest_ratio: Range,
+    /// Share of runs in which the fault of the configured size is found without compensation.
+    pub found_primary: f64,
+    /// The same with compensation.
+    pub found_compensated: f64,
+    /// Delay in s with compensation.
+    pub delay_compensated_s: Range,
+}
+
+/// Median with the 5 % and 95 % quantiles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    /// 5 % quantile.
+    pub low: f64,
+    /// Median.
+    pub median: f64,
+    /// 95 % quantile.
+    pub high: f64,
+}
+
+impl Range {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.collect();
+        let low = quantile(&mut values, 0.05);
+        let median = quantile(&mut values, 0.5);
+        Self { low, median, high: quantile(&mut values, 0.95) }
+    }
+}
+
+impl Benchmark {
+    /// Runs all seeds on the threads of the current rayon pool and calls `done` after each.
+    ///
+    /// The result does not depend on the number of threads: each seed draws from a generator of
+    /// its own and the trials are kept in order.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the configuration asks for no runs, or when no seed at all could be
+    /// trained. Single seeds that fail are listed in the result.
+    pub fn study(&self, done: impl Fn() + Sync) -> Result<Study, EngineStudyError> {
+        let config = self.config();
+        for (setting, count) in [
+            ("seeds", config.seeds),
+            ("calibration_runs", config.calibration_runs as u64),
+            ("test_runs", config.test_runs as u64),
+        ] {
+            if count == 0 {
+                return Err(EngineStudyError::None { setting });
+            }
+        }
+        self.fault_channels()?;
+        let seeds = config.first_seed..config.first_seed + config.seeds;
+        let results: Vec<(u64, Result<Trial, EngineStudyError>)> = seeds
+            .into_par_iter()
+            .map(|seed| {
+                let trial = self.trial(seed);
+                done();
+                (seed, trial)
+            })
+            .collect();
+        let (mut trials, mut failed, mut first_error) = (Vec::new(), Vec::new(), None);
+        for (seed, result) in results {
+            match result {
+                Ok(trial) => trials.push(trial),
+                Err(error) => {
+                    failed.push((seed, error.to_string()));
+                    first_error.get_or_insert((seed, error));
+                }
+            }
+        }
+        if let (true, Some((seed, error))) = (trials.is_empty(), first_error) {
+            return Err(EngineStudyError::Seed { seed, error: Box::new(error) });
+        }
+        Ok(Study {
+            version: REPORT_VERSION,
+            config: config.clone(),
+            engine: self.engine_name().to_owned(),
+            summary: Summary::of(&trials),
+            trials,
+            failed,
+        })
+    }
+}
+
+impl Summary {
+    fn of(trials: &[Trial]) -> Self {
+        let mean = |f: &dyn Fn(&Trial) -> f64| {
+            let values = trials.iter().map(f).filter(|v| v.is_finite());
+            let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v, n + 1));
+            sum / count as f64
+        };
+        let range = |f: &dyn Fn(&Trial) -> f64| Range::of(trials.iter().map(f));
+        let sensors = trials.first().map_or(0, |trial| trial.faults.len());
+        let faults = (0..sensors).map(|i| FaultSummary {
+            sensor: trials[0].faults[i].sensor.clone(),
+            residual_gain: range(&|t| t.faults[i].residual_gain),
+            smallest_primary: range(&|t| t.faults[i].smallest.primary),
+            smallest_compensated: range(&|t| t.faults[i].smallest.compensated),
+            smallest_ratio: range(&|t| t.faults[i].smallest.ratio()),
+            found_primary: mean(&|t| t.faults[i].found.primary),
+            found_compensated: mean(&|t| t.faults[i].found.compensated),
+            delay_compensated_s: range(&|t| t.faults[i].delay_s.compensated),
+        });
+        Self {
+            fault_free_primary: range(&|t| t.fault_free.primary),
+            fault_free_compensated: range(&|t| t.fault_free.compensated),
+            fault_free_ratio: range(&|t| t.fault_free.ratio()),
+            false_alarms_primary: mean(&|t| t.false_alarms.primary),
+            false_alarms_compensated: mean(&|t| t.false_alarms.compensated),
+            faults: faults.collect(),
+        }
+    }
+}

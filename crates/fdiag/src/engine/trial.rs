@@ -1,0 +1,271 @@
+//! One perturbed engine from training to the smallest faults that are found.
+
+use fd_compensate::{
+    SampleRows,
+    decide::Debouncing,
+    evaluate::{alarms, smallest_detectable_by_search},
+};
+use fd_core::{Event, stage::Detector};
+use fd_model::Record;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    benchmark::{Benchmark, Case},
+    error::EngineStudyError,
+    quantile::median,
+};
+use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, train};
+
+/// Largest fault that is tried, relative to the reading.
+const LARGEST_FAULT: f64 = 10.0;
+
+/// What came out for one seed. Residuals and fault sizes are per unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Seed of the perturbation, the inputs and the noise.
+    pub seed: u64,
+    /// Unstable draws of the perturbation that were drawn again.
+    pub redraws: usize,
+    /// Orders of the bias model.
+    pub orders: String,
+    /// Frozen parameters.
+    pub theta: Vec<f64>,
+    /// Sample at which a recursive training froze them.
+    pub frozen_at: Option<u64>,
+    /// Without and with compensation.
+    pub fault_free: Pair,
+    /// Share of fault-free test runs with an alarm, without and with compensation.
+    pub false_alarms: Pair,
+    /// One entry per faulty sensor.
+    pub faults: Vec<FaultOutcome>,
+}
+
+/// A figure without and with compensation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pair {
+    /// Of the primary residual.
+    pub primary: f64,
+    /// Of the compensated residual.
+    pub compensated: f64,
+}
+
+impl Pair {
+    /// How many times smaller it is with compensation.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.primary / self.compensated
+    }
+}
+
+/// What came out for one faulty sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FaultOutcome {
+    /// Name of the sensor.
+    pub sensor: String,
+    /// Steady residual, largest channel, for a fault of size 1.
+    pub residual_gain: f64,
+    /// Median smallest detectable size over test runs and both signs, relative to the reading;
+    /// infinite when most runs cannot show it at all.
+    pub smallest: Pair,
+    /// Share of test runs in which the fault of the configured size is found.
+    pub found: Pair,
+    /// Median delay from the start of the fault to the alarm in s, over the runs in which it is
+    /// found; NaN when it never is.
+    pub delay_s: Pair,
+}
+
+/// Residuals of the test runs and what is needed to judge them.
+struct Tests {
+    start: usize,
+    primary: Vec<Vec<f64>>,
+    compensated: Vec<Vec<f64>>,
+}
+
+impl Benchmark {
+    /// Runs one seed.
+    ///
+    /// # Errors
+    ///
+    /// Returns what stopped it; training can fail on unlucky data.
+    pub fn trial(&self, seed: u64) -> Result<Trial, EngineStudyError> {
+        let mut case = self.case(seed)?;
+        let trained = self.trained(&mut case)?;
+        let tests = self.tests(&mut case, &trained)?;
+        let (primary, compensated) = trained.calibration();
+        let mut plain = Watch::new(&trained, primary)?;
+        let mut compensated = Watch::new(&trained, compensated)?;
+        let false_alarms = Pair {
+            primary: plain.false_alarms(&tests.primary)?,
+            compensated: compensated.false_alarms(&tests.compensated)?,
+        };
+        let mut faults = Vec::new();
+        for channel in self.fault_channels()? {
+            let phi = self.unit_fault_response(&trained, channel)?;
+            let size = self.config().faults.size;
+            let a = plain.find(&tests.primary, &phi, size, tests.start)?;
+            let b = compensated.find(&tests.compensated, &phi, size, tests.start)?;
+            let last = phi.len() - trained.design().residual_len();
+            let seconds = |samples: f64| samples * self.ts().seconds();
+            faults.push(FaultOutcome {
+                sensor: self.readings()[channel].0.name.clone(),
+                residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
+                smallest: Pair { primary: a.smallest, compensated: b.smallest },
+                found: Pair { primary: a.share, compensated: b.share },
+                delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
+            });
+        }
+        let (primary, compensated) = trained.fault_free_maxima();
+        Ok(Trial {
+            seed,
+            redraws: case.redraws,
+            orders: trained.bias_model().orders().to_string(),
+            theta: trained.bias_model().theta().to_vec(),
+            frozen_at: trained.events().last().map(|event: &Event| event.k),
+            fault_free: Pair { primary, compensated },
+            false_alarms,
+            faults,
+        })
+    }
+
+    /// Trains on one run and calibrates on fresh ones.
+    pub(super) fn trained(&self, case: &mut Case) -> Result<Trained, EngineStudyError> {
+        let training = self.training_run(case)?;
+        let mut calibration = Vec::new();
+        for _ in 0..self.config().calibration_runs {
+            calibration.push(self.fresh_run(case)?);
+        }
+        let mut healthy = vec![Healthy::learn(&training)];
+        healthy.extend(calibration.iter().map(Healthy::calibrate));
+        Ok(train(&self.config().pipeline, &case.model, &healthy)?)
+    }
+
+    fn tests(&self, case: &mut Case, trained: &Trained) -> Result<Tests, EngineStudyError> {
+        let mut tests = Tests {
+            start: self.samples(self.config().faults.start_s),
+            primary: Vec::new(),
+            compensated: Vec::new(),
+        };
+        for _ in 0..self.config().test_runs {
+            let record = self.fresh_run(case)?;
+            let trace = Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?;
+            tests.primary.push(trace.residual);
+            tests.compensated.push(trace.compensated);
+        }
+        Ok(tests)
+    }
+
+    /// Residual of a healthy plant at rest whose sensor has the incipient fault of size 1.
+    pub(super) fn unit_fault_response(
+        &self,
+        trained: &Trained,
+        channel: usize,
+    ) -> Result<Vec<f64>, EngineStudyError> {
+        let mut generator = trained.design().build().map_err(RoadError::from)?;
+        let io = generator.io();
+        let profile = self.fault_profile();
+        let u = vec![0.0; profile.len() * io.nu];
+        let y = profile
+            .iter()
+            .flat_map(|v| (0..io.ny).map(move |i| if i == channel { *v } else { 0.0 }))
+            .collect();
+        let channels = |n| fd_model::Channel::numbered("c", n);
+        let record = Record::new(channels(io.nu), channels(io.ny), u, y, self.ts())?;
+        let response = residual_record(&mut generator, &record, 0)?;
+        Ok(response.samples().flat_map(|(_, r)| r.to_vec()).collect())
+    }
+
+    /// The incipient fault of size 1 over a fresh run.
+    pub(super) fn fault_profile(&self) -> Vec<f64> {
+        let faults = &self.config().faults;
+        (0..self.samples(self.config().fresh.duration_s))
+            .map(|k| {
+                let since = k as f64 * self.ts().seconds() - faults.start_s;
+                (since / faults.rise_s.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+            })
+            .collect()
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample index")]
+    pub(super) fn samples(&self, seconds: f64) -> usize {
+        (seconds / self.ts().seconds()).round().max(0.0) as usize
+    }
+}
+
+/// The calibrated detector of one of the two residuals.
+struct Watch {
+    detector: Box<dyn Detector>,
+    rule: Debouncing,
+    channels: usize,
+}
+
+/// What a detector finds of a fault.
+struct Found {
+    smallest: f64,
+    share: f64,
+    /// In samples.
+    delay: f64,
+}
+
+impl Watch {
+    fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, RoadError> {
+        let channels = trained.design().residual_len();
+        let rows = SampleRows::new(channels, healthy)?;
+        let detector = trained.spec().detector.calibrated(rows)?;
+        Ok(Self { detector, rule: trained.spec().rule, channels })
+    }
+
+    /// First sample with a reported fault.
+    fn first_alarm(&mut self, residual: &[f64]) -> Result<Option<usize>, RoadError> {
+        self.detector.reset();
+        let margins: Vec<f64> = residual
+            .chunks_exact(self.channels)
+            .map(|r| {
+                let verdict = self.detector.update(r);
+                verdict.statistic - verdict.threshold
+            })
+            .collect();
+        Ok(alarms(&margins, 0.0, self.rule)?.iter().position(|&alarm| alarm))
+    }
+
+    fn false_alarms(&mut self, runs: &[Vec<f64>]) -> Result<f64, RoadError> {
+        let mut count = 0;
+        for run in runs {
+            count += usize::from(self.first_alarm(run)?.is_some());
+        }
+        Ok(count as f64 / runs.len() as f64)
+    }
+
+    /// With a linear generator, and a compensation that looks at `u` alone, a fault of size `s`
+    /// makes the residual `r + s φ` exactly, so no run has to be simulated again.
+    fn find(
+        &mut self,
+        runs: &[Vec<f64>],
+        phi: &[f64],
+        size: f64,
+        start: usize,
+    ) -> Result<Found, RoadError> {
+        let (mut sizes, mut delays, mut looks) = (Vec::new(), Vec::new(), 0_usize);
+        for r in runs {
+            // A run that alarms by itself is a false alarm, counted as such and not as a find.
+            if self.first_alarm(r)?.is_some() {
+                continue;
+            }
+            let healthy = SampleRows::new(self.channels, r)?;
+            for sign in [1.0, -1.0] {
+                looks += 1;
+                let response: Vec<f64> = phi.iter().map(|v| sign * v).collect();
+                let rows = SampleRows::new(self.channels, &response)?;
+                let (detector, rule) = (self.detector.as_mut(), self.rule);
+                let smallest =
+                    smallest_detectable_by_search(detector, rule, healthy, rows, LARGEST_FAULT)?;
+                sizes.push(smallest.unwrap_or(f64::INFINITY));
+                let faulty: Vec<f64> = r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
+                if let Some(k) = self.first_alarm(&faulty)? {
+                    delays.push(k.saturating_sub(start) as f64);
+                }
+            }
+        }
+        let share = if looks > 0 { delays.len() as f64 / looks as f64 } else { f64::NAN };
+        Ok(Found { smallest: median(&mut sizes), share, delay: median(&mut delays) })
+    }
+}

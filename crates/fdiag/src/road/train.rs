@@ -1,0 +1,288 @@
+//! Learning from healthy logs: the bias first, then what is normal for the rest.
+
+use std::ops::Range;
+
+use fd_compensate::{
+    SampleRows,
+    decide::Debounce,
+    residual_compensation::{PreFitted, ResidualCompensator},
+};
+use fd_core::{
+    DynPipeline, DynStages, Event, MissingSamples, Pipeline,
+    stage::{Compensator, Detector, Uncompensated},
+};
+use fd_ident::{
+    arx::{ArxModel, ArxOrders, ArxSimulator, RecursiveArx},
+    order::OrderTable,
+    rls::{RlsDesign, UdRls},
+};
+use fd_model::{Discrete, Record, StateSpace};
+use fd_residual::GeneratorDesign;
+
+use super::{error::RoadError, learn::learn, residuals::residual_record, trace::Trace};
+use crate::spec::{LearningSpec, PipelineSpec};
+
+/// A log of the healthy plant and what its samples are for.
+#[derive(Clone, Debug)]
+pub struct Healthy<'a> {
+    /// The log.
+    pub record: &'a Record,
+    /// Samples that the bias is learned from.
+    pub learn: Range<usize>,
+    /// Samples that the detector is calibrated on.
+    pub calibrate: Range<usize>,
+}
+
+impl<'a> Healthy<'a> {
+    /// Learns from the first part of a log and calibrates on the rest.
+    ///
+    /// ```
+    /// use fdiag::{model::{Channel, Record, SampleTime}, road::Healthy};
+    ///
+    /// let (one, ts) = (Channel::numbered("c", 1), SampleTime::new(1.0)?);
+    /// let record = Record::new(one.clone(), one, vec![0.0; 10], vec![0.0; 10], ts)?;
+    /// assert_eq!(Healthy::split(&record, 0.7).calibrate, 7..10);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to len")]
+    pub fn split(record: &'a Record, share_to_learn: f64) -> Self {
+        let cut = (record.len() as f64 * share_to_learn.clamp(0.0, 1.0)).round() as usize;
+        Self { record, learn: 0..cut, calibrate: cut..record.len() }
+    }
+
+    /// Only learns from a log.
+    #[must_use]
+    pub fn learn(record: &'a Record) -> Self {
+        Self { record, learn: 0..record.len(), calibrate: 0..0 }
+    }
+
+    /// Only calibrates on a log.
+    #[must_use]
+    pub fn calibrate(record: &'a Record) -> Self {
+        Self { record, learn: 0..0, calibrate: 0..record.len() }
+    }
+}
+
+/// A diagnosis that has learned what is normal.
+#[derive(Debug)]
+pub struct Trained {
+    spec: PipelineSpec,
+    design: Box<dyn GeneratorDesign>,
+    model: ArxModel,
+    selection: Option<OrderTable>,
+    fit: PreFitted,
+    events: Vec<Event>,
+    primary: Vec<f64>,
+    compensated: Vec<f64>,
+}
+
+/// Learns the bias and calibrates the detector.
+///
+/// The residual generator starts from rest at the first sample of each log; the first
+/// `settle` samples are not learned from.
+///
+/// # Errors
+///
+/// Returns the first step that the model or the logs do not allow.
+pub fn train(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+    healthy: &[Healthy<'_>],
+) -> Result<Trained, RoadError> {
+    let design = spec.generator.design(model, spec.weighting.as_deref())?;
+    let settle = settling_samples(spec, design.as_ref())?;
+    let mut generator = design.build()?;
+    let mut records = Vec::new();
+    for log in healthy.iter().filter(|log| !log.learn.is_empty()) {
+        let residual = residual_record(&mut generator, log.record, settle)?;
+        records.push(residual.slice(log.learn.start, log.learn.end));
+    }
+    if records.is_empty() {
+        return Err(RoadError::NoHealthyLog);
+    }
+    let learned = learn(spec, &records)?;
+    let filling = if settle == 0 { 0 } else { settle + learned.model.orders().lag() };
+    let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
+    let mut trained = Trained {
+        spec: spec.clone(),
+        design,
+        model: learned.model,
+        selection: learned.selection,
+        fit,
+        events: learned.events,
+        primary: Vec::new(),
+        compensated: Vec::new(),
+    };
+    for log in healthy.iter().filter(|log| !log.calibrate.is_empty()) {
+        trained.calibrate_on(log)?;
+    }
+    Ok(trained)
+}
+
+impl Trained {
+    /// What was chosen.
+    #[must_use]
+    pub fn spec(&self) -> &PipelineSpec {
+        &self.spec
+    }
+
+    /// The residual generator at design time.
+    #[must_use]
+    pub fn design(&self) -> &dyn GeneratorDesign {
+        self.design.as_ref()
+    }
+
+    /// The frozen bias model.
+    #[must_use]
+    pub fn bias_model(&self) -> &ArxModel {
+        &self.model
+    }
+
+    /// How all orders did, when they were to be chosen.
+    #[must_use]
+    pub fn order_selection(&self) -> Option<&OrderTable> {
+        self.selection.as_ref()
+    }
+
+    /// Phases of a recursive training.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Largest fault-free magnitudes of the primary and the compensated residual in the
+    /// calibration data, all channels together.
+    #[must_use]
+    pub fn fault_free_maxima(&self) -> (f64, f64) {
+        let peak = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        (peak(&self.primary), peak(&self.compensated))
+    }
+
+    /// Fault-free samples of the primary and the compensated residual, row by row.
+    #[must_use]
+    pub fn calibration(&self) -> (&[f64], &[f64]) {
+        (&self.primary, &self.compensated)
+    }
+
+    /// A fresh pipeline that subtracts the learned bias.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there was no calibration data, or it does not fit the detector.
+    pub fn compensated(&self) -> Result<DynPipeline, RoadError> {
+        self.pipeline(Box::new(self.compensator()?), &self.compensated)
+    }
+
+    /// A fresh pipeline without compensation, its detector calibrated in the same way.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trained::compensated`].
+    pub fn uncompensated(&self) -> Result<DynPipeline, RoadError> {
+        let compensator = Uncompensated::new(self.design.residual_len());
+        self.pipeline(Box::new(compensator), &self.primary)
+    }
+
+    fn pipeline(
+        &self,
+        compensator: Box<dyn Compensator>,
+        healthy: &[f64],
+    ) -> Result<DynPipeline, RoadError> {
+        let channels = self.design.residual_len();
+        let detector = self.spec.detector.calibrated(SampleRows::new(channels, healthy)?)?;
+        self.assemble(compensator, detector)
+    }
+
+    fn assemble(
+        &self,
+        compensator: Box<dyn Compensator>,
+        detector: Box<dyn Detector>,
+    ) -> Result<DynPipeline, RoadError> {
+        let stages = DynStages {
+            generator: self.design.build()?,
+            compensator,
+            detector,
+            rule: Box::new(Debounce::new(self.design.residual_len(), self.spec.rule)?),
+        };
+        let missing = match self.spec.hold_missing {
+            0 => MissingSamples::Reject,
+            at_most => MissingSamples::Hold { at_most },
+        };
+        Ok(Pipeline::new(stages)?.with_missing_samples(missing))
+    }
+
+    fn compensator(
+        &self,
+    ) -> Result<ResidualCompensator<f64, RecursiveArx, ArxSimulator>, RoadError> {
+        let (nu, channels) = (self.design.io().nu, self.design.residual_len());
+        let identifier = recursive(&self.spec, self.model.orders(), nu, channels)?;
+        let plan = &self.spec.compensation;
+        let simulator = self.model.freeze()?;
+        Ok(ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?)
+    }
+
+    /// Adds what both residuals look like in healthy data.
+    fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
+        let silent = self.spec.detector.silent(self.design.residual_len())?;
+        let mut pipeline = self
+            .assemble(Box::new(self.compensator()?), silent)?
+            .with_missing_samples(MissingSamples::Hold { at_most: u64::MAX });
+        let trace = Trace::of(&mut pipeline, log.record)?;
+        let channels = trace.channels;
+        for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
+            if trace.compensating[k] && log.record.is_complete(k) {
+                let row = k * channels..(k + 1) * channels;
+                self.primary.extend_from_slice(&trace.residual[row.clone()]);
+                self.compensated.extend_from_slice(&trace.compensated[row]);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The recursive identifier of a spec, for training on line and for re-training.
+pub(super) fn recursive(
+    spec: &PipelineSpec,
+    orders: ArxOrders,
+    nu: usize,
+    residual_len: usize,
+) -> Result<RecursiveArx, RoadError> {
+    let rls = match &spec.bias.learning {
+        LearningSpec::Recursive(rls) => *rls,
+        LearningSpec::Batch { .. } => RlsDesign::default(),
+    };
+    let kernel = UdRls::<f64>::new(orders.parameters(nu), &rls)?;
+    Ok(RecursiveArx::new(orders, nu, residual_len, kernel)?)
+}
+
+/// Ranges of the learning data, complete samples only.
+fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, RoadError> {
+    let (mut u, mut r) = (Vec::new(), Vec::new());
+    for record in records {
+        for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
+            u.extend_from_slice(record.u(k));
+            r.extend_from_slice(record.y(k));
+        }
+    }
+    let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
+    Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
+}
+
+/// Samples until the generator has forgotten where it started.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked, not negative"
+)]
+fn settling_samples(spec: &PipelineSpec, design: &dyn GeneratorDesign) -> Result<usize, RoadError> {
+    let form = design.form()?;
+    let ts = form.system().domain().ts.seconds();
+    if let Some(seconds) = spec.settle_s {
+        return Ok((seconds.max(0.0) / ts).round() as usize);
+    }
+    // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
+    let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
+    Ok(samples as usize)
+}

@@ -1,0 +1,69 @@
+//! Which residual generator, as a line of a spec.
+
+use faer::{Mat, c64};
+use fd_model::{Discrete, StateSpace};
+use fd_residual::{
+    DesignError, GeneratorDesign, observer::ObserverDesign, simulation::SimulationDesign,
+    weighted::WeightedDesign,
+};
+use serde::{Deserialize, Serialize};
+
+/// A residual generator and its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum GeneratorSpec {
+    /// Measured minus simulated output, without any correction.
+    Simulation {},
+    /// A Luenberger observer with all poles of its error at one place.
+    Observer {
+        /// Rate at which the error dies out, in 1/s: all poles at `exp(−rate·Ts)`.
+        rate: f64,
+    },
+    /// The steady-state Kalman filter.
+    Kalman {
+        /// Variance of the noise on each state per sample, in the (scaled) unit of the state.
+        process_noise: f64,
+        /// Variance of the noise on each output, in the (scaled) unit of the output.
+        output_noise: f64,
+    },
+}
+
+impl GeneratorSpec {
+    /// Designs the generator for `model`, followed by the weighting if there is one.
+    ///
+    /// # Errors
+    ///
+    /// Returns why no such generator exists for this model.
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fdiag::{model::{Discrete, SampleTime, StateSpace}, spec::GeneratorSpec};
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let model = StateSpace::new(mat![[0.5]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let design = GeneratorSpec::Observer { rate: 2.0 }.design(&model, None)?;
+    /// assert_eq!(design.residual_len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn design(
+        &self,
+        model: &StateSpace<Discrete>,
+        weighting: Option<&[Vec<f64>]>,
+    ) -> Result<Box<dyn GeneratorDesign>, DesignError> {
+        let design: Box<dyn GeneratorDesign> = match *self {
+            Self::Simulation {} => Box::new(SimulationDesign::new(model)?),
+            Self::Observer { rate } => {
+                let pole = c64::new((-rate * model.domain().ts.seconds()).exp(), 0.0);
+                Box::new(ObserverDesign::place(model, &vec![pole; model.nx()])?)
+            }
+            Self::Kalman { process_noise, output_noise } => {
+                Box::new(ObserverDesign::kalman(model, process_noise, output_noise)?)
+            }
+        };
+        let Some(rows) = weighting else { return Ok(design) };
+        let columns = rows.first().map_or(0, Vec::len);
+        let weight =
+            Mat::from_fn(rows.len(), columns, |i, j| rows[i].get(j).copied().unwrap_or(f64::NAN));
+        Ok(Box::new(WeightedDesign::new(design, weight.as_ref())?))
+    }
+}

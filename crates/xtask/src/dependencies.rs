@@ -1,0 +1,84 @@
+//! Who may know whom: the arrows of ARCHITECTURE.md, checked against the manifests.
+
+use std::{fs, path::Path};
+
+use crate::Faults;
+
+/// In-tree crates that each crate may import. Method crates are siblings: none knows another.
+const ALLOWED: [(&str, &[&str]); 9] = [
+    ("fd-core", &[]),
+    ("fd-model", &["fd-core"]),
+    ("fd-residual", &["fd-core", "fd-model"]),
+    ("fd-ident", &["fd-core", "fd-model"]),
+    ("fd-compensate", &["fd-core", "fd-model"]),
+    ("fd-jetengine", &["fd-core", "fd-model"]),
+    ("fd-gap", &["fd-core", "fd-model", "fd-residual", "fd-ident", "fd-compensate"]),
+    (
+        "fdiag",
+        &[
+            "fd-core",
+            "fd-model",
+            "fd-residual",
+            "fd-ident",
+            "fd-compensate",
+            "fd-jetengine",
+            "fd-gap",
+        ],
+    ),
+    ("xtask", &[]),
+];
+
+/// Checks the manifests of all crates below `root`.
+pub(crate) fn check(root: &Path) -> Faults {
+    let mut faults = Vec::new();
+    let crates = root.join("crates");
+    for entry in fs::read_dir(&crates).map_err(|e| format!("{}: {e}", crates.display()))? {
+        let path = entry.map_err(|e| e.to_string())?.path().join("Cargo.toml");
+        let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        faults.extend(check_manifest(&text).map_err(|e| format!("{}: {e}", path.display()))?);
+    }
+    Ok(faults)
+}
+
+fn check_manifest(text: &str) -> Faults {
+    let manifest: toml::Table = text.parse().map_err(|e: toml::de::Error| e.to_string())?;
+    let name = manifest
+        .get("package")
+        .and_then(|package| package.get("name"))
+        .and_then(toml::Value::as_str)
+        .ok_or("no package name")?;
+    let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
+        return Ok(vec![format!("{name}: not in the dependency rules of xtask")]);
+    };
+    let tables = ["dependencies", "dev-dependencies", "build-dependencies"];
+    let names = tables
+        .iter()
+        .filter_map(|table| manifest.get(*table)?.as_table())
+        .flat_map(toml::Table::keys)
+        .filter(|dependency| dependency.starts_with("fd-") || *dependency == "fdiag");
+    Ok(names
+        .filter(|dependency| *dependency != name && !allowed.contains(&dependency.as_str()))
+        .map(|dependency| format!("{name} must not depend on {dependency}"))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn siblings_must_not_know_each_other() {
+        let manifest = "[package]\nname = \"fd-ident\"\n[dependencies]\nfd-core.workspace = true\n\
+                        [dev-dependencies]\nfd-residual.workspace = true";
+        assert_eq!(
+            check_manifest(manifest),
+            Ok(vec!["fd-ident must not depend on fd-residual".to_owned()])
+        );
+    }
+
+    #[test]
+    fn an_unknown_crate_needs_a_rule() {
+        let faults = check_manifest("[package]\nname = \"fd-new\"").unwrap();
+        assert_eq!(faults.len(), 1);
+    }
+}

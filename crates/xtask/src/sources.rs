@@ -1,0 +1,80 @@
+//! Rules for source files: short, introduced by a sentence, finished, and free of local paths.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::Faults;
+
+/// Longest allowed source file, in lines: a longer one is asking to be two.
+const MAX_LINES: usize = 400;
+
+/// Text that has no place in a source file, and why. Split so that this file passes its own check.
+const BANNED: [(&str, &str); 4] = [
+    (concat!("todo", "!("), "unfinished work"),
+    (concat!("unimplemented", "!("), "unfinished work"),
+    (concat!("#[ig", "nore"), "a test that does not run"),
+    (concat!("\"/wo", "rk/"), "a path of one machine"),
+];
+
+/// Checks every Rust file below `root` that git would track.
+pub(crate) fn check(root: &Path) -> Faults {
+    let mut files = Vec::new();
+    for directory in ["crates", "benches", "examples"] {
+        rust_files(&root.join(directory), &mut files)?;
+    }
+    let mut faults = Vec::new();
+    for path in files {
+        let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
+        faults.extend(check_text(&text).into_iter().map(|fault| format!("{name}: {fault}")));
+    }
+    Ok(faults)
+}
+
+fn check_text(text: &str) -> Vec<String> {
+    let mut faults = Vec::new();
+    let lines = text.lines().count();
+    if lines > MAX_LINES {
+        faults.push(format!("{lines} lines, at most {MAX_LINES}"));
+    }
+    if !text.starts_with("//! ") {
+        faults.push("the first line must say what the file is about (`//! …`)".to_owned());
+    }
+    let banned = BANNED.iter().filter(|(found, _)| text.contains(found));
+    faults.extend(banned.map(|(found, why)| format!("`{found}`: {why}")));
+    faults
+}
+
+fn rust_files(directory: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
+    let Ok(entries) = fs::read_dir(directory) else { return Ok(()) };
+    for entry in entries {
+        let path = entry.map_err(|e| format!("{}: {e}", directory.display()))?.path();
+        if path.is_dir() && !path.ends_with("target") {
+            rust_files(&path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_good_file_has_no_faults() {
+        assert!(check_text("//! What it is.\nfn f() {}\n").is_empty());
+    }
+
+    #[test]
+    fn every_rule_bites() {
+        let long = format!("fn f() {{}}\n{}", "// x\n".repeat(MAX_LINES));
+        assert_eq!(check_text(&long).len(), 2);
+        for (text, _) in BANNED {
+            assert_eq!(check_text(&format!("//! X.\n{text}")).len(), 1, "{text}");
+        }
+    }
+}
