@@ -134,6 +134,11 @@ impl<T: Scalar> ExtendedEngine<T> {
     pub fn engine(&self) -> &Engine17<T> {
         &self.engine
     }
+
+    /// The engine inside, for instance to change its health.
+    pub fn engine_mut(&mut self) -> &mut Engine17<T> {
+        &mut self.engine
+    }
 }
 
 impl ExtendedEngine<f64> {

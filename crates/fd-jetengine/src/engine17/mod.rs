@@ -19,6 +19,7 @@
 //! Units: rpm, kPa, K, kg/s, s; enthalpies J/kg.
 
 mod combustor;
+mod component;
 mod compressor;
 mod design;
 mod discretise;
