@@ -34,6 +34,7 @@ mod lpc;
 mod nozzle;
 mod params;
 mod plenum;
+mod power;
 mod rhs;
 mod scatter;
 mod state;
@@ -50,6 +51,7 @@ pub use self::{
     gas::{GAS_CONSTANT, Gas},
     health::{Health, HealthParameter},
     params::{Ducts, HpcMap, LpcMap, Parameters, Reference, TurbineMap, Volumes},
+    power::PowerSetting,
     rhs::{Auxiliary, Engine17},
     state::{MEASURED, NX, NY, State, input_channels, output_channels, state_channels},
     transient::{FuelLimiter, Trajectory, Transient},
