@@ -5,10 +5,11 @@ use fd_model::Channel;
 use serde::{Deserialize, Serialize};
 
 use super::{
+    auxiliary::Auxiliary,
     dynamics::{Dynamics, SurgeLimits},
     gas::k,
     linearise::linearise,
-    rhs::{Auxiliary, Engine17},
+    rhs::Engine17,
     state::{NX, NY, state_channels},
     trim::Trim,
 };

@@ -18,6 +18,7 @@
 //!
 //! Units: rpm, kPa, K, kg/s, s; enthalpies J/kg.
 
+mod auxiliary;
 mod combustor;
 mod component;
 mod compressor;
@@ -43,6 +44,7 @@ mod trim;
 mod turbine;
 
 pub use self::{
+    auxiliary::Auxiliary,
     design::Design,
     discretise::{MAX_STEP, PerUnit, Sampled},
     dynamics::{Dynamics, SurgeLimits},
@@ -52,7 +54,7 @@ pub use self::{
     health::{Health, HealthParameter},
     params::{Ducts, HpcMap, LpcMap, Parameters, Reference, TurbineMap, Volumes},
     power::PowerSetting,
-    rhs::{Auxiliary, Engine17},
+    rhs::Engine17,
     state::{MEASURED, NX, NY, State, input_channels, output_channels, state_channels},
     transient::{FuelLimiter, Trajectory, Transient},
     trim::Trim,
