@@ -1,4 +1,5 @@
 //! The two stages: training, freezing, compensating, and what interrupts them.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod support;
 
@@ -6,11 +7,15 @@ use fd_compensate::residual_compensation::{
     CompensationPlan, FixedParameters, Mode, PreFitted, RangePolicy, ResidualCompensator, Timeout,
 };
 use fd_core::{
-    EventKind, Snapshot,
+    EventKind, Scalar, Snapshot,
     stage::{Phase, Stage},
 };
 use proptest::prelude::*;
 use support::{Arx, PAPER_THETA, Subject, paper_input, push, response, run, subject};
+
+use EventKind::{
+    Frozen, HardFaultWhileTraining, OperatingPointLeft, OperatingPointRegained, TrainingStarted,
+};
 
 /// A bias of moderate speed, so that trials need not be long: poles 0.8 and 0.5.
 const THETA: [f64; 5] = [-1.3, 0.4, 0.05, -0.02, 0.01];
@@ -187,7 +192,6 @@ fn the_operating_point_is_watched() {
     let r = response::<2>(&THETA, &u);
     let events = |policy| run(&mut subject::<f64>(&plan_with(policy)), &u, &r).1;
 
-    use EventKind::{Frozen, OperatingPointLeft, OperatingPointRegained, TrainingStarted};
     let start = [TrainingStarted, Frozen];
     assert_eq!(kinds(&events(RangePolicy::Ignore)), start);
 
@@ -231,8 +235,9 @@ fn a_precision_demand_prolongs_a_noisy_training() {
 
 #[test]
 fn runs_in_single_precision() {
-    let u: Vec<f32> = paper_input(3000).iter().map(|&v| v as f32).collect();
-    let r: Vec<f32> = response::<2>(&THETA, &paper_input(3000)).iter().map(|&v| v as f32).collect();
+    let input = paper_input(3000);
+    let single = |values: &[f64]| values.iter().map(|&v| f32::from_design(v)).collect::<Vec<_>>();
+    let (u, r) = (single(&input), single(&response::<2>(&THETA, &input)));
     let mut plan = CompensationPlan::default();
     // Plain recursive least squares in f32 wanders at 1e-3.
     plan.convergence.tolerance = 5e-3;
@@ -300,7 +305,6 @@ proptest! {
 fn the_eventful_run_visits_every_activity() {
     let (plan, u, r) = eventful();
     let log = run(&mut subject::<f64>(&plan), &u, &r).1;
-    use EventKind::{Frozen, HardFaultWhileTraining, OperatingPointLeft, TrainingStarted};
     let expected = [
         TrainingStarted,
         HardFaultWhileTraining,

@@ -56,7 +56,7 @@ pub trait TimeDomain: Copy + Sized {
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError>;
 
     /// The frequency on this axis at which [`TimeDomain::half_plane`] has the gain of `omega`.
-    fn from_half_plane(&self, omega: f64) -> f64;
+    fn frequency_of_half_plane(&self, omega: f64) -> f64;
 
     /// Whether a mode with this eigenvalue dies out.
     fn decays(&self, eigenvalue: c64) -> bool {
@@ -122,7 +122,7 @@ impl TimeDomain for Continuous {
         Ok(model.clone())
     }
 
-    fn from_half_plane(&self, omega: f64) -> f64 {
+    fn frequency_of_half_plane(&self, omega: f64) -> f64 {
         omega
     }
 }
@@ -171,7 +171,7 @@ impl TimeDomain for Discrete {
         model.undo_tustin()
     }
 
-    fn from_half_plane(&self, omega: f64) -> f64 {
+    fn frequency_of_half_plane(&self, omega: f64) -> f64 {
         2.0 * (omega * self.ts.seconds() / 2.0).atan() / self.ts.seconds()
     }
 }

@@ -97,7 +97,7 @@ impl<D: TimeDomain> StateSpace<D> {
         let mut best = PeakGain { norm: 0.0, omega: 0.0 };
         let poles = half_plane.poles()?;
         let resonances = poles.iter().flat_map(|pole| [pole.norm(), pole.im.abs()]);
-        let resonances = resonances.map(|omega| domain.from_half_plane(omega));
+        let resonances = resonances.map(|omega| domain.frequency_of_half_plane(omega));
         scaled.climb(&mut best, resonances.chain([0.0, domain.highest_frequency()]))?;
 
         for _ in 0..STEPS {
@@ -113,7 +113,8 @@ impl<D: TimeDomain> StateSpace<D> {
             let crossings = half_plane.crossings(level)?;
             let between = crossings.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
             let candidates = crossings.iter().copied().chain(between);
-            scaled.climb(&mut best, candidates.map(|omega| domain.from_half_plane(omega)))?;
+            scaled
+                .climb(&mut best, candidates.map(|omega| domain.frequency_of_half_plane(omega)))?;
             if best.norm <= level {
                 return Ok(best);
             }

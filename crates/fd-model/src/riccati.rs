@@ -18,6 +18,7 @@ use crate::{
     domain::unit_disk_margin,
     error::ModelError,
     linalg::{balance, eigenvalues, is_positive, require_decay, solve, symmetric},
+    lyapunov,
     state_space::check_matrix,
 };
 
@@ -67,7 +68,7 @@ pub fn discrete_regulator(
         ("state weight Q", q, Shape::new(n, n)),
         ("input weight R", r, Shape::new(m, m)),
     ];
-    solve_regulator("the discrete regulator", roles)
+    solve_regulator("the discrete regulator", &roles)
 }
 
 /// The steady-state Kalman filter of `x⁺ = A x + w`, `y = C x + v` with `cov w = Q`, `cov v = R`
@@ -103,7 +104,7 @@ pub fn discrete_filter(
         ("process noise covariance Q", q, Shape::new(n, n)),
         ("measurement noise covariance R", r, Shape::new(p, p)),
     ];
-    let dual = solve_regulator("the discrete filter", roles)?;
+    let dual = solve_regulator("the discrete filter", &roles)?;
     Ok(DiscreteRiccati { gain: dual.gain.transpose().to_owned(), ..dual })
 }
 
@@ -111,12 +112,12 @@ type Role<'a> = (&'static str, MatRef<'a, f64>, Shape);
 
 fn solve_regulator(
     what: &'static str,
-    roles: [Role<'_>; 4],
+    roles: &[Role<'_>; 4],
 ) -> Result<DiscreteRiccati, ModelError> {
-    for (role, matrix, expected) in roles {
+    for &(role, matrix, expected) in roles {
         check_matrix(role, matrix, expected)?;
     }
-    let [(_, a, _), (_, b, _), (q_role, q, _), (r_role, r, _)] = roles;
+    let &[(_, a, _), (_, b, _), (q_role, q, _), (r_role, r, _)] = roles;
     if !is_positive(q, 0.0)? {
         return Err(ModelError::NotPositive { role: q_role, needed: "semidefinite" });
     }
@@ -125,15 +126,18 @@ fn solve_regulator(
     }
 
     let scaling = balance(a, b, q);
-    let p = {
-        let a = scaling.a(a);
-        let b = scaling.b(b);
-        let q = scaling.c(scaling.c(symmetric(q).as_ref()).transpose());
-        let g = &b * solve(r_role, r, b.transpose())?;
-        let p = double(&a, symmetric(g.as_ref()), q)
-            .ok_or(ModelError::NoConvergence { what, order: a.nrows() })?;
-        scaling.undo_c(scaling.undo_c(p.as_ref()).transpose())
+    let problem = Problem {
+        a: scaling.a(a),
+        b: scaling.b(b),
+        q: scaling.c(scaling.c(symmetric(q).as_ref()).transpose()),
+        r: symmetric(r),
+        r_role,
     };
+    let g = &problem.b * solve(r_role, r, problem.b.transpose())?;
+    let p = double(&problem.a, symmetric(g.as_ref()), problem.q.clone())
+        .ok_or(ModelError::NoConvergence { what, order: a.nrows() })?;
+    let p = problem.refine(p)?;
+    let p = scaling.undo_c(scaling.undo_c(p.as_ref()).transpose());
     let weight = r + b.transpose() * &p * b;
     let gain = solve(r_role, weight.as_ref(), (b.transpose() * &p * a).as_ref())?;
 
@@ -145,6 +149,43 @@ fn solve_regulator(
         }
     })?;
     Ok(DiscreteRiccati { p, gain, weight })
+}
+
+/// The regulator problem in balanced coordinates.
+struct Problem {
+    a: Mat<f64>,
+    b: Mat<f64>,
+    q: Mat<f64>,
+    r: Mat<f64>,
+    r_role: &'static str,
+}
+
+impl Problem {
+    /// Newton's method (Hewer 1971) from a solution that is nearly right, for as long as it
+    /// halves the residual.
+    fn refine(&self, mut p: Mat<f64>) -> Result<Mat<f64>, ModelError> {
+        let (mut closed, mut residual) = self.closed_loop(&p)?;
+        // Without a stable loop there is no Newton step; the caller says what that means.
+        while let Ok(step) = lyapunov::discrete(closed.transpose(), residual.as_ref()) {
+            let next = &p + step;
+            let (next_closed, next_residual) = self.closed_loop(&next)?;
+            if residual.norm_l2() <= 2.0 * next_residual.norm_l2() {
+                break;
+            }
+            (p, closed, residual) = (next, next_closed, next_residual);
+        }
+        Ok(p)
+    }
+
+    /// `A − BK`, and the residual `Q + AᵀP(A − BK) − P`.
+    fn closed_loop(&self, p: &Mat<f64>) -> Result<(Mat<f64>, Mat<f64>), ModelError> {
+        let bp = self.b.transpose() * p;
+        let weight = &self.r + &bp * &self.b;
+        let gain = solve(self.r_role, weight.as_ref(), (bp * &self.a).as_ref())?;
+        let closed = &self.a - &self.b * gain;
+        let residual = &self.q + self.a.transpose() * p * &closed - p;
+        Ok((closed, symmetric(residual.as_ref())))
+    }
 }
 
 /// Doubling of `P = AᵀP(I + GP)⁻¹A + H`; after `k` steps `H` is the solution over a horizon of

@@ -5,7 +5,7 @@ use faer::{Mat, Scale, c64};
 use crate::{
     domain::TimeDomain,
     error::ModelError,
-    linalg::{balance, beside, compress_rows, finite_eigenvalues, stack},
+    linalg::{balance, beside, compress_rows, generalised_eigenvalues, stack},
     state_space::StateSpace,
 };
 
@@ -16,8 +16,8 @@ impl<D: TimeDomain> StateSpace<D> {
     /// appear as zeros too. Works for any numbers of inputs and outputs.
     ///
     /// A. Emami-Naeini and P. Van Dooren, "Computation of zeros of linear multivariable systems",
-    /// Automatica 18(4), 1982: orthogonal transformations peel off all infinite zeros, then the QZ
-    /// algorithm finds the rest. Ranks are judged to rounding, after scaling of states, inputs,
+    /// Automatica 18(4), 1982: orthogonal transformations peel off all infinite zeros; the rest
+    /// are generalised eigenvalues. Ranks are judged to rounding, after scaling of states, inputs,
     /// outputs and time.
     ///
     /// # Errors
@@ -62,7 +62,7 @@ impl<D: TimeDomain> StateSpace<D> {
         let (basis, _) = compress_rows(outputs.transpose(), tolerance)?;
         let hidden = basis.subcols(m, n);
         let left = beside(square.a.as_ref(), square.b.as_ref()) * hidden;
-        let zeros = finite_eigenvalues(left.as_ref(), hidden.subrows(0, n))?;
+        let zeros = generalised_eigenvalues(left.as_ref(), hidden.subrows(0, n))?;
         Ok(zeros.into_iter().map(|zero| zero * rate).collect())
     }
 }

@@ -4,13 +4,21 @@
 //! |------|----------|----------------|
 //! | [`simulation`] | `y − y_sim(u)` | the plant is stable and a model of any kind exists |
 //! | [`observer`] | innovation of an observer | initial state and disturbances must be forgotten |
-//! | [`weighted`] | `W r` of any of these | channels are combined or scaled |
+//! | [`parity`] | `W (Y − T U)` over a window | a dead-beat, design-by-rank answer is wanted |
+//! | [`weighted`] | `W r` of any of these | channels are combined, scaled or filtered |
+//! | [`bank`] | several of these side by side | faults are isolated by a set of residuals |
 //! | [`form`] | any stable `H_u`, `H_y` | the generator was designed elsewhere |
+//!
+//! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
+//! which faults it detects, how far they stand above noise, which signature it has.
 
+pub mod analysis;
+pub mod bank;
 mod error;
 pub mod form;
 mod matrix;
 pub mod observer;
+pub mod parity;
 pub mod simulation;
 pub mod weighted;
 

@@ -16,7 +16,9 @@ use fd_core::{
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
     GeneratorDesign,
+    bank::{Bank, BankDesign},
     observer::ObserverDesign,
+    parity::{FixedWindow, ParityDesign},
     simulation::SimulationDesign,
     weighted::{FilteredDesign, WeightedDesign},
 };
@@ -36,8 +38,14 @@ fn designs(model: &StateSpace<Discrete>, seed: u64) -> Vec<(usize, Box<dyn Gener
         model.domain(),
     )
     .unwrap();
+    let parity = ParityDesign::all(model, model.nx()).unwrap();
+    let simulation = SimulationDesign::new(model).unwrap();
+    let bank = BankDesign::new(vec![Box::new(simulation.clone()), Box::new(parity.clone())]);
     vec![
-        (0, Box::new(SimulationDesign::new(model).unwrap())),
+        (0, Box::new(simulation)),
+        (model.nx(), Box::new(parity.select(&[0]).unwrap())),
+        (model.nx(), Box::new(parity)),
+        (model.nx(), Box::new(bank.unwrap())),
         (0, Box::new(kalman.clone())),
         (0, Box::new(WeightedDesign::new(kalman.clone(), weight.as_ref()).unwrap())),
         (0, Box::new(FilteredDesign::new(kalman.clone(), &filter).unwrap())),
@@ -192,6 +200,17 @@ fn static_and_heap_storage_agree() {
     same_to_the_bit(
         form.freeze::<f64, Fixed<4, 2, 3>, Fixed<4, 3, 3>>().unwrap(),
         form.freeze::<f64, Heap, Heap>().unwrap(),
+    );
+
+    // Order 2: 9 rows of rank 4 leave 5 vectors.
+    let parity = ParityDesign::all(&model, 2).unwrap();
+    same_to_the_bit(
+        parity.freeze::<f64, FixedWindow<5, 9, 6>>().unwrap(),
+        parity.freeze::<f64, Heap>().unwrap(),
+    );
+    same_to_the_bit(
+        Bank::<_, [_; 2]>::new([fixed.clone(), fixed.clone()]).unwrap(),
+        Bank::<_>::new(vec![heap.clone(), heap.clone()]).unwrap(),
     );
 
     type Row = <Fixed<3, 1, 1> as Storage<f64>>::Yx;

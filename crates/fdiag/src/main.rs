@@ -1,2 +1,10 @@
 //! The `fdiag` command line: arguments in, tables, reports and an exit code out.
-fn main() {}
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command-line tool")]
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

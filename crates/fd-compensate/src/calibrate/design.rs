@@ -205,7 +205,9 @@ pub fn calibrate<D: Detector<f64> + ?Sized>(
 ) -> Result<CalibratedThreshold, CalibrationError> {
     check(detector.residual_len(), healthy, wanted, plan)?;
     let samples = healthy.len();
-    let statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
+    let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
+    // Minus infinity until the debouncing window holds enough samples.
+    statistics.retain(|s| s.is_finite());
     let times = (0..healthy.channels())
         .map(|channel| autocorrelation_time(&healthy.channel(channel).collect::<Vec<_>>()))
         .chain([autocorrelation_time(&statistics)]);

@@ -35,12 +35,10 @@ impl<T: Scalar, const N: usize> Regressor<T, N> {
 
     /// φ(k) of eq. (15) without allocation, entry by entry.
     fn entry(&self, i: usize, u: T) -> T {
-        if i < N {
-            -self.mu[i]
-        } else if i == N {
-            u
-        } else {
-            self.u[i - N - 1]
+        match i.checked_sub(N) {
+            None => -self.mu[i],
+            Some(0) => u,
+            Some(lag) => self.u[lag - 1],
         }
     }
 

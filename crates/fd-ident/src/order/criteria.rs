@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// What a choice of orders is judged by; the smaller the better.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Criterion {
     /// Akaike's information criterion.
@@ -15,6 +18,7 @@ pub enum Criterion {
     /// Logarithm of the final prediction error.
     Fpe,
     /// Simulation error on held-out records.
+    #[default]
     HeldOut,
 }
 

@@ -23,7 +23,7 @@ pub(crate) use self::{
     eigenvalues::{eigenvalues, require_decay},
     exponential::exponential,
     factor::smith_factor,
-    pencil::{compress_rows, finite_eigenvalues},
+    pencil::{compress_rows, generalised_eigenvalues},
     positive::is_positive,
     schur::RealSchur,
     solve::{identity_minus, solve, solve_right, symmetric},

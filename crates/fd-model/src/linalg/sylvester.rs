@@ -97,8 +97,9 @@ impl Block {
             }
             for row in k + 1..n {
                 let factor = left[row][k] / left[k][k];
-                for col in k..n {
-                    left[row][col] -= factor * left[k][col];
+                let pivot_row = left[k];
+                for (entry, pivot) in left[row].iter_mut().zip(pivot_row) {
+                    *entry -= factor * pivot;
                 }
                 x[row] -= factor * x[k];
             }

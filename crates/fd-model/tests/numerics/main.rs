@@ -5,6 +5,7 @@ mod engines;
 mod lyapunov;
 mod models;
 mod norms;
+mod oracle;
 mod reduction;
 mod riccati;
 mod sampling;

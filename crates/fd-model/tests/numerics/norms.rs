@@ -156,7 +156,7 @@ fn zeros_of_known_models_are_found() {
 }
 
 #[test]
-fn zeros_at_sizes_where_blocked_qz_fails() {
+fn zeros_at_sizes_where_a_qz_algorithm_failed() {
     for nx in [76, 100] {
         let model = continuous(Recipe { nx, nu: 2, ny: 2, seed: 5 });
         let d = model.d() + Scale(3.0) * Mat::<f64>::identity(2, 2);

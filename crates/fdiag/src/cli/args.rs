@@ -36,11 +36,6 @@ pub(crate) enum Command {
     /// sensor faults that are detected with and without compensation at the same false-alarm
     /// rate. Writes report.html, report.json and the pictures of the paper's figures 4 to 7.
     Engine(EngineArgs),
-    /// Learn and remove the residual bias of your own model, then look for faults in later logs
-    ///
-    /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
-    /// both. The healthy logs are for training and for the alarm threshold.
-    Compensate(CompensateArgs),
 }
 
 #[derive(Debug, Default, Args)]
@@ -62,34 +57,6 @@ pub(crate) struct EngineArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct CompensateArgs {
-    /// Model file of the nominal plant (TOML)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) model: PathBuf,
-    /// Log of the real plant (CSV), several times for several; without --healthy the first one is
-    /// the healthy log, the others are diagnosed
-    #[arg(long = "log", value_name = "FILE", required_unless_present = "healthy")]
-    pub(crate) logs: Vec<PathBuf>,
-    /// Log of the healthy plant (CSV) to learn from, several times for several runs
-    #[arg(long, value_name = "FILE")]
-    pub(crate) healthy: Vec<PathBuf>,
-    /// Column map of the logs (TOML); without it columns are found by channel name
-    #[arg(long, value_name = "FILE")]
-    pub(crate) columns: Option<PathBuf>,
-    /// Choice of residual generator, bias model, detector and rule (TOML)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) spec: Option<PathBuf>,
-    /// Print the spec that would run, and stop
-    #[arg(long)]
-    pub(crate) print_spec: bool,
-    /// Exit with code 1 when a later log raises an alarm
-    #[arg(long)]
-    pub(crate) fail_on_alarm: bool,
-    #[command(flatten)]
-    pub(crate) output: OutputArgs,
-}
-
-#[derive(Debug, Default, Args)]
 pub(crate) struct OutputArgs {
     /// Directory for the report; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "fdiag-report")]
@@ -100,4 +67,10 @@ pub(crate) struct OutputArgs {
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
+}
+
+impl Default for OutputArgs {
+    fn default() -> Self {
+        Self { out: PathBuf::from("fdiag-report"), json: false, threads: 0 }
+    }
 }

@@ -2,6 +2,7 @@
 
 use fd_compensate::{decide::Debouncing, detect::DEFAULT_MARGIN};
 use fd_ident::arx::ArxOrders;
+use fd_model::uncertainty::MatrixPerturbation;
 use serde::{Deserialize, Serialize};
 
 use super::excitation::{FreshRun, TrainingRun};
@@ -56,9 +57,10 @@ pub struct EngineConfig {
 pub struct PlantConfig {
     /// Which engine.
     pub engine: EngineChoice,
-    /// Largest relative change of each entry of the state and input matrices, uniform. For the
-    /// nonlinear engine the matrices of the *model* are changed instead.
-    pub perturbation: f64,
+    /// Random change of the matrices; by default each entry of `A` and `B` by up to 10 %, while
+    /// the sensors read true. For the nonlinear engine the matrices of the *model* are changed
+    /// instead: the engine is what it is.
+    pub perturbation: MatrixPerturbation,
     /// Standard deviation of the white sensor noise, relative to the reading.
     pub noise: f64,
 }
@@ -158,7 +160,10 @@ impl Default for PlantConfig {
     fn default() -> Self {
         Self {
             engine: EngineChoice::Engine17 { fuel_kg_s: reference_fuel() },
-            perturbation: 0.1,
+            perturbation: MatrixPerturbation {
+                matrices: [true, true, false, false],
+                ..MatrixPerturbation::default()
+            },
             noise: 5e-4,
         }
     }

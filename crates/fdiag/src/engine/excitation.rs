@@ -163,7 +163,8 @@ fn sampled(
     let samples = (duration_s / ts.seconds()).round().max(0.0) as usize;
     let u = (0..samples)
         .flat_map(|k| (0..channels.len()).map(move |channel| (k, channel)))
-        .map(|(k, channel)| f(k as f64 * ts.seconds(), channel))
+        // Every run begins at rest, so that filters and models can begin there too.
+        .map(|(k, channel)| if k == 0 { 0.0 } else { f(k as f64 * ts.seconds(), channel) })
         .collect();
     Inputs::new(channels.to_vec(), u, samples, ts)
 }

@@ -1,7 +1,11 @@
 //! One perturbed engine from training to the smallest faults that are found.
 
-use fd_compensate::{SampleRows, decide::Debounce};
-use fd_core::Event;
+use fd_compensate::{
+    SampleRows,
+    decide::Debouncing,
+    evaluate::{alarms, smallest_detectable_by_search},
+};
+use fd_core::{Event, stage::Detector};
 use fd_model::Record;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +13,6 @@ use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
     quantile::median,
-    smallest::{FaultRun, Watch},
 };
 use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, train};
 
@@ -88,35 +91,27 @@ impl Benchmark {
         let mut case = self.case(seed)?;
         let trained = self.trained(&mut case)?;
         let tests = self.tests(&mut case, &trained)?;
-        let (mut plain, mut compensated) = watches(&trained)?;
-        let healthy_phi = vec![0.0; tests.primary.first().map_or(0, Vec::len)];
-        let alarms = |watch: &mut Watch, runs: &[Vec<f64>]| {
-            let alarmed = |r: &&Vec<f64>| {
-                let run = FaultRun { r, phi: &healthy_phi, start: 0 };
-                watch.first_alarm(&run, 0.0).is_some()
-            };
-            let count = runs.iter().filter(alarmed).count();
-            count as f64 / runs.len() as f64
-        };
+        let (primary, compensated) = trained.calibration();
+        let mut plain = Watch::new(&trained, primary)?;
+        let mut compensated = Watch::new(&trained, compensated)?;
         let false_alarms = Pair {
-            primary: alarms(&mut plain, &tests.primary),
-            compensated: alarms(&mut compensated, &tests.compensated),
+            primary: plain.false_alarms(&tests.primary)?,
+            compensated: compensated.false_alarms(&tests.compensated)?,
         };
         let mut faults = Vec::new();
         for channel in self.fault_channels()? {
             let phi = self.unit_fault_response(&trained, channel)?;
-            let outcome = |watch: &mut Watch, runs: &[Vec<f64>]| {
-                self.find(watch, runs, &phi, tests.start)
-            };
-            let a = outcome(&mut plain, &tests.primary);
-            let b = outcome(&mut compensated, &tests.compensated);
+            let size = self.config().faults.size;
+            let a = plain.find(&tests.primary, &phi, size, tests.start)?;
+            let b = compensated.find(&tests.compensated, &phi, size, tests.start)?;
             let last = phi.len() - trained.design().residual_len();
+            let seconds = |samples: f64| samples * self.ts().seconds();
             faults.push(FaultOutcome {
                 sensor: self.readings()[channel].0.name.clone(),
                 residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
                 smallest: Pair { primary: a.smallest, compensated: b.smallest },
-                found: Pair { primary: a.found, compensated: b.found },
-                delay_s: Pair { primary: a.delay_s, compensated: b.delay_s },
+                found: Pair { primary: a.share, compensated: b.share },
+                delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
             });
         }
         let (primary, compensated) = trained.fault_free_maxima();
@@ -194,47 +189,83 @@ impl Benchmark {
     pub(super) fn samples(&self, seconds: f64) -> usize {
         (seconds / self.ts().seconds()).round().max(0.0) as usize
     }
+}
 
-    fn find(&self, watch: &mut Watch, runs: &[Vec<f64>], phi: &[f64], start: usize) -> Found {
-        let size = self.config().faults.size;
+/// The calibrated detector of one of the two residuals.
+struct Watch {
+    detector: Box<dyn Detector>,
+    rule: Debouncing,
+    channels: usize,
+}
+
+/// What a detector finds of a fault.
+struct Found {
+    smallest: f64,
+    share: f64,
+    /// In samples.
+    delay: f64,
+}
+
+impl Watch {
+    fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, RoadError> {
+        let channels = trained.design().residual_len();
+        let rows = SampleRows::new(channels, healthy)?;
+        let detector = trained.spec().detector.calibrated(rows)?;
+        Ok(Self { detector, rule: trained.spec().rule, channels })
+    }
+
+    /// First sample with a reported fault.
+    fn first_alarm(&mut self, residual: &[f64]) -> Result<Option<usize>, RoadError> {
+        self.detector.reset();
+        let margins: Vec<f64> = residual
+            .chunks_exact(self.channels)
+            .map(|r| {
+                let verdict = self.detector.update(r);
+                verdict.statistic - verdict.threshold
+            })
+            .collect();
+        Ok(alarms(&margins, 0.0, self.rule)?.iter().position(|&alarm| alarm))
+    }
+
+    fn false_alarms(&mut self, runs: &[Vec<f64>]) -> Result<f64, RoadError> {
+        let mut count = 0;
+        for run in runs {
+            count += usize::from(self.first_alarm(run)?.is_some());
+        }
+        Ok(count as f64 / runs.len() as f64)
+    }
+
+    /// With a linear generator, and a compensation that looks at `u` alone, a fault of size `s`
+    /// makes the residual `r + s φ` exactly, so no run has to be simulated again.
+    fn find(
+        &mut self,
+        runs: &[Vec<f64>],
+        phi: &[f64],
+        size: f64,
+        start: usize,
+    ) -> Result<Found, RoadError> {
         let (mut sizes, mut delays, mut looks) = (Vec::new(), Vec::new(), 0_usize);
         for r in runs {
-            let run = FaultRun { r, phi, start };
             // A run that alarms by itself is a false alarm, counted as such and not as a find.
-            if watch.first_alarm(&run, 0.0).is_some() {
+            if self.first_alarm(r)?.is_some() {
                 continue;
             }
+            let healthy = SampleRows::new(self.channels, r)?;
             for sign in [1.0, -1.0] {
                 looks += 1;
-                sizes.push(watch.smallest(&run, sign, LARGEST_FAULT).unwrap_or(f64::INFINITY));
-                if let Some(k) = watch.first_alarm(&run, sign * size) {
-                    delays.push((k - start.min(k)) as f64 * self.ts().seconds());
+                let response: Vec<f64> = phi.iter().map(|v| sign * v).collect();
+                let rows = SampleRows::new(self.channels, &response)?;
+                let (detector, rule) = (self.detector.as_mut(), self.rule);
+                let smallest =
+                    smallest_detectable_by_search(detector, rule, healthy, rows, LARGEST_FAULT)?;
+                sizes.push(smallest.unwrap_or(f64::INFINITY));
+                let faulty: Vec<f64> = r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
+                if let Some(k) = self.first_alarm(&faulty)? {
+                    delays.push(k.saturating_sub(start) as f64);
                 }
             }
         }
-        Found {
-            smallest: median(&mut sizes),
-            found: if looks > 0 { delays.len() as f64 / looks as f64 } else { f64::NAN },
-            delay_s: median(&mut delays),
-        }
+        let share = if looks > 0 { delays.len() as f64 / looks as f64 } else { f64::NAN };
+        Ok(Found { smallest: median(&mut sizes), share, delay: median(&mut delays) })
     }
-}
-
-struct Found {
-    smallest: f64,
-    found: f64,
-    delay_s: f64,
-}
-
-/// The calibrated detectors of both residuals.
-fn watches(trained: &Trained) -> Result<(Watch, Watch), RoadError> {
-    let (primary, compensated) = trained.calibration();
-    let watch = |values: &[f64]| -> Result<Watch, RoadError> {
-        let channels = trained.design().residual_len();
-        let rows = SampleRows::new(channels, values)?;
-        let detector = trained.spec().detector.calibrated(rows)?;
-        let rule = Debounce::new(channels, trained.spec().rule)?;
-        Ok(Watch::new(detector, Box::new(rule)))
-    };
-    Ok((watch(primary)?, watch(compensated)?))
 }

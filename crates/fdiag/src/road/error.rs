@@ -37,7 +37,9 @@ pub enum RoadError {
         found: usize,
     },
     /// Recursive learning was asked for over several logs.
-    #[error("recursive learning runs over one log in order of time, got {found}; use batch learning")]
+    #[error(
+        "recursive learning runs over one log in order of time, got {found}; use batch learning"
+    )]
     RecursiveNeedsOneLog {
         /// Healthy logs given.
         found: usize,
@@ -50,6 +52,12 @@ pub enum RoadError {
     NotConverged {
         /// Samples of the log.
         samples: usize,
+    },
+    /// No order could be fitted.
+    #[error("no bias model of order 1 to {most} could be fitted to the healthy logs")]
+    NoOrder {
+        /// Highest order tried.
+        most: usize,
     },
     /// The learned bias model is unstable, so it cannot be simulated.
     #[error(

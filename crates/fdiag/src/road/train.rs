@@ -13,6 +13,7 @@ use fd_core::{
 };
 use fd_ident::{
     arx::{ArxModel, ArxOrders, ArxSimulator, RecursiveArx},
+    order::OrderTable,
     rls::{RlsDesign, UdRls},
 };
 use fd_model::{Discrete, Record, StateSpace};
@@ -69,6 +70,7 @@ pub struct Trained {
     spec: PipelineSpec,
     design: Box<dyn GeneratorDesign>,
     model: ArxModel,
+    selection: Option<OrderTable>,
     fit: PreFitted,
     events: Vec<Event>,
     primary: Vec<f64>,
@@ -99,13 +101,14 @@ pub fn train(
     if records.is_empty() {
         return Err(RoadError::NoHealthyLog);
     }
-    let learned = learn(spec, design.as_ref(), &records)?;
+    let learned = learn(spec, &records)?;
     let filling = if settle == 0 { 0 } else { settle + learned.model.orders().lag() };
     let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
     let mut trained = Trained {
         spec: spec.clone(),
         design,
         model: learned.model,
+        selection: learned.selection,
         fit,
         events: learned.events,
         primary: Vec::new(),
@@ -134,6 +137,12 @@ impl Trained {
     #[must_use]
     pub fn bias_model(&self) -> &ArxModel {
         &self.model
+    }
+
+    /// How all orders did, when they were to be chosen.
+    #[must_use]
+    pub fn order_selection(&self) -> Option<&OrderTable> {
+        self.selection.as_ref()
     }
 
     /// Phases of a recursive training.
@@ -216,7 +225,8 @@ impl Trained {
     /// Adds what both residuals look like in healthy data.
     fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
         let silent = self.spec.detector.silent(self.design.residual_len())?;
-        let mut pipeline = self.assemble(Box::new(self.compensator()?), silent)?
+        let mut pipeline = self
+            .assemble(Box::new(self.compensator()?), silent)?
             .with_missing_samples(MissingSamples::Hold { at_most: u64::MAX });
         let trace = Trace::of(&mut pipeline, log.record)?;
         let channels = trace.channels;
@@ -260,11 +270,12 @@ fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, RoadErro
 }
 
 /// Samples until the generator has forgotten where it started.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked, not negative")]
-fn settling_samples(
-    spec: &PipelineSpec,
-    design: &dyn GeneratorDesign,
-) -> Result<usize, RoadError> {
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked, not negative"
+)]
+fn settling_samples(spec: &PipelineSpec, design: &dyn GeneratorDesign) -> Result<usize, RoadError> {
     let form = design.form()?;
     let ts = form.system().domain().ts.seconds();
     if let Some(seconds) = spec.settle_s {

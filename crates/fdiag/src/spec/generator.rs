@@ -3,8 +3,8 @@
 use faer::{Mat, c64};
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
-    DesignError, GeneratorDesign, observer::ObserverDesign,
-    simulation::SimulationDesign, weighted::WeightedDesign,
+    DesignError, GeneratorDesign, observer::ObserverDesign, simulation::SimulationDesign,
+    weighted::WeightedDesign,
 };
 use serde::{Deserialize, Serialize};
 

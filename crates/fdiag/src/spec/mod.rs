@@ -8,7 +8,7 @@ mod detector;
 mod generator;
 
 use fd_compensate::{decide::Debouncing, residual_compensation::CompensationPlan};
-use fd_ident::{arx::ArxOrders, rls::RlsDesign};
+use fd_ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign};
 use serde::{Deserialize, Serialize};
 
 pub use self::{detector::DetectorSpec, generator::GeneratorSpec};
@@ -74,10 +74,14 @@ impl Default for BiasSpec {
 pub enum OrderSpec {
     /// Given.
     Fixed(ArxOrders),
-    /// The smallest error of a simulation over training data held out from the fit.
+    /// Chosen by a criterion among the paper's structures of order 1 to `most`.
     Select {
-        /// Most past values of the bias and of each input, at most 5 as in the paper.
+        /// Highest order; the paper recommends less than 5.
         most: usize,
+        /// What decides. `held-out` is the error of a simulation over the last part of the
+        /// training data, which is then not used for the comparison.
+        #[serde(default)]
+        criterion: Criterion,
         /// Whether there is a constant term.
         #[serde(default)]
         offset: bool,
@@ -90,7 +94,7 @@ pub enum OrderSpec {
 pub enum LearningSpec {
     /// Least squares over all healthy logs together.
     Batch {
-        /// Corner in rad/s of a second-order Butterworth low-pass that input and residual both go
+        /// Corner in rad/s of a second-order low-pass that input and residual both go
         /// through before the fit; it leaves their transfer function as it is and keeps noise out.
         /// None fits the raw signals, as the paper does.
         #[serde(default)]

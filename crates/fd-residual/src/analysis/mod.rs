@@ -1,0 +1,25 @@
+//! Design-time answers: what a residual sees, how well, and what could be seen at all.
+//!
+//! | Question | Answer | Source |
+//! |----------|--------|--------|
+//! | Does fault i reach the residual? | [`fault_effects`] | Patton and Chen 1992, eq. 6 |
+//! | How far above the noise? | [`fault_to_noise_gap`] | Varga 2017, section 3.3: `J₂ = min_j ‖R_f,j‖∞ / ‖R_w‖∞` |
+//! | Which residual reacts to which fault? | [`weak_structure`], [`strong_structure`] | Varga 2017, section 3.4 |
+//! | Which signatures can be had, at which order? | [`achievable_signatures`] | parity spaces of Chow and Willsky 1984 |
+//!
+//! The first three look at a [`ResidualForm`](crate::ResidualForm), whatever its method, in
+//! discrete or continuous time. The last looks at the plant alone.
+//!
+//! **Do not use** them as a verdict on a real plant: they know the nominal model only.
+
+mod effects;
+mod signatures;
+mod structure;
+mod unknown;
+
+pub use self::{
+    effects::{FaultEffect, Gap, fault_effects, fault_to_noise_gap},
+    signatures::{Achievable, achievable_signatures},
+    structure::{Signature, strong_structure, weak_structure},
+    unknown::UnknownInputs,
+};

@@ -1,0 +1,417 @@
+//! Published residual generators, checked through the general form.
+//!
+//! Varga (2017), Solving Fault Diagnosis Problems, and the user's guide of FDITOOLS; Chen, Patton
+//! and Zhang (1996); Niemann (1998); Yuan et al. (1997). All in continuous time.
+#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+
+use faer::{Mat, c64, mat, prelude::Solve};
+use fd_core::IoDims;
+use fd_model::{Continuous, StateSpace};
+use fd_residual::{
+    ResidualForm,
+    analysis::{
+        UnknownInputs, achievable_signatures, fault_effects, fault_to_noise_gap, strong_structure,
+        weak_structure,
+    },
+    observer::{ObserverDesign, place_poles},
+};
+
+type System = StateSpace<Continuous>;
+/// Numerator and denominator, highest power first.
+type Ratio = (&'static [f64], &'static [f64]);
+
+const ZERO: Ratio = (&[0.0], &[1.0]);
+const ONE: Ratio = (&[1.0], &[1.0]);
+
+/// Realises a matrix of transfer functions entry by entry, in controllable canonical form.
+fn realise<const N: usize>(rows: &[[Ratio; N]]) -> System {
+    let states = |(_, den): &Ratio| den.len() - 1;
+    let n = rows.iter().flatten().map(states).sum();
+    let (mut a, mut b) = (Mat::zeros(n, n), Mat::zeros(n, N));
+    let (mut c, mut d) = (Mat::zeros(rows.len(), n), Mat::zeros(rows.len(), N));
+    let mut at = 0;
+    for (i, row) in rows.iter().enumerate() {
+        for (j, ratio) in row.iter().enumerate() {
+            let order = states(ratio);
+            let (num, den) = *ratio;
+            let lead = den[0];
+            // Coefficients of equal length, so that num = feedthrough · den + remainder.
+            let padded = |k: usize| {
+                let missing = order + 1 - num.len();
+                if k < missing { 0.0 } else { num[k - missing] / lead }
+            };
+            d[(i, j)] = padded(0);
+            for k in 0..order {
+                // States are derivatives, lowest first.
+                a[(at + order - 1, at + k)] = -den[order - k] / lead;
+                c[(i, at + k)] = padded(order - k) - padded(0) * den[order - k] / lead;
+                if k + 1 < order {
+                    a[(at + k, at + k + 1)] = 1.0;
+                }
+            }
+            if 0 < order {
+                b[(at + order - 1, j)] = 1.0;
+            }
+            at += order;
+        }
+    }
+    StateSpace::new(a, b, c, d, Continuous).unwrap()
+}
+
+fn form_of(nu: usize, ny: usize, system: System) -> ResidualForm<Continuous> {
+    ResidualForm::new(IoDims { nu, ny }, system).unwrap()
+}
+
+fn assert_equal(found: &System, expected: &System) {
+    for omega in [0.0, 0.1, 0.7, 1.0, 2.0, 10.0, 300.0] {
+        let (f, e) = (found.frequency_response(omega), expected.frequency_response(omega));
+        let (f, e) = (f.unwrap(), e.unwrap());
+        // First- and second-order factors with poles of size 1 to 10: a few dozen roundings.
+        assert!((&f - &e).norm_max() < 1e-12, "at {omega} rad/s: {f:?} instead of {e:?}");
+    }
+}
+
+fn assert_close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
+}
+
+/// `[(s+1)/(s+2); (s+2)/(s+3)]`.
+fn stable_plant() -> System {
+    realise(&[[(&[1.0, 1.0], &[1.0, 2.0])], [(&[1.0, 2.0], &[1.0, 3.0])]])
+}
+
+#[test]
+fn varga_5_4_unstable_plant_exact_decoupling() {
+    let first: Ratio = (&[1.0, 1.0], &[1.0, -2.0]);
+    let second: Ratio = (&[1.0, 2.0], &[1.0, -3.0]);
+    let gu = realise(&[[first], [second]]);
+    let gd = realise(&[[(&[1.0, -1.0], &[1.0, 2.0])], [ZERO]]);
+    let gf = realise(&[[first, ZERO], [second, ONE]]);
+    let to_u: Ratio = (&[-1.0, -2.0], &[1.0, 3.0]);
+    let to_y: Ratio = (&[1.0, -3.0], &[1.0, 3.0]);
+    let form = form_of(1, 2, realise(&[[to_u, ZERO, to_y]]));
+
+    assert!(form.consistency(&gu).unwrap() < 1e-14);
+    assert_equal(&form.residual_of(&gd).unwrap(), &realise(&[[ZERO]]));
+    let rf = realise(&[[(&[1.0, 2.0], &[1.0, 3.0]), to_y]]);
+    assert_equal(&form.residual_of(&gf).unwrap(), &rf);
+    let effects = fault_effects(&form, &gf).unwrap();
+    for (effect, steady) in effects.iter().zip([2.0 / 3.0, 1.0]) {
+        assert!(effect.detectable && effect.lasting);
+        assert_close(effect.steady.unwrap(), steady);
+        assert_close(effect.peak.gain, 1.0);
+    }
+    assert_eq!(weak_structure(&form, &gf).unwrap()[0].to_string(), "11");
+    assert!(fault_effects(&form, &gd).unwrap().iter().all(|effect| !effect.detectable));
+    // No noise reaches a decoupled residual.
+    assert!(fault_to_noise_gap(&form, &gf, &gd).unwrap().ratio > 1e12);
+}
+
+#[test]
+fn varga_5_3_stable_variant() {
+    let gd = realise(&[[(&[1.0, -1.0], &[1.0, 2.0])], [ZERO]]);
+    let (first, second): (Ratio, Ratio) = ((&[1.0, 1.0], &[1.0, 2.0]), (&[1.0, 2.0], &[1.0, 3.0]));
+    let gf = realise(&[[first, ZERO], [second, ONE]]);
+    let form = form_of(1, 2, realise(&[[(&[-1.0, -2.0], &[1.0, 3.0]), ZERO, ONE]]));
+    assert!(form.consistency(&stable_plant()).unwrap() < 1e-14);
+    assert_equal(&form.residual_of(&gd).unwrap(), &realise(&[[ZERO]]));
+    assert_equal(&form.residual_of(&gf).unwrap(), &realise(&[[second, ONE]]));
+    let strong = strong_structure(&form, &gf, &[0.0, 1.0, 100.0]).unwrap();
+    assert_eq!(strong[0].to_string(), "11");
+}
+
+#[test]
+fn varga_5_6_optimal_gap() {
+    let gw = realise(&[[(&[1.0], &[1.0, 2.0])], [ZERO]]);
+    let gf = realise(&[[(&[1.0, 1.0], &[1.0, 2.0]), ZERO], [ZERO, ONE]]);
+    // H_y = 3 (s+2)/(s+3) [1 1] gives the published R_f and R_w; H_u = -H_y G_u.
+    let to_y: Ratio = (&[3.0, 6.0], &[1.0, 3.0]);
+    let to_u: Ratio = (&[-6.0, -24.0, -21.0], &[1.0, 6.0, 9.0]);
+    let form = form_of(1, 2, realise(&[[to_u, to_y, to_y]]));
+    assert!(form.consistency(&stable_plant()).unwrap() < 1e-14);
+    let rf = realise(&[[(&[3.0, 3.0], &[1.0, 3.0]), (&[3.0, 6.0], &[1.0, 3.0])]]);
+    assert_equal(&form.residual_of(&gf).unwrap(), &rf);
+    assert_equal(&form.residual_of(&gw).unwrap(), &realise(&[[(&[3.0], &[1.0, 3.0])]]));
+    let gap = fault_to_noise_gap(&form, &gf, &gw).unwrap();
+    assert_close(gap.ratio, 3.0);
+    assert_close(gap.noise.gain, 1.0);
+}
+
+#[test]
+fn fditools_example_8() {
+    let (first, second): (Ratio, Ratio) = ((&[1.0, 1.0], &[1.0, 2.0]), (&[1.0, 2.0], &[1.0, 3.0]));
+    let gw = realise(&[[(&[1.0, -1.0], &[1.0, 2.0])], [ZERO]]);
+    let gf = realise(&[[first, ONE, ZERO], [second, ZERO, ONE]]);
+    let (y1, y2): (Ratio, Ratio) = ((&[1.0, 2.0], &[1.0, 1.0]), (&[1.0, 3.0], &[1.0, 1.0]));
+    let form = form_of(1, 2, realise(&[[(&[-2.0, -3.0], &[1.0, 1.0]), y1, y2]]));
+    assert!(form.consistency(&stable_plant()).unwrap() < 1e-14);
+    let rf = realise(&[[(&[2.0, 3.0], &[1.0, 1.0]), y1, y2]]);
+    assert_equal(&form.residual_of(&gf).unwrap(), &rf);
+    let rw = realise(&[[(&[1.0, -1.0], &[1.0, 1.0])]]);
+    assert_equal(&form.residual_of(&gw).unwrap(), &rw);
+    let gap = fault_to_noise_gap(&form, &gf, &gw).unwrap();
+    for (peak, expected) in gap.faults.iter().zip([3.0, 2.0, 3.0]) {
+        assert_close(peak.gain, expected);
+    }
+    assert_close(gap.noise.gain, 1.0);
+    assert_close(gap.ratio, 2.0);
+}
+
+#[test]
+fn strong_and_weak_structure() {
+    // The outputs themselves as the residual: H_y = I, no inputs.
+    let form = form_of(0, 2, StateSpace::gain(Mat::identity(2, 2), Continuous).unwrap());
+    let gf =
+        realise(&[[(&[1.0, 0.0], &[1.0, 1.0]), ZERO], [(&[1.0, 0.0, 4.0], &[1.0, 6.0, 9.0]), ONE]]);
+    let rf = form.residual_of(&gf).unwrap();
+    let gain =
+        |omega: f64, i: usize, j: usize| rf.frequency_response(omega).unwrap()[(i, j)].norm();
+    assert_close(gain(0.0, 1, 0), 4.0 / 9.0);
+    assert_close(gain(2.0, 0, 0), 2.0 / 5.0_f64.sqrt());
+    let bits = |s: Vec<fd_residual::analysis::Signature>| -> Vec<String> {
+        s.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(bits(weak_structure(&form, &gf).unwrap()), ["10", "11"]);
+    assert_eq!(bits(strong_structure(&form, &gf, &[0.0]).unwrap()), ["00", "11"]);
+    assert_eq!(bits(strong_structure(&form, &gf, &[2.0]).unwrap()), ["10", "01"]);
+    assert_eq!(bits(strong_structure(&form, &gf, &[0.0, 2.0]).unwrap()), ["00", "01"]);
+}
+
+#[test]
+fn varga_7_3_state_space_realisation() {
+    let a = Mat::from_fn(5, 5, |i, j| if i == j { [-2.0, -3.0, -1.0, 2.0, 3.0][i] } else { 0.0 });
+    let c = mat![[-1.0, 0.0, -1.0, 1.5, 0.0], [0.0, -1.0, 0.0, 0.0, 2.5]];
+    let bu = mat![[1.0], [1.0], [0.0], [0.0], [0.0]];
+    let gu = StateSpace::new(a, bu, c, mat![[1.0], [1.0]], Continuous).unwrap();
+    let bd = mat![[0.0], [0.0], [2.0], [0.0], [0.0]];
+    let bf = mat![[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [2.0, 0.0]];
+    let gd = UnknownInputs::new("d", bd, mat![[1.0], [0.0]]).unwrap().system(&gu).unwrap();
+    let gf = UnknownInputs::new("f", bf, mat![[1.0, 0.0], [1.0, 1.0]]).unwrap();
+    assert_equal(&gu, &stable_plant());
+    assert_equal(&gd, &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])], [ZERO]]));
+    let (first, second): (Ratio, Ratio) =
+        ((&[1.0, 1.0], &[1.0, -2.0]), (&[1.0, 2.0], &[1.0, -3.0]));
+    assert_equal(&gf.system(&gu).unwrap(), &realise(&[[first, ZERO], [second, ONE]]));
+}
+
+/// `‖r − P r‖ / ‖r‖` with `P` the projector on the given directions.
+fn isolation_index(r: &Mat<f64>, directions: &[Mat<f64>]) -> f64 {
+    let span = Mat::from_fn(r.nrows(), directions.len(), |i, j| directions[j][(i, 0)]);
+    let svd = span.thin_svd().unwrap();
+    let rank = svd.S().column_vector().iter().filter(|&&s| 1e-10 * svd.S()[0] < s).count();
+    let basis = svd.U().subcols(0, rank);
+    (r - basis * (basis.transpose() * r)).norm_l2() / r.norm_l2()
+}
+
+/// An unknown input observer `z' = F z + T B u + K y`, `r = y − C (z + H y)`, as a form.
+struct UnknownInputObserver {
+    h: Mat<f64>,
+    t: Mat<f64>,
+    k1: Mat<f64>,
+    k: Mat<f64>,
+    form: ResidualForm<Continuous>,
+}
+
+impl UnknownInputObserver {
+    fn new(plant: &System, e: &Mat<f64>, k1: impl Fn(&Mat<f64>) -> Mat<f64>) -> Self {
+        let (n, c) = (plant.nx(), plant.c());
+        let ce = c * e;
+        let h = e * ce.clone().svd().unwrap().pseudoinverse();
+        let t = Mat::<f64>::identity(n, n) - &h * c;
+        let a1 = &t * plant.a();
+        let k1 = k1(&a1);
+        let f = &a1 - &k1 * c;
+        let k = &k1 + &f * &h;
+        let (nu, ny) = (plant.nu(), plant.ny());
+        let tb = &t * plant.b();
+        let b = Mat::from_fn(n, nu + ny, |i, j| if j < nu { tb[(i, j)] } else { k[(i, j - nu)] });
+        let from_y = Mat::<f64>::identity(ny, ny) - c * &h;
+        let d = Mat::from_fn(ny, nu + ny, |i, j| if j < nu { 0.0 } else { from_y[(i, j - nu)] });
+        let system = StateSpace::new(f, b, -c, d, Continuous).unwrap();
+        Self { h, t, k1, k, form: form_of(nu, ny, system) }
+    }
+}
+
+/// Chen, Patton and Zhang (1996): robust and Beard filters of a jet engine.
+#[test]
+fn jet_engine_fault_isolation() {
+    let a = mat![[-1.5581, 0.6925, 0.3974], [0.2619, -2.2228, 0.2238], [0.0, 0.0, -10.0]];
+    let c = mat![
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.55107, 0.13320, 0.30603],
+        [0.55217, 0.13526, 0.32912],
+        [-0.25693, -0.23625, 0.61299]
+    ];
+    let b = mat![[0.0], [0.0], [10.0]];
+    let plant = StateSpace::new(a.clone(), b, c.clone(), Mat::zeros(6, 1), Continuous).unwrap();
+    let pseudoinverse = c.svd().unwrap().pseudoinverse();
+    let e1 = mat![[6.2006, 2.8639], [4.1048, -4.3262], [0.0, 0.0]];
+    let e_star = mat![
+        [1.3293, 3.4440, 0.1375, -5.1304, -1.7826, -1.8719],
+        [5.6812, -0.5281, -0.3385, -1.6193, 0.5229, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    ];
+    let three = Mat::from_fn(3, 3, |i, j| if i == j { 3.0 } else { 0.0 });
+    let k1 = |a1: &Mat<f64>| (&three + a1) * &pseudoinverse;
+
+    // Beard filter K = (3I + A) C⁺: all poles at −3.
+    let beard_gain = k1(&a);
+    let beard = ObserverDesign::with_gain(&plant, beard_gain.as_ref()).unwrap().form().unwrap();
+    assert!(beard.consistency(&plant).unwrap() < 1e-13);
+    for pole in beard.system().poles().unwrap() {
+        // C⁺ C = I to rounding times cond(C) < 3.
+        assert!((pole - c64::new(-3.0, 0.0)).norm() < 1e-13);
+    }
+
+    // Robust filter against the printed matrices, with the tolerances of their four digits.
+    let robust = UnknownInputObserver::new(&plant, &e1, k1);
+    let printed_h = mat![
+        [0.6117, -0.1170, 0.0, 0.3215, 0.3220, -0.1295],
+        [-0.1170, 0.9382, 0.0, 0.0605, 0.0623, -0.1916],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    ];
+    let printed_t = mat![[0.0, 0.0, -0.1251], [0.0, 0.0, 0.0783], [0.0, 0.0, 1.0]];
+    let printed_k = mat![
+        [-0.0708, 0.0443, 0.5658, 0.1400, 0.1531, 0.3540],
+        [0.0443, -0.0277, -0.3540, -0.0876, -0.0958, -0.2215],
+        [0.5658, -0.3540, -4.5229, -1.1193, -1.2239, -2.8297]
+    ];
+    assert!((&robust.h - printed_h).norm_max() < 1e-4);
+    assert!((&robust.t - printed_t).norm_max() < 2e-4);
+    assert!((&robust.k - printed_k).norm_max() < 5e-3);
+    assert!(robust.form.consistency(&plant).unwrap() < 1e-13);
+    // E₁ spans what E* spans, to the four printed digits.
+    let disturbance = UnknownInputs::new("d", e1.clone(), Mat::zeros(6, 2)).unwrap();
+    let gd = disturbance.system(&plant).unwrap();
+    assert!(fault_effects(&robust.form, &gd).unwrap().iter().all(|d| d.peak.gain < 1e-13));
+    assert!(fault_effects(&beard, &gd).unwrap().iter().all(|d| d.detectable && d.lasting));
+
+    // Steady state of x' = A x + B u + E* d(x) with u = 0.2.
+    let fixed = Mat::from_fn(3, 1, |i, _| if i == 2 { 2.0 } else { 0.0 });
+    let mut x = Mat::<f64>::zeros(3, 1);
+    for _ in 0..200 {
+        let v = |i: usize| x[(i, 0)];
+        let d = [v(0) * v(0), v(1) * v(1), v(2) * v(2), v(0) * v(1), v(0) * v(2), v(1) * v(2)];
+        let d = Mat::from_fn(6, 1, |i, _| d[i]);
+        x = -a.partial_piv_lu().solve(&fixed + &e_star * d);
+    }
+    for (i, expected) in [0.0483, 0.0269, 0.2].into_iter().enumerate() {
+        assert!((x[(i, 0)] - expected).abs() < 1e-4);
+    }
+
+    // Isolation index of filter j (row) for a 2 % offset of sensor `fault` (column).
+    let indices = |form: &ResidualForm<Continuous>, direction: &dyn Fn(usize) -> Vec<Mat<f64>>| {
+        let gain = form.system().dc_gain().unwrap();
+        Mat::from_fn(3, 3, |j, fault| {
+            let mut y = &c * &x;
+            y[(fault, 0)] += 0.02;
+            let signals = Mat::from_fn(7, 1, |i, _| if i == 0 { 0.2 } else { y[(i - 1, 0)] });
+            isolation_index(&(&gain * signals), &direction(j))
+        })
+    };
+    let unit = |j: usize| Mat::from_fn(6, 1, |i, _| if i == j { 1.0 } else { 0.0 });
+    let found = indices(&beard, &|j| vec![unit(j), &c * beard_gain.subcols(j, 1)]);
+    let expected =
+        mat![[0.2869, 0.8448, 0.7559], [0.9993, 0.2698, 0.7785], [0.8673, 0.9940, 0.1746]];
+    // The reference was computed from the same rounded matrices and is printed to four digits.
+    assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
+
+    let found = indices(&robust.form, &|j| {
+        vec![unit(j), &c * robust.k1.subcols(j, 1), &c * robust.h.subcols(j, 1)]
+    });
+    let expected = mat![[0.0, 0.4153, 0.2116], [0.4844, 0.0, 0.2029], [0.8568, 0.7043, 0.0]];
+    assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
+    // The published ordering: each filter is smallest for its own sensor.
+    for fault in 0..3 {
+        assert!((0..3).all(|j| j == fault || found[(fault, fault)] < 0.01 * found[(j, fault)]));
+    }
+}
+
+/// The minimal unknown input observer of Chen and Patton's book.
+#[test]
+fn minimal_unknown_input_observer() {
+    let a = mat![[-1.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
+    let b = mat![[-1.0], [0.0], [0.0]];
+    let c = mat![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let plant = StateSpace::new(a, b.clone(), c.clone(), Mat::zeros(2, 1), Continuous).unwrap();
+    let poles = [-2.0, -5.0, -10.0].map(|p| c64::new(p, 0.0));
+    let observer = UnknownInputObserver::new(&plant, &b, |a1| {
+        let by_hand = mat![[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
+        assert!((a1 - &by_hand).norm_max() < 1e-14);
+        place_poles(a1.as_ref(), c.as_ref(), &poles).unwrap().gain
+    });
+    assert!((&observer.h - mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]).norm_max() < 1e-14);
+    let mut found = observer.form.system().poles().unwrap();
+    found.sort_by(|p, q| q.re.total_cmp(&p.re));
+    for (found, wanted) in found.iter().zip(poles) {
+        assert!((found - wanted).norm() < 1e-10, "{found}");
+    }
+    assert!(observer.form.consistency(&plant).unwrap() < 1e-12);
+    let gd = UnknownInputs::new("d", b, Mat::zeros(2, 1)).unwrap().system(&plant).unwrap();
+    assert!(fault_effects(&observer.form, &gd).unwrap()[0].peak.gain < 1e-12);
+}
+
+/// Yuan, Vansteenkiste and Wen (1997): eight faults, eighteen signatures.
+#[test]
+fn yuan_signatures_and_least_orders() {
+    let a = mat![
+        [-1.0, 1.0, 0.0, 0.0],
+        [1.0, -2.0, 1.0, 0.0],
+        [0.0, 1.0, -2.0, 1.0],
+        [0.0, 0.0, 1.0, -2.0]
+    ];
+    let c = mat![[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let b = mat![[1.0], [0.0], [0.0], [0.0]];
+    let bf = mat![
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0]
+    ];
+    let plant = StateSpace::new(a, b, c, Mat::zeros(3, 1), Continuous).unwrap();
+    let faults = UnknownInputs::new("f", bf, Mat::zeros(3, 8)).unwrap();
+    let found = achievable_signatures(&plant, &faults, &UnknownInputs::none(&plant), 4).unwrap();
+    let found: Vec<_> =
+        found.iter().map(|a| format!("{}:{}", a.signature, a.least_order)).collect();
+    let published = "00010011:1 01101110:2 01111101:2 01111111:2 10101110:1 10111101:1 10111111:1 \
+                     11001100:2 11011111:2 11100110:2 11101010:2 11101110:2 11110101:2 11110111:2 \
+                     11111001:2 11111011:2 11111101:2 11111111:2";
+    assert_eq!(found.join(" "), published);
+}
+
+/// Niemann (1998): three signatures in badly scaled units.
+#[test]
+fn niemann_signatures_and_orders() {
+    let scaled = |m: Mat<f64>| faer::Scale(1000.0) * m;
+    let a = scaled(mat![
+        [-0.0782, 0.2939, 0.0220, 0.0208, -0.0291],
+        [0.0077, -0.0278, 0.0015, -0.0015, 0.0026],
+        [-1.3251, 5.32608, -0.5263, 0.2214, -0.4777],
+        [1.0809, -4.4452, 0.3770, -0.4631, 0.4032],
+        [2.1532, -8.6386, 0.7811, -0.5745, 0.7816]
+    ]);
+    let bd = scaled(mat![[0.0443], [-0.0042], [0.7910], [-0.6598], [-1.2881]]);
+    let bu = mat![
+        [-0.007197, 0.003005],
+        [0.003473, 0.000284],
+        [1.218502, -0.032866],
+        [1.322502, 0.020147],
+        [-0.082265, 0.024388]
+    ];
+    let plant =
+        StateSpace::new(a, bu.clone(), Mat::identity(5, 5), Mat::zeros(5, 2), Continuous).unwrap();
+    let faults = UnknownInputs::new("f", bu, Mat::zeros(5, 2)).unwrap();
+    let disturbance = UnknownInputs::new("d", bd, Mat::zeros(5, 1)).unwrap();
+    let found = achievable_signatures(&plant, &faults, &disturbance, 4).unwrap();
+    let summary: Vec<_> = found
+        .iter()
+        .map(|a| {
+            let full: usize = a.basis_orders.iter().sum();
+            (a.signature.to_string(), a.least_order, a.dimension, full)
+        })
+        .collect();
+    let published = [("01", 1, 3, 3), ("10", 1, 3, 3), ("11", 1, 4, 4)];
+    assert_eq!(summary, published.map(|(s, least, dim, full)| (s.to_owned(), least, dim, full)));
+}
