@@ -148,11 +148,6 @@ impl<E: Dynamics<f64, N>, const N: usize> PerUnit<E, N> {
         Ok(Self { plant, x_0, fuel_0 })
     }
 
-    /// The engine in physical units.
-    pub fn plant_mut(&mut self) -> &mut Sampled<E, N> {
-        &mut self.plant
-    }
-
     /// The deviations one sample later.
     ///
     /// # Errors
@@ -162,6 +157,19 @@ impl<E: Dynamics<f64, N>, const N: usize> PerUnit<E, N> {
         let absolute = std::array::from_fn(|i| self.x_0[i] * (1.0 + x[i]));
         let next = self.plant.try_advance(&absolute, self.fuel_0 * (1.0 + u))?;
         Ok(std::array::from_fn(|i| next[i] / self.x_0[i] - 1.0))
+    }
+}
+
+impl<E, const N: usize> PerUnit<E, N> {
+    /// The engine in physical units.
+    #[must_use]
+    pub fn plant(&self) -> &Sampled<E, N> {
+        &self.plant
+    }
+
+    /// The engine in physical units, for instance to change its health between samples.
+    pub fn plant_mut(&mut self) -> &mut Sampled<E, N> {
+        &mut self.plant
     }
 }
 
