@@ -224,8 +224,17 @@ fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), Engi
             let scale = physical.operating_point.as_ref().map_or_else(Vec::new, |p| p.y.clone());
             Ok((per_unit, with_readings(&physical, scale)))
         }
-        EngineChoice::F100 {} => Err(EngineStudyError::None { setting: "f100" }),
-        EngineChoice::ChenPattonZhang {} => Err(EngineStudyError::None { setting: "chen" }),
+        EngineChoice::F100 {} => {
+            let physical = fd_jetengine::f100()?;
+            let (scaled, scaling) = physical.equilibrated()?;
+            let readings = with_readings(&physical, scaling.y);
+            Ok((scaled, readings))
+        }
+        EngineChoice::ChenPattonZhang {} => {
+            let per_unit = fd_jetengine::chen_patton_zhang()?;
+            let readings = per_unit.outputs.iter().map(|c| (c.clone(), 1.0)).collect();
+            Ok((per_unit, readings))
+        }
     }
 }
 
