@@ -7,7 +7,7 @@ use fd_model::{StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
-    form::{ResidualForm, frequency_grid},
+    form::{ResidualForm, frequency_grid, is_clear},
 };
 
 /// Gains below this fraction of what would be possible without cancellation count as zero.
@@ -68,6 +68,7 @@ fn signatures<D: TimeDomain>(
 pub(crate) struct Visibility<'a, D> {
     form: &'a ResidualForm<D>,
     gf: &'a StateSpace<D>,
+    poles: Vec<c64>,
     /// Largest entry of each pair over the grid, where it stands out from rounding.
     largest: Mat<f64>,
 }
@@ -81,7 +82,9 @@ impl<'a, D: TimeDomain> Visibility<'a, D> {
         form.residual_of(gf)?;
         let grid = frequency_grid(&[form.system(), gf])?;
         let mut largest = Mat::zeros(form.residual_len(), gf.nu());
-        let mut visibility = Self { form, gf, largest: largest.clone() };
+        let mut poles = form.system().poles()?;
+        poles.extend(gf.poles()?);
+        let mut visibility = Self { form, gf, poles, largest: largest.clone() };
         for omega in grid {
             let Some((hy, g)) = visibility.factors(omega) else { continue };
             for row in 0..largest.nrows() {
@@ -112,6 +115,9 @@ impl<'a, D: TimeDomain> Visibility<'a, D> {
     }
 
     fn factors(&self, omega: f64) -> Option<(Mat<c64>, Mat<c64>)> {
+        if !is_clear(self.gf.domain(), &self.poles, omega) {
+            return None;
+        }
         let (_, hy) = self.form.response(omega).ok()?;
         Some((hy, self.gf.frequency_response(omega).ok()?))
     }

@@ -4,10 +4,7 @@ use faer::{Mat, MatRef, c64};
 use fd_core::{Heap, IoDims, Scalar, Shape, Storage, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze, riccati};
 
-use super::{
-    place::{check_observable, place_poles},
-    run::Observer,
-};
+use super::{observable::check_observable, place::place_poles, run::Observer};
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
@@ -78,14 +75,12 @@ impl<D: TimeDomain> ObserverDesign<D> {
     /// # Ok::<(), DesignError>(())
     /// ```
     pub fn place(model: &StateSpace<D>, poles: &[c64]) -> Result<Self, DesignError> {
-        let what = "a wanted observer";
-        match poles.iter().find(|&&pole| !model.domain().decays(pole)) {
-            Some(pole) => Err(ModelError::Unstable { what, re: pole.re, im: pole.im }.into()),
-            None => {
-                let placement = place_poles(model.a(), model.c(), poles)?;
-                Self::with_gain(model, placement.gain.as_ref())
-            }
+        if let Some(pole) = poles.iter().find(|&&pole| !model.domain().decays(pole)) {
+            let what = "a wanted observer";
+            return Err(ModelError::Unstable { what, re: pole.re, im: pole.im }.into());
         }
+        let placement = place_poles(model.a(), model.c(), poles)?;
+        Self::with_gain(model, placement.gain.as_ref())
     }
 
     /// The gain `L`.

@@ -76,7 +76,7 @@ impl ParityDesign {
             let RankDecision { rank, rows, smallest_kept: smallest, .. } = rank;
             return Err(DesignError::NoParity { order, rank, rows, smallest });
         }
-        Ok(Self { rank: Some(rank), ..Self::unchecked(model, order, w) })
+        Ok(Self::unchecked(model, order, w, Some(rank)))
     }
 
     /// Given parity vectors, one per row, over `order + 1` samples.
@@ -93,8 +93,8 @@ impl ParityDesign {
             return Err(DesignError::Empty { what: "parity vector" });
         }
         check_shape("parity matrix W", w, Shape::new(w.nrows(), (order + 1) * model.ny()))?;
-        let design = Self::unchecked(model, order, w.to_owned());
-        match design.leak.iter().position(|&leak| !(leak <= TOLERANCE)) {
+        let design = Self::unchecked(model, order, w.to_owned(), None);
+        match design.leak.iter().position(|&leak| TOLERANCE < leak) {
             Some(row) => Err(DesignError::NotParity { row, residue: design.leak[row] }),
             None => Ok(design),
         }
@@ -120,7 +120,7 @@ impl ParityDesign {
     /// use fd_residual::parity::ParityDesign;
     ///
     /// let domain = Discrete { ts: SampleTime::new(0.1)? };
-    /// let lag = |a| StateSpace::new(mat![[a]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain);
+    /// let lag = |a: f64| StateSpace::new(mat![[a]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain);
     /// let design = ParityDesign::closest(&[lag(0.5)?, lag(0.52)?], 1, 1)?;
     /// assert!(1e-4 < design.leak()[0] && design.leak()[0] < 0.02);
     /// # Ok::<(), fd_residual::DesignError>(())
@@ -155,7 +155,7 @@ impl ParityDesign {
             .svd()
             .map_err(|_| ModelError::NoConvergence { what: "parity vectors", order: rows })?;
         let best_first = Mat::from_fn(count, rows, |i, j| svd.U()[(j, rows - 1 - i)]);
-        let mut design = Self::unchecked(nominal, order, best_first);
+        let mut design = Self::unchecked(nominal, order, best_first, None);
         // Leak over all models: ‖w [Γ₁ … Γ_N]‖ is the singular value itself.
         for (i, leak) in design.leak.iter_mut().enumerate() {
             let sigma = |k: usize| if k < all.ncols() { svd.S()[k] } else { 0.0 };
@@ -186,7 +186,13 @@ impl ParityDesign {
         })
     }
 
-    fn unchecked(model: &StateSpace<Discrete>, order: usize, w: Mat<f64>) -> Self {
+    /// Vectors that were not checked against `Γ`, with what they let through.
+    pub(super) fn unchecked(
+        model: &StateSpace<Discrete>,
+        order: usize,
+        w: Mat<f64>,
+        rank: Option<RankDecision>,
+    ) -> Self {
         let gamma = observability(model.a(), model.c(), order);
         let t = input_map(model.a(), model.b(), model.c(), model.d(), order);
         let through = &w * &gamma;
@@ -201,7 +207,7 @@ impl ParityDesign {
             leak: (0..w.nrows()).map(leak).collect(),
             from_u: -(&w * t),
             from_y: w,
-            rank: None,
+            rank,
         }
     }
 

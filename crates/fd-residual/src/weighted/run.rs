@@ -36,7 +36,7 @@ impl<T: Scalar, G: ResidualGenerator<T>, W: LinMap<T>, R: Buffer<T>> Weighted<T,
     /// type Summed = Weighted<f32, Observer<f32, Fixed<5, 2, 5>>, Row, [f32; 5]>;
     ///
     /// fn sum_of(observer: Observer<f32, Fixed<5, 2, 5>>) -> Result<Summed, fd_core::ShapeError> {
-    ///     Summed::new(observer, Row::from_fn("weighting W", Shape::new(1, 5), |_, _| 1.0)?)
+    ///     Summed::new(observer, LinMap::from_fn("weighting W", Shape::new(1, 5), |_, _| 1.0)?)
     /// }
     /// ```
     pub fn new(inner: G, weight: W) -> Result<Self, ShapeError> {
