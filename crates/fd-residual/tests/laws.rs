@@ -64,6 +64,10 @@ proptest! {
             // Two resolvents of radius <= 0.95 (cond <= ~1e4 for these sizes) cost 1e4 n eps.
             let defect = design.form().unwrap().consistency(&model).unwrap();
             prop_assert!(defect < 1e-10, "{defect:e} for {design:?}");
+            // The generator of another plant does not pass this check.
+            let other = plant(Draw { seed: draw.seed ^ 77, ..draw });
+            let defect = design.form().unwrap().consistency(&other).unwrap();
+            prop_assert!(1e-3 < defect, "{defect:e} for {design:?}");
         }
     }
 

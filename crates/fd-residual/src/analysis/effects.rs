@@ -82,6 +82,22 @@ pub fn fault_effects<D: TimeDomain>(
 ///
 /// Returns an error when there is no fault, or `gf` or `gw` have other outputs or another sample
 /// time than the plant.
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::{Continuous, StateSpace};
+/// use fd_residual::{analysis::{UnknownInputs, fault_to_noise_gap}, observer::ObserverDesign};
+///
+/// let lag = StateSpace::new(mat![[-1.0]], mat![[2.0]], mat![[1.0]], mat![[0.0]], Continuous)?;
+/// let gf = UnknownInputs::none(&lag).actuator(&lag, 0)?.system(&lag)?;
+/// let gw = UnknownInputs::none(&lag).sensor(&lag, 0)?.system(&lag)?;
+/// let design = ObserverDesign::with_gain(&lag, mat![[3.0]].as_ref())?;
+/// let gap = fault_to_noise_gap(&design.form()?, &gf, &gw)?; // ‖2/(s+4)‖ / ‖(s+1)/(s+4)‖
+/// assert!((gap.ratio - 0.5).abs() < 1e-7);
+/// # Ok::<(), fd_residual::DesignError>(())
+/// ```
 pub fn fault_to_noise_gap<D: TimeDomain>(
     form: &ResidualForm<D>,
     gf: &StateSpace<D>,

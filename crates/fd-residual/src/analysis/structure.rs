@@ -29,6 +29,27 @@ impl fmt::Display for Signature {
 /// # Errors
 ///
 /// Returns an error when `gf` has other outputs or another sample time than the plant.
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::{Discrete, SampleTime, StateSpace};
+/// use fd_residual::{
+///     GeneratorDesign,
+///     analysis::{strong_structure, weak_structure},
+///     parity::ParityDesign,
+/// };
+///
+/// // An integrator's parity relation y(k) − y(k−1) − u(k−1) forgets a constant sensor fault.
+/// let domain = Discrete { ts: SampleTime::new(1.0)? };
+/// let tank = StateSpace::new(mat![[1.0]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+/// let gf = StateSpace::gain(mat![[1.0]], domain)?;
+/// let form = ParityDesign::all(&tank, 1)?.form()?;
+/// assert_eq!(weak_structure(&form, &gf)?[0].to_string(), "1");
+/// assert_eq!(strong_structure(&form, &gf, &[0.0])?[0].to_string(), "0");
+/// # Ok::<(), fd_residual::DesignError>(())
+/// ```
 pub fn weak_structure<D: TimeDomain>(
     form: &ResidualForm<D>,
     gf: &StateSpace<D>,

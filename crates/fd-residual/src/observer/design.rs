@@ -186,6 +186,21 @@ impl ObserverDesign<Discrete> {
     /// Returns an error when a covariance has the wrong size or definiteness, when a mode that
     /// does not decay is unobservable, or when the Riccati equation has no stabilising solution
     /// (a mode on the unit circle that no noise drives).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::observer::ObserverDesign;
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(1.0)? };
+    /// let lag = StateSpace::new(mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let quiet = ObserverDesign::kalman_with(&lag, mat![[0.0]].as_ref(), mat![[1.0]].as_ref())?;
+    /// assert!(quiet.gain()[(0, 0)].abs() < 1e-12); // a plant without noise needs no correction
+    /// assert!(ObserverDesign::kalman_with(&lag, mat![[1.0]].as_ref(), mat![[0.0]].as_ref()).is_err());
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn kalman_with(
         model: &StateSpace<Discrete>,
         q: MatRef<'_, f64>,

@@ -63,6 +63,22 @@ impl ParityDesign {
     ///
     /// Returns the rank decision when there are none, or an error when the unknown inputs were
     /// made for a model of other sizes.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{analysis::UnknownInputs, parity::ParityDesign};
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let (b, c) = (mat![[1.0]], mat![[1.0], [2.0]]);
+    /// let lag = StateSpace::new(mat![[0.9]], b, c, Mat::zeros(2, 1), domain)?;
+    /// let load = UnknownInputs::none(&lag).component("load", &[1.0], &[0.0, 0.0])?;
+    /// let design = ParityDesign::decoupled(&lag, 0, &load)?; // 2 y₁ − y₂, up to a factor
+    /// assert!((design.vectors()[(0, 0)] / design.vectors()[(0, 1)] + 2.0).abs() < 1e-14);
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn decoupled(
         model: &StateSpace<Discrete>,
         order: usize,
@@ -84,6 +100,20 @@ impl ParityDesign {
     /// # Errors
     ///
     /// Returns an error when the width is wrong or a vector does not annihilate `Γ`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::parity::ParityDesign;
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let lag = StateSpace::new(mat![[0.5]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// assert!(ParityDesign::with_vectors(&lag, 1, mat![[-0.5, 1.0]].as_ref()).is_ok());
+    /// assert!(ParityDesign::with_vectors(&lag, 1, mat![[-0.6, 1.0]].as_ref()).is_err());
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn with_vectors(
         model: &StateSpace<Discrete>,
         order: usize,
