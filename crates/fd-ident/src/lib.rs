@@ -1,4 +1,25 @@
 //! Identification of bias models: how the bias of a residual follows from the inputs.
+//!
+//! Unmodelled effects leave a bias `μ` in the residual that depends on the input. This crate
+//! finds that dependence from fault-free data, eq. (13) to (18) of Patton & Chen (1992), so that
+//! it can be subtracted.
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`arx`] | difference equations: fit, identify on line, simulate, analyse |
+//! | [`least_squares`] | batch least squares with rank and condition |
+//! | [`rls`] | recursive least squares with forgetting and safeguards |
+//! | [`order`] | which orders? |
+//! | [`diagnostics`] | is anything left in the residuals of a fit? |
+//! | [`refine`] | options for noisy residuals |
+//!
+//! [`RecursiveArx`](arx::RecursiveArx) is an [`Identifier`](fd_core::stage::Identifier),
+//! [`ArxSimulator`](arx::ArxSimulator) a [`BiasModel`](fd_core::stage::BiasModel).
+//!
+//! # When not to use it
+//!
+//! When a fault may be present in the training data: it would be learned as bias. When the cause
+//! of the bias is known, model the cause instead.
 
 mod error;
 

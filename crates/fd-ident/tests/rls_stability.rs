@@ -77,6 +77,8 @@ fn f32_follows_f64_for_an_input_of_few_frequencies() {
         // What is left is the scatter of the estimator: f32 and f64 have the same to two digits.
         assert!((single - double).abs() < 0.05 * double.max(0.01), "{lambda}: {single} {double}");
         assert!(variances(&arx64).iter().all(|&v| v > 0.0));
+        // The conventional form loses definiteness in f32, even in its exactly symmetric shape.
+        assert!(plain > 10.0 * single, "{lambda}: {plain} {single}");
     }
 }
 
@@ -91,6 +93,7 @@ fn every_guarded_estimator_survives_a_million_samples_without_excitation() {
             Forgetting::Resetting { lambda, floor: 1e-6 },
         ]
     });
+    let mut of_exponential = f64::INFINITY;
     for forgetting in designs {
         let design = RlsDesign { prior_variance: 1e4, ..RlsDesign::forgetting(forgetting) };
         let (distance, arx) = worst(UdRls::<f32>::new(5, &design).unwrap(), &data);
@@ -102,6 +105,12 @@ fn every_guarded_estimator_survives_a_million_samples_without_excitation() {
         assert!(distance.is_finite());
         // Trace limit: ten times that of P₀ = 1e4 I for 5 parameters, plus rounding.
         assert!(largest <= 5.1e5, "{forgetting:?}: {largest}");
+        match forgetting {
+            Forgetting::Exponential { .. } => of_exponential = distance,
+            // Only directional forgetting also keeps the estimate.
+            Forgetting::Directional { .. } => assert!(distance < 0.1 * of_exponential),
+            _ => {}
+        }
     }
     let window = WindowDesign { samples: 200, prior_variance: 1e4 };
     let (distance, arx) = worst(WindowRls::<f32>::new(5, &window).unwrap(), &data);
@@ -153,4 +162,20 @@ fn the_bounded_covariance_keeps_its_bound_without_any_excitation() {
     }
     // The excited parameter forgets as without bound: P → 1 − λ.
     assert!((found[0] - 0.1).abs() < 0.01, "{found:?}");
+}
+
+#[test]
+fn a_small_covariance_is_reset_and_counted() {
+    let forgetting = Forgetting::Resetting { lambda: 1.0, floor: 0.01 };
+    let design = RlsDesign { prior_variance: 1.0, ..RlsDesign::forgetting(forgetting) };
+    let mut kernel = UdRls::<f64>::new(1, &design).unwrap();
+    let mut theta = [0.0];
+    // P = 1/(1 + k) falls below 0.01 with the 100th sample.
+    (0..99).for_each(|_| kernel.update(&[1.0], 2.0, &mut theta));
+    assert_eq!(kernel.guard().bounded, 0);
+    kernel.update(&[1.0], 2.0, &mut theta);
+    let mut variance = [0.0];
+    kernel.variance_into(&mut variance);
+    assert_eq!(kernel.guard().bounded, 1);
+    assert!((variance[0] - 1.0).abs() < 1e-15);
 }

@@ -89,6 +89,15 @@ pub enum EngineError {
     /// The values about which a linear model holds are needed, but not published.
     #[error("the operating point of this linear engine is not known")]
     NoOperatingPoint,
+    /// A perturbation of physical parameters was asked of a linear model.
+    #[error("this perturbation needs the nonlinear engine: a linear model has no parameters")]
+    NotPhysical,
+    /// All perturbed engines were unstable.
+    #[error("none of {draws} perturbed engines was stable")]
+    NoStableEngine {
+        /// Engines that were drawn.
+        draws: usize,
+    },
     /// A linear model cannot be built.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -133,3 +133,36 @@ fn unmodelled_dynamics_add_slow_stable_poles() {
     println!("slowest poles of the extended engine: {} {} {}", poles[0], poles[1], poles[2]);
     assert!((poles[0].re + 0.12).abs() < 0.01 && (poles[1].re + 0.25).abs() < 0.01);
 }
+
+/// Steady gains in percent per percent of fuel, `N_L, N_H, T_7, P_6, T_29`, in printed digits.
+#[test]
+fn steady_gains_match_the_printed_table() {
+    let engine = Engine17::<f64>::new(&Parameters::default()).unwrap();
+    for (fuel, want) in [
+        (0.12, [0.43, 0.23, 0.09, 0.19, 0.08]),
+        (0.40, [0.31, 0.20, 0.28, 0.49, 0.13]),
+        (0.712, [0.31, 0.22, 0.33, 0.59, 0.16]),
+        (0.95, [0.32, 0.24, 0.34, 0.61, 0.17]),
+    ] {
+        let linear = engine.linearise(&engine.trim(fuel).unwrap()).unwrap().per_unit().unwrap();
+        let gain = linear.model.dc_gain().unwrap();
+        for (i, want) in want.into_iter().enumerate() {
+            let got = gain[(i, 0)];
+            assert!((got - want).abs() <= 0.0051, "{fuel} kg/s, output {i}: {got} {want}");
+        }
+    }
+}
+
+/// Hankel singular values of the per-unit models against scipy's. Gramians of a model with poles
+/// from -0.7 to -540 lose about four digits in each of the two programs.
+#[test]
+fn hankel_values_match() {
+    at_each_point(|name, point, engine| {
+        let trim = engine.trim(point["Wf"].as_f64().unwrap()).unwrap();
+        let linear = engine.linearise(&trim).unwrap().per_unit().unwrap();
+        let got = linear.model.hankel_singular_values().unwrap();
+        for (got, want) in got.iter().zip(numbers(&point["hsv_pu"])) {
+            assert!((got - want).abs() < 1e-7, "{name}: {got} {want}");
+        }
+    });
+}

@@ -10,7 +10,7 @@ use fd_jetengine::{
         Parameters, Sampled, Transient, Unmodelled,
     },
 };
-use fd_model::SampleTime;
+use fd_model::{SampleTime, fault::Parameters as _};
 use proptest::prelude::*;
 
 fn engine() -> Engine17 {
@@ -183,6 +183,29 @@ fn integration_is_of_fourth_order() {
     let order = (coarse / fine).log2();
     println!("errors {coarse:.1e}, {fine:.1e}: order {order:.2}");
     assert!((3.7..4.6).contains(&order));
+}
+
+/// A component fault moves the running engine from its healthy to its faulty equilibrium.
+#[test]
+fn a_component_fault_acts_on_the_running_engine() {
+    let engine = engine();
+    let healthy = engine.trim(0.712).unwrap();
+    let health = Health::default().shifted(HealthParameter::HpcEfficiency, -0.02);
+    let faulty = engine.clone().with_health(health).trim(0.712).unwrap();
+    let mut plant = Sampled::new(engine, SampleTime::new(0.01).unwrap());
+    let names = plant.parameter_names();
+    assert_eq!(names.len(), HealthParameter::ALL.len());
+    let index = names.iter().position(|name| name == "hpc_efficiency").unwrap();
+    assert!((plant.parameter(index) - 1.0).abs() < f64::EPSILON);
+    plant.set_parameter(index, 0.98);
+    let mut x = healthy.x;
+    for _ in 0..1500 {
+        x = plant.try_advance(&x, 0.712).unwrap();
+    }
+    for (x, want) in x.iter().zip(faulty.x) {
+        // exp(-1.67 · 15) of 2 % is left.
+        assert!((x / want - 1.0).abs() < 1e-8, "{x} {want}");
+    }
 }
 
 /// The extended engine shares the equilibrium, and follows a small step to the same end.

@@ -34,7 +34,9 @@ pub use crate::norms::PeakGain;
 // Signals, faults, records and files.
 mod clock;
 pub mod fault;
+pub mod file;
 mod inputs;
+mod resample;
 pub mod signal;
 mod simulate;
 pub mod unit;
@@ -51,5 +53,6 @@ pub use crate::{
 pub use crate::{
     inputs::Inputs,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
+    resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
     simulate::{Simulation, SimulationError},
 };

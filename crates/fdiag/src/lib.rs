@@ -1,10 +1,11 @@
 //! Model-based fault diagnosis with on-line residual compensation.
 //!
 //! The facade of the workspace: the method crates under short names, pipelines described as data
-//! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), and reports
-//! ([`report`]).
+//! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), its two uses - the engine
+//! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]).
 
 pub mod engine;
+pub mod logs;
 pub mod report;
 pub mod road;
 pub mod spec;

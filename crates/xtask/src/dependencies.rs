@@ -5,14 +5,26 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&str]); 8] = [
+const ALLOWED: [(&str, &[&str]); 9] = [
     ("fd-core", &[]),
     ("fd-model", &["fd-core"]),
     ("fd-residual", &["fd-core", "fd-model"]),
     ("fd-ident", &["fd-core", "fd-model"]),
     ("fd-compensate", &["fd-core", "fd-model"]),
     ("fd-jetengine", &["fd-core", "fd-model"]),
-    ("fdiag", &["fd-core", "fd-model", "fd-residual", "fd-ident", "fd-compensate", "fd-jetengine"]),
+    ("fd-gap", &["fd-core", "fd-model", "fd-residual", "fd-ident", "fd-compensate"]),
+    (
+        "fdiag",
+        &[
+            "fd-core",
+            "fd-model",
+            "fd-residual",
+            "fd-ident",
+            "fd-compensate",
+            "fd-jetengine",
+            "fd-gap",
+        ],
+    ),
     ("xtask", &[]),
 ];
 

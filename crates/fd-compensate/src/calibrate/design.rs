@@ -2,19 +2,14 @@
 
 use fd_core::stage::Detector;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::{
     autocorrelation::autocorrelation_time,
     bootstrap::CircularBlocks,
+    error::{CalibrationError, LEAST_EXCEEDANCES},
     tail::{exponential_tail, upper_quantile},
 };
-use crate::{
-    count::whole,
-    decide::{Debouncing, RuleError},
-    evaluate::debounced_statistics,
-    rows::SampleRows,
-};
+use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::SampleRows};
 
 /// How often an alarm may be false.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -105,68 +100,6 @@ pub struct CalibratedThreshold {
     pub extrapolated: bool,
 }
 
-/// A threshold cannot be calibrated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum CalibrationError {
-    /// The record has other channels than the detector.
-    #[error("the fault-free record has {found} channels, the detector {expected}")]
-    Channels {
-        /// Channels of the detector.
-        expected: usize,
-        /// Channels of the record.
-        found: usize,
-    },
-    /// A number is outside its range.
-    #[error("{parameter} must be {expected}, got {found}")]
-    Parameter {
-        /// Name of the parameter.
-        parameter: &'static str,
-        /// Range it must lie in.
-        expected: &'static str,
-        /// Value given.
-        found: f64,
-    },
-    /// The raise condition is malformed.
-    #[error(transparent)]
-    Debouncing(#[from] RuleError),
-    /// The record is short against its own memory, or not stationary.
-    #[error(
-        "{samples} fault-free samples are too few: {needed} are needed for blocks of {block} samples"
-    )]
-    TooShort {
-        /// Samples of the record.
-        samples: usize,
-        /// Block length in samples.
-        block: usize,
-        /// Samples needed.
-        needed: usize,
-    },
-    /// The autocorrelation does not decay within half of the record.
-    #[error(
-        "the fault-free record of {samples} samples does not forget itself: it drifts or is too short"
-    )]
-    Drift {
-        /// Samples of the record.
-        samples: usize,
-    },
-    /// The record holds too few independent exceedances for the rate.
-    #[error(
-        "the wanted rate means {expected_exceedances:.2} independent exceedances in a record worth \
-         {effective_samples:.0} independent samples; at least {LEAST_EXCEEDANCES} are needed"
-    )]
-    Unresolved {
-        /// Exceedances expected in the record.
-        expected_exceedances: f64,
-        /// Independent samples that the record is worth.
-        effective_samples: f64,
-    },
-}
-
-/// Fewest expected independent exceedances that count as resolved: their number then scatters by less
-/// than half of itself.
-const LEAST_EXCEEDANCES: f64 = 5.0;
-
 /// Fewest blocks in a record.
 const LEAST_BLOCKS: usize = 10;
 
@@ -205,7 +138,9 @@ pub fn calibrate<D: Detector<f64> + ?Sized>(
 ) -> Result<CalibratedThreshold, CalibrationError> {
     check(detector.residual_len(), healthy, wanted, plan)?;
     let samples = healthy.len();
-    let statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
+    let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
+    // Minus infinity until the debouncing window holds enough samples.
+    statistics.retain(|s| s.is_finite());
     let times = (0..healthy.channels())
         .map(|channel| autocorrelation_time(&healthy.channel(channel).collect::<Vec<_>>()))
         .chain([autocorrelation_time(&statistics)]);

@@ -30,12 +30,12 @@
 mod autocorrelation;
 mod bootstrap;
 mod design;
+mod error;
 mod tail;
 
 pub use self::{
     autocorrelation::autocorrelation_time,
     bootstrap::CircularBlocks,
-    design::{
-        Beyond, CalibratedThreshold, CalibrationError, CalibrationPlan, FalseAlarms, calibrate,
-    },
+    design::{Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, calibrate},
+    error::CalibrationError,
 };

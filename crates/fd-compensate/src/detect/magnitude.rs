@@ -4,6 +4,7 @@ use fd_core::{
     Scalar, StateVisitor,
     stage::{Detector, Stage, Verdict},
 };
+use serde::{Deserialize, Serialize};
 
 use super::error::{DetectorError, positive};
 use crate::rows::SampleRows;
@@ -11,7 +12,20 @@ use crate::rows::SampleRows;
 /// "Slightly larger": the threshold exceeds the fault-free maximum by this share.
 pub const DEFAULT_MARGIN: f64 = 0.05;
 
-/// Statistic `max_i |r_i| / s_i` against one threshold.
+/// How the magnitudes of several channels become one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Norm {
+    /// The largest: a fault that shows in one channel.
+    #[default]
+    Max,
+    /// The root of the sum of squares: a fault that shows in all channels.
+    Euclidean,
+    /// The sum.
+    Sum,
+}
+
+/// A norm of `r_i / s_i`, by default `max_i |r_i| / s_i`, against one threshold.
 ///
 /// Patton & Chen (1992), section 1: "the threshold is set slightly larger than the largest
 /// magnitude of the residual evaluation function for the fault-free case". A scalar residual has
@@ -23,6 +37,7 @@ pub const DEFAULT_MARGIN: f64 = 0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Magnitude<T> {
     inverse_scales: Vec<T>,
+    norm: Norm,
     threshold: T,
 }
 
@@ -46,7 +61,7 @@ impl<T: Scalar> Magnitude<T> {
         scales.iter().try_for_each(|&s| positive("scale", s))?;
         positive("threshold", threshold)?;
         let inverse_scales = scales.iter().map(|s| T::from_design(s.recip())).collect();
-        Ok(Self { inverse_scales, threshold: T::from_design(threshold) })
+        Ok(Self { inverse_scales, norm: Norm::Max, threshold: T::from_design(threshold) })
     }
 
     /// The paper's rule: the threshold exceeds the fault-free maximum by the share `margin`, for
@@ -83,6 +98,41 @@ impl<T: Scalar> Magnitude<T> {
         }
     }
 
+    /// The paper's rule with a norm: the scales are the fault-free maxima of the channels, the threshold
+    /// exceeds the fault-free maximum of the norm by the share `margin`.
+    ///
+    /// ```
+    /// use fd_compensate::{SampleRows, detect::{Magnitude, Norm}};
+    ///
+    /// let healthy = [3.0, 0.0, 0.0, 4.0];
+    /// let healthy = SampleRows::new(2, &healthy)?;
+    /// let detector = Magnitude::<f64>::above_fault_free_norm(Norm::Euclidean, healthy, 0.0)?;
+    /// assert_eq!(detector.threshold(), 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Magnitude::above_fault_free_maximum`].
+    pub fn above_fault_free_norm(
+        norm: Norm,
+        healthy: SampleRows<'_>,
+        margin: f64,
+    ) -> Result<Self, DetectorError> {
+        let mut design =
+            Magnitude::<f64>::above_fault_free_maximum(healthy, margin)?.with_norm(norm);
+        let peak = healthy.iter().map(|r| design.update(r).statistic).fold(0.0, f64::max);
+        let inverse_scales = design.inverse_scales.iter().map(|&s| T::from_design(s)).collect();
+        let threshold = T::from_design(peak * (1.0 + margin));
+        Ok(Self { inverse_scales, norm, threshold })
+    }
+
+    /// The same scales and threshold with another norm.
+    #[must_use]
+    pub fn with_norm(self, norm: Norm) -> Self {
+        Self { norm, ..self }
+    }
+
     /// The same statistic with another threshold.
     ///
     /// # Errors
@@ -114,7 +164,11 @@ impl<T: Scalar> Detector<T> for Magnitude<T> {
 
     fn update(&mut self, r: &[T]) -> Verdict<T> {
         let scaled = r.iter().zip(&self.inverse_scales).map(|(r, &s)| r.abs() * s);
-        let statistic = scaled.fold(T::zero(), T::max);
+        let statistic = match self.norm {
+            Norm::Max => scaled.fold(T::zero(), T::max),
+            Norm::Euclidean => scaled.fold(T::zero(), |sum, v| sum + v * v).sqrt(),
+            Norm::Sum => scaled.fold(T::zero(), |sum, v| sum + v),
+        };
         Verdict { statistic, threshold: self.threshold }
     }
 }

@@ -2,15 +2,14 @@
 //!
 //! | Detector | Statistic | Good for |
 //! |----------|-----------|----------|
-//! | [`Magnitude`] | `max_i |r_i| / s_i` | the paper's rule; abrupt faults, no assumption on noise |
-//! | [`NSigma`] | `max_i |r_i − m_i| / σ_i` | the same with an offset, in standard deviations |
+//! | [`Magnitude`] | norm of `r_i / s_i`, by default the largest | the paper's rule; abrupt faults, no assumption on noise |
+//! | [`NSigma`] | largest `(r_i − m_i) / σ_i` | the same with an offset, in standard deviations |
 //! | [`ChiSquare`] | `Σ (r − m)ᵀ Σ⁻¹ (r − m)` over a window | several correlated channels |
 //! | [`Cusum`] | two-sided cumulative sum, worst channel | small lasting faults |
 //!
 //! A detector sees `r*` in every phase, also the innovation of the training; the
 //! [decision rule](crate::decide) is what is mute while training. Detectors with a memory (a window, a
-//! sum) therefore carry some of the last innovations into the first compensated samples; innovations
-//! are smaller than what a threshold for `r*` allows, or the training would not have converged.
+//! sum) therefore carry the last innovations into the first compensated samples.
 //!
 //! The thresholds that the constructors compute from a formula assume white Gaussian residuals, which
 //! a compensated residual seldom is. [`calibrate`](crate::calibrate) finds thresholds from fault-free
@@ -27,7 +26,7 @@ pub use self::{
     chi_square::ChiSquare,
     cusum::Cusum,
     error::DetectorError,
-    magnitude::{DEFAULT_MARGIN, Magnitude},
+    magnitude::{DEFAULT_MARGIN, Magnitude, Norm},
     n_sigma::NSigma,
     standardize::{Spread, Standardizer},
 };

@@ -73,6 +73,9 @@ where
         self.predictor.load(self.identifier.theta());
         self.predictor.predict(u, r, &mut self.mu_hat);
         subtract(r, &self.mu_hat, r_star);
+        if self.operating_point.is_new(u) {
+            self.jump.warm_up();
+        }
         if self.jump.jumps(r_star, self.peak) {
             events.push(EventKind::HardFaultWhileTraining);
             self.pause(u, r, r_star);
@@ -153,14 +156,17 @@ where
     /// Goes on from the last healthy sample by simulation, so that the fault is not learned.
     fn pause(&mut self, u: &[T], r: &[T], r_star: &mut [T]) {
         if self.activity == Activity::Learning {
-            self.simulator.load(self.identifier.theta());
+            self.frozen.copy_from_slice(self.identifier.theta());
+            self.simulator.load(&self.frozen);
         }
         self.activity = Activity::Paused;
         self.simulator.simulate(u, &mut self.mu_hat);
         subtract(r, &self.mu_hat, r_star);
     }
 
-    fn wait(&mut self, u: &[T], r: &[T], r_star: &mut [T]) -> Phase {
+    /// Goes on simulating until the fault has gone or the time is up.
+    fn wait(&mut self, u: &[T], r: &[T], r_star: &mut [T], events: &mut Events) -> Phase {
+        self.age += 1;
         self.simulator.simulate(u, &mut self.mu_hat);
         subtract(r, &self.mu_hat, r_star);
         let phase = self.training();
@@ -168,6 +174,8 @@ where
             // The samples of the pause are missing in the regressors of the identifier, so that
             // it cannot go on from where it was.
             self.retrain();
+        } else {
+            self.mind_the_time(events);
         }
         phase
     }
@@ -213,7 +221,7 @@ where
         let mut events = Events::none();
         let phase = match self.activity {
             Activity::Learning | Activity::Trying => self.train(u, r, r_star, &mut events),
-            Activity::Paused => self.wait(u, r, r_star),
+            Activity::Paused => self.wait(u, r, r_star, &mut events),
             Activity::Filling => {
                 r_star.copy_from_slice(r);
                 self.fill(u, r)

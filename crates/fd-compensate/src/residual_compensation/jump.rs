@@ -68,6 +68,11 @@ impl<T: Scalar> JumpTest<T> {
         false
     }
 
+    /// Starts the warm-up again: the input does something new, so that the innovation may.
+    pub(super) fn warm_up(&mut self) {
+        self.seen = 0;
+    }
+
     /// Whether the jumped channels have been back long enough.
     pub(super) fn has_recovered(&mut self, compensated: &[T]) -> bool {
         let back = compensated.iter().zip(&self.recovery).all(|(e, &level)| e.abs() <= level);

@@ -15,6 +15,9 @@
 //!    from `u` and its own past (eq. 16), and `r* = r − μ̂` (eq. 17). The histories of the model
 //!    run on from the measured bias, so that opening the switch causes no transient.
 //!
+//! The sample that carries the event `Frozen` still belongs to the training; the next one is the first
+//! that is compensated.
+//!
 //! # What `r*` is during training
 //!
 //! The innovation `r(k) − φᵀ(k) θ(k−1)`: what the one-step prediction with the newest parameters

@@ -51,6 +51,12 @@ impl<T: Scalar> OperatingPointGuard<T> {
         }
     }
 
+    /// Whether the training has not seen anything like this input: it lies outside the range so far by
+    /// more than the margins.
+    pub(super) fn is_new(&self, u: &[T]) -> bool {
+        !self.has_sample || self.is_beyond(u, T::one())
+    }
+
     /// Widens the trained range by one sample.
     pub(super) fn learn(&mut self, u: &[T]) {
         let first = !self.has_sample;
@@ -75,7 +81,7 @@ impl<T: Scalar> OperatingPointGuard<T> {
         }
         let half = T::from_design(0.5);
         let was_outside = self.outside;
-        self.outside = self.is_beyond(if was_outside { half } else { T::one() });
+        self.outside = self.is_beyond(&self.slow, if was_outside { half } else { T::one() });
         match (was_outside, self.outside) {
             (false, true) => {
                 events.push(EventKind::OperatingPointLeft);
@@ -101,10 +107,10 @@ impl<T: Scalar> OperatingPointGuard<T> {
     }
 
     /// Whether an input is outside the trained range by more than `share` of its margins.
-    fn is_beyond(&self, share: T) -> bool {
-        self.low.iter().zip(&self.high).zip(&self.slow).any(|((&low, &high), &slow)| {
+    fn is_beyond(&self, u: &[T], share: T) -> bool {
+        self.low.iter().zip(&self.high).zip(u).any(|((&low, &high), &u)| {
             let margin = (self.margin * (high - low) + self.margin_absolute) * share;
-            slow < low - margin || high + margin < slow
+            u < low - margin || high + margin < u
         })
     }
 

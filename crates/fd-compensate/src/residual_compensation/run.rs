@@ -20,7 +20,7 @@ use super::{
 /// residual and supplies the innovation of the training. The *simulator* remembers a sample only
 /// after it was found healthy, so that a hard fault in training never enters its history, and is
 /// the one that computes `μ̂` once the switch is open. A bias model must show its parameters to
-/// [`Stage::visit_state`], as the contract of a stage says.
+/// [`Stage::visit_state`](fd_core::stage::Stage::visit_state), as the contract of a stage says.
 #[derive(Clone, Debug)]
 pub struct ResidualCompensator<T, I, M> {
     pub(super) identifier: I,

@@ -35,12 +35,10 @@ impl<T: Scalar, const N: usize> Regressor<T, N> {
 
     /// φ(k) of eq. (15) without allocation, entry by entry.
     fn entry(&self, i: usize, u: T) -> T {
-        if i < N {
-            -self.mu[i]
-        } else if i == N {
-            u
-        } else {
-            self.u[i - N - 1]
+        match i.checked_sub(N) {
+            None => -self.mu[i],
+            Some(0) => u,
+            Some(lag) => self.u[lag - 1],
         }
     }
 
@@ -276,3 +274,11 @@ pub fn response<const N: usize>(theta: &[f64], u: &[f64]) -> Vec<f64> {
 
 /// Parameters that the paper reports for its engine (section 4).
 pub const PAPER_THETA: [f64; 5] = [-1.430_808, 0.432_895, -0.002_161, 0.002_153, 0.0];
+
+pub fn kinds(log: &[(usize, EventKind)]) -> Vec<EventKind> {
+    log.iter().map(|&(_, kind)| kind).collect()
+}
+
+pub fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|v| v.to_bits()).collect()
+}

@@ -8,6 +8,7 @@ use crate::{
     arx::{ArxEstimate, ArxModel, ArxOrders, regression::Regression},
     error::IdentError,
     least_squares::LeastSquares,
+    refine::Prefilter,
 };
 
 /// Batch least squares for the difference equation (14), as in the paper's training stage.
@@ -33,18 +34,19 @@ use crate::{
 /// assert!((estimate.model.theta()[0] + 0.5).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ArxFit {
     orders: ArxOrders,
     solver: LeastSquares,
     lag: usize,
+    prefilter: Option<Prefilter>,
 }
 
 impl ArxFit {
     /// Plain least squares for the given orders.
     #[must_use]
     pub fn new(orders: ArxOrders) -> Self {
-        Self { orders, solver: LeastSquares::new(), lag: 0 }
+        Self { orders, solver: LeastSquares::new(), lag: 0, prefilter: None }
     }
 
     /// Replaces the solver, for example by one that accepts deficient data.
@@ -58,6 +60,12 @@ impl ArxFit {
     #[must_use]
     pub fn with_lag(self, lag: usize) -> Self {
         Self { lag, ..self }
+    }
+
+    /// Filters the rows of the regression, see [`refine`](crate::refine).
+    #[must_use]
+    pub fn with_prefilter(self, prefilter: Prefilter) -> Self {
+        Self { prefilter: Some(prefilter), ..self }
     }
 
     /// Fits one equation per residual channel to all records together.
@@ -75,7 +83,7 @@ impl ArxFit {
         for channel in 0..ny {
             let mut regression = Regression::new(self.orders, nu, channel, self.lag);
             for record in records {
-                regression.append(record.borrow());
+                regression.append(record.borrow(), self.prefilter.as_ref());
             }
             let fit = regression.solve(&self.solver)?;
             theta.extend_from_slice(&fit.coefficients);

@@ -40,4 +40,4 @@ pub use self::{
     simulator::ArxSimulator,
     stability::{MovedPole, Projection},
 };
-pub(crate) use self::{fit::check_records, regression::Regression};
+pub(crate) use self::{fit::check_records, regression::Regression, stability::roots};

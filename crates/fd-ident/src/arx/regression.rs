@@ -7,6 +7,7 @@ use crate::{
     arx::ArxOrders,
     error::IdentError,
     least_squares::{LeastSquares, LinearFit},
+    refine::Prefilter,
 };
 
 /// Rows `φᵀ(k) θ = μ(k)` of one residual channel, gathered from any number of records.
@@ -40,18 +41,28 @@ impl Regression {
         }
     }
 
-    /// Adds all rows of a record.
-    pub(crate) fn append(&mut self, record: &Record) {
+    /// Adds all rows of a record, through a filter if there is one.
+    pub(crate) fn append(&mut self, record: &Record, filter: Option<&Prefilter>) {
+        let memory_len = filter.map_or(0, Prefilter::memory_len);
+        let mut memory = vec![0.0; memory_len * (self.parameters + 1)];
         for k in self.lag..record.len() {
             let start = self.phi.len();
             self.phi.extend(regressor(self.orders, record, self.channel, k));
-            let target = record.y(k)[self.channel];
-            if target.is_finite() && self.phi[start..].iter().all(|v| v.is_finite()) {
-                self.target.push(target);
-            } else {
+            let mut target = record.y(k)[self.channel];
+            let row = &mut self.phi[start..];
+            if !target.is_finite() || row.iter().any(|v| !v.is_finite()) {
                 self.phi.truncate(start);
                 self.skipped += 1;
+                memory.fill(0.0);
+                continue;
             }
+            if let Some(filter) = filter {
+                for (i, value) in row.iter_mut().chain([&mut target]).enumerate() {
+                    let memory = &mut memory[i * memory_len..(i + 1) * memory_len];
+                    *value = filter.step(*value, memory);
+                }
+            }
+            self.target.push(target);
         }
     }
 

@@ -100,7 +100,7 @@ impl ArxModel {
 }
 
 /// Roots of the monic polynomial `z^n + a₁ z^(n−1) + … + a_n`.
-fn roots(a: &[f64]) -> Result<Vec<c64>, IdentError> {
+pub(crate) fn roots(a: &[f64]) -> Result<Vec<c64>, IdentError> {
     let n = a.len();
     if n == 0 {
         return Ok(Vec::new());

@@ -86,6 +86,9 @@ impl LeastSquares {
     pub fn solve(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<LinearFit, IdentError> {
         let (rows, n) = (x.nrows(), x.ncols());
         check(x, y)?;
+        if x.norm_max() <= 0.0 {
+            return self.solve_silence(n, y);
+        }
         let scales: Vec<f64> = (0..n).map(|j| power_of_two(x.col(j).norm_l2())).collect();
         let scaled = Mat::from_fn(rows, n, |i, j| x[(i, j)] * scales[j]);
 
@@ -126,6 +129,18 @@ impl LeastSquares {
         });
         let rss = (y - x * &theta).squared_norm_l2();
         let coefficients = theta.iter().copied().collect();
+        Ok(LinearFit { coefficients, inverse_gram, rss, rows, rank, condition })
+    }
+
+    /// The solution for `X = 0`, which faer's pivoted QR divides by.
+    fn solve_silence(&self, n: usize, y: &[f64]) -> Result<LinearFit, IdentError> {
+        let (channel, rank, rows, condition) = (0, 0, y.len(), f64::INFINITY);
+        if self.deficient == Deficient::Refuse {
+            let parameters = n;
+            return Err(IdentError::RankDeficient { channel, rank, parameters, rows, condition });
+        }
+        let (coefficients, inverse_gram) = (vec![0.0; n], Mat::zeros(n, n));
+        let rss = y.iter().map(|y| y * y).sum();
         Ok(LinearFit { coefficients, inverse_gram, rss, rows, rank, condition })
     }
 }

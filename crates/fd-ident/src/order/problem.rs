@@ -11,6 +11,19 @@ use crate::{
 
 /// Anything that fits a model of given orders: least squares, or a closure around any other
 /// identifier.
+///
+/// # Examples
+///
+/// Orders for refined instrumental variables:
+///
+/// ```
+/// use fd_ident::{arx::ArxOrders, order::{FitOrders, OrderProblem}, refine::Sriv};
+///
+/// let identifier = |orders: ArxOrders, problem: &OrderProblem<'_>| {
+///     Sriv::new(orders).fit(problem.records()).map(|refined| refined.estimate.model)
+/// };
+/// let _: &dyn FitOrders = &identifier;
+/// ```
 pub trait FitOrders {
     /// Fits a model of the given orders.
     ///
@@ -116,7 +129,7 @@ impl Compressed {
     ) -> Result<Self, IdentError> {
         let mut regression = Regression::new(widest, nu, channel, 0);
         for record in records {
-            regression.append(record);
+            regression.append(record, None);
         }
         let (phi, rows) = (regression.phi(), regression.target().len());
         let n = phi.ncols();

@@ -1,26 +1,23 @@
-//! The same stable filter for all signals of a record.
+//! The same stable filter for input and bias.
 
-use fd_model::{Record, SampleTime};
+use fd_model::SampleTime;
 
-use crate::{
-    arx::{ArxModel, ArxOrders},
-    error::IdentError,
-    rls::positive,
-};
+use crate::{arx::roots, error::IdentError, rls::positive};
 
 /// A stable filter `(b₀ + b₁ z⁻¹ + …) / (1 + a₁ z⁻¹ + …)`.
+///
+/// It is applied to the rows of the regression, target and regressor alike, which is the same as
+/// filtering the signals, but without a transient: every filtered row is a sum of valid rows. At
+/// the start of a record and behind missing samples the filter starts from rest.
 ///
 /// # Examples
 ///
 /// ```
-/// use fd_ident::refine::Prefilter;
-/// use fd_model::{Channel, Record, SampleTime};
+/// use fd_ident::{arx::{ArxFit, ArxOrders}, refine::Prefilter};
+/// use fd_model::SampleTime;
 ///
-/// let ts = SampleTime::new(0.1)?;
-/// let (u, y) = (vec![3.0; 20], vec![1.0; 20]);
-/// let record = Record::new(Channel::numbered("u", 1), Channel::numbered("y", 1), u, y, ts)?;
-/// let smooth = Prefilter::low_pass(2, 1.0, ts)?.apply(&record)?;
-/// assert!((smooth.u(19)[0] - 3.0).abs() < 1e-12);
+/// let smooth = Prefilter::low_pass(2, 1.0, SampleTime::new(0.1)?)?;
+/// let fit = ArxFit::new(ArxOrders::paper(2)).with_prefilter(smooth);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -38,15 +35,12 @@ impl Prefilter {
     /// Returns an error when there is no numerator, a coefficient is not finite, or a pole is on
     /// or outside the unit circle.
     pub fn new(numerator: &[f64], denominator: &[f64]) -> Result<Self, IdentError> {
-        let orders = ArxOrders::new(denominator.len(), numerator.len(), 0);
-        let theta = denominator.iter().chain(numerator).copied().collect();
-        // The sample time does not matter for the poles per sample.
-        let model = ArxModel::new(orders, 1, 1, theta, SampleTime::new(1.0)?)?;
-        let largest =
-            model.poles(0)?.iter().fold(0.0, |largest: f64, pole| largest.max(pole.norm()));
-        if numerator.is_empty() {
-            return Err(IdentError::NoParameters { orders, nu: 1 });
+        positive("number of numerator coefficients", numerator.len() as f64)?;
+        let coefficients = numerator.iter().chain(denominator);
+        if let Some((row, &value)) = coefficients.enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(IdentError::NonFinite { role: "prefilter", row, col: 0, value });
         }
+        let largest = roots(denominator)?.iter().fold(0.0, |r: f64, pole| r.max(pole.norm()));
         if largest >= 1.0 {
             let (setting, expected) = ("largest pole radius of the prefilter", "below 1");
             return Err(IdentError::Setting { setting, expected, found: largest });
@@ -79,50 +73,18 @@ impl Prefilter {
         Self::new(&[gain], &a[1..])
     }
 
-    /// The record with inputs and outputs filtered.
-    ///
-    /// The filter starts as if the signals had always been as in the first sample. A sample with
-    /// any channel missing becomes missing in all channels, and the filter starts again behind
-    /// it, in all channels alike, so that the relation between them stays as it was.
-    ///
-    /// # Errors
-    ///
-    /// Never fails for a valid record.
-    pub fn apply(&self, record: &Record) -> Result<Record, IdentError> {
-        let (nu, ny) = (record.inputs().len(), record.outputs().len());
-        let mut memory: Option<Vec<Vec<f64>>> = None;
-        let (mut u, mut y) = (Vec::new(), Vec::new());
-        for k in 0..record.len() {
-            if !record.is_complete(k) {
-                memory = None;
-                u.resize(u.len() + nu, f64::NAN);
-                y.resize(y.len() + ny, f64::NAN);
-                continue;
-            }
-            let sample = || record.u(k).iter().chain(record.y(k)).copied();
-            let states = memory.get_or_insert_with(|| sample().map(|x| self.at_rest(x)).collect());
-            let mut filtered = sample().zip(states).map(|(x, state)| self.step(x, state));
-            u.extend(filtered.by_ref().take(nu));
-            y.extend(filtered);
-        }
-        let (inputs, outputs) = (record.inputs().to_vec(), record.outputs().to_vec());
-        Ok(Record::new(inputs, outputs, u, y, record.ts())?.starting_at(record.time(0)))
+    /// Numbers that the filter remembers per signal.
+    pub(crate) fn memory_len(&self) -> usize {
+        self.a.len() - 1
     }
 
-    /// One sample of the transposed direct form II.
-    fn step(&self, x: f64, state: &mut [f64]) -> f64 {
-        let y = self.b[0] * x + state.first().copied().unwrap_or(0.0);
-        for i in 0..state.len() {
-            let next = state.get(i + 1).copied().unwrap_or(0.0);
-            state[i] = self.b[i + 1] * x - self.a[i + 1] * y + next;
+    /// One sample of the transposed direct form II; a memory of zeros is a filter at rest.
+    pub(crate) fn step(&self, x: f64, memory: &mut [f64]) -> f64 {
+        let y = self.b[0] * x + memory.first().copied().unwrap_or(0.0);
+        for i in 0..memory.len() {
+            let next = memory.get(i + 1).copied().unwrap_or(0.0);
+            memory[i] = self.b[i + 1] * x - self.a[i + 1] * y + next;
         }
         y
-    }
-
-    /// The memory after the signal has been `x` forever.
-    fn at_rest(&self, x: f64) -> Vec<f64> {
-        let y = x * self.b.iter().sum::<f64>() / self.a.iter().sum::<f64>();
-        let from = |i: usize| (i..self.b.len()).map(|j| self.b[j] * x - self.a[j] * y).sum();
-        (1..self.b.len()).map(from).collect()
     }
 }

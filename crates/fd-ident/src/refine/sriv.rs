@@ -123,8 +123,8 @@ impl Sriv {
         let mut data = Regression::new(self.orders, model.nu(), 0, 0);
         let mut instruments = data.clone();
         for record in records {
-            data.append(&filter.apply(record)?);
-            instruments.append(&filter.apply(&simulated(model, record)?)?);
+            data.append(record, Some(&filter));
+            instruments.append(&simulated(model, record)?, Some(&filter));
         }
         let (phi, z) = (data.phi(), instruments.phi());
         // Both regressions skip the same rows, since both have the same samples missing.

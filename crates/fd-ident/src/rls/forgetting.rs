@@ -13,7 +13,7 @@ use crate::error::IdentError;
 /// |---|---|---|
 /// | `None` | `R⁺ = R + φφᵀ` | when the plant changes: the gain goes to zero |
 /// | `Equation18` | `R⁺ = R + φφᵀ/α` | it does not forget, see below |
-/// | `Exponential` | `R⁺ = λR + φφᵀ` | when excitation may stop: `P` grows as `λ⁻ᵏ` up to the guard |
+/// | `Exponential` | `R⁺ = λR + φφᵀ` | when excitation may stop: `P` grows as `λ⁻ᵏ` up to the guard, and the estimate wanders |
 /// | `Directional` | `R⁺ = R + (λ − (1−λ)/φᵀPφ) φφᵀ` | when parameters drift in directions seldom excited |
 /// | `Bounded` | `R⁺ = λR + φφᵀ + (1−λ)/c I` | when a bias-free covariance is needed: `P` is too small by the regularisation |
 /// | `Resetting` | as `Exponential`, `P ← P₀` when `tr P` falls below a floor | when jumps of the gain, hence of the estimate, are not acceptable |
@@ -27,6 +27,11 @@ use crate::error::IdentError;
 /// axis per sample in turn, so that a sample still costs O(n²), and leaves the estimate alone
 /// (Levenberg-Marquardt regularisation, Ljung & Söderström 1983; Gay 1996); it keeps
 /// `P ≤ λ^{1−n} c I` for any input, and forgets in excited directions as `Exponential` does.
+///
+/// When excitation stops, all kinds stay finite and bounded by [`Guard`], but only `Directional`
+/// keeps the estimate: over a million samples of constant input it wandered 10 to 500 times less
+/// than with `Exponential` (measured in the tests of this crate). Take it unless the plant is
+/// known to be excited all the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Forgetting<T = f64> {
@@ -68,8 +73,8 @@ pub enum Forgetting<T = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Guard {
-    /// Skip samples whose `φᵀPφ` is below the rounding of 1, so that silence is not forgotten
-    /// into.
+    /// Skip samples whose `φᵀPφ` is below the rounding of the noise variance it adds to, so that
+    /// nothing is forgotten in silence.
     pub skip_silence: bool,
     /// Forgetting pauses while it would lift the trace of `P` above so many times its initial
     /// value.

@@ -146,15 +146,18 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
     fn update(&mut self, phi: &[T], target: T, theta: &mut [T]) {
         let energy = self.covariance.energy(phi);
         let innovation = target - dot(phi, theta);
-        let silent = self.skip_silence && energy.abs() <= T::default_epsilon();
+        let noise = match self.forgetting {
+            Forgetting::Equation18 { alpha } => alpha,
+            _ => T::one(),
+        };
+        let silent = self.skip_silence && energy.abs() <= T::default_epsilon() * noise;
         if silent || !energy.is_finite() || !innovation.is_finite() {
             self.report.skipped += 1;
             return;
         }
         match self.forgetting {
-            Forgetting::None => self.learn(T::one(), energy, innovation, theta),
-            Forgetting::Equation18 { alpha } => {
-                self.learn(T::one() / alpha, energy, innovation, theta);
+            Forgetting::None | Forgetting::Equation18 { .. } => {
+                self.learn(T::one() / noise, energy, innovation, theta);
             }
             Forgetting::Exponential { lambda } => {
                 let lambda = self.guarded(lambda);

@@ -23,3 +23,8 @@ pub(crate) fn record(nu: usize, ny: usize, u: Vec<f64>, y: Vec<f64>) -> Record {
     let (inputs, outputs) = (Channel::numbered("u", nu), Channel::numbered("mu", ny));
     Record::new(inputs, outputs, u, y, SampleTime::new(0.02).unwrap()).unwrap()
 }
+
+/// The bits of numbers, for claims of equality to the bit.
+pub(crate) fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|v| v.to_bits()).collect()
+}

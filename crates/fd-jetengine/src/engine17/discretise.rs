@@ -7,7 +7,7 @@ use super::{
     dynamics::{Dynamics, check_state},
     state::NY,
 };
-use crate::error::EngineError;
+use crate::{error::EngineError, runge_kutta};
 
 /// Longest internal step, s.
 ///
@@ -48,14 +48,8 @@ impl<E, const N: usize> Sampled<E, N> {
     where
         E: Dynamics<T, N>,
     {
-        // A multiple of the longest step must not gain a step by rounding.
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "small and positive"
-        )]
-        let substeps = (ts.seconds() / MAX_STEP * (1.0 - 1e-12)).ceil().max(1.0) as u32;
-        Self { engine, substeps, step: ts.seconds() / f64::from(substeps) }
+        let (substeps, step) = runge_kutta::substeps(ts, MAX_STEP);
+        Self { engine, substeps, step }
     }
 
     /// The engine.
@@ -104,14 +98,7 @@ pub(super) fn try_step<T: Scalar, const N: usize>(
     check_state(x, time)?;
     let (k1, auxiliary) = engine.rates(x, fuel);
     engine.surge_limits().check(&auxiliary, time)?;
-    let h = T::from_design(step);
-    let half = T::from_design(0.5 * step);
-    let shifted = |k: &[T; N], h: T| -> [T; N] { std::array::from_fn(|i| x[i] + h * k[i]) };
-    let k2 = engine.rates(&shifted(&k1, half), fuel).0;
-    let k3 = engine.rates(&shifted(&k2, half), fuel).0;
-    let k4 = engine.rates(&shifted(&k3, h), fuel).0;
-    let (two, sixth) = (T::from_design(2.0), T::from_design(step / 6.0));
-    let next = std::array::from_fn(|i| x[i] + sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]));
+    let next = runge_kutta::step(x, &k1, step, |x| engine.rates(x, fuel).0);
     check_state(&next, time + step)?;
     Ok(next)
 }
@@ -161,11 +148,6 @@ impl<E: Dynamics<f64, N>, const N: usize> PerUnit<E, N> {
         Ok(Self { plant, x_0, fuel_0 })
     }
 
-    /// The engine in physical units.
-    pub fn plant_mut(&mut self) -> &mut Sampled<E, N> {
-        &mut self.plant
-    }
-
     /// The deviations one sample later.
     ///
     /// # Errors
@@ -175,6 +157,19 @@ impl<E: Dynamics<f64, N>, const N: usize> PerUnit<E, N> {
         let absolute = std::array::from_fn(|i| self.x_0[i] * (1.0 + x[i]));
         let next = self.plant.try_advance(&absolute, self.fuel_0 * (1.0 + u))?;
         Ok(std::array::from_fn(|i| next[i] / self.x_0[i] - 1.0))
+    }
+}
+
+impl<E, const N: usize> PerUnit<E, N> {
+    /// The engine in physical units.
+    #[must_use]
+    pub fn plant(&self) -> &Sampled<E, N> {
+        &self.plant
+    }
+
+    /// The engine in physical units, for instance to change its health between samples.
+    pub fn plant_mut(&mut self) -> &mut Sampled<E, N> {
+        &mut self.plant
     }
 }
 

@@ -5,7 +5,8 @@ use std::fmt::Debug;
 use fd_core::Scalar;
 
 use super::{
-    rhs::{Auxiliary, Engine17},
+    auxiliary::Auxiliary,
+    rhs::Engine17,
     state::{MEASURED, NX, NY},
 };
 use crate::error::{Compressor, EngineError};

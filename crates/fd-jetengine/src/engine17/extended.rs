@@ -5,10 +5,11 @@ use fd_model::Channel;
 use serde::{Deserialize, Serialize};
 
 use super::{
+    auxiliary::Auxiliary,
     dynamics::{Dynamics, SurgeLimits},
     gas::k,
     linearise::linearise,
-    rhs::{Auxiliary, Engine17},
+    rhs::Engine17,
     state::{NX, NY, state_channels},
     trim::Trim,
 };
@@ -133,6 +134,11 @@ impl<T: Scalar> ExtendedEngine<T> {
     #[must_use]
     pub fn engine(&self) -> &Engine17<T> {
         &self.engine
+    }
+
+    /// The engine inside, for instance to change its health.
+    pub fn engine_mut(&mut self) -> &mut Engine17<T> {
+        &mut self.engine
     }
 }
 

@@ -73,7 +73,7 @@ impl<T: num_traits::One + num_traits::Zero> Default for Health<T> {
 
 /// Name of one health parameter, for tables and fault scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "each variant is the field of `Health` of the same name")]
 pub enum HealthParameter {
     LpcEfficiency,
@@ -108,9 +108,61 @@ impl HealthParameter {
         Self::CombustorEfficiency,
         Self::HeatingValue,
     ];
+
+    /// Efficiency and flow capacity of the four turbomachines: what differs from engine to engine
+    /// and deteriorates.
+    pub const MODULES: [Self; 8] = [
+        Self::LpcEfficiency,
+        Self::LpcFlow,
+        Self::HpcEfficiency,
+        Self::HpcFlow,
+        Self::HptEfficiency,
+        Self::HptFlow,
+        Self::LptEfficiency,
+        Self::LptFlow,
+    ];
 }
 
-impl<T: Copy + std::ops::AddAssign> Health<T> {
+impl HealthParameter {
+    /// Name of the field of [`Health`], as in configuration files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LpcEfficiency => "lpc_efficiency",
+            Self::LpcFlow => "lpc_flow",
+            Self::HpcEfficiency => "hpc_efficiency",
+            Self::HpcFlow => "hpc_flow",
+            Self::HptEfficiency => "hpt_efficiency",
+            Self::HptFlow => "hpt_flow",
+            Self::LptEfficiency => "lpt_efficiency",
+            Self::LptFlow => "lpt_flow",
+            Self::NozzleArea => "nozzle_area",
+            Self::BleedLeak => "bleed_leak",
+            Self::CoolingFlow => "cooling_flow",
+            Self::CombustorEfficiency => "combustor_efficiency",
+            Self::HeatingValue => "heating_value",
+        }
+    }
+}
+
+impl<T: Copy> Health<T> {
+    /// Value of one parameter.
+    ///
+    /// ```
+    /// use fd_jetengine::engine17::{Health, HealthParameter};
+    ///
+    /// assert_eq!(Health::<f64>::default().get(HealthParameter::HptFlow), 1.0);
+    /// ```
+    #[must_use]
+    pub fn get(mut self, parameter: HealthParameter) -> T {
+        *self.parameter_mut(parameter)
+    }
+
+    /// Sets one parameter.
+    pub fn set(&mut self, parameter: HealthParameter, value: T) {
+        *self.parameter_mut(parameter) = value;
+    }
+
     /// The same health with `delta` added to one parameter.
     ///
     /// ```
@@ -120,7 +172,10 @@ impl<T: Copy + std::ops::AddAssign> Health<T> {
     /// assert_eq!(leaking.bleed_leak, 0.02);
     /// ```
     #[must_use]
-    pub fn shifted(mut self, parameter: HealthParameter, delta: T) -> Self {
+    pub fn shifted(mut self, parameter: HealthParameter, delta: T) -> Self
+    where
+        T: std::ops::AddAssign,
+    {
         *self.parameter_mut(parameter) += delta;
         self
     }

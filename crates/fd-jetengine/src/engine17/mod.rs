@@ -18,7 +18,9 @@
 //!
 //! Units: rpm, kPa, K, kg/s, s; enthalpies J/kg.
 
+mod auxiliary;
 mod combustor;
+mod component;
 mod compressor;
 mod design;
 mod discretise;
@@ -33,13 +35,16 @@ mod lpc;
 mod nozzle;
 mod params;
 mod plenum;
+mod power;
 mod rhs;
+mod scatter;
 mod state;
 mod transient;
 mod trim;
 mod turbine;
 
 pub use self::{
+    auxiliary::Auxiliary,
     design::Design,
     discretise::{MAX_STEP, PerUnit, Sampled},
     dynamics::{Dynamics, SurgeLimits},
@@ -48,7 +53,8 @@ pub use self::{
     gas::{GAS_CONSTANT, Gas},
     health::{Health, HealthParameter},
     params::{Ducts, HpcMap, LpcMap, Parameters, Reference, TurbineMap, Volumes},
-    rhs::{Auxiliary, Engine17},
+    power::PowerSetting,
+    rhs::Engine17,
     state::{MEASURED, NX, NY, State, input_channels, output_channels, state_channels},
     transient::{FuelLimiter, Trajectory, Transient},
     trim::Trim,

@@ -3,9 +3,10 @@
 use faer::{Mat, prelude::Solve};
 
 use super::{
+    auxiliary::Auxiliary,
     dynamics::{Dynamics, check_state},
     linearise::relative_jacobian,
-    rhs::{Auxiliary, Engine17},
+    rhs::Engine17,
     state::{MEASURED, NX, NY, State},
 };
 use crate::error::EngineError;

@@ -107,29 +107,34 @@ impl Record {
         })
     }
 
-    /// The inverse of [`Record::scaled`]; `like` names the channels with their physical units.
+    /// The inverse of [`Record::scaled`]; the channels bring the physical units.
     ///
     /// # Errors
     ///
-    /// As [`Record::scaled`], and when `like` does not have the names of the channels.
-    pub fn unscaled(&self, scaling: &Scaling, like: &Self) -> Result<Self, RecordError> {
+    /// As [`Record::scaled`], and when the channels do not have the names of those of the record.
+    pub fn unscaled(
+        &self,
+        scaling: &Scaling,
+        inputs: &[Channel],
+        outputs: &[Channel],
+    ) -> Result<Self, RecordError> {
         self.check_scaling(scaling)?;
-        for (role, own, other) in
-            [("input", &self.inputs, &like.inputs), ("output", &self.outputs, &like.outputs)]
+        for (role, own, physical) in
+            [("input", &self.inputs, inputs), ("output", &self.outputs, outputs)]
         {
-            for index in 0..own.len().max(other.len()) {
-                let name = |channels: &[Channel]| channels.get(index).map(|c| c.name.clone());
-                let (a, b) = (name(own), name(other));
-                if a != b {
-                    let (expected, found) =
-                        (a.unwrap_or("none".into()), b.unwrap_or("none".into()));
+            for index in 0..own.len().max(physical.len()) {
+                let name = |channels: &[Channel]| {
+                    channels.get(index).map_or("none".to_owned(), |c| c.name.clone())
+                };
+                let (expected, found) = (name(own), name(physical));
+                if expected != found {
                     return Err(RecordError::Channel { role, index, expected, found });
                 }
             }
         }
         Ok(Self {
-            inputs: like.inputs.clone(),
-            outputs: like.outputs.clone(),
+            inputs: inputs.to_vec(),
+            outputs: outputs.to_vec(),
             u: map_columns(&self.u, &scaling.inputs, ChannelScale::physical),
             y: map_columns(&self.y, &scaling.outputs, ChannelScale::physical),
             ..*self

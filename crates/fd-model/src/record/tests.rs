@@ -69,7 +69,8 @@ proptest! {
             inputs: vec![ChannelScale::deviation(offset)],
             outputs: vec![ChannelScale::per_unit(offset, -scale), ChannelScale::default()],
         };
-        let back = record.scaled(&scaling).unwrap().unscaled(&scaling, &record).unwrap();
+        let back = record.scaled(&scaling).unwrap();
+        let back = back.unscaled(&scaling, record.inputs(), record.outputs()).unwrap();
         prop_assert_eq!(back.outputs(), record.outputs());
         for (a, b) in back.u.iter().chain(&back.y).zip(record.u.iter().chain(&record.y)) {
             // Four roundings of numbers up to |v| + |offset| <= 2000.

@@ -1,6 +1,8 @@
 //! Numerics of linear models: published numbers, algebra and edge cases.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::print_stdout, reason = "says what is skipped and how accurate the rest is")]
 
+mod edges;
 mod engines;
 mod lyapunov;
 mod models;

@@ -37,7 +37,7 @@ fn hopeless_perturbations_give_up() {
         StateSpace::new(mat![[p[0]]], mat![[1.0]], mat![[1.0]], mat![[0.0]], d)
     };
     // Only the nominal parameter itself makes a stable model.
-    let marginal = |p: &[f64]| if p[0] >= 0.5 && p[0] <= 0.5 { model(p) } else { model(&[2.0]) };
+    let marginal = |p: &[f64]| if (p[0] - 0.5).abs() <= 0.0 { model(p) } else { model(&[2.0]) };
     let error = perturb_parameters(&[0.5], 0.1, 1, marginal).unwrap_err();
     assert_eq!(error, ModelError::NoStableDraw { draws: 1000 });
 }

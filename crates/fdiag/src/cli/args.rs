@@ -79,6 +79,10 @@ pub(crate) struct CompensateArgs {
     /// Choice of residual generator, bias model, detector and rule (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) spec: Option<PathBuf>,
+    /// Share of each healthy log, from its start, to learn the bias from; the alarm threshold is
+    /// taken from the rest
+    #[arg(long, value_name = "SHARE", default_value_t = 0.7)]
+    pub(crate) learn_share: f64,
     /// Print the spec that would run, and stop
     #[arg(long)]
     pub(crate) print_spec: bool,
@@ -89,7 +93,7 @@ pub(crate) struct CompensateArgs {
     pub(crate) output: OutputArgs,
 }
 
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 pub(crate) struct OutputArgs {
     /// Directory for the report; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "fdiag-report")]
@@ -100,4 +104,10 @@ pub(crate) struct OutputArgs {
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
+}
+
+impl Default for OutputArgs {
+    fn default() -> Self {
+        Self { out: PathBuf::from("fdiag-report"), json: false, threads: 0 }
+    }
 }

@@ -33,6 +33,8 @@ pub(super) struct Case {
     fresh: Reality,
     x0_training: Vec<f64>,
     x0_fresh: Vec<f64>,
+    /// The perturbed plant, when it is linear.
+    pub(super) plant: Option<StateSpace<Discrete>>,
     pub(super) model: StateSpace<Discrete>,
     pub(super) redraws: usize,
     rng: Xoshiro256PlusPlus,
@@ -58,10 +60,9 @@ impl Benchmark {
             let (expected, found) = (CONFIG_VERSION, config.version);
             return Err(EngineStudyError::Version { expected, found });
         }
-        for (setting, found) in [
-            ("plant.noise", config.plant.noise),
-            ("faults.size", config.faults.size),
-        ] {
+        for (setting, found) in
+            [("plant.noise", config.plant.noise), ("faults.size", config.faults.size)]
+        {
             if !(found >= 0.0 && found.is_finite()) {
                 return Err(EngineStudyError::Setting { setting, found });
             }
@@ -119,7 +120,7 @@ impl Benchmark {
             let relative = Relative::new(Sampled::new(engine, self.ts), &trim);
             Ok((Reality::Nonlinear(Box::new(relative)), x0))
         };
-        let (training, fresh, model) = match self.config.plant.engine {
+        let (training, fresh, plant, model) = match self.config.plant.engine {
             EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter } => {
                 let mut health = Health::default();
                 // Efficiency and flow capacity of the two compressors and the two turbines.
@@ -130,13 +131,14 @@ impl Benchmark {
                 let training = nonlinear(fuel_kg_s, health)?;
                 let fresh = nonlinear(moved_to_kg_s.unwrap_or(fuel_kg_s), health)?;
                 // The engine is what it is; it is the model that is wrong.
-                (training, fresh, self.observer_model(&draw.model)?)
+                (training, fresh, None, self.observer_model(&draw.model)?)
             }
             _ => {
-                let plant = draw.model.sample_zoh(self.ts)?.freeze::<f64, Heap>()?;
-                let x0 = vec![0.0; draw.model.nx()];
-                let reality = (Reality::Linear(plant), x0);
-                (reality.clone(), reality, self.observer_model(&self.nominal.model)?)
+                let plant = draw.model.sample_zoh(self.ts)?;
+                let x0 = vec![0.0; plant.nx()];
+                let reality = (Reality::Linear(plant.freeze::<f64, Heap>()?), x0);
+                let model = self.observer_model(&self.nominal.model)?;
+                (reality.clone(), reality, Some(plant), model)
             }
         };
         Ok(Case {
@@ -144,6 +146,7 @@ impl Benchmark {
             x0_training: training.1,
             fresh: fresh.0,
             x0_fresh: fresh.1,
+            plant,
             model,
             redraws: draw.rejected,
             rng,
@@ -193,7 +196,11 @@ impl Benchmark {
     ) -> Result<Record, EngineStudyError> {
         let sigma = self.config.plant.noise;
         let output_noise: Vec<SignalSpec> = if sigma > 0.0 {
-            self.nominal.outputs.iter().map(|_| WhiteNoise::new(sigma, rng.next_u64()).into()).collect()
+            self.nominal
+                .outputs
+                .iter()
+                .map(|_| WhiteNoise::new(sigma, rng.next_u64()).into())
+                .collect()
         } else {
             Vec::new()
         };
@@ -218,10 +225,15 @@ fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), Engi
             Ok((per_unit, with_readings(&physical, scale)))
         }
         EngineChoice::F100 {} => {
-            Err(EngineStudyError::None { setting: "f100" })
+            let physical = fd_jetengine::f100()?;
+            let (scaled, scaling) = physical.equilibrated()?;
+            let readings = with_readings(&physical, scaling.y);
+            Ok((scaled, readings))
         }
         EngineChoice::ChenPattonZhang {} => {
-            Err(EngineStudyError::None { setting: "chen" })
+            let per_unit = fd_jetengine::chen_patton_zhang()?;
+            let readings = per_unit.outputs.iter().map(|c| (c.clone(), 1.0)).collect();
+            Ok((per_unit, readings))
         }
     }
 }

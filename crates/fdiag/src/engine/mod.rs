@@ -3,9 +3,11 @@
 mod benchmark;
 mod config;
 mod error;
+mod example;
 mod excitation;
 mod quantile;
 mod reality;
+mod report;
 mod study;
 mod trial;
 
@@ -15,7 +17,9 @@ pub use self::{
         CONFIG_VERSION, EngineChoice, EngineConfig, FaultConfig, PlantConfig, ReductionConfig,
     },
     error::EngineStudyError,
+    example::{Example, FaultyRun, Residuals, TrainingTrace},
     excitation::{FreshRun, TrainingRun},
+    report::NamedPicture,
     study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
     trial::{FaultOutcome, Pair, Trial},
 };

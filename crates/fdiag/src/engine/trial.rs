@@ -259,8 +259,7 @@ impl Watch {
                 let smallest =
                     smallest_detectable_by_search(detector, rule, healthy, rows, LARGEST_FAULT)?;
                 sizes.push(smallest.unwrap_or(f64::INFINITY));
-                let faulty: Vec<f64> =
-                    r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
+                let faulty: Vec<f64> = r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
                 if let Some(k) = self.first_alarm(&faulty)? {
                     delays.push(k.saturating_sub(start) as f64);
                 }

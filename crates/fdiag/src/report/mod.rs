@@ -1,12 +1,14 @@
 //! Reports: pictures as SVG, tables as text, and pages as self-contained HTML.
 
 mod decimate;
+mod figure;
 mod page;
 mod picture;
 mod table;
 
 pub use self::{
     decimate::decimate,
+    figure::figure,
     page::Page,
     picture::{Line, Picture, PictureError},
     table::Table,

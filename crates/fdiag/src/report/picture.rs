@@ -144,8 +144,8 @@ impl Picture {
             .y_desc(&self.y_label)
             .x_labels(8)
             .y_labels(7)
-            .x_label_formatter(&|v| tick(*v))
-            .y_label_formatter(&|v| tick(*v))
+            .x_label_formatter(&|v| tick(*v, x_range))
+            .y_label_formatter(&|v| tick(*v, y_range))
             .axis_style(BLACK.mix(0.6).stroke_width(FINENESS))
             .set_all_tick_mark_size(5 * FINENESS)
             .label_style(("sans-serif", 13 * FINENESS))
@@ -255,15 +255,14 @@ fn runs(points: &[(f64, f64)], log_x: bool, log_y: bool) -> impl Iterator<Item =
         .filter(|run| !run.is_empty())
 }
 
-/// A short label for a tick of an axis.
-fn tick(value: f64) -> String {
+/// A short label for a tick of an axis with this range.
+fn tick(value: f64, (low, high): (f64, f64)) -> String {
+    // Ticks are multiples of a step, so that zero may come out as a rounding error.
+    let value = if value.abs() < 1e-9 * (high - low).abs() { 0.0 } else { value };
     let magnitude = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&magnitude) {
-        let text = format!("{value:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.1e}")
+    if magnitude > 0.0 && !(1e-3..1e5).contains(&magnitude) {
+        return format!("{value:.1e}");
     }
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

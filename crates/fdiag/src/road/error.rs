@@ -37,7 +37,9 @@ pub enum RoadError {
         found: usize,
     },
     /// Recursive learning was asked for over several logs.
-    #[error("recursive learning runs over one log in order of time, got {found}; use batch learning")]
+    #[error(
+        "recursive learning runs over one log in order of time, got {found}; use batch learning"
+    )]
     RecursiveNeedsOneLog {
         /// Healthy logs given.
         found: usize,

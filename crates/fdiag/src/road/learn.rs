@@ -24,25 +24,19 @@ pub(super) struct Learned {
 }
 
 /// Learns from residual records, one per log.
-pub(super) fn learn(
-    spec: &PipelineSpec,
-    records: &[Record],
-) -> Result<Learned, RoadError> {
-    let filtered = match spec.bias.learning {
-        LearningSpec::Batch { prefilter_rad_s: Some(omega) } => prefiltered(records, omega)?,
-        _ => None,
-    };
-    let fitted = filtered.as_deref().unwrap_or(records);
+pub(super) fn learn(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, RoadError> {
     let (orders, selection) = match &spec.bias.orders {
         OrderSpec::Fixed(orders) => (*orders, None),
         OrderSpec::Select { most, criterion, offset } => {
-            let table = score_orders(fitted, *most, *offset)?;
+            let table = score_orders(records, *most, *offset)?;
             let best = table.choice(*criterion).ok_or(RoadError::NoOrder { most: *most })?.orders;
             (best, Some(table))
         }
     };
     let (model, events) = match &spec.bias.learning {
-        LearningSpec::Batch { .. } => (ArxFit::new(orders).fit(fitted)?.model, Vec::new()),
+        LearningSpec::Batch { prefilter_rad_s } => {
+            (batch(orders, *prefilter_rad_s, records)?, Vec::new())
+        }
         LearningSpec::Recursive(_) => match records {
             [record] => learn_on_line(spec, orders, record)?,
             _ => return Err(RoadError::RecursiveNeedsOneLog { found: records.len() }),
@@ -58,11 +52,16 @@ pub(super) fn learn(
     Ok(Learned { model, selection, events })
 }
 
-fn prefiltered(records: &[Record], omega: f64) -> Result<Option<Vec<Record>>, RoadError> {
-    let Some(first) = records.first() else { return Ok(None) };
-    let filter = Prefilter::low_pass(2, omega, first.ts())?;
-    let filtered = records.iter().map(|record| filter.apply(record));
-    Ok(Some(filtered.collect::<Result<_, _>>()?))
+fn batch(
+    orders: ArxOrders,
+    prefilter_rad_s: Option<f64>,
+    records: &[Record],
+) -> Result<ArxModel, RoadError> {
+    let mut fit = ArxFit::new(orders);
+    if let (Some(omega), Some(first)) = (prefilter_rad_s, records.first()) {
+        fit = fit.with_prefilter(Prefilter::low_pass(2, omega, first.ts())?);
+    }
+    Ok(fit.fit(records)?.model)
 }
 
 /// Judges the paper's structures; the last part of each log is held out from the comparison.

@@ -225,7 +225,8 @@ impl Trained {
     /// Adds what both residuals look like in healthy data.
     fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
         let silent = self.spec.detector.silent(self.design.residual_len())?;
-        let mut pipeline = self.assemble(Box::new(self.compensator()?), silent)?
+        let mut pipeline = self
+            .assemble(Box::new(self.compensator()?), silent)?
             .with_missing_samples(MissingSamples::Hold { at_most: u64::MAX });
         let trace = Trace::of(&mut pipeline, log.record)?;
         let channels = trace.channels;
@@ -269,11 +270,12 @@ fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, RoadErro
 }
 
 /// Samples until the generator has forgotten where it started.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked, not negative")]
-fn settling_samples(
-    spec: &PipelineSpec,
-    design: &dyn GeneratorDesign,
-) -> Result<usize, RoadError> {
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked, not negative"
+)]
+fn settling_samples(spec: &PipelineSpec, design: &dyn GeneratorDesign) -> Result<usize, RoadError> {
     let form = design.form()?;
     let ts = form.system().domain().ts.seconds();
     if let Some(seconds) = spec.settle_s {

@@ -3,7 +3,7 @@
 use faer::{Mat, c64};
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
-    DesignError, GeneratorDesign, observer::ObserverDesign,
+    DesignError, GeneratorDesign, observer::ObserverDesign, parity::ParityDesign,
     simulation::SimulationDesign, weighted::WeightedDesign,
 };
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,11 @@ pub enum GeneratorSpec {
         process_noise: f64,
         /// Variance of the noise on each output, in the (scaled) unit of the output.
         output_noise: f64,
+    },
+    /// All exact parity relations over `order + 1` samples.
+    Parity {
+        /// Window length minus one.
+        order: usize,
     },
 }
 
@@ -59,6 +64,7 @@ impl GeneratorSpec {
             Self::Kalman { process_noise, output_noise } => {
                 Box::new(ObserverDesign::kalman(model, process_noise, output_noise)?)
             }
+            Self::Parity { order } => Box::new(ParityDesign::all(model, order)?),
         };
         let Some(rows) = weighting else { return Ok(design) };
         let columns = rows.first().map_or(0, Vec::len);

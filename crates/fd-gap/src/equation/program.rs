@@ -1,0 +1,166 @@
+//! Bytecode: a list of instructions on numbered slots.
+
+use fd_core::Scalar;
+
+use super::{
+    evaluate,
+    expr::{Binary, Comparison, Lookup, Unary},
+    table::Table,
+};
+
+/// A set of expressions, compiled.
+///
+/// Values live in the slots of a [`Workspace`], in this order: slow inputs (parameters), fast
+/// inputs (time, states, inputs), constants, results of instructions. Instructions that need slow
+/// inputs alone run in [`Program::prepare`], the others in [`Program::run`].
+///
+/// A condition is a slot that holds 1 or 0, and `if` computes both branches and takes one: there
+/// are no jumps.
+///
+/// ```
+/// use fd_gap::equation::{Expr, Program, Scope};
+///
+/// let scope = Scope { slow: vec!["k".into()], fast: vec!["x".into()], ..Scope::default() };
+/// let program = Program::compile(&scope, &[Expr::parse("-k*x")?, Expr::parse("k*x^2/2")?])?;
+///
+/// let mut workspace = program.workspace::<f64>();
+/// workspace.slow_mut().copy_from_slice(&[4.0]);
+/// program.prepare(&mut workspace);
+/// workspace.fast_mut().copy_from_slice(&[3.0]);
+/// let mut results = [0.0; 2];
+/// program.run(&mut workspace, &mut results);
+/// assert_eq!(results, [-12.0, 18.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(super) slow: usize,
+    pub(super) fast: usize,
+    pub(super) constants: Vec<f64>,
+    pub(super) slots: usize,
+    pub(super) prologue: Vec<Instruction>,
+    pub(super) body: Vec<Instruction>,
+    pub(super) results: Vec<u32>,
+    pub(super) tables: Vec<Table>,
+}
+
+/// The slots of a running [`Program`].
+#[derive(Clone, Debug)]
+pub struct Workspace<T> {
+    slots: Vec<T>,
+    slow: usize,
+    fast: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instruction {
+    pub(super) operation: Operation,
+    pub(super) to: u32,
+    pub(super) a: u32,
+    pub(super) b: u32,
+    pub(super) c: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Operation {
+    // The four that make up most programs have a place of their own in the jump table.
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Unary(Unary),
+    Binary(Binary),
+    /// Slot `a` to a literal power.
+    Power(i32),
+    Clamp,
+    Compare(Comparison),
+    And,
+    Or,
+    Not,
+    /// Slot `b` if slot `a` holds 1, else slot `c`.
+    Select,
+    /// Table number `b` at slot `a`.
+    Lookup(Lookup),
+}
+
+impl<T> Workspace<T> {
+    /// Slow inputs, in the order of [`Scope::slow`](super::Scope::slow).
+    pub fn slow_mut(&mut self) -> &mut [T] {
+        &mut self.slots[..self.slow]
+    }
+
+    /// Fast inputs, in the order of [`Scope::fast`](super::Scope::fast).
+    pub fn fast_mut(&mut self) -> &mut [T] {
+        &mut self.slots[self.slow..self.slow + self.fast]
+    }
+}
+
+impl Program {
+    /// Slots for one run at a time, with all inputs zero. Allocates.
+    #[must_use]
+    pub fn workspace<T: Scalar>(&self) -> Workspace<T> {
+        let mut slots = vec![T::zero(); self.slots];
+        let first = self.slow + self.fast;
+        for (slot, value) in slots[first..].iter_mut().zip(&self.constants) {
+            *slot = T::from_design(*value);
+        }
+        Workspace { slots, slow: self.slow, fast: self.fast }
+    }
+
+    /// Computes what depends on slow inputs alone, to be called whenever they have changed.
+    pub fn prepare<T: Scalar>(&self, workspace: &mut Workspace<T>) {
+        self.execute(&self.prologue, &mut workspace.slots);
+    }
+
+    /// Computes the rest and writes the values of the expressions. Allocates nothing.
+    ///
+    /// # Panics
+    ///
+    /// Panics when the workspace belongs to another program.
+    pub fn run<T: Scalar>(&self, workspace: &mut Workspace<T>, results: &mut [T]) {
+        self.execute(&self.body, &mut workspace.slots);
+        for (result, slot) in results.iter_mut().zip(&self.results) {
+            *result = workspace.slots[*slot as usize];
+        }
+    }
+
+    /// Number of expressions.
+    #[must_use]
+    pub fn results(&self) -> usize {
+        self.results.len()
+    }
+
+    /// Instructions per run, after common parts were merged and slow ones taken out.
+    #[must_use]
+    pub fn instructions(&self) -> usize {
+        self.body.len()
+    }
+
+    fn execute<T: Scalar>(&self, instructions: &[Instruction], slots: &mut [T]) {
+        let truth = |holds: bool| if holds { T::one() } else { T::zero() };
+        for instruction in instructions {
+            let a = slots[instruction.a as usize];
+            let b = || slots[instruction.b as usize];
+            let c = || slots[instruction.c as usize];
+            let value = match instruction.operation {
+                Operation::Add => a + b(),
+                Operation::Sub => a - b(),
+                Operation::Mul | Operation::And => a * b(),
+                Operation::Div => a / b(),
+                Operation::Unary(function) => evaluate::unary(function, a),
+                Operation::Binary(function) => evaluate::binary(function, a, b()),
+                Operation::Power(exponent) => evaluate::power(a, exponent),
+                Operation::Clamp => evaluate::clamp(a, b(), c()),
+                Operation::Compare(comparison) => truth(evaluate::compare(comparison, a, b())),
+                Operation::Or => truth(T::zero() < a + b()),
+                Operation::Not => T::one() - a,
+                Operation::Select if T::zero() < a => b(),
+                Operation::Select => c(),
+                Operation::Lookup(kind) => {
+                    evaluate::lookup(kind, &self.tables[instruction.b as usize], a)
+                }
+            };
+            slots[instruction.to as usize] = value;
+        }
+    }
+}

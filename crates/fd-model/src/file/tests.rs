@@ -1,0 +1,6 @@
+//! Laws of files: round trips, errors with their place, real logs, and the documentation itself.
+
+mod docs;
+mod logs;
+mod models;
+mod turbine;

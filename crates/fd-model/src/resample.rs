@@ -1,0 +1,255 @@
+//! From samples at any increasing times to a record on an even time base.
+
+use fd_core::{Shape, ShapeError};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use self::grid::{Grid, Order, Place};
+use crate::{channel::Channel, error::ModelError, record::Record};
+
+mod grid;
+
+/// Samples at times that need not be even, row by row; a missing value is NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TimeSeries {
+    /// Input channels.
+    pub inputs: Vec<Channel>,
+    /// Output channels.
+    pub outputs: Vec<Channel>,
+    /// Times, in seconds.
+    pub t: Vec<f64>,
+    /// Inputs, `inputs.len()` values per sample.
+    pub u: Vec<f64>,
+    /// Outputs, `outputs.len()` values per sample.
+    pub y: Vec<f64>,
+}
+
+/// How a [`TimeSeries`] becomes even.
+///
+/// The grid begins at the first sample. On a grid time that meets a sample to within `tolerance`
+/// the sample is taken as it is. Elsewhere inputs keep the value of the sample before
+/// (zero-order hold) and outputs are interpolated linearly between the samples before and
+/// after; both are missing when those two are further apart than `max_gap_s`, and a value is
+/// missing when one that it is made of is missing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ResamplePolicy {
+    /// Step of the grid, in seconds. Without it, the mean step of an even series and the median
+    /// step of any other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_time: Option<f64>,
+    /// Longest distance of samples that is bridged, in seconds; without it, five steps of the
+    /// grid or five median steps, whichever is longer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_gap_s: Option<f64>,
+    /// Distance of a sample from a grid time, in steps, that counts as none.
+    pub tolerance: f64,
+    /// What happens to samples that are not later than the one before.
+    pub disorder: Disorder,
+}
+
+/// What happens to samples that are not later than the one before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Disorder {
+    /// They are an error.
+    #[default]
+    Reject,
+    /// They are left out and counted in the [`TimeBaseReport`].
+    Drop,
+}
+
+/// What the times of a [`TimeSeries`] were like.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimeBaseReport {
+    /// Samples of the series.
+    pub rows: usize,
+    /// Samples left out because their time was that of the sample before.
+    pub duplicates: usize,
+    /// Samples left out because their time was before that of the sample before.
+    pub out_of_order: usize,
+    /// Shortest step, in seconds.
+    pub shortest_step_s: f64,
+    /// Median step, in seconds.
+    pub median_step_s: f64,
+    /// Longest step, in seconds.
+    pub longest_step_s: f64,
+    /// Largest difference of a step from the median step, gaps aside, in seconds.
+    pub jitter_s: f64,
+    /// Steps that were too long to be bridged.
+    pub gaps: Vec<Gap>,
+    /// Whether every grid time met a sample, so that nothing was interpolated or missing.
+    pub even: bool,
+    /// Step of the grid, in seconds.
+    pub step_s: f64,
+    /// Samples on the grid.
+    pub samples: usize,
+}
+
+/// A step that was too long to be bridged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gap {
+    /// Time of the last sample before it, in seconds.
+    pub from_s: f64,
+    /// Time of the first sample after it, in seconds.
+    pub to_s: f64,
+}
+
+/// A time series cannot be put on an even time base.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TimeBaseError {
+    /// A time is NaN or infinite.
+    #[error("sample {index}: the time must be finite, got {time} s")]
+    NonFinite {
+        /// Index of the sample.
+        index: usize,
+        /// Its time, in seconds.
+        time: f64,
+    },
+    /// A time is not after the one before.
+    #[error("sample {index}: time must increase, got {time} s after {before} s")]
+    NotIncreasing {
+        /// Index of the sample.
+        index: usize,
+        /// Time of the sample before, in seconds.
+        before: f64,
+        /// Time of the sample, in seconds.
+        time: f64,
+    },
+    /// One sample does not have a step.
+    #[error("at least 2 samples are needed to find the sample time, got {samples}")]
+    TooShort {
+        /// Number of samples.
+        samples: usize,
+    },
+    /// The grid would have an absurd number of samples.
+    #[error("{span_s} s in steps of {step_s} s are more than {most} samples")]
+    TooLong {
+        /// Time from the first to the last sample, in seconds.
+        span_s: f64,
+        /// Step of the grid, in seconds.
+        step_s: f64,
+        /// Largest number of samples.
+        most: usize,
+    },
+    /// A parameter of the policy is outside its range.
+    #[error("resampling: `{parameter}` must be {expected}, got {value}")]
+    Range {
+        /// Field of the policy.
+        parameter: &'static str,
+        /// The range in words, with its unit.
+        expected: &'static str,
+        /// Value that was given.
+        value: f64,
+    },
+    /// The values do not fit the channels, or the sample time is wrong.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+impl Default for ResamplePolicy {
+    /// A step found from the data, gaps above five steps of the grid or the data, a tolerance of a thousandth of a step,
+    /// and disorder rejected.
+    fn default() -> Self {
+        Self { sample_time: None, max_gap_s: None, tolerance: 1e-3, disorder: Disorder::Reject }
+    }
+}
+
+impl TimeSeries {
+    /// Puts the series on an even time base.
+    ///
+    /// ```
+    /// use fd_model::{Channel, ResamplePolicy, TimeSeries};
+    ///
+    /// let series = TimeSeries {
+    ///     inputs: Channel::numbered("u", 1),
+    ///     outputs: Channel::numbered("y", 1),
+    ///     t: vec![0.0, 1.0, 2.5, 3.0],
+    ///     u: vec![5.0, 6.0, 7.0, 8.0],
+    ///     y: vec![0.0, 1.0, 2.5, 3.0],
+    /// };
+    /// let (record, report) = series.resample(&ResamplePolicy::default())?;
+    /// assert_eq!(record.input(0).collect::<Vec<_>>(), [5.0, 6.0, 6.0, 8.0]);
+    /// assert_eq!(record.output(0).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0]);
+    /// assert_eq!(report.jitter_s, 0.5);
+    /// # Ok::<(), fd_model::TimeBaseError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when times are not finite, do not increase, are fewer than two, or
+    /// make an absurdly long record, when the values do not fit the channels, or when the policy
+    /// is outside its range.
+    pub fn resample(
+        &self,
+        policy: &ResamplePolicy,
+    ) -> Result<(Record, TimeBaseReport), TimeBaseError> {
+        policy.check()?;
+        self.check_lengths()?;
+        let order = Order::of(&self.t, policy.disorder)?;
+        let grid = Grid::of(&order.kept, &self.t, policy)?;
+
+        let (nu, ny) = (self.inputs.len(), self.outputs.len());
+        let row_u = |i: usize| &self.u[i * nu..(i + 1) * nu];
+        let row_y = |i: usize| &self.y[i * ny..(i + 1) * ny];
+        let (mut u, mut y) =
+            (Vec::with_capacity(grid.samples * nu), Vec::with_capacity(grid.samples * ny));
+        let (mut cursor, mut even) = (0, true);
+        for k in 0..grid.samples {
+            match grid.place(k, &mut cursor, &order.kept, &self.t) {
+                Place::On(i) => {
+                    u.extend_from_slice(row_u(i));
+                    y.extend_from_slice(row_y(i));
+                }
+                Place::Between { before, after, share } => {
+                    even = false;
+                    u.extend_from_slice(row_u(before));
+                    let pairs = row_y(before).iter().zip(row_y(after));
+                    y.extend(pairs.map(|(a, b)| a + share * (b - a)));
+                }
+                Place::Gap => {
+                    even = false;
+                    u.extend(std::iter::repeat_n(f64::NAN, nu));
+                    y.extend(std::iter::repeat_n(f64::NAN, ny));
+                }
+            }
+        }
+        let (inputs, outputs) = (self.inputs.clone(), self.outputs.clone());
+        let record = Record::new(inputs, outputs, u, y, grid.step)?;
+        Ok((record.starting_at(grid.start), grid.report(&order, even, self.t.len())))
+    }
+}
+
+impl TimeSeries {
+    fn check_lengths(&self) -> Result<(), ModelError> {
+        let samples = self.t.len();
+        for (role, values, width) in
+            [("inputs u", &self.u, self.inputs.len()), ("outputs y", &self.y, self.outputs.len())]
+        {
+            if values.len() != samples * width {
+                let expected = Shape::new(samples, width);
+                let found = Shape::new(values.len().div_ceil(width.max(1)), width);
+                return Err(ShapeError { role, expected, found }.into());
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ResamplePolicy {
+    fn check(&self) -> Result<(), TimeBaseError> {
+        let range = |parameter, expected, value: f64, inside| {
+            let error = TimeBaseError::Range { parameter, expected, value };
+            if inside && value.is_finite() { Ok(()) } else { Err(error) }
+        };
+        let inside = (0.0..0.5).contains(&self.tolerance);
+        range("tolerance", "from 0 to below 0.5 steps", self.tolerance, inside)?;
+        self.max_gap_s.map_or(Ok(()), |gap| range("max_gap_s", "above 0 s", gap, 0.0 < gap))?;
+        self.sample_time.map_or(Ok(()), |ts| range("sample_time", "above 0 s", ts, 0.0 < ts))
+    }
+}
+
+#[cfg(test)]
+mod tests;

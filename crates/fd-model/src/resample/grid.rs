@@ -1,0 +1,147 @@
+//! The even time base of a series, and where its times fall among the samples.
+
+use crate::{
+    domain::SampleTime,
+    resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport},
+};
+
+const MOST_SAMPLES: usize = 1 << 28;
+const BRIDGED_STEPS: f64 = 5.0;
+
+/// The samples that move time forward.
+pub(super) struct Order {
+    pub(super) kept: Vec<usize>,
+    duplicates: usize,
+    backwards: usize,
+}
+
+impl Order {
+    pub(super) fn of(t: &[f64], disorder: Disorder) -> Result<Self, TimeBaseError> {
+        let mut order = Self { kept: Vec::with_capacity(t.len()), duplicates: 0, backwards: 0 };
+        let mut before = f64::NEG_INFINITY;
+        for (index, &time) in t.iter().enumerate() {
+            if !time.is_finite() {
+                return Err(TimeBaseError::NonFinite { index, time });
+            }
+            if before < time {
+                order.kept.push(index);
+                before = time;
+            } else if disorder == Disorder::Reject {
+                return Err(TimeBaseError::NotIncreasing { index, before, time });
+            } else if time < before {
+                order.backwards += 1;
+            } else {
+                order.duplicates += 1;
+            }
+        }
+        Ok(order)
+    }
+}
+
+/// The even time base, and what it was made from.
+pub(super) struct Grid {
+    pub(super) start: f64,
+    pub(super) step: SampleTime,
+    pub(super) samples: usize,
+    max_gap: f64,
+    tolerance: f64,
+    shortest: f64,
+    median: f64,
+    longest: f64,
+    jitter: f64,
+    gaps: Vec<Gap>,
+}
+
+/// Where a grid time falls among the samples.
+pub(super) enum Place {
+    On(usize),
+    Between { before: usize, after: usize, share: f64 },
+    Gap,
+}
+
+impl Grid {
+    pub(super) fn of(
+        kept: &[usize],
+        t: &[f64],
+        policy: &ResamplePolicy,
+    ) -> Result<Self, TimeBaseError> {
+        let (Some(&first), Some(&last)) = (kept.first(), kept.last()) else {
+            return Err(TimeBaseError::TooShort { samples: 0 });
+        };
+        let (start, span) = (t[first], t[last] - t[first]);
+        let mut steps: Vec<f64> = kept.windows(2).map(|pair| t[pair[1]] - t[pair[0]]).collect();
+        steps.sort_unstable_by(f64::total_cmp);
+        let step = match (policy.sample_time, steps.get(steps.len() / 2)) {
+            (Some(step), _) => step,
+            (None, None) => return Err(TimeBaseError::TooShort { samples: kept.len() }),
+            (None, Some(&median)) => {
+                let mean = span / steps.len() as f64;
+                let off_grid = |(k, &i): (usize, &usize)| {
+                    policy.tolerance * mean < (t[i] - (start + k as f64 * mean)).abs()
+                };
+                if kept.iter().enumerate().any(off_grid) { median } else { mean }
+            }
+        };
+        let tolerance = policy.tolerance * step;
+        let samples = ((span + tolerance) / step).floor() + 1.0;
+        if MOST_SAMPLES as f64 <= samples {
+            return Err(TimeBaseError::TooLong { span_s: span, step_s: step, most: MOST_SAMPLES });
+        }
+        let median = steps.get(steps.len() / 2).copied().unwrap_or(step);
+        let bridged = policy.max_gap_s.unwrap_or(BRIDGED_STEPS * step.max(median));
+        let max_gap = bridged + tolerance;
+        let bridged = steps.iter().filter(|&&dt| dt <= max_gap);
+        let gaps = kept.windows(2).map(|pair| Gap { from_s: t[pair[0]], to_s: t[pair[1]] });
+        Ok(Self {
+            start,
+            step: SampleTime::new(step)?,
+            // Checked against MOST_SAMPLES above.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            samples: samples as usize,
+            max_gap,
+            tolerance,
+            shortest: steps.first().copied().unwrap_or(step),
+            median,
+            longest: steps.last().copied().unwrap_or(step),
+            jitter: bridged.map(|dt| (dt - median).abs()).fold(0.0, f64::max),
+            gaps: gaps.filter(|gap| max_gap < gap.to_s - gap.from_s).collect(),
+        })
+    }
+
+    /// Where grid time `k` falls; `cursor` is the place among `kept` of the sample before, starts
+    /// at 0 and only moves forward with `k`.
+    pub(super) fn place(&self, k: usize, cursor: &mut usize, kept: &[usize], t: &[f64]) -> Place {
+        let time = self.start + k as f64 * self.step.seconds();
+        while *cursor + 1 < kept.len() && t[kept[*cursor + 1]] <= time + self.tolerance {
+            *cursor += 1;
+        }
+        let before = kept[*cursor];
+        match kept.get(*cursor + 1) {
+            Some(&after) if self.tolerance < time - t[before] => {
+                let length = t[after] - t[before];
+                if self.max_gap < length {
+                    Place::Gap
+                } else {
+                    Place::Between { before, after, share: (time - t[before]) / length }
+                }
+            }
+            _ => Place::On(before),
+        }
+    }
+
+    pub(super) fn report(self, order: &Order, even: bool, rows: usize) -> TimeBaseReport {
+        TimeBaseReport {
+            rows,
+            duplicates: order.duplicates,
+            out_of_order: order.backwards,
+            shortest_step_s: self.shortest,
+            median_step_s: self.median,
+            longest_step_s: self.longest,
+            jitter_s: self.jitter,
+            gaps: self.gaps,
+            even,
+            step_s: self.step.seconds(),
+            samples: self.samples,
+        }
+    }
+}

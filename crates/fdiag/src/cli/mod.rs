@@ -1,0 +1,31 @@
+//! The commands of `fdiag`.
+
+mod args;
+mod compensate;
+mod engine;
+mod failure;
+mod output;
+mod progress;
+mod toml_file;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use self::args::{Cli, Command, EngineArgs};
+
+/// Runs what the command line asks for and says how it went.
+pub(crate) fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        None => engine::run(&EngineArgs::default()),
+        Some(Command::Engine(args)) => engine::run(&args),
+        Some(Command::Compensate(args)) => compensate::run(&args),
+    };
+    match result {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("fdiag: {failure}");
+            failure.code()
+        }
+    }
+}

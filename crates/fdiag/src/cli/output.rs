@@ -1,0 +1,92 @@
+//! Where results go: whole files only, and standard output for what was asked for.
+
+use std::{
+    fs,
+    io::{IsTerminal, Write},
+    path::Path,
+};
+
+use fdiag::report::{Page, Table};
+use serde::Serialize;
+use tempfile::NamedTempFile;
+
+use super::{args::OutputArgs, failure::Failure};
+
+/// Width of tables when the terminal does not say.
+const DEFAULT_WIDTH: u16 = 110;
+
+/// A directory that results are written to.
+pub(crate) struct Output<'a> {
+    directory: &'a Path,
+    json: bool,
+}
+
+impl<'a> Output<'a> {
+    /// Makes the directory if needed, before any work is done for it.
+    pub(crate) fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
+        fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
+        Ok(Self { directory: &args.out, json: args.json })
+    }
+
+    /// Writes a file as a whole: it appears complete or not at all.
+    pub(crate) fn write(&self, name: &str, content: &str) -> Result<(), Failure> {
+        let path = self.directory.join(name);
+        let fail = |e: std::io::Error| Failure::output(&path, e);
+        let mut file = NamedTempFile::new_in(self.directory).map_err(fail)?;
+        file.write_all(content.as_bytes()).map_err(fail)?;
+        let file = file.persist(&path).map_err(|e| fail(e.error))?;
+        readable(&file).map_err(fail)
+    }
+
+    /// Writes the page and its data, then prints tables or JSON.
+    pub(crate) fn finish(
+        &self,
+        headline: &str,
+        tables: &[Table],
+        page: &Page,
+        data: &impl Serialize,
+    ) -> Result<(), Failure> {
+        let json = serde_json::to_string_pretty(data)
+            .map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
+        self.write("report.json", &json)?;
+        self.write("report.html", &page.to_html())?;
+        let mut out = std::io::stdout().lock();
+        let printed = if self.json {
+            writeln!(out, "{json}")
+        } else {
+            print_tables(&mut out, headline, tables)
+        };
+        // A reader that has seen enough, such as `head`, is no failure.
+        match printed {
+            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+                return Err(Failure::output("standard output", e));
+            }
+            _ => {}
+        }
+        if std::io::stderr().is_terminal() {
+            let report = self.directory.join("report.html");
+            eprintln!("Report: {}", report.display());
+        }
+        Ok(())
+    }
+}
+
+fn print_tables(out: &mut impl Write, headline: &str, tables: &[Table]) -> std::io::Result<()> {
+    writeln!(out, "{headline}")?;
+    for table in tables {
+        writeln!(out, "\n{}", table.to_text(DEFAULT_WIDTH))?;
+    }
+    Ok(())
+}
+
+/// Temporary files are private; reports are for everyone who may read the directory.
+#[cfg(unix)]
+fn readable(file: &fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable(_file: &fs::File) -> std::io::Result<()> {
+    Ok(())
+}

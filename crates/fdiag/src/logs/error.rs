@@ -1,0 +1,50 @@
+//! What can stop a study of logs.
+
+use std::path::PathBuf;
+
+use fd_model::{
+    ModelError, RecordError,
+    file::{LogError, ModelFileError},
+};
+use thiserror::Error;
+
+use crate::road::RoadError;
+
+/// Logs cannot be studied.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LogStudyError {
+    /// The model file.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// A log file.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// A log is on another time base than the model or the first log.
+    #[error("{}: sample time is {found} s, expected {expected} s; set resample.sample_time in the column map", file.display())]
+    SampleTime {
+        /// The log.
+        file: PathBuf,
+        /// Sample time of the model or of the first log.
+        expected: f64,
+        /// Sample time of this log.
+        found: f64,
+    },
+    /// A log does not fit the scaling of the model.
+    #[error("{}: {source}", file.display())]
+    Record {
+        /// The log.
+        file: PathBuf,
+        /// Why.
+        source: RecordError,
+    },
+    /// A log has no excitation, so that nothing can be learned from it.
+    #[error("no input moves in the healthy logs, so the bias that it causes cannot be learned")]
+    NoExcitation,
+    /// The model cannot be sampled.
+    #[error("model: {0}")]
+    Model(#[from] ModelError),
+    /// Training or diagnosis.
+    #[error(transparent)]
+    Road(#[from] RoadError),
+}

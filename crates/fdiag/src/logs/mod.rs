@@ -1,0 +1,10 @@
+//! The road on a user's own model and logs: learn from the healthy ones, diagnose the others.
+
+mod error;
+mod report;
+mod study;
+
+pub use self::{
+    error::LogStudyError,
+    study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, Request, Traces},
+};

@@ -1,0 +1,271 @@
+//! From files to a trained diagnosis and what it says of each later log.
+
+use std::path::{Path, PathBuf};
+
+use fd_core::Event;
+use fd_model::{
+    Discrete, Record, SampleTime, StateSpace, TimeBaseReport,
+    file::{LinearModel, LinearSystem, LogMap, read_log},
+};
+use serde::{Deserialize, Serialize};
+
+use super::error::LogStudyError;
+use crate::{
+    road::{Healthy, RoadError, Trace, train},
+    spec::PipelineSpec,
+};
+
+/// The version of the JSON report.
+pub const REPORT_VERSION: u32 = 1;
+
+/// What is to be studied.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Model file of the nominal plant.
+    pub model: PathBuf,
+    /// Logs of the healthy plant.
+    pub healthy: Vec<PathBuf>,
+    /// Logs to be diagnosed.
+    pub logs: Vec<PathBuf>,
+    /// Column map; none finds columns by channel name.
+    pub columns: Option<LogMap>,
+    /// The diagnosis.
+    pub spec: PipelineSpec,
+    /// Share of each healthy log, from its start, that the bias is learned from; the threshold is
+    /// taken from the rest.
+    pub share_to_learn: f64,
+}
+
+/// The result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogStudy {
+    /// Version of this schema.
+    pub version: u32,
+    /// Name of the model.
+    pub model: String,
+    /// Output channels in physical units, each with the value that one per unit stands for.
+    pub outputs: Vec<(String, f64)>,
+    /// Names of the residual channels.
+    pub residuals: Vec<String>,
+    /// What was chosen.
+    pub spec: PipelineSpec,
+    /// The learned bias.
+    pub bias: BiasSummary,
+    /// Every log, healthy ones first.
+    pub logs: Vec<LogResult>,
+}
+
+/// The learned bias model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BiasSummary {
+    /// Orders.
+    pub orders: String,
+    /// Parameters of each residual channel.
+    pub theta: Vec<f64>,
+    /// Magnitudes of the poles of each residual channel.
+    pub poles: Vec<Vec<f64>>,
+    /// What the order criteria chose, if the order was to be chosen.
+    pub selection: Option<String>,
+    /// Phases of a recursive training.
+    pub events: Vec<Event>,
+}
+
+/// What became of one log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogResult {
+    /// The file.
+    pub file: PathBuf,
+    /// Whether it is one of the healthy logs.
+    pub healthy: bool,
+    /// Samples on the even time base.
+    pub samples: usize,
+    /// The time base of the file.
+    pub time_base: TimeBaseReport,
+    /// Root mean square of each residual channel before compensation.
+    pub rms_primary: Vec<f64>,
+    /// Root mean square of each residual channel after compensation.
+    pub rms_compensated: Vec<f64>,
+    /// Largest magnitude before and after compensation, all channels.
+    pub largest: (f64, f64),
+    /// Time in s of the first alarm without and with compensation.
+    pub first_alarm_s: (Option<f64>, Option<f64>),
+    /// Share of samples in alarm without and with compensation.
+    pub alarm_share: (f64, f64),
+    /// What happened.
+    pub events: Vec<Event>,
+    /// Samples refused because they were missing.
+    pub refused: usize,
+}
+
+/// The signals of the logs, for pictures.
+pub struct Traces {
+    /// For each log, without and with compensation.
+    pub(super) logs: Vec<(Trace, Trace)>,
+}
+
+impl LogStudy {
+    /// Reads, learns and diagnoses; calls `done` after each log.
+    ///
+    /// ```no_run
+    /// use fdiag::{logs::{LogStudy, Request}, spec::PipelineSpec};
+    ///
+    /// let request = Request {
+    ///     model: "model.toml".into(),
+    ///     healthy: vec!["healthy.csv".into()],
+    ///     logs: vec!["today.csv".into()],
+    ///     columns: None,
+    ///     spec: PipelineSpec::default(),
+    ///     share_to_learn: 0.7,
+    /// };
+    /// let (study, _traces) = LogStudy::run(&request, || ())?;
+    /// println!("{}", study.headline());
+    /// # Ok::<(), fdiag::logs::LogStudyError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the first file, row or step that is wrong.
+    pub fn run(request: &Request, done: impl Fn()) -> Result<(Self, Traces), LogStudyError> {
+        let file = LinearModel::read(&request.model)?;
+        let mut map = request.columns.clone().unwrap_or_else(|| LogMap::for_model(&file));
+        if let Some(ts) = file.system.sample_time() {
+            map.resample.sample_time.get_or_insert(ts.seconds());
+        }
+        let paths: Vec<&PathBuf> = request.healthy.iter().chain(&request.logs).collect();
+        let mut files = Vec::new();
+        for path in &paths {
+            let log = read(path, &file, &map)?;
+            // All logs share the time base of the first.
+            map.resample.sample_time.get_or_insert(log.0.ts().seconds());
+            files.push(log);
+        }
+        let Some((first, _)) = files.first() else { return Err(RoadError::NoHealthyLog.into()) };
+        let model = sampled(&file, first.ts())?;
+        for (path, (record, _)) in paths.iter().zip(&files) {
+            check_sample_time(path, record, first.ts())?;
+        }
+        let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
+            .iter()
+            .map(|(record, _)| Healthy::split(record, request.share_to_learn))
+            .collect();
+        if !healthy.iter().any(|log| input_moves(log.record)) {
+            return Err(LogStudyError::NoExcitation);
+        }
+        let trained = train(&request.spec, &model, &healthy)?;
+        let (mut logs, mut traces) = (Vec::new(), Vec::new());
+        for (i, (path, (record, time_base))) in paths.iter().zip(&files).enumerate() {
+            let run = |mut pipeline| Trace::of(&mut pipeline, record).map_err(RoadError::from);
+            let without = run(trained.uncompensated()?)?;
+            let with = run(trained.compensated()?)?;
+            logs.push(LogResult {
+                file: (*path).clone(),
+                healthy: i < request.healthy.len(),
+                samples: record.len(),
+                time_base: time_base.clone(),
+                rms_primary: rms(&with, &with.residual),
+                rms_compensated: rms(&with, &with.compensated),
+                largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
+                first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
+                alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
+                events: with.events.clone(),
+                refused: with.refused,
+            });
+            traces.push((without, with));
+            done();
+        }
+        let bias = trained.bias_model();
+        let poles = (0..bias.residual_len())
+            .map(|channel| Ok(bias.poles(channel)?.iter().map(|p| p.norm()).collect()))
+            .collect::<Result<_, RoadError>>()?;
+        let study = Self {
+            version: REPORT_VERSION,
+            model: file.name.clone().unwrap_or_else(|| request.model.display().to_string()),
+            outputs: file
+                .outputs
+                .iter()
+                .map(|o| (o.channel.to_string(), o.scale.scale.unwrap_or(1.0)))
+                .collect(),
+            residuals: residual_names(&file, trained.design().residual_len()),
+            spec: request.spec.clone(),
+            bias: BiasSummary {
+                orders: bias.orders().to_string(),
+                theta: bias.theta().to_vec(),
+                poles,
+                selection: trained.order_selection().map(|t| t.verdict().to_string()),
+                events: trained.events().to_vec(),
+            },
+            logs,
+        };
+        Ok((study, Traces { logs: traces }))
+    }
+}
+
+fn read(
+    path: &Path,
+    model: &LinearModel,
+    map: &LogMap,
+) -> Result<(Record, TimeBaseReport), LogStudyError> {
+    let log = read_log(path, map)?;
+    let scaled = log
+        .record
+        .scaled(&model.scaling())
+        .map_err(|source| LogStudyError::Record { file: path.to_owned(), source })?;
+    Ok((scaled, log.time_base))
+}
+
+fn sampled(file: &LinearModel, ts: SampleTime) -> Result<StateSpace<Discrete>, LogStudyError> {
+    Ok(match &file.system {
+        LinearSystem::Continuous(model) => model.sample_zoh(ts)?,
+        LinearSystem::Discrete(model) => model.clone(),
+    })
+}
+
+fn check_sample_time(path: &Path, record: &Record, ts: SampleTime) -> Result<(), LogStudyError> {
+    let (expected, found) = (ts.seconds(), record.ts().seconds());
+    // Time bases are written with a few digits; a part in a million is not another time base.
+    if (expected - found).abs() > 1e-6 * expected {
+        return Err(LogStudyError::SampleTime { file: path.to_owned(), expected, found });
+    }
+    Ok(())
+}
+
+fn input_moves(record: &Record) -> bool {
+    (0..record.inputs().len()).any(|channel| {
+        let mut values = record.input(channel).filter(|v| v.is_finite());
+        let first = values.next();
+        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
+    })
+}
+
+fn residual_names(model: &LinearModel, channels: usize) -> Vec<String> {
+    if channels == model.outputs.len() {
+        model.outputs.iter().map(|o| format!("r ({})", o.channel.name)).collect()
+    } else {
+        (1..=channels).map(|i| format!("r{i}")).collect()
+    }
+}
+
+/// Root mean square per channel over the samples in which the bias was subtracted.
+fn rms(trace: &Trace, values: &[f64]) -> Vec<f64> {
+    let channels = trace.channels.max(1);
+    let count = trace.compensating.iter().filter(|on| **on).count().max(1);
+    (0..channels)
+        .map(|channel| {
+            let rows = values.chunks_exact(channels).zip(&trace.compensating);
+            let squares = rows.filter(|(_, on)| **on).map(|(row, _)| row[channel].powi(2));
+            (squares.sum::<f64>() / count as f64).sqrt()
+        })
+        .collect()
+}
+
+/// First alarm among the samples in which the bias was subtracted, so that both residuals are
+/// judged over the same samples.
+fn alarm_time(trace: &Trace, compensated: &Trace) -> Option<f64> {
+    (0..trace.len()).find(|&k| compensated.compensating[k] && trace.alarm[k]).map(|k| trace.time[k])
+}
+
+fn alarm_share(trace: &Trace, compensated: &Trace) -> f64 {
+    let judged = (0..trace.len()).filter(|&k| compensated.compensating[k]);
+    let (alarms, count) = judged.fold((0, 0), |(a, n), k| (a + usize::from(trace.alarm[k]), n + 1));
+    alarms as f64 / f64::from(count.max(1))
+}

@@ -1,0 +1,33 @@
+//! Numbers as people read them.
+
+/// Three significant figures.
+#[must_use]
+pub fn figure(value: f64) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    let magnitude = value.abs();
+    if magnitude >= 100.0 {
+        format!("{value:.0}")
+    } else if magnitude >= 10.0 {
+        format!("{value:.1}")
+    } else if magnitude >= 1.0 {
+        format!("{value:.2}")
+    } else if magnitude >= 0.001 || magnitude == 0.0 {
+        let text = format!("{value:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_figures_are_enough() {
+        let texts = [1234.5, 12.34, 1.234, 0.1234, 0.0001234, 0.0, f64::NAN].map(figure);
+        assert_eq!(texts, ["1234", "12.3", "1.23", "0.1234", "1.2e-4", "0", "-"]);
+    }
+}
