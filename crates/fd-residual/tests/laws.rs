@@ -65,7 +65,7 @@ proptest! {
             let defect = design.form().unwrap().consistency(&model).unwrap();
             prop_assert!(defect < 1e-10, "{defect:e} for {design:?}");
             // The generator of another plant does not pass this check.
-            let other = plant(Draw { seed: draw.seed ^ 77, ..draw });
+            let other = plant(Draw { seed: draw.seed ^ 8, ..draw });
             let defect = design.form().unwrap().consistency(&other).unwrap();
             prop_assert!(1e-3 < defect, "{defect:e} for {design:?}");
         }
