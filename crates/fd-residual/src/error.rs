@@ -4,6 +4,8 @@ use fd_core::ShapeError;
 use fd_model::ModelError;
 use thiserror::Error;
 
+use crate::analysis::Signature;
+
 /// No residual generator with the wanted properties exists, or the request is inconsistent.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -81,6 +83,14 @@ pub enum DesignError {
         rows: usize,
         /// Its smallest singular value over its largest.
         smallest: f64,
+    },
+    /// No parity vector has the wanted signature.
+    #[error("no parity vector of order 0 to {longest} has the signature {signature}")]
+    NoSignature {
+        /// One bit per fault: whether the residual has to react.
+        signature: Signature,
+        /// Longest order that was tried.
+        longest: usize,
     },
     /// A given parity vector does not annihilate the observability matrix.
     #[error("parity vector {row} leaves a relative {residue:.1e} of the initial state")]

@@ -9,7 +9,7 @@ use common::{
 };
 use faer::Mat;
 use fd_core::{
-    Fixed, Heap,
+    Fixed, Heap, HeapMap, Scalar, Storage,
     stage::{ResidualGenerator, Stage},
     testing::reset_and_restore,
 };
@@ -64,6 +64,10 @@ proptest! {
             // Two resolvents of radius <= 0.95 (cond <= ~1e4 for these sizes) cost 1e4 n eps.
             let defect = design.form().unwrap().consistency(&model).unwrap();
             prop_assert!(defect < 1e-10, "{defect:e} for {design:?}");
+            // The generator of another plant does not pass this check.
+            let other = plant(Draw { seed: draw.seed ^ 8, ..draw });
+            let defect = design.form().unwrap().consistency(&other).unwrap();
+            prop_assert!(1e-3 < defect, "{defect:e} for {design:?}");
         }
     }
 
@@ -160,6 +164,8 @@ proptest! {
 /// Sizes for static storage.
 const DRAW: Draw = Draw { nx: 4, nu: 2, ny: 3, radius: 0.9, seed: 7 };
 type Size = Fixed<4, 2, 3>;
+/// A row of three, as `W = [1 1 1]`.
+type Row = <Fixed<3, 1, 1> as Storage<f64>>::Yx;
 
 fn frames(len: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
     signal(1, DRAW.nu, len).into_iter().zip(signal(2, DRAW.ny, len)).collect()
@@ -182,10 +188,6 @@ where
 
 #[test]
 fn static_and_heap_storage_agree() {
-    use fd_core::{HeapMap, Storage};
-    use fd_model::freeze;
-    use fd_residual::weighted::{Filtered, Weighted};
-
     let model = plant(DRAW);
     let simulation = SimulationDesign::new(&model).unwrap();
     same_to_the_bit(
@@ -213,26 +215,20 @@ fn static_and_heap_storage_agree() {
         Bank::<_>::new(vec![heap.clone(), heap.clone()]).unwrap(),
     );
 
-    type Row = <Fixed<3, 1, 1> as Storage<f64>>::Yx;
     let w = Mat::from_fn(1, 3, |_, _| 1.0);
-    let row: Row = freeze("weighting W", w.as_ref()).unwrap();
-    let map: HeapMap<f64> = freeze("weighting W", w.as_ref()).unwrap();
+    let weighted = WeightedDesign::new(kalman.clone(), w.as_ref()).unwrap();
     same_to_the_bit(
-        Weighted::<f64, _, Row, [f64; 3]>::new(fixed.clone(), row).unwrap(),
-        Weighted::<f64, _>::new(heap.clone(), map).unwrap(),
+        weighted.behind::<f64, _, Row, [f64; 3]>(fixed.clone()).unwrap(),
+        weighted.behind::<f64, _, HeapMap<f64>, Vec<f64>>(heap.clone()).unwrap(),
     );
 
-    let lag = StateSpace::new(
-        Mat::from_fn(1, 1, |_, _| 0.5),
-        w.clone(),
-        Mat::from_fn(1, 1, |_, _| 1.0),
-        Mat::zeros(1, 3),
-        model.domain(),
-    )
-    .unwrap();
+    let scalar = |v: f64| Mat::from_fn(1, 1, |_, _| v);
+    let none = Mat::zeros(1, 3);
+    let lag = StateSpace::new(scalar(0.5), w, scalar(1.0), none, model.domain()).unwrap();
+    let filtered = FilteredDesign::new(kalman, &lag).unwrap();
     same_to_the_bit(
-        Filtered::<f64, _, Fixed<1, 3, 1>, [f64; 3]>::new(fixed, lag.freeze().unwrap()).unwrap(),
-        Filtered::<f64, _>::new(heap, lag.freeze().unwrap()).unwrap(),
+        filtered.behind::<f64, _, Fixed<1, 3, 1>, [f64; 3]>(fixed).unwrap(),
+        filtered.behind::<f64, _, Heap, Vec<f64>>(heap).unwrap(),
     );
 }
 
@@ -244,7 +240,7 @@ fn single_precision_follows_double() {
     let narrow: Vec<_> = frames(50)
         .iter()
         .map(|(u, y)| {
-            let f = |v: &[f64]| v.iter().map(|&v| v as f32).collect::<Vec<f32>>();
+            let f = |v: &[f64]| v.iter().map(|&v| f32::from_design(v)).collect::<Vec<f32>>();
             (f(u), f(y))
         })
         .collect();

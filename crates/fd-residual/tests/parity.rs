@@ -7,7 +7,9 @@ use common::{Draw, draws, peak, plant, random_matrix, residuals, rng, sampled, s
 use faer::{Mat, Scale, mat};
 use fd_model::{ModelError, StateSpace};
 use fd_residual::{
-    DesignError, GeneratorDesign, analysis::UnknownInputs, parity::ParityDesign,
+    DesignError, GeneratorDesign,
+    analysis::{Signature, UnknownInputs, weak_structure},
+    parity::ParityDesign,
     simulation::SimulationDesign,
 };
 use proptest::prelude::*;
@@ -170,4 +172,50 @@ fn an_unstable_plant_needs_more_than_simulation() {
     );
     let design = ParityDesign::all(&model, 2).unwrap();
     assert!(design.form().unwrap().consistency(&model).unwrap() < 1e-14);
+}
+
+/// The eighteen signatures of Yuan et al. (1997), realised at their published least orders.
+#[test]
+fn published_signatures_are_realised_at_least_order() {
+    let a = mat![
+        [-1.0, 1.0, 0.0, 0.0],
+        [1.0, -2.0, 1.0, 0.0],
+        [0.0, 1.0, -2.0, 1.0],
+        [0.0, 0.0, 1.0, -2.0]
+    ];
+    let c = mat![[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let b = mat![[1.0], [0.0], [0.0], [0.0]];
+    let bf = mat![
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0]
+    ];
+    // The algebra does not care whether the matrices are of continuous or discrete time.
+    let plant = StateSpace::new(a, b, c, Mat::zeros(3, 1), sampled()).unwrap();
+    let faults = UnknownInputs::new("f", bf, Mat::zeros(3, 8)).unwrap();
+    let (gf, none) = (faults.system(&plant).unwrap(), UnknownInputs::none(&plant));
+    let signature = |bits: &str| Signature(bits.bytes().map(|b| b == b'1').collect());
+    let design =
+        |bits: &str| ParityDesign::with_signature(&plant, &faults, &none, &signature(bits), 4);
+    for (bits, order) in [
+        ("00010011", 1),
+        ("01101110", 2),
+        ("10101110", 1),
+        ("10111101", 1),
+        ("10111111", 1),
+        ("11001100", 2),
+        ("11100110", 2),
+        ("11111111", 2),
+    ] {
+        let design = design(bits).unwrap();
+        assert_eq!(design.order(), order, "{bits}");
+        let form = design.form().unwrap();
+        assert_eq!(weak_structure(&form, &gf).unwrap(), [signature(bits)]);
+        assert!(form.consistency(&plant).unwrap() < 1e-12);
+    }
+    for bits in ["00000001", "11110000", "10101111"] {
+        let error = DesignError::NoSignature { signature: signature(bits), longest: 4 };
+        assert_eq!(design(bits).unwrap_err(), error);
+    }
 }

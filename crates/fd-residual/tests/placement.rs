@@ -35,7 +35,7 @@ fn tolerance(condition: f64, norm: f64, n: usize) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
     fn poles_land_where_they_are_wanted(draw in draws(), pairs in 0..=3_usize) {

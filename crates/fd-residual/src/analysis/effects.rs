@@ -1,19 +1,20 @@
 //! How strongly faults and noise reach a residual.
 
-use fd_model::{StateSpace, TimeDomain};
+use fd_model::{PeakGain, StateSpace, TimeDomain};
 
 use super::structure::Visibility;
 use crate::{
     error::DesignError,
-    form::{Peak, ResidualForm, peak_gain},
+    form::{ResidualForm, peak_gain},
 };
 
 /// What one fault does to a residual vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultEffect {
     /// Largest gain over frequency, `‖R_f,i‖∞`.
-    pub peak: Peak,
-    /// Gain of a constant fault; `None` when the plant integrates it.
+    pub peak: PeakGain,
+    /// Gain of a constant fault; `None` when the plant has a pole at steady state, even if it
+    /// cancels.
     pub steady: Option<f64>,
     /// Whether the fault is detectable: `[H_y G_f]_i ≠ 0` (eq. 6).
     pub detectable: bool,
@@ -26,9 +27,9 @@ pub struct FaultEffect {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     /// Largest gain of each fault.
-    pub faults: Vec<Peak>,
+    pub faults: Vec<PeakGain>,
     /// Largest gain of the noise.
-    pub noise: Peak,
+    pub noise: PeakGain,
     /// `min_i ‖R_f,i‖∞ / ‖R_w‖∞`; infinite when no noise reaches the residual.
     pub ratio: f64,
 }
@@ -54,7 +55,7 @@ pub struct Gap {
 /// let effect = fault_effects(&design.form()?, &gf)?[0]; // R_f = (s + 1)/(s + 4)
 /// assert!(effect.detectable && effect.lasting);
 /// assert!((effect.steady.unwrap() - 0.25).abs() < 1e-14);
-/// assert!((effect.peak.gain - 1.0).abs() < 1e-14);
+/// assert!((effect.peak.norm - 1.0).abs() < 1e-14);
 /// # Ok::<(), fd_residual::DesignError>(())
 /// ```
 pub fn fault_effects<D: TimeDomain>(
@@ -81,6 +82,22 @@ pub fn fault_effects<D: TimeDomain>(
 ///
 /// Returns an error when there is no fault, or `gf` or `gw` have other outputs or another sample
 /// time than the plant.
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::{Continuous, StateSpace};
+/// use fd_residual::{analysis::{UnknownInputs, fault_to_noise_gap}, observer::ObserverDesign};
+///
+/// let lag = StateSpace::new(mat![[-1.0]], mat![[2.0]], mat![[1.0]], mat![[0.0]], Continuous)?;
+/// let gf = UnknownInputs::none(&lag).actuator(&lag, 0)?.system(&lag)?;
+/// let gw = UnknownInputs::none(&lag).sensor(&lag, 0)?.system(&lag)?;
+/// let design = ObserverDesign::with_gain(&lag, mat![[3.0]].as_ref())?;
+/// let gap = fault_to_noise_gap(&design.form()?, &gf, &gw)?; // ‖2/(s+4)‖ / ‖(s+1)/(s+4)‖
+/// assert!((gap.ratio - 0.5).abs() < 1e-7);
+/// # Ok::<(), fd_residual::DesignError>(())
+/// ```
 pub fn fault_to_noise_gap<D: TimeDomain>(
     form: &ResidualForm<D>,
     gf: &StateSpace<D>,
@@ -90,12 +107,12 @@ pub fn fault_to_noise_gap<D: TimeDomain>(
         return Err(DesignError::Empty { what: "fault" });
     }
     let rf = form.residual_of(gf)?;
-    let faults: Vec<Peak> = (0..rf.nu())
+    let faults: Vec<PeakGain> = (0..rf.nu())
         .map(|fault| Ok(peak_gain(&column(&rf, fault)?)?))
         .collect::<Result<_, DesignError>>()?;
     let noise = peak_gain(&form.residual_of(gw)?)?;
-    let weakest = faults.iter().map(|peak| peak.gain).fold(f64::INFINITY, f64::min);
-    let ratio = if 0.0 < noise.gain { weakest / noise.gain } else { f64::INFINITY };
+    let weakest = faults.iter().map(|peak| peak.norm).fold(f64::INFINITY, f64::min);
+    let ratio = if 0.0 < noise.norm { weakest / noise.norm } else { f64::INFINITY };
     Ok(Gap { faults, noise, ratio })
 }
 

@@ -1,12 +1,12 @@
 //! Which signatures any residual of a plant can have, and at which order.
 
-use faer::{Mat, MatRef, Scale};
+use faer::{Mat, MatRef, Scale, c64};
 use fd_model::{StateSpace, TimeDomain};
 
 use super::{structure::Signature, unknown::UnknownInputs};
 use crate::{
     error::DesignError,
-    matrix::blocks,
+    matrix::{blocks, complex},
     parity::{annihilators, input_map, observability},
 };
 
@@ -36,6 +36,9 @@ pub struct Achievable {
 /// A signature is achievable at order `s` when a parity vector of that order annihilates the
 /// state, the disturbances and the faults with a zero bit, while none of the faults with a one
 /// bit is annihilated by all such vectors (a combination of vectors then reacts to all of them).
+/// With `frequencies` (rad/s; 0 for constant faults), each of these faults has to pass at each
+/// frequency: strong signatures instead of weak ones.
+///
 /// The number of vectors with orders up to `s` in a minimal basis is the increase of the null
 /// space's dimension from `s − 1` to `s`. No residual needs a higher order than the plant has
 /// states, plus one for each decoupled input. The algebra is that of discrete time; for
@@ -58,7 +61,7 @@ pub struct Achievable {
 /// let lag = StateSpace::new(mat![[-1.0]], b, c, Mat::zeros(2, 1), Continuous)?;
 /// let none = UnknownInputs::none(&lag);
 /// let faults = none.clone().sensor(&lag, 0)?.sensor(&lag, 1)?.actuator(&lag, 0)?;
-/// let found = achievable_signatures(&lag, &faults, &none, 3)?;
+/// let found = achievable_signatures(&lag, &faults, &none, &[], 3)?;
 /// let found: Vec<_> = found.iter().map(|a| (a.signature.to_string(), a.least_order)).collect();
 /// let expected = [("011", 1), ("101", 1), ("110", 0), ("111", 1)];
 /// assert_eq!(found, expected.map(|(bits, order)| (bits.to_owned(), order)));
@@ -68,6 +71,7 @@ pub fn achievable_signatures<D: TimeDomain>(
     model: &StateSpace<D>,
     faults: &UnknownInputs,
     disturbances: &UnknownInputs,
+    frequencies: &[f64],
     longest: usize,
 ) -> Result<Vec<Achievable>, DesignError> {
     let count = faults.len();
@@ -78,7 +82,7 @@ pub fn achievable_signatures<D: TimeDomain>(
         return Err(DesignError::Index { what: "fault", index: count - 1, count: MOST_FAULTS });
     }
     let windows = (0..=longest)
-        .map(|order| Windows::of(model, faults, disturbances, order))
+        .map(|order| Windows::of(model, faults, disturbances, frequencies, order))
         .collect::<Result<Vec<_>, _>>()?;
     let mut found = Vec::new();
     for code in 1..1_usize << count {
@@ -115,6 +119,8 @@ struct Windows {
     /// `[Γ T_d]`.
     nuisance: Mat<f64>,
     faults: Vec<Mat<f64>>,
+    /// Powers of each point of the frequency axis, `[1; p; …; pˢ]`, as unit columns.
+    waves: Vec<Mat<c64>>,
 }
 
 impl Windows {
@@ -124,10 +130,12 @@ impl Windows {
         model: &StateSpace<D>,
         faults: &UnknownInputs,
         disturbances: &UnknownInputs,
+        frequencies: &[f64],
         order: usize,
     ) -> Result<Self, DesignError> {
-        let speed = model.a().norm_l2();
-        let slow = Scale(if speed > 0.0 { speed.recip() } else { 1.0 });
+        let norm = model.a().norm_l2();
+        let speed = if norm > 0.0 { norm } else { 1.0 };
+        let slow = Scale(speed.recip());
         let a = slow * model.a();
         let size = |i: usize| {
             let norm = model.c().row(i).norm_l2();
@@ -151,7 +159,16 @@ impl Windows {
         for d in map(disturbances)? {
             nuisance = blocks(&[&[nuisance.as_ref(), d.as_ref()]]);
         }
-        Ok(Self { nuisance, faults: map(faults)? })
+        let wave = |&omega: &f64| {
+            let point = model.domain().point(omega) / speed;
+            let mut wave = Mat::from_fn(order + 1, 1, |_, _| c64::new(1.0, 0.0));
+            for i in 1..=order {
+                wave[(i, 0)] = wave[(i - 1, 0)] * point;
+            }
+            Scale(c64::new(wave.norm_l2().recip(), 0.0)) * wave
+        };
+        let waves = frequencies.iter().map(wave).collect();
+        Ok(Self { nuisance, faults: map(faults)?, waves })
     }
 
     fn decoupled_from(&self, signature: &Signature) -> Result<Mat<f64>, DesignError> {
@@ -164,6 +181,12 @@ impl Windows {
     fn all_react(&self, w: MatRef<'_, f64>, signature: &Signature) -> bool {
         let wanted = self.faults.iter().zip(&signature.0).filter(|(_, bit)| **bit);
         let mut maps = wanted.map(|(map, _)| map);
-        maps.all(|map| DECOUPLED * map.norm_l2() < (w * map).norm_l2())
+        maps.all(|map| {
+            let seen = w * map;
+            let least = DECOUPLED * map.norm_l2();
+            // A fault that grows like pᵏ gives the residual W T [1; p; …; pˢ] pᵏ.
+            let passes = |wave: &Mat<c64>| least < (complex(seen.as_ref()) * wave).norm_l2();
+            least < seen.norm_l2() && self.waves.iter().all(passes)
+        })
     }
 }

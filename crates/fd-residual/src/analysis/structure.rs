@@ -7,7 +7,7 @@ use fd_model::{StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
-    form::{ResidualForm, frequency_grid},
+    form::{ResidualForm, frequency_grid, is_clear},
 };
 
 /// Gains below this fraction of what would be possible without cancellation count as zero.
@@ -29,6 +29,27 @@ impl fmt::Display for Signature {
 /// # Errors
 ///
 /// Returns an error when `gf` has other outputs or another sample time than the plant.
+///
+/// # Examples
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::{Discrete, SampleTime, StateSpace};
+/// use fd_residual::{
+///     GeneratorDesign,
+///     analysis::{strong_structure, weak_structure},
+///     parity::ParityDesign,
+/// };
+///
+/// // An integrator's parity relation y(k) − y(k−1) − u(k−1) forgets a constant sensor fault.
+/// let domain = Discrete { ts: SampleTime::new(1.0)? };
+/// let tank = StateSpace::new(mat![[1.0]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+/// let gf = StateSpace::gain(mat![[1.0]], domain)?;
+/// let form = ParityDesign::all(&tank, 1)?.form()?;
+/// assert_eq!(weak_structure(&form, &gf)?[0].to_string(), "1");
+/// assert_eq!(strong_structure(&form, &gf, &[0.0])?[0].to_string(), "0");
+/// # Ok::<(), fd_residual::DesignError>(())
+/// ```
 pub fn weak_structure<D: TimeDomain>(
     form: &ResidualForm<D>,
     gf: &StateSpace<D>,
@@ -68,6 +89,7 @@ fn signatures<D: TimeDomain>(
 pub(crate) struct Visibility<'a, D> {
     form: &'a ResidualForm<D>,
     gf: &'a StateSpace<D>,
+    poles: Vec<c64>,
     /// Largest entry of each pair over the grid, where it stands out from rounding.
     largest: Mat<f64>,
 }
@@ -81,7 +103,9 @@ impl<'a, D: TimeDomain> Visibility<'a, D> {
         form.residual_of(gf)?;
         let grid = frequency_grid(&[form.system(), gf])?;
         let mut largest = Mat::zeros(form.residual_len(), gf.nu());
-        let mut visibility = Self { form, gf, largest: largest.clone() };
+        let mut poles = form.system().poles()?;
+        poles.extend(gf.poles()?);
+        let mut visibility = Self { form, gf, poles, largest: largest.clone() };
         for omega in grid {
             let Some((hy, g)) = visibility.factors(omega) else { continue };
             for row in 0..largest.nrows() {
@@ -112,6 +136,9 @@ impl<'a, D: TimeDomain> Visibility<'a, D> {
     }
 
     fn factors(&self, omega: f64) -> Option<(Mat<c64>, Mat<c64>)> {
+        if !is_clear(self.gf.domain(), &self.poles, omega) {
+            return None;
+        }
         let (_, hy) = self.form.response(omega).ok()?;
         Some((hy, self.gf.frequency_response(omega).ok()?))
     }

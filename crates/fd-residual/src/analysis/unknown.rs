@@ -109,6 +109,38 @@ impl UnknownInputs {
         Ok(self)
     }
 
+    /// Some of the signals, in the given order.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when an index does not exist.
+    pub fn select(&self, signals: &[usize]) -> Result<Self, DesignError> {
+        let count = self.len();
+        if let Some(&index) = signals.iter().find(|&&i| count <= i) {
+            return Err(DesignError::Index { what: "unknown input", index, count });
+        }
+        let pick = |m: &Mat<f64>| Mat::from_fn(m.nrows(), signals.len(), |i, j| m[(i, signals[j])]);
+        let names = signals.iter().map(|&i| self.names[i].clone()).collect();
+        Ok(Self { names, b: pick(&self.b), d: pick(&self.d) })
+    }
+
+    /// These signals followed by others of the same plant.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the others belong to a plant of other sizes.
+    pub fn and(&self, others: &Self) -> Result<Self, DesignError> {
+        let b = Shape::new(self.b.nrows(), others.len());
+        let d = Shape::new(self.d.nrows(), others.len());
+        check_shape("unknown input matrix B_f", others.b.as_ref(), b)?;
+        check_shape("unknown input matrix D_f", others.d.as_ref(), d)?;
+        Ok(Self {
+            names: [self.names.as_slice(), others.names.as_slice()].concat(),
+            b: blocks(&[&[self.b.as_ref(), others.b.as_ref()]]),
+            d: blocks(&[&[self.d.as_ref(), others.d.as_ref()]]),
+        })
+    }
+
     /// Names in order.
     #[must_use]
     pub fn names(&self) -> &[String] {

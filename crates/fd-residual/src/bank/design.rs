@@ -66,7 +66,7 @@ impl GeneratorDesign for BankDesign {
     }
 
     fn residual_len(&self) -> usize {
-        self.members.iter().map(|member| member.residual_len()).sum()
+        self.members.iter().map(GeneratorDesign::residual_len).sum()
     }
 
     fn form(&self) -> Result<ResidualForm, DesignError> {

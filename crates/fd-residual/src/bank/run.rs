@@ -20,6 +20,23 @@ impl<G, M: AsRef<[G]> + AsMut<[G]>> Bank<G, M> {
     /// # Errors
     ///
     /// Returns an error when the members accept different channels, or there is none.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_core::{Fixed, stage::ResidualGenerator};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{bank::Bank, observer::ObserverDesign};
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let lag = StateSpace::new(mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let slow = ObserverDesign::faster(&lag, 1.5)?.freeze::<f64, Fixed<1, 1, 1>>()?;
+    /// let fast = ObserverDesign::faster(&lag, 8.0)?.freeze()?;
+    /// let bank = Bank::<_, [_; 2]>::new::<f64>([slow, fast])?;
+    /// assert_eq!(ResidualGenerator::<f64>::residual_len(&bank), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new<T: Scalar>(members: M) -> Result<Self, ShapeError>
     where
         G: ResidualGenerator<T>,

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use faer::Mat;
-use fd_model::{ModelError, StateSpace, TimeDomain};
+use faer::{Mat, c64};
+use fd_model::{ModelError, PeakGain, StateSpace, TimeDomain};
 
 use crate::matrix::spectral_norm;
 
@@ -13,18 +13,34 @@ const PER_DECADE: f64 = 16.0;
 /// Rates below this fraction of the fastest count as integrators and do not stretch the grid.
 const INTEGRATOR: f64 = 1e-8;
 
-/// Halvings of a bracket by golden section: the relative error of a peak is then below 1e-9.
+/// Frequencies closer to a pole than this, relatively, are passed over.
+const NEAR: f64 = 1e-6;
+
+/// Relative tolerance of H-infinity norms.
+const TOLERANCE: f64 = 1e-8;
+
+/// Steps of golden section in a bracket: the relative error of a peak is then below 1e-9.
 const REFINEMENTS: usize = 40;
 
-/// Zero, a logarithmic grid that reaches two decades beyond all corner frequencies, and these.
+/// Whether a transfer function has digits at this frequency: no pole is so close that the
+/// resolvent amplifies rounding to more than about 1e-9.
+pub(crate) fn is_clear<D: TimeDomain>(domain: D, poles: &[c64], omega: f64) -> bool {
+    let point = domain.point(omega);
+    poles.iter().all(|&pole| NEAR * pole.norm().max(point.norm()) < (point - pole).norm())
+}
+
+/// Zero, a logarithmic grid that reaches two decades beyond all corner frequencies, and these,
+/// but for frequencies on a pole.
 pub(crate) fn frequency_grid<D: TimeDomain>(
     systems: &[&StateSpace<D>],
 ) -> Result<Vec<f64>, ModelError> {
     let mut grid = vec![0.0];
-    let mut highest = f64::INFINITY;
+    let Some(domain) = systems.first().map(|system| system.domain()) else { return Ok(grid) };
+    let highest = domain.highest_frequency();
+    let mut poles = Vec::new();
     for system in systems {
-        highest = system.domain().highest_frequency();
         for pole in system.poles()? {
+            poles.push(pole);
             // On a sampled axis, z = exp(s Ts) with Ts = π / highest.
             let rate = if highest.is_finite() { pole.ln() * (highest / PI) } else { pole };
             // A light mode peaks at its damped frequency Im s, others bend at |s|.
@@ -44,41 +60,39 @@ pub(crate) fn frequency_grid<D: TimeDomain>(
     grid.extend(steps.map(|k| low * (high / low).powf(k / count)));
     grid.sort_by(f64::total_cmp);
     grid.dedup();
+    grid.retain(|&omega| is_clear(domain, &poles, omega));
     Ok(grid)
 }
 
-/// Where a gain is largest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
-    /// Largest singular value of the transfer matrix.
-    pub gain: f64,
-    /// Frequency of the peak, in rad/s; infinite for the feedthrough of a continuous model.
-    pub omega: f64,
+/// The largest gain along the frequency axis.
+///
+/// For a stable system this is its H-infinity norm. In `H_y G_f` of an unstable plant the unstable
+/// states cancel but are still there, and have no norm; the peak is then searched on a grid with
+/// all corners, by a golden section around each local maximum.
+pub(crate) fn peak_gain<D: TimeDomain>(system: &StateSpace<D>) -> Result<PeakGain, ModelError> {
+    match system.hinf_norm(TOLERANCE) {
+        Err(ModelError::Unstable { .. } | ModelError::NoConvergence { .. }) => scan(system),
+        peak => peak,
+    }
 }
 
-/// The largest gain along the frequency axis, by a grid with all corners and a golden section
-/// around each local maximum.
-///
-/// For a stable system this is its H-infinity norm. Unlike the norm it is also defined when
-/// unstable states cancel, as in `H_y G_f` of an unstable plant.
-pub(crate) fn peak_gain<D: TimeDomain>(system: &StateSpace<D>) -> Result<Peak, ModelError> {
-    // A frequency on an undamped pole, cancelled or not, has no value and is passed over.
+fn scan<D: TimeDomain>(system: &StateSpace<D>) -> Result<PeakGain, ModelError> {
+    // Between grid points there may still be an undamped pole, cancelled or not.
     let gain = |omega: f64| {
         system.frequency_response(omega).map_or(0.0, |g: Mat<_>| spectral_norm(g.as_ref()))
     };
     let grid = frequency_grid(&[system])?;
     let gains: Vec<f64> = grid.iter().map(|&omega| gain(omega)).collect();
-    let feedthrough = Peak { gain: gain(f64::INFINITY), omega: f64::INFINITY };
-    let bounded = system.domain().highest_frequency().is_finite();
-    let mut best = if bounded { Peak { gain: 0.0, omega: 0.0 } } else { feedthrough };
+    let end = system.domain().highest_frequency();
+    let mut best = PeakGain { norm: gain(end), omega: end };
     for (i, (&omega, &here)) in grid.iter().zip(&gains).enumerate() {
         let (left, right) = (i.saturating_sub(1), (i + 1).min(grid.len() - 1));
-        if best.gain < here {
-            best = Peak { gain: here, omega };
+        if best.norm < here {
+            best = PeakGain { norm: here, omega };
         }
         if gains[left] <= here && gains[right] <= here {
             let peak = refine(&gain, grid[left], grid[right]);
-            if best.gain < peak.gain {
+            if best.norm < peak.norm {
                 best = peak;
             }
         }
@@ -87,7 +101,7 @@ pub(crate) fn peak_gain<D: TimeDomain>(system: &StateSpace<D>) -> Result<Peak, M
 }
 
 /// Golden section for the maximum of a function with one maximum between two frequencies.
-fn refine(gain: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Peak {
+fn refine(gain: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> PeakGain {
     let ratio = (5.0_f64.sqrt() - 1.0) / 2.0;
     let inside = |low: f64, high: f64, part: f64| low + part * (high - low);
     let (mut a, mut b) = (inside(low, high, 1.0 - ratio), inside(low, high, ratio));
@@ -103,5 +117,6 @@ fn refine(gain: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Peak {
             at_a = gain(a);
         }
     }
-    if at_a < at_b { Peak { gain: at_b, omega: b } } else { Peak { gain: at_a, omega: a } }
+    let (norm, omega) = if at_a < at_b { (at_b, b) } else { (at_a, a) };
+    PeakGain { norm, omega }
 }

@@ -14,9 +14,8 @@ mod design;
 mod frequency;
 mod run;
 
-pub(crate) use self::frequency::{frequency_grid, peak_gain};
+pub(crate) use self::frequency::{frequency_grid, is_clear, peak_gain};
 pub use self::{
     design::{GeneratorDesign, ResidualForm},
-    frequency::Peak,
     run::FormGenerator,
 };

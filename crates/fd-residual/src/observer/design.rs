@@ -4,10 +4,7 @@ use faer::{Mat, MatRef, c64};
 use fd_core::{Heap, IoDims, Scalar, Shape, Storage, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze, riccati};
 
-use super::{
-    place::{check_observable, place_poles},
-    run::Observer,
-};
+use super::{observable::check_observable, place::place_poles, run::Observer};
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
@@ -78,14 +75,12 @@ impl<D: TimeDomain> ObserverDesign<D> {
     /// # Ok::<(), DesignError>(())
     /// ```
     pub fn place(model: &StateSpace<D>, poles: &[c64]) -> Result<Self, DesignError> {
-        let what = "a wanted observer";
-        match poles.iter().find(|&&pole| !model.domain().decays(pole)) {
-            Some(pole) => Err(ModelError::Unstable { what, re: pole.re, im: pole.im }.into()),
-            None => {
-                let placement = place_poles(model.a(), model.c(), poles)?;
-                Self::with_gain(model, placement.gain.as_ref())
-            }
+        if let Some(pole) = poles.iter().find(|&&pole| !model.domain().decays(pole)) {
+            let what = "a wanted observer";
+            return Err(ModelError::Unstable { what, re: pole.re, im: pole.im }.into());
         }
+        let placement = place_poles(model.a(), model.c(), poles)?;
+        Self::with_gain(model, placement.gain.as_ref())
     }
 
     /// The gain `L`.
@@ -191,6 +186,21 @@ impl ObserverDesign<Discrete> {
     /// Returns an error when a covariance has the wrong size or definiteness, when a mode that
     /// does not decay is unobservable, or when the Riccati equation has no stabilising solution
     /// (a mode on the unit circle that no noise drives).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::observer::ObserverDesign;
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(1.0)? };
+    /// let lag = StateSpace::new(mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let quiet = ObserverDesign::kalman_with(&lag, mat![[0.0]].as_ref(), mat![[1.0]].as_ref())?;
+    /// assert!(quiet.gain()[(0, 0)].abs() < 1e-12); // a plant without noise needs no correction
+    /// assert!(ObserverDesign::kalman_with(&lag, mat![[1.0]].as_ref(), mat![[0.0]].as_ref()).is_err());
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn kalman_with(
         model: &StateSpace<Discrete>,
         q: MatRef<'_, f64>,

@@ -14,6 +14,7 @@
 //!   them ([`parity`](crate::parity)).
 
 mod design;
+mod observable;
 mod place;
 mod run;
 

@@ -6,6 +6,7 @@ use faer::{Mat, MatRef, Scale, c64};
 use fd_core::Shape;
 use fd_model::ModelError;
 
+use super::observable::check_observable;
 use crate::{
     error::DesignError,
     matrix::{check_shape, complex},
@@ -17,8 +18,6 @@ const SWEEPS: usize = 60;
 const GAIN: f64 = 1e-4;
 /// Singular values below this fraction of the largest count as zero in rank decisions.
 const RANK: f64 = 1e-12;
-/// A mode is unobservable when `[A − p I; C]` is closer than this to losing rank.
-const UNOBSERVABLE: f64 = 1e-10;
 /// Relative distance below which two wanted poles count as one.
 const SAME_POLE: f64 = 1e-9;
 
@@ -96,37 +95,7 @@ pub fn place_poles(
     Ok(Placement { gain, condition, sweeps })
 }
 
-/// Checks by the Popov-Belevitch-Hautus test that the outputs show each mode that `matters`.
-pub(crate) fn check_observable(
-    a: MatRef<'_, f64>,
-    c: MatRef<'_, f64>,
-    matters: impl Fn(c64) -> bool,
-) -> Result<(), DesignError> {
-    let n = a.nrows();
-    if n == 0 {
-        return Ok(());
-    }
-    let scale = a.norm_l2().hypot(c.norm_l2());
-    let modes = a.eigenvalues().map_err(|_| no_convergence("eigenvalues", n))?;
-    for mode in modes.into_iter().filter(|&mode| matters(mode)) {
-        let pencil = Mat::from_fn(n + c.nrows(), n, |i, j| {
-            if n <= i {
-                return c64::new(c[(i - n, j)], 0.0);
-            }
-            let shift = if i == j { mode } else { c64::new(0.0, 0.0) };
-            c64::new(a[(i, j)], 0.0) - shift
-        });
-        let sigma = pencil.singular_values().map_err(|_| no_convergence("singular values", n))?;
-        let distance = sigma.last().copied().unwrap_or(0.0) / scale;
-        // A zero matrix pair has scale zero and shows nothing.
-        if distance.is_nan() || distance <= UNOBSERVABLE {
-            return Err(DesignError::Unobservable { re: mode.re, im: mode.im, distance });
-        }
-    }
-    Ok(())
-}
-
-fn no_convergence(what: &'static str, order: usize) -> DesignError {
+pub(super) fn no_convergence(what: &'static str, order: usize) -> DesignError {
     ModelError::NoConvergence { what, order }.into()
 }
 
@@ -255,11 +224,11 @@ impl Eigenvectors {
                 } else {
                     let x = space * (space.adjoint() * free);
                     let norm = x.norm_l2();
+                    // Nothing of the normal lies in the space: no choice here helps.
                     if norm < f64::EPSILON {
                         continue;
-                    } else {
-                        x * Scale(c64::new(norm.recip(), 0.0))
                     }
+                    x * Scale(c64::new(norm.recip(), 0.0))
                 };
             }
             let after = self.volume(n);
@@ -322,8 +291,8 @@ fn complement_of(m: MatRef<'_, f64>, n: usize) -> Result<Mat<f64>, DesignError> 
 /// The unit `x` in `space` whose pair `x`, `x̄` spans the largest area within `free`.
 ///
 /// With real orthonormal columns `f_i` of `free`, the area in the plane of `f_1`, `f_2` is
-/// `|xᴴ H x|` with the Hermitian `H = (f₂ f₁ᵀ − f₁ f₂ᵀ) / 2i`. With more columns (during the
-/// greedy start) the first two principal directions of `space` are taken.
+/// `|xᴴ H x|` with the Hermitian `H = (f₂ f₁ᵀ − f₁ f₂ᵀ) / 2i`. With more columns, during the
+/// greedy start, the best plane of two of them is taken.
 fn widest_pair(space: &Mat<c64>, free: &Mat<c64>, n: usize) -> Result<Mat<c64>, DesignError> {
     let seen = free.adjoint() * space;
     let m = seen.ncols();

@@ -63,6 +63,22 @@ impl ParityDesign {
     ///
     /// Returns the rank decision when there are none, or an error when the unknown inputs were
     /// made for a model of other sizes.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{analysis::UnknownInputs, parity::ParityDesign};
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let (b, c) = (mat![[1.0]], mat![[1.0], [2.0]]);
+    /// let lag = StateSpace::new(mat![[0.9]], b, c, Mat::zeros(2, 1), domain)?;
+    /// let load = UnknownInputs::none(&lag).component("load", &[1.0], &[0.0, 0.0])?;
+    /// let design = ParityDesign::decoupled(&lag, 0, &load)?; // 2 y₁ − y₂, up to a factor
+    /// assert!((design.vectors()[(0, 0)] / design.vectors()[(0, 1)] + 2.0).abs() < 1e-14);
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn decoupled(
         model: &StateSpace<Discrete>,
         order: usize,
@@ -76,7 +92,7 @@ impl ParityDesign {
             let RankDecision { rank, rows, smallest_kept: smallest, .. } = rank;
             return Err(DesignError::NoParity { order, rank, rows, smallest });
         }
-        Ok(Self { rank: Some(rank), ..Self::unchecked(model, order, w) })
+        Ok(Self::unchecked(model, order, w, Some(rank)))
     }
 
     /// Given parity vectors, one per row, over `order + 1` samples.
@@ -84,6 +100,20 @@ impl ParityDesign {
     /// # Errors
     ///
     /// Returns an error when the width is wrong or a vector does not annihilate `Γ`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::parity::ParityDesign;
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let lag = StateSpace::new(mat![[0.5]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// assert!(ParityDesign::with_vectors(&lag, 1, mat![[-0.5, 1.0]].as_ref()).is_ok());
+    /// assert!(ParityDesign::with_vectors(&lag, 1, mat![[-0.6, 1.0]].as_ref()).is_err());
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
     pub fn with_vectors(
         model: &StateSpace<Discrete>,
         order: usize,
@@ -93,8 +123,8 @@ impl ParityDesign {
             return Err(DesignError::Empty { what: "parity vector" });
         }
         check_shape("parity matrix W", w, Shape::new(w.nrows(), (order + 1) * model.ny()))?;
-        let design = Self::unchecked(model, order, w.to_owned());
-        match design.leak.iter().position(|&leak| !(leak <= TOLERANCE)) {
+        let design = Self::unchecked(model, order, w.to_owned(), None);
+        match design.leak.iter().position(|&leak| TOLERANCE < leak) {
             Some(row) => Err(DesignError::NotParity { row, residue: design.leak[row] }),
             None => Ok(design),
         }
@@ -120,7 +150,7 @@ impl ParityDesign {
     /// use fd_residual::parity::ParityDesign;
     ///
     /// let domain = Discrete { ts: SampleTime::new(0.1)? };
-    /// let lag = |a| StateSpace::new(mat![[a]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain);
+    /// let lag = |a: f64| StateSpace::new(mat![[a]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain);
     /// let design = ParityDesign::closest(&[lag(0.5)?, lag(0.52)?], 1, 1)?;
     /// assert!(1e-4 < design.leak()[0] && design.leak()[0] < 0.02);
     /// # Ok::<(), fd_residual::DesignError>(())
@@ -155,7 +185,7 @@ impl ParityDesign {
             .svd()
             .map_err(|_| ModelError::NoConvergence { what: "parity vectors", order: rows })?;
         let best_first = Mat::from_fn(count, rows, |i, j| svd.U()[(j, rows - 1 - i)]);
-        let mut design = Self::unchecked(nominal, order, best_first);
+        let mut design = Self::unchecked(nominal, order, best_first, None);
         // Leak over all models: ‖w [Γ₁ … Γ_N]‖ is the singular value itself.
         for (i, leak) in design.leak.iter_mut().enumerate() {
             let sigma = |k: usize| if k < all.ncols() { svd.S()[k] } else { 0.0 };
@@ -186,7 +216,13 @@ impl ParityDesign {
         })
     }
 
-    fn unchecked(model: &StateSpace<Discrete>, order: usize, w: Mat<f64>) -> Self {
+    /// Vectors that were not checked against `Γ`, with what they let through.
+    pub(super) fn unchecked(
+        model: &StateSpace<Discrete>,
+        order: usize,
+        w: Mat<f64>,
+        rank: Option<RankDecision>,
+    ) -> Self {
         let gamma = observability(model.a(), model.c(), order);
         let t = input_map(model.a(), model.b(), model.c(), model.d(), order);
         let through = &w * &gamma;
@@ -201,7 +237,7 @@ impl ParityDesign {
             leak: (0..w.nrows()).map(leak).collect(),
             from_u: -(&w * t),
             from_y: w,
-            rank: None,
+            rank,
         }
     }
 

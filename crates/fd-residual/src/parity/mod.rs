@@ -16,6 +16,7 @@
 mod annihilate;
 mod design;
 mod run;
+mod signature;
 mod window;
 
 pub use self::{

@@ -1,7 +1,10 @@
 //! Choosing a weighting.
 
 use faer::{Mat, MatRef};
-use fd_core::{Heap, HeapMap, IoDims, Shape, ShapeError, stage::ResidualGenerator};
+use fd_core::{
+    Buffer, Heap, HeapMap, IoDims, LinMap, Scalar, Shape, ShapeError, Storage,
+    stage::ResidualGenerator,
+};
 use fd_model::{Discrete, StateSpace, TimeDomain, freeze};
 
 use super::run::{Filtered, Weighted};
@@ -55,6 +58,21 @@ impl<G: GeneratorDesign> WeightedDesign<G> {
         Ok(Self { inner, weight: weight.to_owned() })
     }
 
+    /// Puts the weighting behind a running generator, in any scalar and storage.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the storage is fixed and has other sizes.
+    pub fn behind<T, I, W, R>(&self, running: I) -> Result<Weighted<T, I, W, R>, DesignError>
+    where
+        T: Scalar,
+        I: ResidualGenerator<T>,
+        W: LinMap<T>,
+        R: Buffer<T>,
+    {
+        Ok(Weighted::new(running, freeze("weighting W", self.weight())?)?)
+    }
+
     /// The weighting `W`.
     #[must_use]
     pub fn weight(&self) -> MatRef<'_, f64> {
@@ -82,8 +100,9 @@ impl<G: GeneratorDesign> GeneratorDesign for WeightedDesign<G> {
     }
 
     fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        let weight: HeapMap<f64> = freeze("weighting W", self.weight())?;
-        Ok(Box::new(Weighted::<f64, _>::new(self.inner.build()?, weight)?))
+        let weighted: Weighted<f64, _, HeapMap<f64>, Vec<f64>> =
+            self.behind(self.inner.build()?)?;
+        Ok(Box::new(weighted))
     }
 }
 
@@ -126,6 +145,21 @@ impl<G: GeneratorDesign> FilteredDesign<G> {
         check_stable("a residual filter", filter)?;
         Ok(Self { inner, filter: filter.clone() })
     }
+
+    /// Puts the filter behind a running generator, in any scalar and storage.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the storage is fixed and has other sizes.
+    pub fn behind<T, I, S, R>(&self, running: I) -> Result<Filtered<T, I, S, R>, DesignError>
+    where
+        T: Scalar,
+        I: ResidualGenerator<T>,
+        S: Storage<T>,
+        R: Buffer<T>,
+    {
+        Ok(Filtered::new(running, self.filter.freeze()?)?)
+    }
 }
 
 impl<G: GeneratorDesign> GeneratorDesign for FilteredDesign<G> {
@@ -144,7 +178,7 @@ impl<G: GeneratorDesign> GeneratorDesign for FilteredDesign<G> {
     }
 
     fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        let filter = self.filter.freeze::<f64, Heap>()?;
-        Ok(Box::new(Filtered::<f64, _>::new(self.inner.build()?, filter)?))
+        let filtered: Filtered<f64, _, Heap, Vec<f64>> = self.behind(self.inner.build()?)?;
+        Ok(Box::new(filtered))
     }
 }

@@ -36,7 +36,7 @@ impl<T: Scalar, G: ResidualGenerator<T>, W: LinMap<T>, R: Buffer<T>> Weighted<T,
     /// type Summed = Weighted<f32, Observer<f32, Fixed<5, 2, 5>>, Row, [f32; 5]>;
     ///
     /// fn sum_of(observer: Observer<f32, Fixed<5, 2, 5>>) -> Result<Summed, fd_core::ShapeError> {
-    ///     Summed::new(observer, Row::from_fn("weighting W", Shape::new(1, 5), |_, _| 1.0)?)
+    ///     Summed::new(observer, LinMap::from_fn("weighting W", Shape::new(1, 5), |_, _| 1.0)?)
     /// }
     /// ```
     pub fn new(inner: G, weight: W) -> Result<Self, ShapeError> {
@@ -104,6 +104,23 @@ impl<T: Scalar, G: ResidualGenerator<T>, S: Storage<T>, R: Buffer<T>> Filtered<T
     /// # Errors
     ///
     /// Returns an error when the sizes do not fit.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_core::{Fixed, stage::ResidualGenerator};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{simulation::Simulation, weighted::Filtered};
+    ///
+    /// type Size = Fixed<1, 1, 1>;
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let lag = StateSpace::new(mat![[0.8]], mat![[0.2]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let inner = Simulation::<f32, Size>::new(lag.freeze()?)?;
+    /// let smooth = Filtered::<f32, _, Size, [f32; 1]>::new(inner, lag.freeze()?)?;
+    /// assert_eq!(smooth.residual_len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(inner: G, filter: Lti<T, S>) -> Result<Self, ShapeError> {
         let IoDims { nu, ny } = filter.io();
         let (expected, found) = (Shape::new(ny, inner.residual_len()), Shape::new(ny, nu));
