@@ -68,7 +68,8 @@ fn variances<T: Scalar, K: RlsKernel<T>>(arx: &RecursiveArx<T, K>) -> Vec<f64> {
 fn f32_follows_f64_for_an_input_of_few_frequencies() {
     let data = data(paper_like_input, 100_000);
     for lambda in [0.9, 0.98, 0.99, 0.999, 0.9999] {
-        let design = exponential(lambda, Guard::off());
+        let forgetting = Forgetting::Exponential { lambda };
+        let design = RlsDesign { guard: Guard::off(), ..RlsDesign::forgetting(forgetting) };
         let (single, arx32) = worst(UdRls::<f32>::new(5, &design).unwrap(), &data);
         let (double, arx64) = worst(UdRls::<f64>::new(5, &design).unwrap(), &data);
         let (plain, _) = worst(ConventionalRls::<f32>::new(5, &design).unwrap(), &data);
