@@ -34,7 +34,7 @@ const W_6: usize = 10;
 ///
 /// Lags are those of published engine codes. Masses and conductances of the metal are guesses
 /// of the right size. Speeds are read without lag (0.02 s in published codes), and the 40 ms
-/// dead time of the fuel valve is not modelled.
+/// dead time of the fuel valve is left to the caller, who can delay the input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Unmodelled {
