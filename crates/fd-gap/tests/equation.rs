@@ -170,7 +170,6 @@ proptest! {
     fn simplification_keeps_a_finite_value(expr in expressions(), values in points()) {
         // Only tiny and huge literals make intermediate results that `0*x` could hide.
         let simple = expr.simplify();
-        prop_assert!(simple.depth() <= expr.depth());
         let (before, after) = (expr.evaluate(&at(values)).unwrap(), simple.evaluate(&at(values)).unwrap());
         if before.is_finite() && all_parts_are_finite(&expr, values) {
             // Every rule is exact but for the sign of a zero, which a division turns into another

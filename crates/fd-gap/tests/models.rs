@@ -213,17 +213,17 @@ fn mistakes_are_named_with_their_place() {
         (
             "(u - x)/T",
             "(u - x)/)",
-            "11:53: states.x.derivative: expected a number or name, found `)`\n    (u - x)/)\n            ^",
+            "11:56: states.x.derivative: expected a number or name, found `)`\n    (u - x)/)\n            ^",
         ),
         (
             "(u - x)/T",
             "(u - x)/Tau",
-            "11:53: states.x.derivative: `Tau` is not known here\n    (u - x)/Tau\n            ^^^",
+            "11:56: states.x.derivative: `Tau` is not known here\n    (u - x)/Tau\n            ^^^",
         ),
         (
             "(u - x)/T",
             "(u - x)/t_1",
-            "11:53: states.x.derivative: `t_1` is not known here\n    (u - x)/t_1\n            ^^^",
+            "11:56: states.x.derivative: `t_1` is not known here\n    (u - x)/t_1\n            ^^^",
         ),
         (
             "\"2*T\"",
@@ -233,12 +233,12 @@ fn mistakes_are_named_with_their_place() {
         (
             "value = \"x\"",
             "value = \"tanh2(x)\"",
-            "13:27: outputs.y.value: there is no function or table `tanh2`; did you mean `tanh`?",
+            "13:28: outputs.y.value: there is no function or table `tanh2`; did you mean `tanh`?",
         ),
         (
             "value = \"x\"",
             "value = \"y\"",
-            "13:27: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, `pi`, `t` and `dt`\n    y\n    ^",
+            "13:28: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, `pi`, `t` and `dt`\n    y\n    ^",
         ),
         (
             "x = { unit",
@@ -261,7 +261,7 @@ fn mistakes_are_named_with_their_place() {
             "unit = \" \"",
             "7:1: parameters.T.unit: a unit is needed, `1` for a pure number",
         ),
-        ("derivative", "derivate", "11:35: unknown field `derivate`"),
+        ("derivative", "derivate", "11:34: unknown field `derivate`"),
         (
             ", derivative = \"(u - x)/T\"",
             "",

@@ -79,7 +79,8 @@ impl Patch {
     }
 
     /// Lets the plant see `value`, under the name `applied`, wherever it saw the input. In `value`
-    /// the name of the input means what arrives, after saturation.
+    /// the name of the input means what arrives, after saturation. An output that is nothing but
+    /// the input logs the command and still shows what arrives.
     ///
     /// # Errors
     ///
@@ -115,8 +116,15 @@ impl Patch {
     }
 
     fn wrap(&mut self, name: &str, applied: &str, value: Expr) {
+        let logged = Expr::name(name);
+        let logs: Vec<usize> = (0..self.draft.outputs.len())
+            .filter(|i| self.draft.outputs[*i].value == logged)
+            .collect();
         for expr in self.draft.plant_expressions_mut() {
-            *expr = expr.substitute(&|known| (known == name).then(|| Expr::name(applied)));
+            *expr = expr.rename(name, applied);
+        }
+        for i in logs {
+            self.draft.outputs[i].value = logged.clone();
         }
         self.add_definition(applied, value);
     }
