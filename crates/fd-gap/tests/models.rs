@@ -1,5 +1,10 @@
 //! Model files: examples, printing, mistakes.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "tests panic to fail, and compare numbers that are exact"
+)]
 
 use std::path::{Path, PathBuf};
 
@@ -238,7 +243,7 @@ fn mistakes_are_named_with_their_place() {
         (
             "value = \"x\"",
             "value = \"y\"",
-            "13:28: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, `pi`, `t` and `dt`\n    y\n    ^",
+            "13:28: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, delays, `pi`, `t`, `dt` and `first`\n    y\n    ^",
         ),
         (
             "x = { unit",

@@ -1,11 +1,16 @@
 //! Patches: identity at zero strength, printing, the way they add up.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "tests panic to fail, and compare numbers that are exact"
+)]
 
 use std::path::Path;
 
 use fd_gap::{
     equation::Expr,
-    model::{Law, Model, Parameter, State},
+    model::{Delay, Law, Model, Parameter, State},
     patch::{Patch, PatchError},
     simulate::{EquationSimulator, Simulator},
 };
@@ -44,6 +49,11 @@ fn patches(model: &Model, e: f64) -> Vec<Model> {
         gain.wrap_input(u, "applied", expr(&format!("(1 + e)*{u}"))).unwrap();
         all.push(gain.finish().unwrap());
 
+        let mut delay = start();
+        delay.wrap_input(u, "applied", expr("late")).unwrap();
+        delay.add_delay(Delay { name: "late".into(), value: expr(u), time: expr("e") });
+        all.push(delay.finish().unwrap());
+
         // A lag over the held input of a step, exact, and the identity for a time constant of 0.
         let mut lag = start();
         let value = format!("if(e > 0, {u} + (lagged - {u})*(1 - exp(-dt/e))*e/dt, {u})");
@@ -61,6 +71,11 @@ fn patches(model: &Model, e: f64) -> Vec<Model> {
         let mut bias = start();
         bias.wrap_output(&output.name, "measured", expr("measured + e")).unwrap();
         all.push(bias.finish().unwrap());
+
+        let mut delay = start();
+        delay.wrap_output(&output.name, "measured", expr("late")).unwrap();
+        delay.add_delay(Delay { name: "late".into(), value: expr("measured"), time: expr("e") });
+        all.push(delay.finish().unwrap());
     }
     for site in &model.sites {
         let mut friction = start();

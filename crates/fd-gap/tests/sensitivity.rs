@@ -1,5 +1,10 @@
 //! Dual numbers through the whole simulation: exact sensitivities.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "tests panic to fail, and compare numbers that are exact"
+)]
 
 use std::path::Path;
 

@@ -227,7 +227,9 @@ impl Parser<'_> {
         let token = self.advance();
         let name = self.word(&token).to_owned();
         if !self.at_symbol("(") {
-            if RESERVED.contains(&name.as_str()) && !matches!(name.as_str(), "pi" | "t" | "dt") {
+            if RESERVED.contains(&name.as_str())
+                && !matches!(name.as_str(), "pi" | "t" | "dt" | "first")
+            {
                 return Err(self.expected("`(` and the arguments of the function"));
             }
             return self.node(Value::Number(Expr::Name(name)), token.span, 1);

@@ -43,6 +43,7 @@ impl Setting {
                     | Meaning::DrivenInput
                     | Meaning::State
                     | Meaning::Definition
+                    | Meaning::Delay
             ),
             Self::Limit => meaning == Meaning::Parameter,
             Self::Controller => matches!(
@@ -59,7 +60,7 @@ impl Setting {
 
     fn builtin(self) -> &'static [&'static str] {
         match self {
-            Self::Plant => &["pi", "t", "dt"],
+            Self::Plant => &["pi", "t", "dt", "first"],
             Self::Limit => &["pi"],
             Self::Controller => &["pi", "t"],
         }
@@ -67,7 +68,9 @@ impl Setting {
 
     fn allowed(self) -> &'static str {
         match self {
-            Self::Plant => "parameters, inputs, states, definitions, `pi`, `t` and `dt`",
+            Self::Plant => {
+                "parameters, inputs, states, definitions, delays, `pi`, `t`, `dt` and `first`"
+            }
             Self::Limit => "parameters and `pi`",
             Self::Controller => {
                 "parameters, references, outputs, inputs that it does not drive, its own states and \
@@ -93,6 +96,10 @@ fn expressions(draft: &Draft) -> Vec<(String, Setting, &Expr)> {
     }
     for definition in &draft.definitions {
         all.push((format!("definitions.{}", definition.name), Setting::Plant, &definition.value));
+    }
+    for delay in &draft.delays {
+        all.push((format!("delays.{}.value", delay.name), Setting::Plant, &delay.value));
+        all.push((format!("delays.{}.time", delay.name), Setting::Limit, &delay.time));
     }
     for site in &draft.sites {
         for (state, factor) in &site.enters {
@@ -221,6 +228,7 @@ fn check_references(draft: &Draft, names: &HashMap<&str, (Meaning, String)>) -> 
 fn check_circles(draft: &Draft) -> Checked {
     let mut named: Vec<(&str, &Expr)> = Vec::new();
     named.extend(draft.definitions.iter().map(|d| (d.name.as_str(), &d.value)));
+    named.extend(draft.delays.iter().map(|d| (d.name.as_str(), &d.value)));
     named.extend(draft.outputs.iter().map(|o| (o.name.as_str(), &o.value)));
     if let Some(controller) = &draft.controller {
         named.extend(controller.definitions.iter().map(|d| (d.name.as_str(), &d.value)));

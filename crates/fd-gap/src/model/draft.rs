@@ -35,6 +35,8 @@ pub struct Draft {
     pub definitions: Vec<Definition>,
     /// Places at which a generalised force acts.
     pub sites: Vec<Site>,
+    /// Expressions as they were some time ago.
+    pub delays: Vec<Delay>,
     /// Piecewise linear functions.
     pub tables: Vec<NamedTable>,
     /// What closes the loop, if anything does.
@@ -124,6 +126,22 @@ pub struct Definition {
     pub name: String,
     /// What it stands for.
     pub value: Expr,
+}
+
+/// An expression as it was some time ago.
+///
+/// Its name stands for the mean, over an integration step, of the delayed expression, of which
+/// every past value was held for a step: `(1 - φ) v[n-m] + φ v[n-m-1]` for a delay of `m + φ` steps.
+/// This is exact for inputs that are held, and linear interpolation for outputs. Before the run the
+/// expression had the value that it has at its start. A delay that is not positive is the identity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Delay {
+    /// Name in expressions.
+    pub name: String,
+    /// What is delayed.
+    pub value: Expr,
+    /// By how much, in seconds: an expression of parameters.
+    pub time: Expr,
 }
 
 /// A place at which a generalised force (force, torque, flow, voltage) acts.

@@ -7,7 +7,7 @@ use toml::Spanned;
 use self::entries::{FileController, FileModel, FileState, Head, Ordered, Text};
 use super::{
     draft::{
-        Controller, DEFAULT_TOLERANCE, Definition, Draft, Input, Law, NamedTable, Output,
+        Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Input, Law, NamedTable, Output,
         Parameter, Reference, Signal, Site, State,
     },
     error::{Mistake, ModelError, Place, Places},
@@ -98,6 +98,10 @@ impl Reader<'_> {
                 let (position, velocity) =
                     (optional("position", s.position)?, optional("velocity", s.velocity)?);
                 Ok(Site { name, unit: s.unit, enters, position, velocity })
+            })?,
+            delays: self.each("delays", file.delays, |reader, key, name, d| {
+                let value = reader.expr(&format!("{key}.value"), d.value)?;
+                Ok(Delay { name, value, time: reader.expr(&format!("{key}.time"), d.time)? })
             })?,
             tables: self.each("tables", file.tables, |_, key, name, t| {
                 let table = Table::new(t.x, t.y, t.outside);

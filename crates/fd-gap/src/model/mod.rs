@@ -20,8 +20,8 @@ use fd_model::{Channel, SampleTime};
 
 pub use self::{
     draft::{
-        Controller, DEFAULT_TOLERANCE, Definition, Draft, Hold, Input, Law, NamedTable, Output,
-        Parameter, Reference, Signal, Site, State,
+        Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Hold, Input, Law, NamedTable,
+        Output, Parameter, Reference, Signal, Site, State,
     },
     error::{LoadError, Mistake, ModelError, Place},
 };

@@ -71,6 +71,9 @@ impl fmt::Display for Model {
             }
             f.write_str(" }")
         })?;
+        room(f, "delays", &model.delays, |f, d| {
+            write!(f, "{} = {{ value = {}, time = {} }}", d.name, Entry(&d.value), Entry(&d.time))
+        })?;
         room(f, "tables", &model.tables, |f, t| {
             let (x, y) = (t.table.x(), t.table.y());
             write!(f, "{} = {{ x = {x:?}, y = {y:?}", t.name)?;

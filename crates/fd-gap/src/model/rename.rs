@@ -1,18 +1,23 @@
 //! Changes that touch every expression or every name of a draft.
 
-use super::draft::{Definition, Draft, Output, Site, State};
+use super::draft::{Definition, Delay, Draft, Output, Site, State};
 use crate::equation::Expr;
 
 impl Draft {
-    /// The expressions of the plant: laws, outputs, definitions and sites.
+    /// The expressions of the plant: laws, outputs, definitions, sites and what is delayed.
     pub fn plant_expressions_mut(&mut self) -> Vec<&mut Expr> {
-        plant(&mut self.states, &mut self.outputs, &mut self.definitions, &mut self.sites)
+        let Self { states, outputs, definitions, sites, delays, .. } = self;
+        plant(states, outputs, definitions, sites, delays.iter_mut().map(|delay| &mut delay.value))
     }
 
-    /// All expressions: those of the plant, the limits of inputs and those of the controller.
+    /// All expressions: those of the plant, limits of inputs, times of delays and those of the
+    /// controller.
     pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
-        let Self { inputs, states, outputs, definitions, sites, controller, .. } = self;
-        let mut all = plant(states, outputs, definitions, sites);
+        let Self { inputs, states, outputs, definitions, sites, delays, controller, .. } = self;
+        let (delayed, times): (Vec<_>, Vec<_>) =
+            delays.iter_mut().map(|Delay { value, time, .. }| (value, time)).unzip();
+        let mut all = plant(states, outputs, definitions, sites, delayed);
+        all.extend(times);
         all.extend(inputs.iter_mut().flat_map(|input| input.saturation.iter_mut().flatten()));
         if let Some(controller) = controller {
             all.extend(controller.states.iter_mut().map(|state| state.law.expr_mut()));
@@ -52,6 +57,7 @@ impl Draft {
         all.extend(self.states.iter_mut().map(|entry| &mut entry.name));
         all.extend(self.outputs.iter_mut().map(|entry| &mut entry.name));
         all.extend(self.definitions.iter_mut().map(|entry| &mut entry.name));
+        all.extend(self.delays.iter_mut().map(|entry| &mut entry.name));
         all.extend(self.tables.iter_mut().map(|entry| &mut entry.name));
         for site in &mut self.sites {
             all.push(&mut site.name);
@@ -72,11 +78,13 @@ fn plant<'a>(
     outputs: &'a mut [Output],
     definitions: &'a mut [Definition],
     sites: &'a mut [Site],
+    delayed: impl IntoIterator<Item = &'a mut Expr>,
 ) -> Vec<&'a mut Expr> {
     let mut all: Vec<&mut Expr> = Vec::new();
     all.extend(states.iter_mut().map(|state| state.law.expr_mut()));
     all.extend(outputs.iter_mut().map(|output| &mut output.value));
     all.extend(definitions.iter_mut().map(|definition| &mut definition.value));
+    all.extend(delayed);
     for site in sites {
         all.extend(site.enters.iter_mut().map(|(_, factor)| factor));
         all.extend(&mut site.position);

@@ -3,7 +3,7 @@
 use super::error::PatchError;
 use crate::{
     equation::Expr,
-    model::{Definition, Draft, Input, Law, Model, NamedTable, Parameter, State},
+    model::{Definition, Delay, Draft, Input, Law, Model, NamedTable, Parameter, State},
 };
 
 /// One effect on its way into a model.
@@ -71,6 +71,11 @@ impl Patch {
     /// Adds a named expression.
     pub fn add_definition(&mut self, name: impl Into<String>, value: Expr) {
         self.added.definitions.push(Definition { name: name.into(), value });
+    }
+
+    /// Adds a delayed expression.
+    pub fn add_delay(&mut self, delay: Delay) {
+        self.added.delays.push(delay);
     }
 
     /// Adds a table.
@@ -229,6 +234,7 @@ fn append(draft: &mut Draft, added: Draft) {
     draft.inputs.extend(added.inputs);
     draft.states.extend(added.states);
     draft.definitions.extend(added.definitions);
+    draft.delays.extend(added.delays);
     draft.tables.extend(added.tables);
 }
 

@@ -9,7 +9,9 @@ use fd_model::{Channel, SampleTime};
 
 use self::system::System;
 use super::{
+    delay_line::DelayLine,
     error::SimulateError,
+    flat::FIRST_STATE,
     simulator::{Initial, Outcome, Port, Simulator, drive},
 };
 use crate::{
@@ -54,7 +56,13 @@ pub struct EquationSimulator<T: Scalar = f64> {
     x: Vec<T>,
     u: Vec<T>,
     u_next: Vec<T>,
+    /// Signals of a sampled controller, then delayed values.
     held: Vec<T>,
+    lines: Vec<DelayLine<T>>,
+    delays: Vec<Workspace<T>>,
+    delay_times: Workspace<T>,
+    /// 1 in the first integration step of a run.
+    first: T,
     /// The four slopes of Runge-Kutta.
     k: [Vec<T>; 4],
     /// Results of update laws and of the controller, until they are stored.
@@ -111,6 +119,7 @@ impl<T: Scalar> EquationSimulator<T> {
     fn of(system: System) -> Self {
         let zeros = |n: usize| vec![T::zero(); n];
         let (nx, nu) = (system.nx, system.inputs.len() + system.ports.len());
+        let signals = system.control.as_ref().map_or(0, |control| control.signals);
         let acts = system.control.as_ref().map_or(0, |control| control.program.results());
         Self {
             rates: system.rates.workspace(),
@@ -120,9 +129,13 @@ impl<T: Scalar> EquationSimulator<T> {
             x: zeros(nx),
             u: zeros(nu),
             u_next: zeros(nu),
-            held: zeros(system.control.as_ref().map_or(0, |control| control.signals)),
+            held: zeros(signals + system.delays.len()),
+            lines: system.delays.iter().map(|_| DelayLine::new()).collect(),
+            delays: system.delays.iter().map(Program::workspace).collect(),
+            delay_times: system.delay_times.workspace(),
+            first: T::one(),
             k: [zeros(nx), zeros(nx), zeros(nx), zeros(nx)],
-            updated: zeros(nx.max(acts)),
+            updated: zeros(nx.max(acts).max(system.delays.len())),
             sample: 0,
             system: Arc::new(system),
         }
@@ -148,7 +161,17 @@ impl<T: Scalar> EquationSimulator<T> {
         if let (Some(control), Some(workspace)) = (&system.control, &mut self.control) {
             prepare(&control.program, workspace);
         }
+        prepare(&system.delay_times, &mut self.delay_times);
+        for (program, workspace) in system.delays.iter().zip(&mut self.delays) {
+            prepare(program, workspace);
+        }
+        let times = &mut self.updated[..self.lines.len()];
+        system.delay_times.run(&mut self.delay_times, times);
+        for (line, time) in self.lines.iter_mut().zip(times) {
+            line.start(*time / h);
+        }
         self.x.copy_from_slice(x0);
+        self.first = T::one();
         self.held.fill(T::zero());
         self.sample = first;
     }
@@ -170,13 +193,17 @@ impl<T: Scalar> EquationSimulator<T> {
         for substep in 0..timing.substeps {
             let number = self.sample * timing.substeps as u64 + substep as u64;
             let t = self.sample as f64 * timing.ts + substep as f64 * h;
+            self.delay(t, substep, DelayLine::push);
             if timing.control_period != 0 && number.is_multiple_of(timing.control_period) {
                 self.act(t, substep);
+                // The new signals may be delayed on their way.
+                self.delay(t, substep, DelayLine::correct);
             }
             if substep == 0 {
                 self.measure(t, y);
             }
             self.integrate(t, substep);
+            self.first = T::zero();
         }
         self.sample += 1;
         if self.x.iter().any(|value| !value.is_finite()) {
@@ -200,20 +227,35 @@ impl<T: Scalar> EquationSimulator<T> {
             y.fill(T::from_design(f64::NAN));
             return;
         }
-        fill(&mut self.outputs, T::from_design(t), &self.x, &self.u, &self.held);
+        fill(&mut self.outputs, [T::from_design(t), self.first], &self.x, &self.u, &self.held);
         self.system.outputs.run(&mut self.outputs, y);
+    }
+
+    /// Stores what is to be delayed, and sets the delayed values.
+    fn delay(&mut self, t: f64, substep: usize, store: impl Fn(&mut DelayLine<T>, T)) {
+        let system = &*self.system;
+        let first_delay = self.held.len() - self.lines.len();
+        for (i, (program, workspace)) in system.delays.iter().zip(&mut self.delays).enumerate() {
+            let now = [T::from_design(t), self.first];
+            fill(workspace, now, &self.x, &self.u, &self.held);
+            interpolate(system, workspace, &self.u, &self.u_next, substep as f64);
+            let mut value = [T::zero()];
+            program.run(workspace, &mut value);
+            store(&mut self.lines[i], value[0]);
+            self.held[first_delay + i] = self.lines[i].value();
+        }
     }
 
     /// The sampled controller measures, sets its signals and moves its states.
     fn act(&mut self, t: f64, substep: usize) {
         let system = &*self.system;
         let (Some(control), Some(workspace)) = (&system.control, &mut self.control) else { return };
-        fill(workspace, T::from_design(t), &self.x, &self.u, &self.held);
+        fill(workspace, [T::from_design(t), self.first], &self.x, &self.u, &self.held);
         interpolate(system, workspace, &self.u, &self.u_next, substep as f64);
         let results = &mut self.updated[..control.program.results()];
         control.program.run(workspace, results);
         let (signals, states) = results.split_at(control.signals);
-        self.held.copy_from_slice(signals);
+        self.held[..signals.len()].copy_from_slice(signals);
         for (index, value) in control.updates.iter().zip(states) {
             self.x[*index] = *value;
         }
@@ -224,7 +266,7 @@ impl<T: Scalar> EquationSimulator<T> {
         let at = substep as f64;
         if !self.system.updated.is_empty() {
             let system = &*self.system;
-            fill(&mut self.updates, T::from_design(t), &self.x, &self.u, &self.held);
+            fill(&mut self.updates, [T::from_design(t), self.first], &self.x, &self.u, &self.held);
             interpolate(system, &mut self.updates, &self.u, &self.u_next, at);
             system.updates.run(&mut self.updates, &mut self.updated[..system.updated.len()]);
         }
@@ -240,14 +282,16 @@ impl<T: Scalar> EquationSimulator<T> {
     fn runge_kutta(&mut self, t: f64, at: f64) {
         let system = &*self.system;
         let h = system.timing.h();
-        fill(&mut self.rates, T::from_design(t), &self.x, &self.u, &self.held);
+        fill(&mut self.rates, [T::from_design(t), self.first], &self.x, &self.u, &self.held);
         for (stage, fraction) in [0.0, 0.5, 0.5, 1.0].into_iter().enumerate() {
             interpolate(system, &mut self.rates, &self.u, &self.u_next, at + fraction);
             if stage != 0 {
                 let length = T::from_design(fraction * h);
                 let fast = self.rates.fast_mut();
                 fast[0] = T::from_design(t + fraction * h);
-                for ((to, x), slope) in fast[1..].iter_mut().zip(&self.x).zip(&self.k[stage - 1]) {
+                for ((to, x), slope) in
+                    fast[FIRST_STATE..].iter_mut().zip(&self.x).zip(&self.k[stage - 1])
+                {
                     *to = *x + length * *slope;
                 }
             }
@@ -267,12 +311,18 @@ fn load<T: Scalar>(to: &mut [T], from: &[f64]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = T::from_design(*from));
 }
 
-/// Sets all fast inputs.
-fn fill<T: Scalar>(workspace: &mut Workspace<T>, t: T, x: &[T], u: &[T], held: &[T]) {
-    let (time, rest) = workspace.fast_mut().split_at_mut(1);
-    time[0] = t;
+/// Sets all fast inputs; `now` is the time and whether it is the first step.
+fn fill<T: Scalar>(
+    workspace: &mut Workspace<T>,
+    now: [T; FIRST_STATE],
+    x: &[T],
+    u: &[T],
+    held: &[T],
+) {
+    let (to_now, rest) = workspace.fast_mut().split_at_mut(FIRST_STATE);
     let (to_x, rest) = rest.split_at_mut(x.len());
     let (to_u, to_held) = rest.split_at_mut(u.len());
+    to_now.copy_from_slice(&now);
     to_x.copy_from_slice(x);
     to_u.copy_from_slice(u);
     to_held.copy_from_slice(held);
@@ -290,7 +340,7 @@ fn interpolate<T: Scalar>(
         return;
     }
     let fraction = T::from_design(at / system.timing.substeps as f64);
-    let fast = &mut workspace.fast_mut()[1 + system.nx..];
+    let fast = &mut workspace.fast_mut()[FIRST_STATE + system.nx..];
     for ((to, u), next) in fast.iter_mut().zip(u).zip(u_next) {
         *to = *u + (*next - *u) * fraction;
     }

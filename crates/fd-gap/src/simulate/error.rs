@@ -60,6 +60,12 @@ pub enum SimulateError {
         "a sampled controller cannot be linearised in continuous time: remove it or make it continuous"
     )]
     SampledController,
+    /// A delay has no finite linear model.
+    #[error("the delay `{delay}` has no linear model with a finite number of states")]
+    Delay {
+        /// Name of the delayed value.
+        delay: String,
+    },
     /// Numbers of values do not match the model.
     #[error("{what}: expected {expected} values, got {found}")]
     Length {

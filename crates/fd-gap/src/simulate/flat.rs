@@ -1,13 +1,17 @@
 //! A model with its loop closed and its limits written out: one scope for all its expressions.
 
 use crate::{
-    equation::{Expr, Scope},
-    model::{Definition, Input, Law, Model},
+    equation::{Comparison, Cond, Expr, Scope, in_order_of_use},
+    model::{Definition, Delay, Input, Law, Model},
 };
+
+/// Number of fast inputs before the states: `t` and `first`.
+pub(super) const FIRST_STATE: usize = 2;
 
 /// A model as the simulator sees it.
 pub(super) struct Flat {
-    /// Slow: parameters, then `dt`. Fast: `t`, states, external inputs, held control signals.
+    /// Slow: parameters, then `dt`. Fast: `t`, `first`, states, external inputs, held control
+    /// signals, delayed values.
     pub(super) scope: Scope,
     /// Rates of all states; zero for those with another law.
     pub(super) rates: Vec<Expr>,
@@ -15,6 +19,8 @@ pub(super) struct Flat {
     pub(super) updates: Vec<(usize, Expr)>,
     /// Outputs.
     pub(super) outputs: Vec<Expr>,
+    /// Delayed expressions and their times, each after those that it uses.
+    pub(super) delays: Vec<(Expr, Expr)>,
     /// The sampled controller.
     pub(super) control: Option<SampledControl>,
     pub(super) states: usize,
@@ -42,7 +48,7 @@ pub(super) fn flatten(model: &Model, last: &[String]) -> Flat {
 
     let mut scope = Scope {
         slow: model.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
-        fast: vec!["t".to_owned()],
+        fast: vec!["t".to_owned(), "first".to_owned()],
         definitions: model.definitions.iter().map(definition).collect(),
         tables: model.tables.iter().map(|t| (t.name.clone(), t.table.clone())).collect(),
     };
@@ -64,6 +70,7 @@ pub(super) fn flatten(model: &Model, last: &[String]) -> Flat {
         }
     }
     let control = close_the_loop(model, &mut scope);
+    let delays = hold_back(model, &mut scope);
 
     let mut rates = Vec::new();
     let mut updates = Vec::new();
@@ -80,7 +87,7 @@ pub(super) fn flatten(model: &Model, last: &[String]) -> Flat {
         }
     }
     let states = rates.len();
-    Flat { scope, rates, updates, outputs, control, states, inputs }
+    Flat { scope, rates, updates, outputs, delays, control, states, inputs }
 }
 
 fn saturated(input: &Input, value: Expr) -> Expr {
@@ -114,4 +121,24 @@ fn close_the_loop(model: &Model, scope: &mut Scope) -> Option<SampledControl> {
         signals: controller.signals.iter().map(|signal| signal.value.clone()).collect(),
         updates: updates.map(|(i, s)| (model.states.len() + i, s.law.expr().clone())).collect(),
     })
+}
+
+/// Defines delayed values as fast inputs, or as the expression itself where the delay is zero.
+fn hold_back(model: &Model, scope: &mut Scope) -> Vec<(Expr, Expr)> {
+    let named: Vec<(&str, &Expr)> = (model.delays.iter().map(|d| (d.name.as_str(), &d.value)))
+        .chain(scope.definitions.iter().map(|(name, value)| (name.as_str(), value)))
+        .collect();
+    let roots: Vec<Expr> = model.delays.iter().map(|delay| Expr::name(&delay.name)).collect();
+    // Definitions of a checked model do not go round in circles.
+    let order = in_order_of_use(&named, &roots).unwrap_or_default();
+    let in_order: Vec<&Delay> = order.into_iter().filter_map(|i| model.delays.get(i)).collect();
+
+    for delay in &in_order {
+        let held = format!("{}|held", delay.name);
+        scope.fast.push(held.clone());
+        let is_late = Cond::compare(Comparison::Greater, delay.time.clone(), Expr::Number(0.0));
+        let value = Expr::choice(is_late, Expr::Name(held), delay.value.clone());
+        scope.definitions.push((delay.name.clone(), value));
+    }
+    in_order.into_iter().map(|delay| (delay.value.clone(), delay.time.clone())).collect()
 }

@@ -5,12 +5,12 @@ use fd_model::{Continuous, Discrete, SampleTime, StateSpace, TimeDomain};
 
 use super::{
     error::SimulateError,
-    flat::{Flat, flatten},
+    flat::{FIRST_STATE, Flat, flatten},
     jacobian::jacobian,
 };
 use crate::{
     equation::Expr,
-    model::{Law, Model},
+    model::{Delay, Law, Model},
 };
 
 /// Where a model is linearised.
@@ -63,8 +63,8 @@ impl OperatingPoint {
 ///
 /// # Errors
 ///
-/// Returns an error when a state has an update law, the controller is sampled, the point has the
-/// wrong sizes, or a derivative is not finite there.
+/// Returns an error when a state has an update law, the controller is sampled, there is a delay, the
+/// point has the wrong sizes, or a derivative is not finite there.
 pub fn linearize(
     model: &Model,
     at: &OperatingPoint,
@@ -133,6 +133,13 @@ fn state_space<D: TimeDomain>(
             return Err(SimulateError::Length { what, expected, found });
         }
     }
+    let values = |name: &str| {
+        model.parameters.iter().position(|known| known.name == name).map(|i| at.theta[i])
+    };
+    let is_late = |delay: &&Delay| delay.time.evaluate(&values).is_ok_and(|time: f64| 0.0 < time);
+    if let Some(delay) = model.delays.iter().find(is_late) {
+        return Err(SimulateError::Delay { delay: delay.name.clone() });
+    }
     let laws = model.all_states().map(|state| state.law.expr().clone());
     let functions: Vec<Expr> = laws.chain(flat.outputs.iter().cloned()).collect();
     let (nx, nu, ny) = (flat.states, flat.inputs, flat.outputs.len());
@@ -153,15 +160,16 @@ pub(super) fn evaluate(
     at: &OperatingPoint,
     dt: f64,
 ) -> Result<Vec<f64>, SimulateError> {
-    let program = jacobian(&flat.scope, functions, &flat.scope.fast[1..=variables])?;
+    let program =
+        jacobian(&flat.scope, functions, &flat.scope.fast[FIRST_STATE..FIRST_STATE + variables])?;
     let mut workspace = program.workspace::<f64>();
     let values = |to: &mut [f64], from: &mut dyn Iterator<Item = f64>| {
         to.iter_mut().zip(from).for_each(|(to, from)| *to = from);
     };
     values(workspace.slow_mut(), &mut at.theta.iter().copied().chain([dt]));
     program.prepare(&mut workspace);
-    // Held signals of a sampled controller stay zero.
-    let fast = [at.t].into_iter().chain(at.x.iter().copied()).chain(at.u.iter().copied());
+    // Held signals of a sampled controller and delayed values stay zero.
+    let fast = [at.t, 0.0].into_iter().chain(at.x.iter().copied()).chain(at.u.iter().copied());
     values(workspace.fast_mut(), &mut fast.into_iter());
     let mut slopes = vec![0.0; program.results()];
     program.run(&mut workspace, &mut slopes);

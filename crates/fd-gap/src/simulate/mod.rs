@@ -15,6 +15,7 @@
 //! [`Outcome::Diverged`] says since when.
 
 mod black_box;
+mod delay_line;
 mod equations;
 mod error;
 mod flat;

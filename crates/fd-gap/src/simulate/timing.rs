@@ -5,7 +5,7 @@ use fd_model::{Continuous, SampleTime, StateSpace};
 
 use super::{
     error::SimulateError,
-    flat::Flat,
+    flat::{FIRST_STATE, Flat},
     linearize::{OperatingPoint, evaluate},
 };
 use crate::model::{Law, Model};
@@ -105,7 +105,7 @@ fn fastest(model: &Model, flat: &Flat) -> Result<f64, SimulateError> {
     let a = Mat::from_fn(n, n, |i, j| slopes[is_moving[i] * flat.states + is_moving[j]]);
     for (row, state) in is_moving.iter().enumerate() {
         if (0..n).any(|col| !a[(row, col)].is_finite()) {
-            let state = flat.scope.fast[1 + state].clone();
+            let state = flat.scope.fast[FIRST_STATE + state].clone();
             return Err(SimulateError::NoStep { state });
         }
     }

@@ -17,6 +17,7 @@ pub(super) enum Meaning {
     State,
     Output,
     Definition,
+    Delay,
     Site,
     Table,
     Reference,
@@ -33,6 +34,7 @@ impl Meaning {
             Self::State => "a state of the plant",
             Self::Output => "an output",
             Self::Definition => "a definition of the plant",
+            Self::Delay => "a delay",
             Self::Site => "a site",
             Self::Table => "a table",
             Self::Reference => "a reference of the controller",
@@ -74,6 +76,7 @@ fn all(draft: &Draft) -> Vec<(&str, Meaning, &'static str)> {
     all.extend(
         draft.definitions.iter().map(|d| (d.name.as_str(), Meaning::Definition, "definitions")),
     );
+    all.extend(draft.delays.iter().map(|d| (d.name.as_str(), Meaning::Delay, "delays")));
     all.extend(draft.sites.iter().map(|s| (s.name.as_str(), Meaning::Site, "sites")));
     all.extend(draft.tables.iter().map(|t| (t.name.as_str(), Meaning::Table, "tables")));
     if let Some(c) = &draft.controller {

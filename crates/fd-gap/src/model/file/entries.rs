@@ -44,6 +44,8 @@ pub(super) struct FileModel {
     #[serde(default)]
     pub(super) sites: Ordered<FileSite>,
     #[serde(default)]
+    pub(super) delays: Ordered<FileDelay>,
+    #[serde(default)]
     pub(super) tables: Ordered<FileTable>,
     pub(super) controller: Option<FileController>,
 }
@@ -89,6 +91,13 @@ pub(super) struct FileSite {
     pub(super) enters: Ordered<Spanned<Text>>,
     pub(super) position: Option<Spanned<Text>>,
     pub(super) velocity: Option<Spanned<Text>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FileDelay {
+    pub(super) value: Spanned<Text>,
+    pub(super) time: Spanned<Text>,
 }
 
 #[derive(Deserialize)]

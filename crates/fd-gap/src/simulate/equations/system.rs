@@ -13,8 +13,9 @@ use crate::{
     model::{Hold, Law, Model, Parameter},
 };
 
-/// Programs and descriptions of a model. All programs have the same fast inputs: time, states,
-/// external inputs (ports last), held control signals.
+/// Programs and descriptions of a model. All programs have the same fast inputs: time, whether it
+/// is the first step of a run, states, external inputs (ports last), held control signals, delayed
+/// values.
 #[derive(Clone, Debug)]
 pub(super) struct System {
     pub(super) ts: SampleTime,
@@ -32,6 +33,10 @@ pub(super) struct System {
     /// States that the updates write to.
     pub(super) updated: Vec<usize>,
     pub(super) outputs: Program,
+    /// Delayed expressions in order of use, one program each.
+    pub(super) delays: Vec<Program>,
+    /// Times of the delays, in seconds.
+    pub(super) delay_times: Program,
     pub(super) control: Option<Control>,
 }
 
@@ -57,6 +62,9 @@ impl System {
         let flat = flatten(model, &names);
         let timing = Timing::choose(model, &flat, ts)?;
         let (updated, updates): (Vec<usize>, Vec<Expr>) = flat.updates.into_iter().unzip();
+        let (delayed, times): (Vec<Expr>, Vec<Expr>) = flat.delays.into_iter().unzip();
+        let delays = delayed.into_iter().map(|expr| Program::compile(&flat.scope, &[expr]));
+        let delays = delays.collect::<Result<_, _>>()?;
         let control = flat.control.map(|control| Control::new(&flat.scope, control)).transpose()?;
         let mut inputs = model.external_inputs();
         inputs.retain(|channel| !names.contains(&channel.name));
@@ -80,6 +88,8 @@ impl System {
             updates: Program::compile(&flat.scope, &updates)?,
             updated,
             outputs: Program::compile(&flat.scope, &flat.outputs)?,
+            delays,
+            delay_times: Program::compile(&flat.scope, &times)?,
             control,
         })
     }
