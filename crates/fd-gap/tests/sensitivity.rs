@@ -70,7 +70,7 @@ fn bytecode_on_dual_numbers_agrees_with_the_symbolic_derivative() {
     let scope = Scope { slow: vec!["a".into()], fast: vec!["x".into()], ..Scope::default() };
     for text in texts {
         let expr = Expr::parse(text).unwrap();
-        let program = Program::compile(&scope, &[expr.clone()]).unwrap();
+        let program = Program::compile(&scope, std::slice::from_ref(&expr)).unwrap();
         let symbolic = Program::compile(&scope, &[expr.differentiate("x")]).unwrap();
         let (mut dual, mut plain) = (program.workspace::<Dual64>(), symbolic.workspace::<f64>());
         dual.slow_mut()[0] = Dual64::from_re(0.7);

@@ -15,12 +15,13 @@ pub(super) struct DelayLine<T> {
     whole: usize,
     /// What is left, as a fraction of a step.
     fraction: T,
-    is_empty: bool,
+    /// Number of values so far.
+    age: u64,
 }
 
 impl<T: Scalar> DelayLine<T> {
     pub(super) fn new() -> Self {
-        Self { past: Vec::new(), now: 0, whole: 0, fraction: T::zero(), is_empty: true }
+        Self { past: Vec::new(), now: 0, whole: 0, fraction: T::zero(), age: 0 }
     }
 
     /// Forgets the past and sets the delay, in integration steps. Allocates only for a delay that
@@ -39,23 +40,24 @@ impl<T: Scalar> DelayLine<T> {
         let whole = whole as usize;
         self.whole = whole;
         self.past.resize(self.past.len().max(whole + 2), T::zero());
-        self.is_empty = true;
+        self.age = 0;
     }
 
     /// Moves on to the next step, at the start of which the expression has this value.
     pub(super) fn push(&mut self, value: T) {
-        if self.is_empty {
-            // Before the run, nothing moved.
-            self.past.fill(value);
-            self.is_empty = false;
-        }
         self.now = (self.now + 1) % self.past.len();
-        self.past[self.now] = value;
+        self.age += 1;
+        self.correct(value);
     }
 
     /// Replaces the value of this step.
     pub(super) fn correct(&mut self, value: T) {
-        self.past[self.now] = value;
+        if self.age == 1 {
+            // Before the run, nothing moved.
+            self.past.fill(value);
+        } else {
+            self.past[self.now] = value;
+        }
     }
 
     /// The delayed value, mean over this step.
