@@ -199,6 +199,32 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
+    fn any_numbers_and_units_survive_the_file(
+        which in 0..MODELS.len(),
+        numbers in prop::collection::vec(any::<f64>().prop_filter("finite", |x| x.is_finite()), 20),
+        unit in "[^ ]\\PC{0,8}",
+        description in any::<String>(),
+    ) {
+        let mut draft = example(MODELS[which]).into_draft();
+        for (parameter, value) in draft.parameters.iter_mut().zip(&numbers) {
+            parameter.value = *value;
+            parameter.tolerance = value.abs();
+            parameter.bounds = Some([*value, f64::INFINITY]);
+            parameter.unit.clone_from(&unit);
+        }
+        for (state, value) in draft.states.iter_mut().zip(&numbers) {
+            state.initial = *value;
+            state.tolerance = Some(value.abs());
+        }
+        draft.description = description;
+        let model = Model::try_from(draft).unwrap();
+        let again: Model = model.to_string().parse().unwrap();
+        prop_assert_eq!(&again, &model);
+        let bits = |model: &Model| model.parameters.iter().map(|p| p.value.to_bits()).collect::<Vec<_>>();
+        prop_assert_eq!(bits(&again), bits(&model));
+    }
+
+    #[test]
     fn renaming_and_reordering_change_no_bit(
         which in 0..MODELS.len(),
         letters in prop::collection::vec("[a-z]{3,8}", 40),

@@ -13,7 +13,7 @@ use fd_gap::{
     model::Model,
     simulate::{EquationSimulator, Outcome},
 };
-use num_dual::Dual64;
+use num_dual::{Dual64, DualSVec64};
 
 #[test]
 fn dual_numbers_give_the_sensitivity_of_a_simulation() {
@@ -89,6 +89,31 @@ fn bytecode_on_dual_numbers_agrees_with_the_symbolic_derivative() {
                 (value[0].eps - slope[0]).abs() <= 1e-13 * (1.0 + slope[0].abs()),
                 "{text} at {x}"
             );
+        }
+    }
+}
+
+#[test]
+fn one_run_gives_the_sensitivities_to_all_parameters() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let model = Model::load(&root.join("pendulum.toml")).unwrap();
+    let (u, nominal) = (vec![0.5; 200], model.nominal());
+    let mut all = EquationSimulator::<DualSVec64<4>>::new(&model).unwrap();
+    let theta: Vec<_> =
+        nominal.iter().enumerate().map(|(i, p)| DualSVec64::from_re(*p).derivative(i)).collect();
+    let start: Vec<_> = model.initial().into_iter().map(DualSVec64::from_re).collect();
+    let mut y = vec![DualSVec64::from_re(0.0); 200];
+    assert_eq!(all.run(&theta, &start, &u, &mut y), Outcome::Complete);
+    for p in 0..4 {
+        let mut one = EquationSimulator::<Dual64>::new(&model).unwrap();
+        let mut theta: Vec<Dual64> = nominal.iter().copied().map(Dual64::from_re).collect();
+        theta[p].eps = 1.0;
+        let start: Vec<Dual64> = model.initial().into_iter().map(Dual64::from_re).collect();
+        let mut single = vec![Dual64::from_re(0.0); 200];
+        one.run(&theta, &start, &u, &mut single);
+        for (all, single) in y.iter().zip(&single) {
+            let slope = all.eps.unwrap_generic(nalgebra::Const::<4>, nalgebra::Const::<1>)[p];
+            assert!((slope - single.eps).abs() <= 1e-12 * (1.0 + single.eps.abs()));
         }
     }
 }

@@ -211,6 +211,21 @@ fn a_continuous_controller_closes_the_loop_of_the_linear_model_too() {
 }
 
 #[test]
+fn equations_see_saturated_inputs_and_tables() {
+    let model = model(
+        r#"sample_time = 0.5
+        parameters = { low = { unit = "1", value = -1.0 } }
+        inputs = { u = { unit = "1", saturation = ["2*low", 1] } }
+        states = { x = { unit = "1", initial = 0.0, derivative = "0" } }
+        outputs = { y = { unit = "1", value = "u" }, z = { unit = "1", value = "curve(u) + slope(curve, u)" } }
+        tables = { curve = { x = [-2, 0, 1], y = [4, 0, 3] } }"#,
+    );
+    let y = simulate(&mut EquationSimulator::new(&model).unwrap(), &[5.0, 0.5, -9.0], 3);
+    // Outside its points the table holds; the last point counts as outside.
+    assert_eq!(y, [1.0, 3.0, 0.5, 4.5, -2.0, 2.0]);
+}
+
+#[test]
 fn divergence_is_an_outcome() {
     let model = model(
         r#"sample_time = 0.1
