@@ -1,3 +1,13 @@
-//! Diagnosis of the sim-to-real gap.
+//! Diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
+//!
+//! | room | what it is for |
+//! |---|---|
+//! | [`equation`] | expressions as text, as trees and as bytecode |
+//! | [`model`] | model files made of such expressions |
+//! | [`simulate`] | the contract of a simulator, and those that fulfil it |
+//! | [`patch`] | effects spliced into a model, which stays a model |
 
 pub mod equation;
+pub mod model;
+pub mod patch;
+pub mod simulate;

@@ -20,7 +20,7 @@ pub struct SyntaxError {
 }
 
 /// A way in which a text fails to be an expression.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SyntaxProblem {
     /// Something else should stand here.

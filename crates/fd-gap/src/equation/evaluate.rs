@@ -30,7 +30,8 @@ pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
         Unary::Log10 => x.log10(),
         Unary::Sqrt => x.sqrt(),
         Unary::Abs => x.abs(),
-        Unary::Floor => x.floor(),
+        // Through `f64`, for dual numbers have no `floor`; its derivative is 0.
+        Unary::Floor => T::from_design(x.to_report().floor()),
         // What is left is a zero of `sign`, or NaN; the derivative is 0.
         Unary::Sign if T::zero() < x => T::one(),
         Unary::Sign if x < T::zero() => -T::one(),

@@ -42,7 +42,4 @@ pub use self::{
     table::{Outside, Table, TableError},
     token::{RESERVED, is_name, locate},
 };
-pub(crate) use self::{
-    order::{Cycle, in_order_of_use},
-    parse::MAX_DEPTH,
-};
+pub(crate) use self::{order::in_order_of_use, parse::MAX_DEPTH};

@@ -11,6 +11,10 @@ use super::{
 /// Deepest nesting of a tree: keeps every recursive walk far away from the end of the stack.
 pub(crate) const MAX_DEPTH: usize = 256;
 
+/// Deepest nesting of calls of the parser. A level of the tree needs at most two, one for an
+/// operand and one for its parentheses, so that every tree within [`MAX_DEPTH`] can be read back.
+const MAX_NESTING: usize = 2 * MAX_DEPTH + 2;
+
 /// How strongly operators hold their operands, from the weakest to the strongest.
 mod power {
     pub(super) const OR: u8 = 1;
@@ -115,7 +119,7 @@ impl Parser<'_> {
     }
 
     fn expression(&mut self, weakest: u8) -> Result<Node, SyntaxError> {
-        if self.nesting == MAX_DEPTH {
+        if self.nesting == MAX_NESTING {
             return Err(self.too_deep(self.peek().span.clone()));
         }
         self.nesting += 1;
@@ -223,7 +227,9 @@ impl Parser<'_> {
         let token = self.advance();
         let name = self.word(&token).to_owned();
         if !self.at_symbol("(") {
-            if RESERVED.contains(&name.as_str()) && !matches!(name.as_str(), "pi" | "t" | "dt") {
+            if RESERVED.contains(&name.as_str())
+                && !matches!(name.as_str(), "pi" | "t" | "dt" | "first")
+            {
                 return Err(self.expected("`(` and the arguments of the function"));
             }
             return self.node(Value::Number(Expr::Name(name)), token.span, 1);

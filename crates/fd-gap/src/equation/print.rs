@@ -26,7 +26,7 @@ impl fmt::Display for Expr {
             Self::Name(name) => f.write_str(name),
             Self::Unary(Unary::Neg, x) => match **x {
                 // `-2` would be read back as a literal.
-                Self::Number(_) => write!(f, "-({x})"),
+                Self::Number(value) if value.is_sign_positive() => write!(f, "-({x})"),
                 _ => write!(f, "-{}", place(&**x, rank::NEGATION)),
             },
             Self::Unary(function, x) => write!(f, "{}({x})", function.name()),

@@ -3,8 +3,9 @@
 use super::error::{Found, Span, SyntaxError, SyntaxProblem};
 
 /// Names of the language that a model cannot give to anything: words of the grammar, functions,
-/// `pi`, the time `t` (s) and the length `dt` (s) of an integration step.
-pub const RESERVED: [&str; 31] = [
+/// `pi`, the time `t` (s), the length `dt` (s) of an integration step, and `first`, which is 1 in the
+/// first integration step of a run and 0 afterwards.
+pub const RESERVED: [&str; 32] = [
     "and",
     "or",
     "not",
@@ -14,6 +15,7 @@ pub const RESERVED: [&str; 31] = [
     "pi",
     "t",
     "dt",
+    "first",
     "sin",
     "cos",
     "tan",

@@ -1,0 +1,222 @@
+//! What can be wrong with a model, and where in its file.
+
+use std::{collections::HashMap, fmt, ops::Range};
+
+use thiserror::Error;
+
+use crate::equation::{Span, SyntaxProblem, TableError, picture};
+
+/// A model file cannot be loaded.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file cannot be read.
+    #[error("{file}: {message}")]
+    Read {
+        /// Path of the file.
+        file: String,
+        /// What the operating system says.
+        message: String,
+    },
+    /// The file is not a correct model.
+    #[error("{file}:{error}")]
+    Model {
+        /// Path of the file.
+        file: String,
+        /// What is wrong.
+        error: ModelError,
+    },
+}
+
+/// A model is not correct.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelError {
+    /// Path to the entry, such as `states.omega.derivative`.
+    pub key: String,
+    /// Line and column in the file, if the model came from one.
+    pub place: Option<Place>,
+    /// The expression and the part of it that is wrong, if the mistake is in an expression.
+    pub expression: Option<(String, Span)>,
+    /// What is wrong.
+    pub mistake: Box<Mistake>,
+}
+
+/// A place in a file, counted from 1, in characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line.
+    pub line: usize,
+    /// Column.
+    pub column: usize,
+}
+
+/// A way in which a model is not correct.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Mistake {
+    /// The text is not TOML or does not have the form of a model.
+    #[error("{0}")]
+    Toml(String),
+    /// Another version of the format.
+    #[error("this is format version {found}, this program reads version 1")]
+    Version {
+        /// Version of the file.
+        found: u32,
+    },
+    /// Another kind of model.
+    #[error("this is a model of kind `{found}`, expected `equations`")]
+    Kind {
+        /// Kind of the file.
+        found: String,
+    },
+    /// Not an expression.
+    #[error(transparent)]
+    Syntax(SyntaxProblem),
+    /// A name that is not defined, or not here.
+    #[error("`{name}` is not known here{}", hint(.nearest))]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// What may have been meant.
+        nearest: Vec<String>,
+    },
+    /// A name that means something but not in this place.
+    #[error("`{name}` is {what} and cannot be used here, only {allowed}")]
+    NotHere {
+        /// The name.
+        name: String,
+        /// What it is.
+        what: &'static str,
+        /// What may be used here.
+        allowed: &'static str,
+    },
+    /// A function or table that does not exist.
+    #[error("there is no function or table `{name}`{}", hint(.nearest))]
+    UnknownFunction {
+        /// The name.
+        name: String,
+        /// What may have been meant.
+        nearest: Vec<String>,
+    },
+    /// A name that cannot be given.
+    #[error("`{0}` cannot be a name: letters, digits and underscores, not a word of the language")]
+    BadName(String),
+    /// A name given twice.
+    #[error("the name `{name}` is already given to {first}")]
+    Duplicate {
+        /// The name.
+        name: String,
+        /// Key of the first one.
+        first: String,
+    },
+    /// Expressions that need themselves.
+    #[error("definitions go round in a circle: {}", .0.join(" → "))]
+    Cycle(Vec<String>),
+    /// No unit.
+    #[error("a unit is needed, `1` for a pure number")]
+    NoUnit,
+    /// A number out of its range.
+    #[error("{what} must be {expected}, got {found}")]
+    Number {
+        /// What the number is.
+        what: &'static str,
+        /// What it must be.
+        expected: &'static str,
+        /// What it is.
+        found: f64,
+    },
+    /// Neither or both of two entries.
+    #[error("exactly one of `derivative` and `update` is needed")]
+    Law,
+    /// A law that this state cannot have.
+    #[error("{0}")]
+    WrongLaw(&'static str),
+    /// The points do not make a table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// Something of which there must be at least one.
+    #[error("at least one of `{0}` is needed")]
+    Empty(&'static str),
+    /// An expression that was built deeper than it could be read back.
+    #[error("the expression is nested deeper than {limit} levels")]
+    TooDeep {
+        /// Deepest allowed nesting.
+        limit: usize,
+    },
+}
+
+fn hint(nearest: &[String]) -> String {
+    match nearest {
+        [] => String::new(),
+        names => format!("; did you mean `{}`?", names.join("` or `")),
+    }
+}
+
+/// Where the values of a file are, by key.
+pub(super) type Places = HashMap<String, Range<usize>>;
+
+impl ModelError {
+    pub(super) fn new(key: impl Into<String>, mistake: Mistake) -> Self {
+        Self { key: key.into(), place: None, expression: None, mistake: Box::new(mistake) }
+    }
+
+    pub(super) fn in_expression(mut self, text: String, span: Span) -> Self {
+        self.expression = Some((text, span));
+        self
+    }
+
+    /// Adds line and column. A mistake inside an expression is pointed at when the expression
+    /// stands in the file as it is, without escapes; otherwise its beginning is.
+    pub(super) fn found_in(mut self, places: &Places, file: &str) -> Self {
+        let Some(range) = nearest_key(places, &self.key) else { return self };
+        let mut at = range.start;
+        if let Some((text, span)) = &self.expression {
+            let raw = file.get(range.clone()).unwrap_or_default();
+            if let Some(start) = raw.find(text.as_str()) {
+                at += start + span.start;
+            }
+        }
+        self.place = Some(Place::of(file, at));
+        self
+    }
+}
+
+/// The place of the entry, or of the closest entry around it.
+fn nearest_key(places: &Places, key: &str) -> Option<Range<usize>> {
+    let mut key = key;
+    loop {
+        if let Some(range) = places.get(key) {
+            return Some(range.clone());
+        }
+        key = key.rsplit_once('.')?.0;
+    }
+}
+
+impl Place {
+    pub(super) fn of(file: &str, at: usize) -> Self {
+        let before = file.get(..at).unwrap_or(file);
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self {
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+        }
+    }
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(Place { line, column }) = self.place {
+            write!(f, "{line}:{column}: ")?;
+        }
+        if !self.key.is_empty() {
+            write!(f, "{}: ", self.key)?;
+        }
+        write!(f, "{}", self.mistake)?;
+        if let Some((text, span)) = &self.expression {
+            write!(f, "\n{}", picture(text, span))?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ModelError {}

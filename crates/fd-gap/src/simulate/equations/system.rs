@@ -1,0 +1,105 @@
+//! The compiled parts of a model that all its simulators share.
+
+use fd_model::{Channel, SampleTime};
+
+use super::super::{
+    error::SimulateError,
+    flat::{SampledControl, flatten},
+    simulator::{Initial, Port},
+    timing::Timing,
+};
+use crate::{
+    equation::{CompileError, Expr, Program, Scope},
+    model::{Hold, Law, Model, Parameter},
+};
+
+/// Programs and descriptions of a model. All programs have the same fast inputs: time, whether it
+/// is the first step of a run, states, external inputs (ports last), held control signals, delayed
+/// values.
+#[derive(Clone, Debug)]
+pub(super) struct System {
+    pub(super) ts: SampleTime,
+    pub(super) timing: Timing,
+    pub(super) hold: Hold,
+    pub(super) nx: usize,
+    pub(super) inputs: Vec<Channel>,
+    pub(super) ports: Vec<Port>,
+    pub(super) channels: Vec<Channel>,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) initial: Vec<Initial>,
+    pub(super) is_continuous: bool,
+    pub(super) rates: Program,
+    pub(super) updates: Program,
+    /// States that the updates write to.
+    pub(super) updated: Vec<usize>,
+    pub(super) outputs: Program,
+    /// Delayed expressions in order of use, one program each.
+    pub(super) delays: Vec<Program>,
+    /// Times of the delays, in seconds.
+    pub(super) delay_times: Program,
+    pub(super) control: Option<Control>,
+}
+
+/// A sampled controller.
+#[derive(Clone, Debug)]
+pub(super) struct Control {
+    /// Signals, then states.
+    pub(super) program: Program,
+    pub(super) signals: usize,
+    /// States that it writes to.
+    pub(super) updates: Vec<usize>,
+}
+
+impl System {
+    /// Compiles a model of which the inputs named in `ports` (with the site they belong to) are
+    /// ports.
+    pub(super) fn new(
+        model: &Model,
+        ts: SampleTime,
+        ports: &[(String, Port)],
+    ) -> Result<Self, SimulateError> {
+        let names: Vec<String> = ports.iter().map(|(input, _)| input.clone()).collect();
+        let flat = flatten(model, &names);
+        let timing = Timing::choose(model, &flat, ts)?;
+        let (updated, updates): (Vec<usize>, Vec<Expr>) = flat.updates.into_iter().unzip();
+        let (delayed, times): (Vec<Expr>, Vec<Expr>) = flat.delays.into_iter().unzip();
+        let delays = delayed.into_iter().map(|expr| Program::compile(&flat.scope, &[expr]));
+        let delays = delays.collect::<Result<_, _>>()?;
+        let control = flat.control.map(|control| Control::new(&flat.scope, control)).transpose()?;
+        let mut inputs = model.external_inputs();
+        inputs.retain(|channel| !names.contains(&channel.name));
+        let initial = model.all_states().map(|state| Initial {
+            channel: Channel::new(&state.name, &state.unit),
+            value: state.initial,
+            tolerance: state.tolerance,
+        });
+        Ok(Self {
+            ts,
+            timing,
+            hold: model.hold,
+            nx: flat.states,
+            inputs,
+            ports: ports.iter().map(|(_, port)| port.clone()).collect(),
+            channels: model.output_channels(),
+            parameters: model.parameters.clone(),
+            initial: initial.collect(),
+            is_continuous: model.all_states().any(|s| matches!(s.law, Law::Derivative(_))),
+            rates: Program::compile(&flat.scope, &flat.rates)?,
+            updates: Program::compile(&flat.scope, &updates)?,
+            updated,
+            outputs: Program::compile(&flat.scope, &flat.outputs)?,
+            delays,
+            delay_times: Program::compile(&flat.scope, &times)?,
+            control,
+        })
+    }
+}
+
+impl Control {
+    fn new(scope: &Scope, control: SampledControl) -> Result<Self, CompileError> {
+        let signals = control.signals.len();
+        let (updates, laws): (Vec<usize>, Vec<Expr>) = control.updates.into_iter().unzip();
+        let all: Vec<Expr> = control.signals.into_iter().chain(laws).collect();
+        Ok(Self { program: Program::compile(scope, &all)?, signals, updates })
+    }
+}

@@ -1,0 +1,79 @@
+//! Why a model cannot be simulated or linearised.
+
+use fd_model::ModelError;
+use thiserror::Error;
+
+use crate::equation::CompileError;
+
+/// A model cannot be simulated or linearised.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimulateError {
+    /// The equations cannot be compiled.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// A linear model cannot be built.
+    #[error(transparent)]
+    Linear(#[from] ModelError),
+    /// The Jacobian has no finite value at the initial state, so no step can be derived from it.
+    #[error(
+        "the derivative of `{state}` has no finite slope at the initial state: state `step` in the model"
+    )]
+    NoStep {
+        /// First state with such a derivative.
+        state: String,
+    },
+    /// The step is so short that a simulation would take too long.
+    #[error(
+        "{substeps} integration steps per sample of {ts} s are needed, at most {most} are allowed"
+    )]
+    TooStiff {
+        /// Steps needed.
+        substeps: f64,
+        /// Time between samples, in seconds.
+        ts: f64,
+        /// Most that are allowed.
+        most: usize,
+    },
+    /// The rates of controller and log do not fit.
+    #[error(
+        "the controller acts every {controller} s and samples come every {ts} s: one must be a multiple of the other"
+    )]
+    ControllerRate {
+        /// Time between two actions, in seconds.
+        controller: f64,
+        /// Time between samples, in seconds.
+        ts: f64,
+    },
+    /// The model does not have the kind of states that the operation needs.
+    #[error("{operation} needs {needed}; `{state}` is another kind of state")]
+    Kind {
+        /// What was asked.
+        operation: &'static str,
+        /// What it needs.
+        needed: &'static str,
+        /// First state that does not fit.
+        state: String,
+    },
+    /// A sampled controller has no place in a continuous linear model.
+    #[error(
+        "a sampled controller cannot be linearised in continuous time: remove it or make it continuous"
+    )]
+    SampledController,
+    /// A delay has no finite linear model.
+    #[error("the delay `{delay}` has no linear model with a finite number of states")]
+    Delay {
+        /// Name of the delayed value.
+        delay: String,
+    },
+    /// Numbers of values do not match the model.
+    #[error("{what}: expected {expected} values, got {found}")]
+    Length {
+        /// Which values.
+        what: &'static str,
+        /// How many the model has.
+        expected: usize,
+        /// How many were given.
+        found: usize,
+    },
+}

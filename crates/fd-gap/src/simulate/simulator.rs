@@ -1,0 +1,130 @@
+//! The contract of a simulator.
+
+use std::fmt::Debug;
+
+use fd_core::Scalar;
+use fd_model::{Channel, SampleTime};
+
+use crate::model::Parameter;
+
+/// A deterministic model of a plant that can be run from any initial state, with any parameters.
+///
+/// Per sample, [`step`](Self::step) writes the outputs of this sample and then moves on to the
+/// next one. It does not allocate and cannot fail: a simulator that diverges writes NaN from then
+/// on, until it is started again.
+///
+/// Parameters, initial states and ports are optional powers: a pure black box has none of them.
+pub trait Simulator: Debug + Send + Sync {
+    /// Time between samples.
+    fn ts(&self) -> SampleTime;
+
+    /// Inputs of a sample.
+    fn inputs(&self) -> &[Channel];
+
+    /// Outputs of a sample.
+    fn outputs(&self) -> &[Channel];
+
+    /// Parameters that can be set, with nominal values and tolerances.
+    fn parameters(&self) -> &[Parameter];
+
+    /// States of which the initial value can be set.
+    fn initial(&self) -> &[Initial];
+
+    /// Places at which a force can be applied.
+    fn ports(&self) -> &[Port];
+
+    /// Starts a run at sample number `first` of the log with these parameters and states, in the
+    /// order of [`parameters`](Self::parameters) and [`initial`](Self::initial).
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn start(&mut self, theta: &[f64], x0: &[f64], first: u64);
+
+    /// Writes the outputs `y` of this sample and moves on to the next, with forces `f` in the order of
+    /// [`ports`](Self::ports), held until then. `u_next` are the inputs of the next sample, for
+    /// simulators that interpolate; others ignore them.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn step(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [f64]);
+
+    /// The state now, in the order of [`initial`](Self::initial).
+    fn state(&self) -> &[f64];
+
+    /// An independent copy, for another thread.
+    fn boxed(&self) -> Box<dyn Simulator>;
+
+    /// Runs through `u`, row by row one sample after another, without forces, and writes the
+    /// outputs to `y` in the same way. After a divergence the rest of `y` is NaN.
+    ///
+    /// The number of samples is that of `y`; the last sample is held when `u` is to be
+    /// interpolated.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn simulate(&mut self, theta: &[f64], x0: &[f64], u: &[f64], y: &mut [f64]) -> Outcome {
+        let (nu, ny) = (self.inputs().len(), self.outputs().len());
+        self.start(theta, x0, 0);
+        drive(nu, ny, u, y, |now, next, row| self.step(now, next, &[], row))
+    }
+}
+
+/// Steps through all samples, until one is not finite.
+pub(super) fn drive<T: Scalar>(
+    nu: usize,
+    ny: usize,
+    u: &[f64],
+    y: &mut [T],
+    mut step: impl FnMut(&[f64], &[f64], &mut [T]),
+) -> Outcome {
+    let samples = y.len() / ny;
+    for k in 0..samples {
+        let sample = |k: usize| &u[k * nu..(k + 1) * nu];
+        let row = &mut y[k * ny..(k + 1) * ny];
+        step(sample(k), sample((k + 1).min(samples - 1)), row);
+        if row.iter().any(|value| !value.is_finite()) {
+            y[k * ny..].fill(T::from_design(f64::NAN));
+            return Outcome::Diverged { sample: k };
+        }
+    }
+    Outcome::Complete
+}
+
+impl Clone for Box<dyn Simulator> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
+}
+
+/// How a simulation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every output is finite.
+    Complete,
+    /// Outputs are NaN from this sample on.
+    Diverged {
+        /// First sample without a finite output, from 0.
+        sample: usize,
+    },
+}
+
+/// A state of which the initial value can be set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Initial {
+    /// Name and unit.
+    pub channel: Channel,
+    /// Nominal initial value.
+    pub value: f64,
+    /// How well it is known, in the unit; `None` when it is exact.
+    pub tolerance: Option<f64>,
+}
+
+/// A place at which a force can be applied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Port {
+    /// Name of the place and unit of the force.
+    pub channel: Channel,
+}
