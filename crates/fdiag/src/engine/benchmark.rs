@@ -1,9 +1,9 @@
 //! The bench: the nominal engine, its model, and everything that is drawn for one seed.
 
-use fd_core::Heap;
+use fd_core::{Heap, stage::Plant};
 use fd_jetengine::{
     EngineModel,
-    engine17::{Engine17, Health, HealthParameter, Parameters, Sampled},
+    engine17::{Engine17, Health, HealthParameter, NX, Parameters, PerUnit, Sampled},
 };
 use fd_model::{
     Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace, reduce,
@@ -15,7 +15,6 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::{
     config::{CONFIG_VERSION, EngineChoice, EngineConfig, ReductionConfig},
     error::EngineStudyError,
-    reality::{Reality, Relative},
 };
 
 /// What does not depend on the seed.
@@ -24,15 +23,19 @@ pub struct Benchmark {
     config: EngineConfig,
     ts: SampleTime,
     nominal: EngineModel,
+    /// The nonlinear engine behind it, if there is one.
+    engine: Option<Engine17<f64>>,
     readings: Vec<(Channel, f64)>,
 }
 
+type Relative = PerUnit<Engine17<f64>, NX>;
+
 /// One perturbed engine with the model that is to watch it.
 pub(super) struct Case {
-    training: Reality,
-    fresh: Reality,
-    x0_training: Vec<f64>,
-    x0_fresh: Vec<f64>,
+    /// The engine in relative deviations from where it stands, at rest at zero.
+    training: Box<dyn Plant>,
+    /// The same engine where the fresh runs take place.
+    fresh: Box<dyn Plant>,
     /// The perturbed plant, when it is linear.
     pub(super) plant: Option<StateSpace<Discrete>>,
     pub(super) model: StateSpace<Discrete>,
@@ -68,8 +71,8 @@ impl Benchmark {
             }
         }
         let ts = SampleTime::new(config.sample_time_s)?;
-        let (nominal, readings) = nominal_engine(&config)?;
-        Ok(Self { config, ts, nominal, readings })
+        let (nominal, readings, engine) = nominal_engine(&config)?;
+        Ok(Self { config, ts, nominal, engine, readings })
     }
 
     /// The configuration.
@@ -112,45 +115,44 @@ impl Benchmark {
     /// Draws everything for one seed.
     pub(super) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let draw = self.config.plant.perturbation.draw(&self.nominal.model, rng.next_u64())?;
-        let nonlinear = |fuel: f64, health: Health<f64>| -> Result<_, EngineStudyError> {
-            let engine = Engine17::<f64>::new(&Parameters::default())?.with_health(health);
-            let trim = engine.trim(fuel)?;
-            let x0 = trim.x.to_vec();
-            let relative = Relative::new(Sampled::new(engine, self.ts), &trim);
-            Ok((Reality::Nonlinear(Box::new(relative)), x0))
+        let draw = match (&self.engine, &self.config.plant.engine) {
+            (Some(engine), EngineChoice::Engine17 { fuel_kg_s }) => {
+                self.config.plant.perturbation.draw_engine17(engine, *fuel_kg_s, rng.next_u64())?
+            }
+            _ => self.config.plant.perturbation.draw(&self.nominal, rng.next_u64())?,
         };
-        let (training, fresh, plant, model) = match self.config.plant.engine {
-            EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter } => {
-                let mut health = Health::default();
-                // Efficiency and flow capacity of the two compressors and the two turbines.
-                for parameter in HealthParameter::ALL.into_iter().take(8) {
-                    let delta = health_scatter * rng.random_range(-1.0..1.0);
-                    health = health.shifted(parameter, delta);
+        let drawn = &draw.model.model;
+        let (training, fresh, plant, model): (Box<dyn Plant>, Box<dyn Plant>, _, _) =
+            match (&self.engine, &self.config.plant.engine) {
+                (
+                    Some(engine),
+                    EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
+                ) => {
+                    let mut health = Health::default();
+                    for parameter in HealthParameter::MODULES {
+                        let delta = health_scatter * rng.random_range(-1.0..1.0);
+                        health = health.shifted(parameter, delta);
+                    }
+                    let engine = engine.clone().with_health(health);
+                    let training = self.about(&engine, *fuel_kg_s)?;
+                    let fresh = self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?;
+                    // The engine is what it is; it is the model that is wrong.
+                    (Box::new(training), Box::new(fresh), None, self.observer_model(drawn)?)
                 }
-                let training = nonlinear(fuel_kg_s, health)?;
-                let fresh = nonlinear(moved_to_kg_s.unwrap_or(fuel_kg_s), health)?;
-                // The engine is what it is; it is the model that is wrong.
-                (training, fresh, None, self.observer_model(&draw.model)?)
-            }
-            _ => {
-                let plant = draw.model.sample_zoh(self.ts)?;
-                let x0 = vec![0.0; plant.nx()];
-                let reality = (Reality::Linear(plant.freeze::<f64, Heap>()?), x0);
-                let model = self.observer_model(&self.nominal.model)?;
-                (reality.clone(), reality, Some(plant), model)
-            }
-        };
-        Ok(Case {
-            training: training.0,
-            x0_training: training.1,
-            fresh: fresh.0,
-            x0_fresh: fresh.1,
-            plant,
-            model,
-            redraws: draw.rejected,
-            rng,
-        })
+                _ => {
+                    let plant = drawn.sample_zoh(self.ts)?;
+                    let running = plant.freeze::<f64, Heap>()?;
+                    let model = self.observer_model(&self.nominal.model)?;
+                    (Box::new(running.clone()), Box::new(running), Some(plant), model)
+                }
+            };
+        Ok(Case { training, fresh, plant, model, redraws: draw.rejected, rng })
+    }
+
+    /// The nonlinear engine in relative deviations from its own equilibrium at a fuel flow.
+    fn about(&self, engine: &Engine17<f64>, fuel: f64) -> Result<Relative, EngineStudyError> {
+        let trim = engine.trim(fuel)?;
+        Ok(PerUnit::new(Sampled::new(engine.clone(), self.ts), trim.x, fuel)?)
     }
 
     /// The discrete model of the residual generator.
@@ -176,21 +178,18 @@ impl Benchmark {
     /// The healthy run that the bias is learned from.
     pub(super) fn training_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
         let inputs = self.config.training.inputs(&self.nominal.inputs, self.ts)?;
-        let (reality, x0) = (case.training.clone(), case.x0_training.clone());
-        self.run(&reality, x0, &inputs, &mut case.rng)
+        self.run(case.training.as_ref(), &inputs, &mut case.rng)
     }
 
     /// A healthy run with a fresh input.
     pub(super) fn fresh_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
         let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
-        let (reality, x0) = (case.fresh.clone(), case.x0_fresh.clone());
-        self.run(&reality, x0, &inputs, &mut case.rng)
+        self.run(case.fresh.as_ref(), &inputs, &mut case.rng)
     }
 
     fn run(
         &self,
-        reality: &Reality,
-        x0: Vec<f64>,
+        plant: &dyn Plant,
         inputs: &Inputs,
         rng: &mut Xoshiro256PlusPlus,
     ) -> Result<Record, EngineStudyError> {
@@ -204,14 +203,16 @@ impl Benchmark {
         } else {
             Vec::new()
         };
-        let simulation = Simulation { x0, output_noise, ..Simulation::default() };
-        Ok(simulation.run(reality, inputs, self.nominal.outputs.clone())?)
+        let simulation = Simulation { output_noise, ..Simulation::default() };
+        Ok(simulation.run(plant, inputs, self.nominal.outputs.clone())?)
     }
 }
 
 type Readings = Vec<(Channel, f64)>;
 
-fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), EngineStudyError> {
+fn nominal_engine(
+    config: &EngineConfig,
+) -> Result<(EngineModel, Readings, Option<Engine17<f64>>), EngineStudyError> {
     let with_readings = |physical: &EngineModel, scale: Vec<f64>| -> Readings {
         physical.outputs.iter().cloned().zip(scale).collect()
     };
@@ -222,18 +223,18 @@ fn nominal_engine(config: &EngineConfig) -> Result<(EngineModel, Readings), Engi
             let physical = engine.linearise(&engine.trim(fuel_kg_s)?)?;
             let per_unit = physical.per_unit()?;
             let scale = physical.operating_point.as_ref().map_or_else(Vec::new, |p| p.y.clone());
-            Ok((per_unit, with_readings(&physical, scale)))
+            Ok((per_unit, with_readings(&physical, scale), Some(engine)))
         }
         EngineChoice::F100 {} => {
             let physical = fd_jetengine::f100()?;
             let (scaled, scaling) = physical.equilibrated()?;
             let readings = with_readings(&physical, scaling.y);
-            Ok((scaled, readings))
+            Ok((scaled, readings, None))
         }
         EngineChoice::ChenPattonZhang {} => {
             let per_unit = fd_jetengine::chen_patton_zhang()?;
             let readings = per_unit.outputs.iter().map(|c| (c.clone(), 1.0)).collect();
-            Ok((per_unit, readings))
+            Ok((per_unit, readings, None))
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use fd_compensate::{decide::Debouncing, detect::DEFAULT_MARGIN};
 use fd_ident::arx::ArxOrders;
+use fd_jetengine::Perturbation;
 use fd_model::uncertainty::MatrixPerturbation;
 use serde::{Deserialize, Serialize};
 
@@ -57,10 +58,10 @@ pub struct EngineConfig {
 pub struct PlantConfig {
     /// Which engine.
     pub engine: EngineChoice,
-    /// Random change of the matrices; by default each entry of `A` and `B` by up to 10 %, while
-    /// the sensors read true. For the nonlinear engine the matrices of the *model* are changed
-    /// instead: the engine is what it is.
-    pub perturbation: MatrixPerturbation,
+    /// What is drawn anew for each seed; by default each entry of `A` and `B` changes by up to
+    /// 10 %, while the sensors read true. For the nonlinear engine the *model* is changed instead:
+    /// the engine is what it is.
+    pub perturbation: Perturbation,
     /// Standard deviation of the white sensor noise, relative to the reading.
     pub noise: f64,
 }
@@ -160,10 +161,10 @@ impl Default for PlantConfig {
     fn default() -> Self {
         Self {
             engine: EngineChoice::Engine17 { fuel_kg_s: reference_fuel() },
-            perturbation: MatrixPerturbation {
+            perturbation: Perturbation::Matrices(MatrixPerturbation {
                 matrices: [true, true, false, false],
                 ..MatrixPerturbation::default()
-            },
+            }),
             noise: 5e-4,
         }
     }

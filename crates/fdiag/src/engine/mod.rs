@@ -6,7 +6,6 @@ mod error;
 mod example;
 mod excitation;
 mod quantile;
-mod reality;
 mod report;
 mod study;
 mod trial;
