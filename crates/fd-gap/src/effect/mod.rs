@@ -12,6 +12,7 @@
 mod candidate;
 pub mod dynamics;
 pub mod input;
+pub mod map;
 mod scales;
 pub mod sensor;
 mod sketch;
@@ -40,7 +41,7 @@ pub type Offers = Vec<Result<Candidate, NotTestable>>;
 /// ```
 #[must_use]
 pub fn library() -> Vec<Box<dyn Effect>> {
-    use self::{dynamics as d, input as i, sensor as s};
+    use self::{dynamics as d, input as i, map as m, sensor as s};
     vec![
         Box::new(i::InputGain),
         Box::new(i::InputOffset),
@@ -76,6 +77,9 @@ pub fn library() -> Vec<Box<dyn Effect>> {
         Box::new(s::SensorQuantisation),
         Box::new(s::SensorOutliers),
         Box::new(s::SensorNoise),
+        Box::new(m::InputMap),
+        Box::new(m::ForceMap),
+        Box::new(m::SensorMap),
     ]
 }
 

@@ -41,7 +41,7 @@ impl Effect for Overflow {
                     .partner(SiteRef::Force(j, neighbour.name.clone()))
                     .shape("h", "overflow_share", "1", 1.0, [0.0, 1.0], 0.0)
                     .force_at(&neighbour.name, "caught", "h*e")
-                    .starts([[1.0 / 0.92, 0.5], [1.0 / 0.8, 0.8], [1.0 / 0.62, 0.8]]);
+                    .starts([[1.0 / 0.62, 0.5], [1.0 / 0.8, 0.8], [1.0 / 0.42, 0.8]]);
                 offers.push(sketch.finish());
             }
         }
@@ -52,10 +52,10 @@ impl Effect for Overflow {
 impl Overflow {
     fn loses<'a>(&self, nominal: &'a Model, scales: &'a ReplayScales, i: usize) -> Sketch<'a> {
         self.spills("lost", nominal, scales, i).starts([
-            [1.0 / 0.92],
-            [1.0 / 0.8],
             [1.0 / 0.62],
+            [1.0 / 0.8],
             [1.0 / 0.42],
+            [1.0 / 0.92],
         ])
     }
 

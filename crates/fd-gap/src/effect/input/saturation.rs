@@ -42,7 +42,7 @@ impl Effect for InputSaturation {
                 limit(sketch("asymmetric"), input)
                     .shape("a", "limit_asymmetry", "1", 1.0, [-1.0, 1.0], 0.0)
                     .wrap_input("u/max(1, s*(abs(u) + a*u))")
-                    .starts([[0.8, 0.5], [0.8, -0.5], [1.5, 0.5], [1.5, -0.5]]),
+                    .starts([[1.5, 0.5], [1.5, -0.5], [0.9, 0.5], [0.9, -0.5]]),
             ]
         })
     }

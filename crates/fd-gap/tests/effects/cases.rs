@@ -36,6 +36,10 @@ impl Case {
 
     pub(crate) fn of(model: Model, samples: usize) -> Self {
         let u = excitation(&model, samples);
+        Self::with_input(model, u, samples)
+    }
+
+    pub(crate) fn with_input(model: Model, u: Vec<f64>, samples: usize) -> Self {
         let ts = model.sample_time().unwrap();
         let scales = ReplayScales::of(&model, ts, &u, samples).unwrap();
         Self { model, u, samples, scales }
@@ -115,4 +119,22 @@ fn excitation(model: &Model, samples: usize) -> Vec<f64> {
         }
     }
     rows
+}
+
+/// All strengths neutral, shapes as in `point`.
+pub(crate) fn without_strength(candidate: &Candidate, point: &[f64]) -> Vec<f64> {
+    let parameters = candidate.parameters.iter().zip(point);
+    parameters.map(|(p, x)| if p.is_strength { p.neutral } else { *x }).collect()
+}
+
+/// Strengths a fraction of the way to `point`.
+pub(crate) fn weaker(candidate: &Candidate, point: &[f64], fraction: f64) -> Vec<f64> {
+    let parameters = candidate.parameters.iter().zip(point);
+    let part = |neutral: f64, x: f64| neutral + fraction * (x - neutral);
+    parameters.map(|(p, x)| if p.is_strength { part(p.neutral, *x) } else { *x }).collect()
+}
+
+pub(crate) fn name(candidate: &Candidate) -> String {
+    let Candidate { label, law, site, partner, .. } = candidate;
+    format!("{label} ({law}) at {site:?} {partner:?}")
 }
