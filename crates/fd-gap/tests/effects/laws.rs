@@ -6,6 +6,7 @@ use fd_gap::{
     model::{Model, Output},
     simulate::{EquationSimulator, Simulator},
 };
+use num_dual::Dual64;
 
 use crate::cases::{Case, PLANTS, name};
 
@@ -218,5 +219,30 @@ fn effects_go_on_top_of_effects() {
         let mut theta = theta.clone();
         theta.extend(candidate.parameters.iter().map(|p| p.neutral));
         assert_eq!(case.run(&candidate.model, &theta).1, expected, "{}", name(candidate));
+    }
+}
+
+#[test]
+fn dual_numbers_go_through_every_effect() {
+    for plant in PLANTS {
+        let case = Case::new(plant, 60);
+        for candidate in case.simulated() {
+            let mut simulator = EquationSimulator::<Dual64>::new(&candidate.model).unwrap();
+            let x0: Vec<Dual64> =
+                candidate.model.initial().into_iter().map(Dual64::from_re).collect();
+            let neutral: Vec<f64> = candidate.parameters.iter().map(|p| p.neutral).collect();
+            for phi in std::iter::once(&neutral).chain(&candidate.starts) {
+                for i in 0..phi.len() {
+                    let nominal = case.model.nominal();
+                    let mut theta: Vec<Dual64> =
+                        nominal.iter().chain(phi).copied().map(Dual64::from_re).collect();
+                    theta[nominal.len() + i].eps = candidate.parameters[i].scale;
+                    let mut y = vec![Dual64::from_re(0.0); 60 * case.model.outputs.len()];
+                    simulator.run(&theta, &x0, &case.u, &mut y);
+                    let is_finite = y.iter().all(|y| y.re.is_finite() && y.eps.is_finite());
+                    assert!(is_finite, "{plant}: {} {phi:?}, slope {i}", name(&candidate));
+                }
+            }
+        }
     }
 }
