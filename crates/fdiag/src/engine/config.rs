@@ -1,6 +1,9 @@
 //! Every choice of the engine benchmark, with the paper's experiment as the default.
 
-use fd_compensate::{decide::Debouncing, detect::DEFAULT_MARGIN};
+use fd_compensate::{
+    decide::{Debouncing, Sizing},
+    detect::DEFAULT_MARGIN,
+};
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::Perturbation;
 use fd_model::uncertainty::MatrixPerturbation;
@@ -189,6 +192,8 @@ fn default_pipeline() -> PipelineSpec {
         settle_s: Some(0.0),
         detector: DetectorSpec::Maximum { margin: DEFAULT_MARGIN },
         rule: Debouncing::default(),
+        // Two seconds: long against the noise, short against the rise of the fault.
+        sizing: Sizing { memory: Some(40.0), ..Sizing::default() },
         ..PipelineSpec::default()
     }
 }

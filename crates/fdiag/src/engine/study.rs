@@ -62,6 +62,8 @@ pub struct FaultSummary {
     pub found_primary: f64,
     /// The same with compensation.
     pub found_compensated: f64,
+    /// Estimated over true size of that fault, with compensation.
+    pub estimated: Range,
     /// Delay in s with compensation.
     pub delay_compensated_s: Range,
 }
@@ -158,6 +160,7 @@ impl Summary {
             smallest_ratio: range(&|t| t.faults[i].smallest.ratio()),
             found_primary: mean(&|t| t.faults[i].found.primary),
             found_compensated: mean(&|t| t.faults[i].found.compensated),
+            estimated: range(&|t| t.faults[i].estimated),
             delay_compensated_s: range(&|t| t.faults[i].delay_s.compensated),
         });
         Self {

@@ -14,7 +14,7 @@ use super::{
     error::EngineStudyError,
     quantile::median,
 };
-use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, train};
+use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, sensor_sizes, train};
 
 /// Largest fault that is tried, relative to the reading.
 const LARGEST_FAULT: f64 = 10.0;
@@ -69,6 +69,10 @@ pub struct FaultOutcome {
     pub smallest: Pair,
     /// Share of test runs in which the fault of the configured size is found.
     pub found: Pair,
+    /// Median estimate of the size of that fault at the end of the run, relative to its true size,
+    /// from the compensated residual and taken as known which sensor it is; NaN when it is never
+    /// found.
+    pub estimated: f64,
     /// Median delay from the start of the fault to the alarm in s, over the runs in which it is
     /// found; NaN when it never is.
     pub delay_s: Pair,
@@ -110,6 +114,7 @@ impl Benchmark {
                 sensor: self.readings()[channel].0.name.clone(),
                 residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
                 smallest: Pair { primary: a.smallest, compensated: b.smallest },
+                estimated: self.estimated_size(&trained, &tests.compensated, &phi, channel)?,
                 found: Pair { primary: a.share, compensated: b.share },
                 delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
             });
@@ -174,6 +179,35 @@ impl Benchmark {
         Ok(response.samples().flat_map(|(_, r)| r.to_vec()).collect())
     }
 
+    /// Estimated over true size of the configured fault.
+    fn estimated_size(
+        &self,
+        trained: &Trained,
+        runs: &[Vec<f64>],
+        phi: &[f64],
+        channel: usize,
+    ) -> Result<f64, EngineStudyError> {
+        let size = self.config().faults.size;
+        let channels = trained.design().residual_len();
+        let mut detector = trained.detector(trained.calibration().1)?;
+        let mut ratios = Vec::new();
+        for r in runs {
+            detector.reset();
+            let mut trace = Trace { channels, ..Trace::default() };
+            trace.compensated = r.iter().zip(phi).map(|(r, g)| r + size * g).collect();
+            for row in trace.compensated.chunks_exact(channels) {
+                let verdict = detector.update(row);
+                trace.statistic.push(verdict.statistic);
+                trace.threshold.push(verdict.threshold);
+                trace.compensating.push(true);
+            }
+            if let Some(sizes) = sensor_sizes(trained, &trace)? {
+                ratios.push(sizes[channel] / size);
+            }
+        }
+        Ok(median(&mut ratios))
+    }
+
     /// The incipient fault of size 1 over a fresh run.
     pub(super) fn fault_profile(&self) -> Vec<f64> {
         let faults = &self.config().faults;
@@ -209,8 +243,7 @@ struct Found {
 impl Watch {
     fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, RoadError> {
         let channels = trained.design().residual_len();
-        let rows = SampleRows::new(channels, healthy)?;
-        let detector = trained.spec().detector.calibrated(rows)?;
+        let detector = trained.detector(healthy)?;
         Ok(Self { detector, rule: trained.spec().rule, channels })
     }
 
