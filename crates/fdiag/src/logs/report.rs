@@ -36,9 +36,33 @@ impl LogStudy {
             (n, 0) => format!(" None of the {n} later logs raises an alarm."),
             (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
         };
+        let verb = if after <= before {
+            format!("{} times smaller", figure(before / after))
+        } else {
+            format!("{} times larger", figure(after / before))
+        };
         format!(
-            "Compensation brings the rms residual on the {which}{change}: {} times smaller.{alarms}",
-            figure(before / after),
+            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}",
+            self.warning()
+        )
+    }
+
+    /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
+    fn warning(&self) -> String {
+        let total = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        let worse: Vec<String> = self
+            .logs
+            .iter()
+            .filter(|log| total(&log.rms_compensated) > total(&log.rms_primary))
+            .map(file_name)
+            .collect();
+        if worse.is_empty() {
+            return String::new();
+        }
+        format!(
+            " It makes the residual larger on {}: the bias there is not the one that was learned, \
+             for example because it is not linear in the input.",
+            worse.join(", ")
         )
     }
 
@@ -65,7 +89,7 @@ impl LogStudy {
                 let before = scale * log.rms_primary[channel];
                 let after = scale * log.rms_compensated[channel];
                 logs.push([
-                    log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into()),
+                    file_name(log),
                     if log.healthy { "healthy" } else { "later" }.to_owned(),
                     log.samples.to_string(),
                     format!("{} [{}]", residual.name, residual.unit),
@@ -116,7 +140,9 @@ impl LogStudy {
                 }
                 page.table(table);
             }
-            page.table(events(log));
+            if !log.events.is_empty() {
+                page.table(events(log));
+            }
         }
         Ok(page)
     }
@@ -144,6 +170,10 @@ impl LogStudy {
         }
         picture
     }
+}
+
+fn file_name(log: &LogResult) -> String {
+    log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned())
 }
 
 fn statistic_picture(trace: &Trace) -> Picture {
