@@ -97,6 +97,11 @@ impl Benchmark {
         self.ts
     }
 
+    /// Output channels of the scaled engine.
+    pub(super) fn outputs(&self) -> Vec<Channel> {
+        self.nominal.outputs.clone()
+    }
+
     /// Index of the sensors that the faults are on.
     pub(super) fn fault_channels(&self) -> Result<Vec<usize>, EngineStudyError> {
         let names = || self.nominal.outputs.iter().map(|c| c.name.clone()).collect();

@@ -6,7 +6,7 @@ use fd_compensate::{
     evaluate::{alarms, smallest_detectable_by_search},
 };
 use fd_core::{Event, stage::Detector};
-use fd_model::Record;
+use fd_model::{Channel, Record};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -14,7 +14,7 @@ use super::{
     error::EngineStudyError,
     quantile::median,
 };
-use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, sensor_sizes, train};
+use crate::road::{Healthy, RoadError, Trace, Trained, sensor_sizes, train};
 
 /// Largest fault that is tried, relative to the reading.
 const LARGEST_FAULT: f64 = 10.0;
@@ -104,17 +104,17 @@ impl Benchmark {
         };
         let mut faults = Vec::new();
         for channel in self.fault_channels()? {
-            let phi = self.unit_fault_response(&trained, channel)?;
+            let (phi, phi_star) = self.unit_fault_response(&trained, channel)?;
             let size = self.config().faults.size;
             let a = plain.find(&tests.primary, &phi, size, tests.start)?;
-            let b = compensated.find(&tests.compensated, &phi, size, tests.start)?;
+            let b = compensated.find(&tests.compensated, &phi_star, size, tests.start)?;
             let last = phi.len() - trained.design().residual_len();
             let seconds = |samples: f64| samples * self.ts().seconds();
             faults.push(FaultOutcome {
                 sensor: self.readings()[channel].0.name.clone(),
                 residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
                 smallest: Pair { primary: a.smallest, compensated: b.smallest },
-                estimated: self.estimated_size(&trained, &tests.compensated, &phi, channel)?,
+                estimated: self.estimated_size(&trained, &tests.compensated, &phi_star, channel)?,
                 found: Pair { primary: a.share, compensated: b.share },
                 delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
             });
@@ -159,24 +159,35 @@ impl Benchmark {
         Ok(tests)
     }
 
-    /// Residual of a healthy plant at rest whose sensor has the incipient fault of size 1.
-    pub(super) fn unit_fault_response(
+    /// What an incipient fault of size 1 adds to both residuals. The generator and the compensation
+    /// are linear in `y`, so the difference between a plant at rest with and without the fault is
+    /// what it adds to any run. Without one-step compensation the two are the same.
+    fn unit_fault_response(
         &self,
         trained: &Trained,
         channel: usize,
-    ) -> Result<Vec<f64>, EngineStudyError> {
-        let mut generator = trained.design().build().map_err(RoadError::from)?;
-        let io = generator.io();
+    ) -> Result<(Vec<f64>, Vec<f64>), EngineStudyError> {
+        let size = self.config().faults.size.max(f64::MIN_POSITIVE);
+        let io = trained.design().io();
         let profile = self.fault_profile();
-        let u = vec![0.0; profile.len() * io.nu];
-        let y = profile
-            .iter()
-            .flat_map(|v| (0..io.ny).map(move |i| if i == channel { *v } else { 0.0 }))
-            .collect();
-        let channels = |n| fd_model::Channel::numbered("c", n);
-        let record = Record::new(channels(io.nu), channels(io.ny), u, y, self.ts())?;
-        let response = residual_record(&mut generator, &record, 0)?;
-        Ok(response.samples().flat_map(|(_, r)| r.to_vec()).collect())
+        let at_rest = |size: f64| -> Result<Trace, EngineStudyError> {
+            let u = vec![0.0; profile.len() * io.nu];
+            let y = profile
+                .iter()
+                .flat_map(|v| (0..io.ny).map(move |i| if i == channel { size * v } else { 0.0 }))
+                .collect();
+            let record =
+                Record::new(Channel::numbered("u", io.nu), self.outputs(), u, y, self.ts())?;
+            Ok(Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?)
+        };
+        let (faulty, healthy) = (at_rest(size)?, at_rest(0.0)?);
+        let per_unit = |faulty: &[f64], healthy: &[f64]| {
+            faulty.iter().zip(healthy).map(|(f, h)| (f - h) / size).collect()
+        };
+        Ok((
+            per_unit(&faulty.residual, &healthy.residual),
+            per_unit(&faulty.compensated, &healthy.compensated),
+        ))
     }
 
     /// Estimated over true size of the configured fault.
@@ -268,8 +279,7 @@ impl Watch {
         Ok(count as f64 / runs.len() as f64)
     }
 
-    /// With a linear generator, and a compensation that looks at `u` alone, a fault of size `s`
-    /// makes the residual `r + s φ` exactly, so no run has to be simulated again.
+    /// A fault of size `s` makes the residual `r + s φ` exactly, so no run is simulated again.
     fn find(
         &mut self,
         runs: &[Vec<f64>],

@@ -125,7 +125,7 @@ impl LogStudy {
         }
         for (log, (_, with)) in self.logs.iter().zip(&traces.logs) {
             let role = if log.healthy { "healthy" } else { "later" };
-            page.heading(format!("{} ({role})", log.file.display()));
+            page.heading(format!("{} ({role})", file_name(log)));
             for (channel, residual) in self.residuals.iter().enumerate() {
                 page.picture(&self.residual_picture(with, channel, residual), caption(log))?;
             }
