@@ -84,8 +84,8 @@ pub enum EngineChoice {
         /// Fuel flow of the operating point in kg/s at which the model is made.
         #[serde(default = "reference_fuel")]
         fuel_kg_s: f64,
-        /// Fuel flow at which the fresh runs take place, if the operating point moves after
-        /// training.
+        /// Fuel flow at which the test runs take place, if the operating point moves after the bias
+        /// was learned and the thresholds were set.
         #[serde(default)]
         moved_to_kg_s: Option<f64>,
         /// Largest relative deviation of module efficiencies and flow capacities, uniform.

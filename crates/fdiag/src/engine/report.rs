@@ -64,6 +64,12 @@ impl Study {
             format!("{:.1}", 100.0 * s.false_alarms_compensated),
             String::new(),
         ]);
+        residuals.push([
+            "largest residual, test runs".to_owned(),
+            String::new(),
+            String::new(),
+            range(&s.fault_free_test_ratio),
+        ]);
         let mut faults = Table::new(
             "Smallest detectable incipient sensor fault",
             &["sensor", "primary [%]", "compensated [%]", "times smaller"],

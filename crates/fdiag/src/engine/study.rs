@@ -37,6 +37,8 @@ pub struct Summary {
     pub fault_free_compensated: Range,
     /// How many times the compensation made it smaller.
     pub fault_free_ratio: Range,
+    /// The same over the test runs.
+    pub fault_free_test_ratio: Range,
     /// Share of fault-free test runs with an alarm, without compensation.
     pub false_alarms_primary: f64,
     /// Share of fault-free test runs with an alarm, with compensation.
@@ -167,6 +169,7 @@ impl Summary {
             fault_free_primary: range(&|t| t.fault_free.primary),
             fault_free_compensated: range(&|t| t.fault_free.compensated),
             fault_free_ratio: range(&|t| t.fault_free.ratio()),
+            fault_free_test_ratio: range(&|t| t.fault_free_test.ratio()),
             false_alarms_primary: mean(&|t| t.false_alarms.primary),
             false_alarms_compensated: mean(&|t| t.false_alarms.compensated),
             faults: faults.collect(),

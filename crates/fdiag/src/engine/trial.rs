@@ -32,8 +32,10 @@ pub struct Trial {
     pub theta: Vec<f64>,
     /// Sample at which a recursive training froze them.
     pub frozen_at: Option<u64>,
-    /// Without and with compensation.
+    /// Largest fault-free residual over the calibration runs.
     pub fault_free: Pair,
+    /// Largest fault-free residual over the test runs.
+    pub fault_free_test: Pair,
     /// Share of fault-free test runs with an alarm, without and with compensation.
     pub false_alarms: Pair,
     /// One entry per faulty sensor.
@@ -127,6 +129,10 @@ impl Benchmark {
             theta: trained.bias_model().theta().to_vec(),
             frozen_at: trained.events().last().map(|event: &Event| event.k),
             fault_free: Pair { primary, compensated },
+            fault_free_test: Pair {
+                primary: largest(&tests.primary),
+                compensated: largest(&tests.compensated),
+            },
             false_alarms,
             faults,
         })
@@ -137,7 +143,7 @@ impl Benchmark {
         let training = self.training_run(case)?;
         let mut calibration = Vec::new();
         for _ in 0..self.config().calibration_runs {
-            calibration.push(self.fresh_run(case)?);
+            calibration.push(self.calibration_run(case)?);
         }
         let mut healthy = vec![Healthy::learn(&training)];
         healthy.extend(calibration.iter().map(Healthy::calibrate));
@@ -151,7 +157,7 @@ impl Benchmark {
             compensated: Vec::new(),
         };
         for _ in 0..self.config().test_runs {
-            let record = self.fresh_run(case)?;
+            let record = self.test_run(case)?;
             let trace = Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?;
             tests.primary.push(trace.residual);
             tests.compensated.push(trace.compensated);
@@ -234,6 +240,10 @@ impl Benchmark {
     pub(super) fn samples(&self, seconds: f64) -> usize {
         (seconds / self.ts().seconds()).round().max(0.0) as usize
     }
+}
+
+fn largest(runs: &[Vec<f64>]) -> f64 {
+    runs.iter().flatten().fold(0.0, |m, v| v.abs().max(m))
 }
 
 /// The calibrated detector of one of the two residuals.
