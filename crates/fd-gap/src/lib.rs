@@ -8,6 +8,8 @@
 //! | [`patch`] | effects spliced into a model, which stays a model |
 
 pub mod equation;
+pub mod fit;
 pub mod model;
 pub mod patch;
+pub mod quality;
 pub mod simulate;
