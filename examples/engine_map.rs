@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use fdiag::{
-    compensate::residual_compensation::Mode,
+    compensate::residual_compensation::{Mode, Timeout},
     engine::{Benchmark, EngineChoice, EngineConfig, Range, ReductionConfig},
     ident::{arx::ArxOrders, rls::RlsDesign},
     jetengine::Perturbation,
@@ -31,8 +31,10 @@ const CHANGES: &[Change] = &[
     ("learning", "least squares without prefilter", |c| {
         c.pipeline.bias.learning = LearningSpec::Batch { prefilter_rad_s: None };
     }),
-    ("", "recursive, on line (eq. 18)", |c| {
+    ("", "recursive, on line (eq. 18), frozen at the end of the run", |c| {
         c.pipeline.bias.learning = LearningSpec::Recursive(RlsDesign::default());
+        c.pipeline.compensation.convergence.longest = Some(1_100);
+        c.pipeline.compensation.convergence.at_longest = Timeout::FreezeAnyway;
     }),
     ("compensation", "one-step prediction", |c| c.pipeline.compensation.mode = Mode::OneStep),
     ("training input", "one step and five tones (the paper)", paper_training),
