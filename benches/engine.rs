@@ -24,7 +24,7 @@ fn equations(c: &mut Criterion) {
         b.iter(|| engine.trim(black_box(idle)).unwrap());
     });
     group.bench_function("linearisation", |b| {
-        b.iter(|| engine.linearise(black_box(&trim)).unwrap())
+        b.iter(|| engine.linearise(black_box(&trim)).unwrap());
     });
     group.finish();
 }

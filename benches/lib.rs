@@ -28,7 +28,7 @@ pub type Fallible<T> = Result<T, Box<dyn Error>>;
 /// How long each figure is waited for: a warm-up, then the measurement.
 pub const WARM_UP: Duration = Duration::from_millis(300);
 /// See [`WARM_UP`].
-pub const MEASUREMENT: Duration = Duration::from_millis(1000);
+pub const MEASUREMENT: Duration = Duration::from_secs(1);
 /// Samples that criterion takes of each figure.
 pub const SAMPLES: usize = 20;
 
@@ -98,7 +98,7 @@ pub fn random_plant(nx: usize, seed: u64) -> Fallible<StateSpace<Discrete>> {
     let (a, b, c): (Mat<f64>, _, _) = (uniform(nx, nx), uniform(nx, 2), uniform(3, nx));
     let domain = Discrete { ts: SampleTime::new(0.1)? };
     let raw = StateSpace::new(a.clone(), b.clone(), c.clone(), Mat::zeros(3, 2), domain)?;
-    let radius = raw.worst_pole()?.map_or(1.0, |pole| pole.norm());
+    let radius = raw.worst_pole()?.map_or(1.0, c64::norm);
     let a = Mat::from_fn(nx, nx, |i, j| 0.95 / radius * a[(i, j)]);
     Ok(StateSpace::new(a, b, c, Mat::zeros(3, 2), domain)?)
 }

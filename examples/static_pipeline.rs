@@ -10,7 +10,7 @@ use fdiag::{
         residual_compensation::{CompensationPlan, ResidualCompensator},
     },
     core::{
-        Fixed, Pipeline, Stages, StateVisitor,
+        Fixed, Pipeline, Scalar, Stages, StateVisitor,
         stage::{Detector, Stage, Verdict},
     },
     ident::{
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut x = 0.0;
     for (k, u) in Prbs::new(9, 0.5, 1.0).values(4000, ts)?.into_iter().enumerate() {
         let drift = 1e-4 * k.saturating_sub(2000) as f64;
-        let step = pipeline.step(&[u as f32], &[(x + drift) as f32])?;
+        let step = pipeline.step(&[f32::from_design(u)], &[f32::from_design(x + drift)])?;
         for event in step.events.iter() {
             println!(
                 "sample {k}: {event}; r = {:.4}, r* = {:.4}",
