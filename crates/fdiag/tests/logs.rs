@@ -5,13 +5,14 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use fdiag::{
-    logs::{LogStudy, LogStudyError, Request},
+    ident::{arx::ArxOrders, order::Criterion},
+    logs::{LogStudy, Request},
     model::{
         Channel, Record,
         fault::{FaultProfile, FaultSpec, Site},
         file::write_log,
     },
-    spec::{DetectorSpec, OrderSpec, PipelineSpec},
+    spec::{DetectorSpec, LearningSpec, OrderSpec, PipelineSpec},
 };
 use support::{input, plant, run};
 
@@ -58,11 +59,7 @@ fn log(samples: usize, variant: u32) -> Record {
 
 fn request(folder: &Path, logs: &[&str]) -> Request {
     let mut spec = PipelineSpec::default();
-    spec.bias.orders = OrderSpec::Select {
-        most: 4,
-        criterion: fdiag::ident::order::Criterion::Bic,
-        offset: false,
-    };
+    spec.bias.orders = OrderSpec::Select { most: 4, criterion: Criterion::Bic, offset: false };
     // 60 s of healthy data do not show the largest residual that there will ever be.
     spec.detector = DetectorSpec::Maximum { margin: 0.5 };
     Request {
@@ -92,7 +89,7 @@ fn a_sensor_fault_is_found_where_it_is() {
     let counted = std::cell::Cell::new(0);
     let request = request(folder.path(), &["quiet.csv", "faulty.csv"]);
     let (study, traces) = LogStudy::run(&request, || counted.set(counted.get() + 1)).unwrap();
-    println!("{}\n{:#?}", study.headline(), study.logs);
+    println!("{}", study.headline());
     assert_eq!((counted.get(), study.logs.len()), (3, 3));
     let [healthy, quiet, faulty] = &study.logs[..] else { panic!("three logs") };
     assert!(healthy.healthy && !quiet.healthy && !faulty.healthy);
@@ -114,26 +111,32 @@ fn a_sensor_fault_is_found_where_it_is() {
     assert_eq!(LogStudy::run(&request, || ()).unwrap().0, study);
 }
 
+/// A continuous model has no time base of its own: that of the first log counts, and the others are
+/// brought onto it.
 #[test]
-fn a_log_on_another_time_base_is_refused() {
+fn all_logs_share_the_time_base_of_the_first() {
     let folder = tempfile::tempdir().unwrap();
-    // A continuous model has no time base of its own: that of the first log counts.
     let model = MODEL.replace("sample_time = 0.1\n", "").replace(
         "A = [[0.90, 0.06], [-0.04, 0.83]]\nB = [[0.06], [0.11]]",
         "A = [[-1.0, 0.6], [-0.4, -1.8]]\nB = [[0.6], [1.1]]",
     );
     std::fs::write(folder.path().join("model.toml"), model).unwrap();
     write_log(folder.path().join("healthy.csv"), &log(2000, 0)).unwrap();
-    let slow = log(2000, 1).decimated(2).unwrap();
-    write_log(folder.path().join("slow.csv"), &slow).unwrap();
-    let error = LogStudy::run(&request(folder.path(), &["slow.csv"]), || ()).err().unwrap();
-    println!("{error}");
-    assert!(matches!(&error, LogStudyError::SampleTime { file, .. } if file.ends_with("slow.csv")));
+    write_log(folder.path().join("slow.csv"), &log(2000, 1).decimated(2).unwrap()).unwrap();
+    let (study, _) = LogStudy::run(&request(folder.path(), &["slow.csv"]), || ()).unwrap();
+    let slow = &study.logs[1];
+    assert_eq!((slow.time_base.rows, slow.samples), (1000, 1999));
+    assert!((slow.time_base.step_s - 0.1).abs() < 1e-12);
 }
 
-/// A first-order model of a real 3 kW gas turbine: train on its training runs, judge its test runs.
+/// A crude first-order model of a real 3 kW gas turbine: train on its training runs, look at its test
+/// runs.
+///
+/// What the model misses is a slew-rate limit, which no linear bias model has: learned from the steps
+/// of the training runs, it helps on the steps of run 4 and harms on the small random input of run 22,
+/// to which the turbine answers faster. Measured: 441 W to about 154 W, and 200 W to about 504 W.
 #[test]
-fn compensation_helps_on_a_real_gas_turbine() {
+fn a_real_gas_turbine() {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let data = root.join("../shared/data/micro_gas_turbine");
     if !data.exists() {
@@ -142,21 +145,20 @@ fn compensation_helps_on_a_real_gas_turbine() {
     }
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.toml");
-    // Steady: 282 W/V about 6 V and 2 kW; a time constant of 100 s, for steps of medium size.
     let text = r#"
         version = 1
         kind = "state_space"
-        name = "3 kW micro gas turbine, first order"
+        name = "3 kW micro gas turbine: 270 W/V, 20 s"
         inputs = [{ name = "voltage", unit = "V", operating_point = 6.0 }]
         outputs = [{ name = "power", unit = "W", operating_point = 2000.0, scale = 1000.0 }]
-        matrices = { A = [[-0.01]], B = [[0.00282]], C = [[1.0]] }
+        matrices = { A = [[-0.05]], B = [[0.0135]], C = [[1.0]] }
     "#;
     std::fs::write(&model, text).unwrap();
     let map = std::fs::read_to_string(root.join("examples/micro-gas-turbine-map.toml")).unwrap();
     let run = |i: u32| data.join(format!("mgt_ex_{i}.csv"));
-    let mut spec = PipelineSpec::default();
-    spec.bias.orders = OrderSpec::Fixed(fdiag::ident::arx::ArxOrders::paper(2).with_offset());
-    spec.hold_missing = 60;
+    let mut spec = PipelineSpec { hold_missing: 60, ..PipelineSpec::default() };
+    spec.bias.orders = OrderSpec::Fixed(ArxOrders::paper(3).with_offset());
+    spec.bias.learning = LearningSpec::Batch { prefilter_rad_s: Some(0.05) };
     let request = Request {
         model,
         healthy: [1, 9, 20, 21, 23, 24].map(run).to_vec(),
@@ -172,13 +174,18 @@ fn compensation_helps_on_a_real_gas_turbine() {
         let (before, after) = (1000.0 * log.rms_primary[0], 1000.0 * log.rms_compensated[0]);
         println!(
             "{}: rms {before:.0} W before, {after:.0} W after; refused {}, alarm {:?}, in alarm {:?}",
-            log.file.file_name().unwrap().display(),
+            log.file.display(),
             log.refused,
             log.first_alarm_s,
             log.alarm_share
         );
         assert!(before.is_finite() && after.is_finite() && log.samples > 6000);
-        assert!(log.healthy || after < before, "{}", log.file.display());
     }
+    // Four of the eight runs have steps of up to 4.3 s on a base of 1 s.
+    assert!(study.logs.iter().filter(|log| !log.time_base.even).count() >= 4);
+    let [.., run_4, run_22] = &study.logs[..] else { panic!("eight logs") };
+    assert!(run_4.rms_compensated[0] < 0.5 * run_4.rms_primary[0]);
+    // The limit of the method, kept in sight: when this fails, something got better.
+    assert!(run_22.rms_compensated[0] > run_22.rms_primary[0]);
     assert!(study.bias.poles[0].iter().all(|&radius| radius < 1.0));
 }
