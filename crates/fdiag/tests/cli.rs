@@ -275,7 +275,10 @@ fn data_that_do_not_allow_it_are_refused_with_the_reason() {
     write_log(desk.path("still.csv"), &log(&[0.3; 500], 1)).unwrap();
     desk.refuses(&format!("{COMPENSATE} still.csv"), 4, &["no input moves", "learned"]);
     write_log(desk.path("short.csv"), &log(&input(12, 0), 1)).unwrap();
-    desk.refuses(&format!("{COMPENSATE} short.csv"), 4, &[]);
+    let words = ["learning the bias", "complete samples, found 8"];
+    desk.refuses(&format!("{COMPENSATE} short.csv"), 4, &words);
+    desk.put("spec.toml", "settle_s = -1.0\n");
+    desk.refuses(&format!("{COMPENSATE} healthy.csv --spec spec.toml"), 4, &["settle_s", "-1"]);
     // A measurement without noise has a singular covariance.
     desk.put(
         "spec.toml",
