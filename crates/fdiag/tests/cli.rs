@@ -1,5 +1,5 @@
 //! The command line as a user meets it: what it prints, writes and refuses.
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 mod support;
 

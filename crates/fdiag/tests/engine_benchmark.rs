@@ -1,4 +1,5 @@
 //! The engine benchmark: what the method must show, and that its results can be trusted.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use std::{f64::consts::PI, path::PathBuf};
 
