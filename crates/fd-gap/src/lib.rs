@@ -6,8 +6,12 @@
 //! | [`model`] | model files made of such expressions |
 //! | [`simulate`] | the contract of a simulator, and those that fulfil it |
 //! | [`patch`] | effects spliced into a model, which stays a model |
+//! | [`effect`] | the library of effects, as candidates at every site of a model |
 
+pub mod effect;
 pub mod equation;
+pub mod fit;
 pub mod model;
 pub mod patch;
+pub mod quality;
 pub mod simulate;

@@ -64,14 +64,25 @@ impl Study {
             format!("{:.1}", 100.0 * s.false_alarms_compensated),
             String::new(),
         ]);
+        residuals.push([
+            "largest residual, test runs".to_owned(),
+            String::new(),
+            String::new(),
+            range(&s.fault_free_test_ratio),
+        ]);
         let mut faults = Table::new(
             "Smallest detectable incipient sensor fault",
             &["sensor", "primary [%]", "compensated [%]", "times smaller"],
         );
-        let size = format!("found at {} of reading [% of runs]", percent(self.config.faults.size));
         let mut found = Table::new(
-            "Incipient fault of the configured size",
-            &["sensor", "primary", "compensated", "delay, compensated [s]"],
+            format!("Incipient fault of {} of the reading", percent(self.config.faults.size)),
+            &[
+                "sensor",
+                "found, primary [%]",
+                "found, compensated [%]",
+                "delay [s]",
+                "estimated / true size",
+            ],
         );
         for fault in &s.faults {
             faults.push([
@@ -81,10 +92,11 @@ impl Study {
                 range(&fault.smallest_ratio),
             ]);
             found.push([
-                format!("{} {size}", fault.sensor),
+                fault.sensor.clone(),
                 format!("{:.1}", 100.0 * fault.found_primary),
                 format!("{:.1}", 100.0 * fault.found_compensated),
                 range(&fault.delay_compensated_s),
+                range(&fault.estimated),
             ]);
         }
         vec![residuals, faults, found]

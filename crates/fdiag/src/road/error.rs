@@ -1,13 +1,13 @@
 //! What can stop a run.
 
-use fd_compensate::{
-    RowsError, decide::RuleError, detect::DetectorError, residual_compensation::CompensationError,
-};
+use fd_compensate::{RowsError, decide::RuleError, residual_compensation::CompensationError};
 use fd_core::{BuildError, FrameError};
 use fd_ident::IdentError;
 use fd_model::ModelError;
 use fd_residual::DesignError;
 use thiserror::Error;
+
+use crate::spec::DetectorSpecError;
 
 /// A diagnosis cannot be trained or run.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -95,7 +95,7 @@ pub enum RoadError {
     Rows(#[from] RowsError),
     /// The detector.
     #[error("detector: {0}")]
-    Detector(#[from] DetectorError),
+    Detector(#[from] DetectorSpecError),
     /// The decision rule.
     #[error("rule: {0}")]
     Rule(#[from] RuleError),
