@@ -1,4 +1,5 @@
 //! The engine benchmark: what the method must show, and that its results can be trusted.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use std::{f64::consts::PI, path::PathBuf};
 
@@ -45,6 +46,9 @@ fn results_do_not_depend_on_threads_and_seeds_mean_something() {
     for (a, b) in one.trials[2..4].iter().zip(&other.trials) {
         assert_eq!(serde_json::to_string(a).unwrap(), serde_json::to_string(b).unwrap());
     }
+    // There are no seeds beyond the largest: it goes on from 0.
+    let last = study(config(u64::MAX, 2), 2);
+    assert_eq!(last.trials.iter().map(|t| t.seed).collect::<Vec<_>>(), [u64::MAX, 0]);
     assert!(one.trials.windows(2).all(|pair| pair[0].theta != pair[1].theta));
     assert_eq!(one.trials.iter().map(|t| t.seed).collect::<Vec<_>>(), [7, 8, 9, 10, 11, 12]);
 }

@@ -112,10 +112,11 @@ impl Benchmark {
             }
         }
         self.fault_channels()?;
-        let seeds = config.first_seed..config.first_seed + config.seeds;
-        let results: Vec<(u64, Result<Trial, EngineStudyError>)> = seeds
+        let results: Vec<(u64, Result<Trial, EngineStudyError>)> = (0..config.seeds)
             .into_par_iter()
-            .map(|seed| {
+            .map(|i| {
+                // After the largest seed comes 0.
+                let seed = config.first_seed.wrapping_add(i);
                 let trial = self.trial(seed);
                 done();
                 (seed, trial)

@@ -36,6 +36,16 @@ pub enum RoadError {
         /// Samples there are.
         found: usize,
     },
+    /// A setting is out of its range.
+    #[error("{setting} must be {expected}, got {found}")]
+    Setting {
+        /// Name of the setting in the spec.
+        setting: &'static str,
+        /// What is expected.
+        expected: &'static str,
+        /// Value that was given.
+        found: f64,
+    },
     /// Recursive learning was asked for over several logs.
     #[error(
         "recursive learning runs over one log in order of time, got {found}; use batch learning"

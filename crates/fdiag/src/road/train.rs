@@ -104,6 +104,12 @@ pub fn train(
     if records.is_empty() {
         return Err(RoadError::NoHealthyLog);
     }
+    let complete = |record: &Record| (0..record.len()).any(|k| record.is_complete(k));
+    if !records.iter().any(complete) {
+        let found = records.iter().map(Record::len).max().unwrap_or(0);
+        let what = "learning the bias after the settling time";
+        return Err(RoadError::TooShort { what, needed: settle.saturating_add(1), found });
+    }
     let learned = learn(spec, &records)?;
     let filling = if settle == 0 { 0 } else { settle + learned.model.orders().lag() };
     let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
@@ -285,8 +291,12 @@ fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, RoadErro
 fn settling_samples(spec: &PipelineSpec, design: &dyn GeneratorDesign) -> Result<usize, RoadError> {
     let form = design.form()?;
     let ts = form.system().domain().ts.seconds();
-    if let Some(seconds) = spec.settle_s {
-        return Ok((seconds.max(0.0) / ts).round() as usize);
+    if let Some(found) = spec.settle_s {
+        if !(found >= 0.0 && found.is_finite()) {
+            let (setting, expected) = ("settle_s", "finite and not negative");
+            return Err(RoadError::Setting { setting, expected, found });
+        }
+        return Ok((found / ts).round() as usize);
     }
     // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
     let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
