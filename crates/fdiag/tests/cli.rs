@@ -15,7 +15,7 @@ use tempfile::TempDir;
 
 const MODEL: &str = r#"
 version = 1
-kind = "state_space"
+kind = "state-space"
 name = "small turbine"
 sample_time = 0.1
 

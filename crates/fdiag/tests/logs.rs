@@ -20,7 +20,7 @@ use support::{input, plant, run};
 /// In physical units about an operating point: 1 per unit is 0.5 kg/s, 100 rpm, 50 K.
 const MODEL: &str = r#"
 version = 1
-kind = "state_space"
+kind = "state-space"
 name = "small turbine"
 sample_time = 0.1
 
@@ -148,14 +148,15 @@ fn a_real_gas_turbine() {
     let model = folder.path().join("model.toml");
     let text = r#"
         version = 1
-        kind = "state_space"
+        kind = "state-space"
         name = "3 kW micro gas turbine: 270 W/V, 20 s"
         inputs = [{ name = "voltage", unit = "V", operating_point = 6.0 }]
         outputs = [{ name = "power", unit = "W", operating_point = 2000.0, scale = 1000.0 }]
         matrices = { A = [[-0.05]], B = [[0.0135]], C = [[1.0]] }
     "#;
     std::fs::write(&model, text).unwrap();
-    let map = std::fs::read_to_string(root.join("examples/micro-gas-turbine-map.toml")).unwrap();
+    let map =
+        std::fs::read_to_string(root.join("examples/micro-gas-turbine/columns.toml")).unwrap();
     let run = |i: u32| data.join(format!("mgt_ex_{i}.csv"));
     let mut spec = PipelineSpec { hold_missing: 60, ..PipelineSpec::default() };
     spec.bias.orders = OrderSpec::Fixed(ArxOrders::paper(3).with_offset());

@@ -209,15 +209,15 @@ proptest! {
         let ours = outcomes(&mut ours.unwrap().compensated().unwrap(), &later, 0, 400);
         let theirs = outcomes(&mut theirs.unwrap().compensated().unwrap(), &relabelled(&later), 0, 400);
         let relative = |o: &Outcome| f64::from_bits(o.statistic) / f64::from_bits(o.threshold);
-        // Only rounding differs. The fit multiplies it by the condition of its columns, which is a
-        // few thousand for such inputs, and a simulation over 400 samples by a few hundred:
-        // 1e6 eps = 2e-10.
+        // Only rounding differs, but a random C may be nearly singular (the gain solves with it) and
+        // the columns of the fit nearly dependent: with 1e4 each that is 1e8 eps = 2e-8 at worst
+        // drawn, 1.6e-9 the largest seen. A unit that mattered would differ in the first digit.
         for (a, b) in ours.iter().zip(&theirs) {
             let (a, b) = (relative(a), relative(b));
-            prop_assert!((a - b).abs() <= 1e-9 * a.abs().max(1.0), "{a} {b}");
+            prop_assert!((a - b).abs() <= 1e-6 * a.abs().max(1.0), "{a} {b}");
         }
         // A statistic within rounding of its threshold may fall on either side.
-        prop_assume!(ours.iter().all(|o| (relative(o) - 1.0).abs() > 1e-6));
+        prop_assume!(ours.iter().all(|o| (relative(o) - 1.0).abs() > 2e-6));
         for (a, b) in ours.iter().zip(&theirs) {
             prop_assert_eq!((a.phase, a.fault_since, &a.events), (b.phase, b.fault_since, &b.events));
         }
