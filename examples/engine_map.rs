@@ -8,7 +8,7 @@ use std::error::Error;
 use fdiag::{
     compensate::residual_compensation::{Mode, Timeout},
     engine::{Benchmark, EngineChoice, EngineConfig, Range, ReductionConfig},
-    ident::{arx::ArxOrders, rls::RlsDesign},
+    ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign},
     jetengine::Perturbation,
     spec::{GeneratorSpec, LearningSpec, OrderSpec},
 };
@@ -26,7 +26,7 @@ const CHANGES: &[Change] = &[
     ("", "5", |c| order(c, 5)),
     ("", "chosen by held-out simulation", |c| {
         c.pipeline.bias.orders =
-            OrderSpec::Select { most: 5, criterion: Default::default(), offset: false };
+            OrderSpec::Select { most: 5, criterion: Criterion::default(), offset: false };
     }),
     ("learning", "least squares without prefilter", |c| {
         c.pipeline.bias.learning = LearningSpec::Batch { prefilter_rad_s: None };

@@ -127,31 +127,38 @@ impl Benchmark {
             _ => self.config.plant.perturbation.draw(&self.nominal, rng.next_u64())?,
         };
         let drawn = &draw.model.model;
-        let (training, moved, plant, model): (Box<dyn Plant>, Box<dyn Plant>, _, _) =
-            match (&self.engine, &self.config.plant.engine) {
-                (
-                    Some(engine),
-                    EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
-                ) => {
-                    let mut health = Health::default();
-                    for parameter in HealthParameter::MODULES {
-                        let delta = health_scatter * rng.random_range(-1.0..1.0);
-                        health = health.shifted(parameter, delta);
-                    }
-                    let engine = engine.clone().with_health(health);
-                    let training = self.about(&engine, *fuel_kg_s)?;
-                    let moved = self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?;
-                    // The engine is what it is; it is the model that is wrong.
-                    (Box::new(training), Box::new(moved), None, self.observer_model(drawn)?)
-                }
-                _ => {
-                    let plant = drawn.sample_zoh(self.ts)?;
-                    let running = plant.freeze::<f64, Heap>()?;
-                    let model = self.observer_model(&self.nominal.model)?;
-                    (Box::new(running.clone()), Box::new(running), Some(plant), model)
-                }
-            };
-        Ok(Case { training, moved, plant, model, redraws: draw.rejected, rng })
+        let rejected = draw.rejected;
+        if let (
+            Some(engine),
+            EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
+        ) = (&self.engine, &self.config.plant.engine)
+        {
+            let mut health = Health::default();
+            for parameter in HealthParameter::MODULES {
+                let delta = health_scatter * rng.random_range(-1.0..1.0);
+                health = health.shifted(parameter, delta);
+            }
+            let engine = engine.clone().with_health(health);
+            return Ok(Case {
+                training: Box::new(self.about(&engine, *fuel_kg_s)?),
+                moved: Box::new(self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?),
+                plant: None,
+                // The engine is what it is; it is the model that is wrong.
+                model: self.observer_model(drawn)?,
+                redraws: rejected,
+                rng,
+            });
+        }
+        let plant = drawn.sample_zoh(self.ts)?;
+        let running = plant.freeze::<f64, Heap>()?;
+        Ok(Case {
+            training: Box::new(running.clone()),
+            moved: Box::new(running),
+            plant: Some(plant),
+            model: self.observer_model(&self.nominal.model)?,
+            redraws: rejected,
+            rng,
+        })
     }
 
     /// The nonlinear engine in relative deviations from its own equilibrium at a fuel flow.

@@ -187,7 +187,7 @@ impl Example {
         pictures
     }
 
-    fn over_time(&self, title: String, lines: Vec<Line>, y_label: &str) -> Picture {
+    fn over_time(title: String, lines: Vec<Line>, y_label: &str) -> Picture {
         Picture {
             title,
             x_label: "time [s]".to_owned(),
@@ -215,12 +215,12 @@ impl Example {
             caption: "The healthy run that the bias is learned from: the residual, and what the \
                       frozen model makes of the fuel flow alone."
                 .to_owned(),
-            picture: self.over_time("Training".to_owned(), lines, "residual [per unit]"),
+            picture: Self::over_time("Training".to_owned(), lines, "residual [per unit]"),
         }
     }
 
     fn healthy_picture(&self) -> NamedPicture {
-        let mut picture = self.over_time(
+        let mut picture = Self::over_time(
             "Figure 4: healthy engine, fresh input".to_owned(),
             self.residual_lines(&self.healthy).to_vec(),
             "residual [per unit]",
@@ -247,7 +247,7 @@ impl Example {
         // The paper gives the first sensor two figures, each further one a single figure.
         let figure = 6 + index;
         let reading_figure = if index == 0 { 5 } else { figure };
-        let mut reading = self.over_time(
+        let mut reading = Self::over_time(
             format!("Figure {reading_figure}: reading of {sensor} with an incipient fault"),
             vec![line("reading", &run.reading), line("fault in it", &run.fault)],
             &format!("change of {sensor} [{}]", run.unit),
@@ -255,7 +255,7 @@ impl Example {
         reading.marks.clone_from(&mark);
         let [primary, compensated] = self.residual_lines(&run.residuals);
         let residual = |title: String, line: Line, threshold: f64| {
-            let mut picture = self.over_time(title, vec![line], "residual [per unit]");
+            let mut picture = Self::over_time(title, vec![line], "residual [per unit]");
             picture.levels = vec![(threshold, "threshold".to_owned()), (-threshold, String::new())];
             picture.marks.clone_from(&mark);
             picture

@@ -227,10 +227,10 @@ fn read(
     map: &LogMap,
 ) -> Result<(Record, TimeBaseReport), LogStudyError> {
     let log = read_log(path, map)?;
-    let scaled = log
-        .record
-        .scaled(&model.scaling())
-        .map_err(|source| LogStudyError::Record { file: path.to_owned(), source })?;
+    let scaled = log.record.scaled(&model.scaling()).map_err(|source| LogStudyError::Record {
+        file: path.to_owned(),
+        source: Box::new(source),
+    })?;
     Ok((scaled, log.time_base))
 }
 
