@@ -1,9 +1,15 @@
 //! The command line as a user meets it: what it prints, writes and refuses.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a failure here is a failed test; skips are printed"
+)]
 
 mod support;
 
 use std::{
+    fmt::Write,
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
@@ -329,9 +335,9 @@ fn an_uneven_time_base_is_resampled_and_reported() {
             Some((time, rest)) if i > 0 => {
                 let time: f64 = time.parse().unwrap();
                 let moved = time + 0.03 * ((i % 3) as f64 - 1.0);
-                uneven.push_str(&format!("{moved:.3},{rest}\n"));
+                writeln!(uneven, "{moved:.3},{rest}").unwrap();
             }
-            _ => uneven.push_str(&format!("{line}\n")),
+            _ => writeln!(uneven, "{line}").unwrap(),
         }
     }
     desk.put("uneven.csv", &uneven);

@@ -20,16 +20,6 @@ pub enum LogStudyError {
     /// A log file.
     #[error(transparent)]
     Log(Box<LogError>),
-    /// A log is on another time base than the model or the first log.
-    #[error("{}: sample time is {found} s, expected {expected} s; set resample.sample_time in the column map", file.display())]
-    SampleTime {
-        /// The log.
-        file: PathBuf,
-        /// Sample time of the model or of the first log.
-        expected: f64,
-        /// Sample time of this log.
-        found: f64,
-    },
     /// A log does not fit the scaling of the model.
     #[error("{}: {source}", file.display())]
     Record {

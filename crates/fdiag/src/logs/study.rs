@@ -149,15 +149,12 @@ impl LogStudy {
         let mut files = Vec::new();
         for path in &paths {
             let log = read(path, &file, &map)?;
-            // All logs share the time base of the first.
+            // All logs are brought onto the time base of the first.
             map.resample.sample_time.get_or_insert(log.0.ts().seconds());
             files.push(log);
         }
         let Some((first, _)) = files.first() else { return Err(RoadError::NoHealthyLog.into()) };
         let model = sampled(&file, first.ts())?;
-        for (path, (record, _)) in paths.iter().zip(&files) {
-            check_sample_time(path, record, first.ts())?;
-        }
         let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
             .iter()
             .map(|(record, _)| Healthy::split(record, request.share_to_learn))
@@ -239,15 +236,6 @@ fn sampled(file: &LinearModel, ts: SampleTime) -> Result<StateSpace<Discrete>, L
         LinearSystem::Continuous(model) => model.sample_zoh(ts)?,
         LinearSystem::Discrete(model) => model.clone(),
     })
-}
-
-fn check_sample_time(path: &Path, record: &Record, ts: SampleTime) -> Result<(), LogStudyError> {
-    let (expected, found) = (ts.seconds(), record.ts().seconds());
-    // Time bases are written with a few digits; a part in a million is not another time base.
-    if (expected - found).abs() > 1e-6 * expected {
-        return Err(LogStudyError::SampleTime { file: path.to_owned(), expected, found });
-    }
-    Ok(())
 }
 
 fn input_moves(record: &Record) -> bool {
