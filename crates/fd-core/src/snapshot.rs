@@ -1,6 +1,6 @@
 //! Saving and restoring the memory of running stages, to the bit.
 //!
-//! Every stage lists its memory once, in [`Stage::visit_state`](crate::stage::Stage::visit_state);
+//! Every stage lists its memory once, in [`Stage::visit_state`];
 //! the same list serves saving and restoring, so the two cannot drift apart.
 
 use serde::{Deserialize, Serialize};

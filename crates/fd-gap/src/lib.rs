@@ -10,6 +10,8 @@
 
 pub mod effect;
 pub mod equation;
+pub mod fit;
 pub mod model;
 pub mod patch;
+pub mod quality;
 pub mod simulate;

@@ -50,7 +50,7 @@ pub struct ResamplePolicy {
 
 /// What happens to samples that are not later than the one before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Disorder {
     /// They are an error.

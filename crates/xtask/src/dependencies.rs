@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&str]); 9] = [
+const ALLOWED: [(&str, &[&str]); 10] = [
     ("fd-core", &[]),
     ("fd-model", &["fd-core"]),
     ("fd-residual", &["fd-core", "fd-model"]),
@@ -25,15 +25,32 @@ const ALLOWED: [(&str, &[&str]); 9] = [
             "fd-gap",
         ],
     ),
+    (
+        "fdiag-benches",
+        &[
+            "fd-core",
+            "fd-model",
+            "fd-residual",
+            "fd-ident",
+            "fd-compensate",
+            "fd-jetengine",
+            "fd-gap",
+            "fdiag",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
 /// Checks the manifests of all crates below `root`.
 pub(crate) fn check(root: &Path) -> Faults {
     let mut faults = Vec::new();
+    let mut directories = vec![root.join("benches")];
     let crates = root.join("crates");
     for entry in fs::read_dir(&crates).map_err(|e| format!("{}: {e}", crates.display()))? {
-        let path = entry.map_err(|e| e.to_string())?.path().join("Cargo.toml");
+        directories.push(entry.map_err(|e| e.to_string())?.path());
+    }
+    for directory in directories {
+        let path = directory.join("Cargo.toml");
         let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         faults.extend(check_manifest(&text).map_err(|e| format!("{}: {e}", path.display()))?);
     }

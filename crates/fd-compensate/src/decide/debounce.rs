@@ -22,6 +22,9 @@ pub struct Debouncing {
     pub latch: bool,
 }
 
+/// Longest memory of a rule, in samples: more is a mistake in the settings, not a debounce.
+const MOST_SAMPLES: u64 = 1_000_000;
+
 impl Default for Debouncing {
     /// Every sample speaks for itself.
     fn default() -> Self {
@@ -47,6 +50,9 @@ impl Debouncing {
             |parameter, expected, found| Err(RuleError::Count { parameter, expected, found });
         if raise == 0 {
             return refuse("raise", "at least 1", raise);
+        }
+        if out_of > MOST_SAMPLES {
+            return refuse("out_of", "at most a million samples", out_of);
         }
         if out_of < raise {
             return refuse("out_of", "at least as large as raise", out_of);

@@ -58,7 +58,7 @@ pub struct FaultSpec {
 
 /// What a fault does to a value `v` of its signal or parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Effect {
     /// `v + f(t)`; sizes in the unit of the channel.
@@ -181,7 +181,7 @@ impl FaultSpec {
         match &self.effect {
             Effect::Add(profile) | Effect::Multiply(profile) => profile.check(),
             Effect::Scale(factor) => finite("scale", *factor),
-            Effect::StuckAt(value) => finite("stuck_at", *value),
+            Effect::StuckAt(value) => finite("stuck-at", *value),
             Effect::StuckLast => Ok(()),
         }
     }

@@ -11,7 +11,7 @@ use crate::{clock::reached, domain::SampleTime, fault::error::FaultError};
 /// Sizes are in the unit of the channel for additive faults and pure numbers for multiplicative
 /// ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum FaultProfile {
     /// `size` at once.

@@ -18,7 +18,7 @@ pub enum ChannelRef {
 
 /// Where a fault sits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Site {
     /// An output channel.

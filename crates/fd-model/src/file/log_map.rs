@@ -107,7 +107,7 @@ impl LogMap {
     /// # use fd_model::file::{LinearModel, LogMap};
     /// # let text = r#"
     /// # version = 1
-    /// # kind = "state_space"
+    /// # kind = "state-space"
     /// # inputs = [{ name = "u", unit = "V" }]
     /// # outputs = [{ name = "y", unit = "W" }]
     /// # matrices = { A = [[-1.0]], B = [[1.0]], C = [[1.0]], D = [[0.0]] }

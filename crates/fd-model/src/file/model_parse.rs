@@ -19,7 +19,7 @@ use crate::{
 };
 
 pub(super) const VERSION: u32 = 1;
-pub(super) const KIND: &str = "state_space";
+pub(super) const KIND: &str = "state-space";
 
 /// What every version of the format has.
 #[derive(Deserialize)]

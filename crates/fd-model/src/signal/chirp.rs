@@ -35,7 +35,7 @@ pub struct Chirp {
 
 /// How the frequency of a [`Chirp`] moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Sweep {
     /// By the same number of hertz each second.

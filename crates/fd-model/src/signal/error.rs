@@ -74,7 +74,7 @@ pub enum SignalError {
     },
     /// The autoregression does not have a steady state.
     #[error(
-        "ar_noise: the coefficients are not stable, reflection coefficient {order} is {value} and must be inside -1 to 1"
+        "ar-noise: the coefficients are not stable, reflection coefficient {order} is {value} and must be inside -1 to 1"
     )]
     UnstableNoise {
         /// Order of the reflection coefficient, from 1.

@@ -56,7 +56,7 @@ pub use self::{
 /// assert!(error.message().contains("`step`, `ramp`"), "{}", error.message());
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum SignalSpec {
     /// The same value at all times.

@@ -54,7 +54,7 @@ impl WhiteNoise {
     ///
     /// Returns an error when `sigma` is negative or not finite.
     pub fn values(&self, n: usize) -> Result<Vec<f64>, SignalError> {
-        in_range("white_noise", "sigma", "0 or above", self.sigma, 0.0 <= self.sigma)?;
+        in_range("white-noise", "sigma", "0 or above", self.sigma, 0.0 <= self.sigma)?;
         Ok(standard_normal(self.seed).map(|e| self.sigma * e).take(n).collect())
     }
 }
@@ -84,7 +84,7 @@ impl ArNoise {
     /// Returns an error when a number is not finite, `sigma` is negative or the coefficients are
     /// not stable.
     pub fn values(&self, n: usize) -> Result<Vec<f64>, SignalError> {
-        in_range("ar_noise", "sigma", "0 or above", self.sigma, 0.0 <= self.sigma)?;
+        in_range("ar-noise", "sigma", "0 or above", self.sigma, 0.0 <= self.sigma)?;
         let predictors = self.predictors()?;
         let p = self.coefficients.len();
         let mut w: Vec<f64> = Vec::with_capacity(n);
@@ -100,7 +100,7 @@ impl ArNoise {
     /// `a⁽ᵐ⁻¹⁾ᵢ = (a⁽ᵐ⁾ᵢ + kₘ a⁽ᵐ⁾ₘ₋ᵢ) / (1 − kₘ²)` with `kₘ = a⁽ᵐ⁾ₘ`; the autoregression is
     /// stable if and only if all `|kₘ| < 1`.
     fn predictors(&self) -> Result<Vec<Predictor>, SignalError> {
-        self.coefficients.iter().try_for_each(|&a| finite("ar_noise", "coefficients", a))?;
+        self.coefficients.iter().try_for_each(|&a| finite("ar-noise", "coefficients", a))?;
         let mut a = self.coefficients.clone();
         let mut predictors = Vec::with_capacity(a.len() + 1);
         let mut reflections = Vec::with_capacity(a.len());

@@ -30,7 +30,7 @@ pub struct MultiSine {
 
 /// How the phases of a [`MultiSine`] are chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Phases {
     /// All zero: each sinusoid starts at zero and rises.
@@ -138,7 +138,7 @@ impl MultiSine {
     }
 
     fn check(&self, ts: SampleTime) -> Result<(), SignalError> {
-        const SIGNAL: &str = "multi_sine";
+        const SIGNAL: &str = "multi-sine";
         let expected = self.frequencies_hz.len();
         let mut lists = vec![("amplitudes", &self.amplitudes)];
         if let Phases::Given { rad } = &self.phases {

@@ -224,15 +224,15 @@ fn parameters_out_of_range_are_named() {
     );
     assert_eq!(
         message(MultiSine::new(vec![5.0], vec![1.0], Phases::Zero).into()),
-        "multi_sine: 5 Hz is not below the Nyquist frequency 5 Hz of the sample time"
+        "multi-sine: 5 Hz is not below the Nyquist frequency 5 Hz of the sample time"
     );
     assert_eq!(
         message(MultiSine::new(vec![1.0], vec![1.0, 2.0], Phases::Zero).into()),
-        "multi_sine: `amplitudes` needs 1 values, one per frequency, got 2"
+        "multi-sine: `amplitudes` needs 1 values, one per frequency, got 2"
     );
     assert_eq!(
         message(ArNoise::new(vec![0.0, 1.0], 1.0, 0).into()),
-        "ar_noise: the coefficients are not stable, reflection coefficient 2 is 1 and must be \
+        "ar-noise: the coefficients are not stable, reflection coefficient 2 is 1 and must be \
          inside -1 to 1"
     );
     assert_eq!(
@@ -241,7 +241,7 @@ fn parameters_out_of_range_are_named() {
     );
     assert_eq!(
         message(WhiteNoise::new(-1.0, 0).into()),
-        "white_noise: `sigma` must be 0 or above, got -1"
+        "white-noise: `sigma` must be 0 or above, got -1"
     );
 }
 

@@ -196,8 +196,8 @@ fn a_simulation_can_stand_in_a_file() {
     let text = r#"
         x0 = [0.0, 1.0]
         output_noise = [
-            { kind = "white_noise", sigma = 0.1, seed = 1 },
-            { kind = "ar_noise", coefficients = [0.9], sigma = 0.1, seed = 2 },
+            { kind = "white-noise", sigma = 0.1, seed = 1 },
+            { kind = "ar-noise", coefficients = [0.9], sigma = 0.1, seed = 2 },
         ]
 
         [[faults]]

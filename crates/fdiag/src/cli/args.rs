@@ -49,7 +49,7 @@ pub(crate) struct EngineArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// Number of perturbed engines
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) seeds: Option<u64>,
     /// First seed
     #[arg(long, value_name = "S")]
@@ -81,7 +81,7 @@ pub(crate) struct CompensateArgs {
     pub(crate) spec: Option<PathBuf>,
     /// Share of each healthy log, from its start, to learn the bias from; the alarm threshold is
     /// taken from the rest
-    #[arg(long, value_name = "SHARE", default_value_t = 0.7)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = share)]
     pub(crate) learn_share: f64,
     /// Print the spec that would run, and stop
     #[arg(long)]
@@ -109,5 +109,14 @@ pub(crate) struct OutputArgs {
 impl Default for OutputArgs {
     fn default() -> Self {
         Self { out: PathBuf::from("fdiag-report"), json: false, threads: 0 }
+    }
+}
+
+/// A part of a whole that leaves something of it.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
+        Ok(_) => Err("expected a number between 0 and 1, both excluded".to_owned()),
+        Err(error) => Err(format!("expected a number between 0 and 1: {error}")),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use fdiag::engine::{Benchmark, EngineConfig};
+use fdiag::engine::{Benchmark, EngineConfig, EngineStudyError};
 
 use super::{args::EngineArgs, failure::Failure, output::Output, progress::bar, toml_file};
 
@@ -20,9 +20,10 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
         .num_threads(args.output.threads)
         .build()
         .map_err(Failure::analysis)?;
-    let benchmark = Benchmark::new(config).map_err(Failure::analysis)?;
+    let refused = |error| refusal(args, &error);
+    let benchmark = Benchmark::new(config).map_err(refused)?;
     let progress = bar(benchmark.config().seeds, "engines");
-    let study = pool.install(|| benchmark.study(|| progress.inc(1))).map_err(Failure::analysis)?;
+    let study = pool.install(|| benchmark.study(|| progress.inc(1))).map_err(refused)?;
     progress.finish_and_clear();
     let first = study.trials.first().map_or(benchmark.config().first_seed, |trial| trial.seed);
     let example = benchmark.example(first).map_err(Failure::analysis)?;
@@ -53,4 +54,19 @@ fn configuration(args: &EngineArgs) -> Result<EngineConfig, Failure> {
         config.first_seed = first;
     }
     Ok(config)
+}
+
+/// A setting that cannot be is the fault of the configuration file, all else of what it asks for.
+fn refusal(args: &EngineArgs, error: &EngineStudyError) -> Failure {
+    let setting = matches!(
+        error,
+        EngineStudyError::Version { .. }
+            | EngineStudyError::Setting { .. }
+            | EngineStudyError::None { .. }
+            | EngineStudyError::UnknownSensor { .. }
+    );
+    match &args.config {
+        Some(file) if setting => Failure::input(file, error),
+        _ => Failure::analysis(error),
+    }
 }

@@ -15,17 +15,32 @@ use super::{args::OutputArgs, failure::Failure};
 /// Width of tables when the terminal does not say.
 const DEFAULT_WIDTH: u16 = 110;
 
-/// A directory that results are written to.
+/// A directory that results are written to. Directories that were made for results that never came
+/// are removed again.
 pub(crate) struct Output<'a> {
     directory: &'a Path,
     json: bool,
+    /// Directories that were not there before, innermost first.
+    made: Vec<&'a Path>,
+}
+
+impl Drop for Output<'_> {
+    fn drop(&mut self) {
+        for directory in &self.made {
+            // Fails, as it should, when there is something in it.
+            let _ = fs::remove_dir(directory);
+        }
+    }
 }
 
 impl<'a> Output<'a> {
     /// Makes the directory if needed, before any work is done for it.
     pub(crate) fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
+        let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let made = args.out.ancestors().take_while(missing).collect();
+        let output = Self { directory: &args.out, json: args.json, made };
         fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
-        Ok(Self { directory: &args.out, json: args.json })
+        Ok(output)
     }
 
     /// Writes a file as a whole: it appears complete or not at all.

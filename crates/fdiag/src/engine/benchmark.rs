@@ -34,8 +34,8 @@ type Relative = PerUnit<Engine17<f64>, NX>;
 pub(super) struct Case {
     /// The engine in relative deviations from where it stands, at rest at zero.
     training: Box<dyn Plant>,
-    /// The same engine where the fresh runs take place.
-    fresh: Box<dyn Plant>,
+    /// The same engine where the test runs take place.
+    moved: Box<dyn Plant>,
     /// The perturbed plant, when it is linear.
     pub(super) plant: Option<StateSpace<Discrete>>,
     pub(super) model: StateSpace<Discrete>,
@@ -97,6 +97,11 @@ impl Benchmark {
         self.ts
     }
 
+    /// Output channels of the scaled engine.
+    pub(super) fn outputs(&self) -> Vec<Channel> {
+        self.nominal.outputs.clone()
+    }
+
     /// Index of the sensors that the faults are on.
     pub(super) fn fault_channels(&self) -> Result<Vec<usize>, EngineStudyError> {
         let names = || self.nominal.outputs.iter().map(|c| c.name.clone()).collect();
@@ -122,31 +127,38 @@ impl Benchmark {
             _ => self.config.plant.perturbation.draw(&self.nominal, rng.next_u64())?,
         };
         let drawn = &draw.model.model;
-        let (training, fresh, plant, model): (Box<dyn Plant>, Box<dyn Plant>, _, _) =
-            match (&self.engine, &self.config.plant.engine) {
-                (
-                    Some(engine),
-                    EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
-                ) => {
-                    let mut health = Health::default();
-                    for parameter in HealthParameter::MODULES {
-                        let delta = health_scatter * rng.random_range(-1.0..1.0);
-                        health = health.shifted(parameter, delta);
-                    }
-                    let engine = engine.clone().with_health(health);
-                    let training = self.about(&engine, *fuel_kg_s)?;
-                    let fresh = self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?;
-                    // The engine is what it is; it is the model that is wrong.
-                    (Box::new(training), Box::new(fresh), None, self.observer_model(drawn)?)
-                }
-                _ => {
-                    let plant = drawn.sample_zoh(self.ts)?;
-                    let running = plant.freeze::<f64, Heap>()?;
-                    let model = self.observer_model(&self.nominal.model)?;
-                    (Box::new(running.clone()), Box::new(running), Some(plant), model)
-                }
-            };
-        Ok(Case { training, fresh, plant, model, redraws: draw.rejected, rng })
+        let rejected = draw.rejected;
+        if let (
+            Some(engine),
+            EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
+        ) = (&self.engine, &self.config.plant.engine)
+        {
+            let mut health = Health::default();
+            for parameter in HealthParameter::MODULES {
+                let delta = health_scatter * rng.random_range(-1.0..1.0);
+                health = health.shifted(parameter, delta);
+            }
+            let engine = engine.clone().with_health(health);
+            return Ok(Case {
+                training: Box::new(self.about(&engine, *fuel_kg_s)?),
+                moved: Box::new(self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?),
+                plant: None,
+                // The engine is what it is; it is the model that is wrong.
+                model: self.observer_model(drawn)?,
+                redraws: rejected,
+                rng,
+            });
+        }
+        let plant = drawn.sample_zoh(self.ts)?;
+        let running = plant.freeze::<f64, Heap>()?;
+        Ok(Case {
+            training: Box::new(running.clone()),
+            moved: Box::new(running),
+            plant: Some(plant),
+            model: self.observer_model(&self.nominal.model)?,
+            redraws: rejected,
+            rng,
+        })
     }
 
     /// The nonlinear engine in relative deviations from its own equilibrium at a fuel flow.
@@ -181,10 +193,16 @@ impl Benchmark {
         self.run(case.training.as_ref(), &inputs, &mut case.rng)
     }
 
-    /// A healthy run with a fresh input.
-    pub(super) fn fresh_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
+    /// A healthy run with a fresh input where the bias was learned.
+    pub(super) fn calibration_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
         let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
-        self.run(case.fresh.as_ref(), &inputs, &mut case.rng)
+        self.run(case.training.as_ref(), &inputs, &mut case.rng)
+    }
+
+    /// A healthy run with a fresh input where the engine is now.
+    pub(super) fn test_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
+        let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
+        self.run(case.moved.as_ref(), &inputs, &mut case.rng)
     }
 
     fn run(

@@ -1,6 +1,9 @@
 //! Every choice of the engine benchmark, with the paper's experiment as the default.
 
-use fd_compensate::{decide::Debouncing, detect::DEFAULT_MARGIN};
+use fd_compensate::{
+    decide::{Debouncing, Sizing},
+    detect::DEFAULT_MARGIN,
+};
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::Perturbation;
 use fd_model::uncertainty::MatrixPerturbation;
@@ -81,8 +84,8 @@ pub enum EngineChoice {
         /// Fuel flow of the operating point in kg/s at which the model is made.
         #[serde(default = "reference_fuel")]
         fuel_kg_s: f64,
-        /// Fuel flow at which the fresh runs take place, if the operating point moves after
-        /// training.
+        /// Fuel flow at which the test runs take place, if the operating point moves after the bias
+        /// was learned and the thresholds were set.
         #[serde(default)]
         moved_to_kg_s: Option<f64>,
         /// Largest relative deviation of module efficiencies and flow capacities, uniform.
@@ -189,6 +192,8 @@ fn default_pipeline() -> PipelineSpec {
         settle_s: Some(0.0),
         detector: DetectorSpec::Maximum { margin: DEFAULT_MARGIN },
         rule: Debouncing::default(),
+        // Two seconds: long against the noise, short against the rise of the fault.
+        sizing: Sizing { memory: Some(40.0), ..Sizing::default() },
         ..PipelineSpec::default()
     }
 }

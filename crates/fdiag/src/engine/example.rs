@@ -81,7 +81,7 @@ impl Benchmark {
     pub fn example(&self, seed: u64) -> Result<Example, EngineStudyError> {
         let mut case = self.case(seed)?;
         let trained = self.trained(&mut case)?;
-        let record = self.fresh_run(&mut case)?;
+        let record = self.test_run(&mut case)?;
         // Drawn again, the same case gives the same training run.
         let mut again = self.case(seed)?;
         let training = self.training_run(&mut again)?;

@@ -64,14 +64,25 @@ impl Study {
             format!("{:.1}", 100.0 * s.false_alarms_compensated),
             String::new(),
         ]);
+        residuals.push([
+            "largest residual, test runs".to_owned(),
+            String::new(),
+            String::new(),
+            range(&s.fault_free_test_ratio),
+        ]);
         let mut faults = Table::new(
             "Smallest detectable incipient sensor fault",
             &["sensor", "primary [%]", "compensated [%]", "times smaller"],
         );
-        let size = format!("found at {} of reading [% of runs]", percent(self.config.faults.size));
         let mut found = Table::new(
-            "Incipient fault of the configured size",
-            &["sensor", "primary", "compensated", "delay, compensated [s]"],
+            format!("Incipient fault of {} of the reading", percent(self.config.faults.size)),
+            &[
+                "sensor",
+                "found, primary [%]",
+                "found, compensated [%]",
+                "delay [s]",
+                "estimated / true size",
+            ],
         );
         for fault in &s.faults {
             faults.push([
@@ -81,10 +92,11 @@ impl Study {
                 range(&fault.smallest_ratio),
             ]);
             found.push([
-                format!("{} {size}", fault.sensor),
+                fault.sensor.clone(),
                 format!("{:.1}", 100.0 * fault.found_primary),
                 format!("{:.1}", 100.0 * fault.found_compensated),
                 range(&fault.delay_compensated_s),
+                range(&fault.estimated),
             ]);
         }
         vec![residuals, faults, found]
@@ -175,7 +187,7 @@ impl Example {
         pictures
     }
 
-    fn over_time(&self, title: String, lines: Vec<Line>, y_label: &str) -> Picture {
+    fn over_time(title: String, lines: Vec<Line>, y_label: &str) -> Picture {
         Picture {
             title,
             x_label: "time [s]".to_owned(),
@@ -203,12 +215,12 @@ impl Example {
             caption: "The healthy run that the bias is learned from: the residual, and what the \
                       frozen model makes of the fuel flow alone."
                 .to_owned(),
-            picture: self.over_time("Training".to_owned(), lines, "residual [per unit]"),
+            picture: Self::over_time("Training".to_owned(), lines, "residual [per unit]"),
         }
     }
 
     fn healthy_picture(&self) -> NamedPicture {
-        let mut picture = self.over_time(
+        let mut picture = Self::over_time(
             "Figure 4: healthy engine, fresh input".to_owned(),
             self.residual_lines(&self.healthy).to_vec(),
             "residual [per unit]",
@@ -235,7 +247,7 @@ impl Example {
         // The paper gives the first sensor two figures, each further one a single figure.
         let figure = 6 + index;
         let reading_figure = if index == 0 { 5 } else { figure };
-        let mut reading = self.over_time(
+        let mut reading = Self::over_time(
             format!("Figure {reading_figure}: reading of {sensor} with an incipient fault"),
             vec![line("reading", &run.reading), line("fault in it", &run.fault)],
             &format!("change of {sensor} [{}]", run.unit),
@@ -243,7 +255,7 @@ impl Example {
         reading.marks.clone_from(&mark);
         let [primary, compensated] = self.residual_lines(&run.residuals);
         let residual = |title: String, line: Line, threshold: f64| {
-            let mut picture = self.over_time(title, vec![line], "residual [per unit]");
+            let mut picture = Self::over_time(title, vec![line], "residual [per unit]");
             picture.levels = vec![(threshold, "threshold".to_owned()), (-threshold, String::new())];
             picture.marks.clone_from(&mark);
             picture

@@ -37,6 +37,8 @@ pub struct Summary {
     pub fault_free_compensated: Range,
     /// How many times the compensation made it smaller.
     pub fault_free_ratio: Range,
+    /// The same over the test runs.
+    pub fault_free_test_ratio: Range,
     /// Share of fault-free test runs with an alarm, without compensation.
     pub false_alarms_primary: f64,
     /// Share of fault-free test runs with an alarm, with compensation.
@@ -62,6 +64,8 @@ pub struct FaultSummary {
     pub found_primary: f64,
     /// The same with compensation.
     pub found_compensated: f64,
+    /// Estimated over true size of that fault, with compensation.
+    pub estimated: Range,
     /// Delay in s with compensation.
     pub delay_compensated_s: Range,
 }
@@ -108,10 +112,11 @@ impl Benchmark {
             }
         }
         self.fault_channels()?;
-        let seeds = config.first_seed..config.first_seed + config.seeds;
-        let results: Vec<(u64, Result<Trial, EngineStudyError>)> = seeds
+        let results: Vec<(u64, Result<Trial, EngineStudyError>)> = (0..config.seeds)
             .into_par_iter()
-            .map(|seed| {
+            .map(|i| {
+                // After the largest seed comes 0.
+                let seed = config.first_seed.wrapping_add(i);
                 let trial = self.trial(seed);
                 done();
                 (seed, trial)
@@ -158,12 +163,14 @@ impl Summary {
             smallest_ratio: range(&|t| t.faults[i].smallest.ratio()),
             found_primary: mean(&|t| t.faults[i].found.primary),
             found_compensated: mean(&|t| t.faults[i].found.compensated),
+            estimated: range(&|t| t.faults[i].estimated),
             delay_compensated_s: range(&|t| t.faults[i].delay_s.compensated),
         });
         Self {
             fault_free_primary: range(&|t| t.fault_free.primary),
             fault_free_compensated: range(&|t| t.fault_free.compensated),
             fault_free_ratio: range(&|t| t.fault_free.ratio()),
+            fault_free_test_ratio: range(&|t| t.fault_free_test.ratio()),
             false_alarms_primary: mean(&|t| t.false_alarms.primary),
             false_alarms_compensated: mean(&|t| t.false_alarms.compensated),
             faults: faults.collect(),

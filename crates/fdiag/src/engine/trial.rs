@@ -6,7 +6,7 @@ use fd_compensate::{
     evaluate::{alarms, smallest_detectable_by_search},
 };
 use fd_core::{Event, stage::Detector};
-use fd_model::Record;
+use fd_model::{Channel, Record};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -14,7 +14,7 @@ use super::{
     error::EngineStudyError,
     quantile::median,
 };
-use crate::road::{Healthy, RoadError, Trace, Trained, residual_record, train};
+use crate::road::{Healthy, RoadError, Trace, Trained, sensor_sizes, train};
 
 /// Largest fault that is tried, relative to the reading.
 const LARGEST_FAULT: f64 = 10.0;
@@ -32,8 +32,10 @@ pub struct Trial {
     pub theta: Vec<f64>,
     /// Sample at which a recursive training froze them.
     pub frozen_at: Option<u64>,
-    /// Without and with compensation.
+    /// Largest fault-free residual over the calibration runs.
     pub fault_free: Pair,
+    /// Largest fault-free residual over the test runs.
+    pub fault_free_test: Pair,
     /// Share of fault-free test runs with an alarm, without and with compensation.
     pub false_alarms: Pair,
     /// One entry per faulty sensor.
@@ -69,6 +71,10 @@ pub struct FaultOutcome {
     pub smallest: Pair,
     /// Share of test runs in which the fault of the configured size is found.
     pub found: Pair,
+    /// Median estimate of the size of that fault at the end of the run, relative to its true size,
+    /// from the compensated residual and taken as known which sensor it is; NaN when it is never
+    /// found.
+    pub estimated: f64,
     /// Median delay from the start of the fault to the alarm in s, over the runs in which it is
     /// found; NaN when it never is.
     pub delay_s: Pair,
@@ -100,16 +106,17 @@ impl Benchmark {
         };
         let mut faults = Vec::new();
         for channel in self.fault_channels()? {
-            let phi = self.unit_fault_response(&trained, channel)?;
+            let (phi, phi_star) = self.unit_fault_response(&trained, channel)?;
             let size = self.config().faults.size;
             let a = plain.find(&tests.primary, &phi, size, tests.start)?;
-            let b = compensated.find(&tests.compensated, &phi, size, tests.start)?;
+            let b = compensated.find(&tests.compensated, &phi_star, size, tests.start)?;
             let last = phi.len() - trained.design().residual_len();
             let seconds = |samples: f64| samples * self.ts().seconds();
             faults.push(FaultOutcome {
                 sensor: self.readings()[channel].0.name.clone(),
                 residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
                 smallest: Pair { primary: a.smallest, compensated: b.smallest },
+                estimated: self.estimated_size(&trained, &tests.compensated, &phi_star, channel)?,
                 found: Pair { primary: a.share, compensated: b.share },
                 delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
             });
@@ -122,6 +129,10 @@ impl Benchmark {
             theta: trained.bias_model().theta().to_vec(),
             frozen_at: trained.events().last().map(|event: &Event| event.k),
             fault_free: Pair { primary, compensated },
+            fault_free_test: Pair {
+                primary: largest(&tests.primary),
+                compensated: largest(&tests.compensated),
+            },
             false_alarms,
             faults,
         })
@@ -132,7 +143,7 @@ impl Benchmark {
         let training = self.training_run(case)?;
         let mut calibration = Vec::new();
         for _ in 0..self.config().calibration_runs {
-            calibration.push(self.fresh_run(case)?);
+            calibration.push(self.calibration_run(case)?);
         }
         let mut healthy = vec![Healthy::learn(&training)];
         healthy.extend(calibration.iter().map(Healthy::calibrate));
@@ -146,7 +157,7 @@ impl Benchmark {
             compensated: Vec::new(),
         };
         for _ in 0..self.config().test_runs {
-            let record = self.fresh_run(case)?;
+            let record = self.test_run(case)?;
             let trace = Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?;
             tests.primary.push(trace.residual);
             tests.compensated.push(trace.compensated);
@@ -154,24 +165,64 @@ impl Benchmark {
         Ok(tests)
     }
 
-    /// Residual of a healthy plant at rest whose sensor has the incipient fault of size 1.
-    pub(super) fn unit_fault_response(
+    /// What an incipient fault of size 1 adds to both residuals. The generator and the compensation
+    /// are linear in `y`, so the difference between a plant at rest with and without the fault is
+    /// what it adds to any run. Without one-step compensation the two are the same.
+    fn unit_fault_response(
         &self,
         trained: &Trained,
         channel: usize,
-    ) -> Result<Vec<f64>, EngineStudyError> {
-        let mut generator = trained.design().build().map_err(RoadError::from)?;
-        let io = generator.io();
+    ) -> Result<(Vec<f64>, Vec<f64>), EngineStudyError> {
+        let size = self.config().faults.size.max(f64::MIN_POSITIVE);
+        let io = trained.design().io();
         let profile = self.fault_profile();
-        let u = vec![0.0; profile.len() * io.nu];
-        let y = profile
-            .iter()
-            .flat_map(|v| (0..io.ny).map(move |i| if i == channel { *v } else { 0.0 }))
-            .collect();
-        let channels = |n| fd_model::Channel::numbered("c", n);
-        let record = Record::new(channels(io.nu), channels(io.ny), u, y, self.ts())?;
-        let response = residual_record(&mut generator, &record, 0)?;
-        Ok(response.samples().flat_map(|(_, r)| r.to_vec()).collect())
+        let at_rest = |size: f64| -> Result<Trace, EngineStudyError> {
+            let u = vec![0.0; profile.len() * io.nu];
+            let y = profile
+                .iter()
+                .flat_map(|v| (0..io.ny).map(move |i| if i == channel { size * v } else { 0.0 }))
+                .collect();
+            let record =
+                Record::new(Channel::numbered("u", io.nu), self.outputs(), u, y, self.ts())?;
+            Ok(Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?)
+        };
+        let (faulty, healthy) = (at_rest(size)?, at_rest(0.0)?);
+        let per_unit = |faulty: &[f64], healthy: &[f64]| {
+            faulty.iter().zip(healthy).map(|(f, h)| (f - h) / size).collect()
+        };
+        Ok((
+            per_unit(&faulty.residual, &healthy.residual),
+            per_unit(&faulty.compensated, &healthy.compensated),
+        ))
+    }
+
+    /// Estimated over true size of the configured fault.
+    fn estimated_size(
+        &self,
+        trained: &Trained,
+        runs: &[Vec<f64>],
+        phi: &[f64],
+        channel: usize,
+    ) -> Result<f64, EngineStudyError> {
+        let size = self.config().faults.size;
+        let channels = trained.design().residual_len();
+        let mut detector = trained.detector(trained.calibration().1)?;
+        let mut ratios = Vec::new();
+        for r in runs {
+            detector.reset();
+            let mut trace = Trace { channels, ..Trace::default() };
+            trace.compensated = r.iter().zip(phi).map(|(r, g)| r + size * g).collect();
+            for row in trace.compensated.chunks_exact(channels) {
+                let verdict = detector.update(row);
+                trace.statistic.push(verdict.statistic);
+                trace.threshold.push(verdict.threshold);
+                trace.compensating.push(true);
+            }
+            if let Some(sizes) = sensor_sizes(trained, &trace)? {
+                ratios.push(sizes[channel] / size);
+            }
+        }
+        Ok(median(&mut ratios))
     }
 
     /// The incipient fault of size 1 over a fresh run.
@@ -189,6 +240,10 @@ impl Benchmark {
     pub(super) fn samples(&self, seconds: f64) -> usize {
         (seconds / self.ts().seconds()).round().max(0.0) as usize
     }
+}
+
+fn largest(runs: &[Vec<f64>]) -> f64 {
+    runs.iter().flatten().fold(0.0, |m, v| v.abs().max(m))
 }
 
 /// The calibrated detector of one of the two residuals.
@@ -209,8 +264,7 @@ struct Found {
 impl Watch {
     fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, RoadError> {
         let channels = trained.design().residual_len();
-        let rows = SampleRows::new(channels, healthy)?;
-        let detector = trained.spec().detector.calibrated(rows)?;
+        let detector = trained.detector(healthy)?;
         Ok(Self { detector, rule: trained.spec().rule, channels })
     }
 
@@ -235,8 +289,7 @@ impl Watch {
         Ok(count as f64 / runs.len() as f64)
     }
 
-    /// With a linear generator, and a compensation that looks at `u` alone, a fault of size `s`
-    /// makes the residual `r + s φ` exactly, so no run has to be simulated again.
+    /// A fault of size `s` makes the residual `r + s φ` exactly, so no run is simulated again.
     fn find(
         &mut self,
         runs: &[Vec<f64>],

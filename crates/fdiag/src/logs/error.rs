@@ -16,27 +16,17 @@ use crate::road::RoadError;
 pub enum LogStudyError {
     /// The model file.
     #[error(transparent)]
-    ModelFile(#[from] ModelFileError),
+    ModelFile(Box<ModelFileError>),
     /// A log file.
     #[error(transparent)]
-    Log(#[from] LogError),
-    /// A log is on another time base than the model or the first log.
-    #[error("{}: sample time is {found} s, expected {expected} s; set resample.sample_time in the column map", file.display())]
-    SampleTime {
-        /// The log.
-        file: PathBuf,
-        /// Sample time of the model or of the first log.
-        expected: f64,
-        /// Sample time of this log.
-        found: f64,
-    },
+    Log(Box<LogError>),
     /// A log does not fit the scaling of the model.
     #[error("{}: {source}", file.display())]
     Record {
         /// The log.
         file: PathBuf,
         /// Why.
-        source: RecordError,
+        source: Box<RecordError>,
     },
     /// A log has no excitation, so that nothing can be learned from it.
     #[error("no input moves in the healthy logs, so the bias that it causes cannot be learned")]
@@ -47,4 +37,16 @@ pub enum LogStudyError {
     /// Training or diagnosis.
     #[error(transparent)]
     Road(#[from] RoadError),
+}
+
+impl From<ModelFileError> for LogStudyError {
+    fn from(error: ModelFileError) -> Self {
+        Self::ModelFile(Box::new(error))
+    }
+}
+
+impl From<LogError> for LogStudyError {
+    fn from(error: LogError) -> Self {
+        Self::Log(Box::new(error))
+    }
 }

@@ -6,5 +6,5 @@ mod study;
 
 pub use self::{
     error::LogStudyError,
-    study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, Request, Traces},
+    study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, Request, SignalUnit, Traces},
 };

@@ -1,6 +1,6 @@
 //! A study of logs as a sentence, tables, pictures and a page.
 
-use super::study::{LogResult, LogStudy, Traces};
+use super::study::{LogResult, LogStudy, SignalUnit, Traces};
 use crate::{
     report::{Line, Page, Picture, PictureError, Table, figure},
     road::Trace,
@@ -19,6 +19,16 @@ impl LogStudy {
             (squares.sum::<f64>() / count as f64).sqrt()
         };
         let (before, after) = (total(&|log| &log.rms_primary), total(&|log| &log.rms_compensated));
+        // Several outputs have no unit in common; what is left is how much smaller they became.
+        let change = match &self.residuals[..] {
+            [only] => format!(
+                " from {} to {} {}",
+                figure(only.scale * before),
+                figure(only.scale * after),
+                only.unit
+            ),
+            _ => String::new(),
+        };
         let which = if later.is_empty() { "healthy logs" } else { "later logs" };
         let alarmed = later.iter().filter(|log| log.first_alarm_s.1.is_some()).count();
         let alarms = match (later.len(), alarmed) {
@@ -26,12 +36,33 @@ impl LogStudy {
             (n, 0) => format!(" None of the {n} later logs raises an alarm."),
             (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
         };
+        let verb = if after <= before {
+            format!("{} times smaller", figure(before / after))
+        } else {
+            format!("{} times larger", figure(after / before))
+        };
         format!(
-            "Compensation changes the rms residual on the {which} from {} to {} ({} times \
-             smaller).{alarms}",
-            figure(before),
-            figure(after),
-            figure(before / after),
+            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}",
+            self.warning()
+        )
+    }
+
+    /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
+    fn warning(&self) -> String {
+        let total = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        let worse: Vec<String> = self
+            .logs
+            .iter()
+            .filter(|log| total(&log.rms_compensated) > total(&log.rms_primary))
+            .map(file_name)
+            .collect();
+        if worse.is_empty() {
+            return String::new();
+        }
+        format!(
+            " It makes the residual larger on {}: the bias there is not the one that was learned, \
+             for example because it is not linear in the input.",
+            worse.join(", ")
         )
     }
 
@@ -39,7 +70,7 @@ impl LogStudy {
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         let mut logs = Table::new(
-            format!("{}: residuals (in the scaled unit of the outputs)", self.model),
+            format!("{}: residuals", self.model),
             &[
                 "log",
                 "role",
@@ -53,13 +84,15 @@ impl LogStudy {
             ],
         );
         for log in &self.logs {
-            for (channel, name) in self.residuals.iter().enumerate() {
-                let (before, after) = (log.rms_primary[channel], log.rms_compensated[channel]);
+            for (channel, residual) in self.residuals.iter().enumerate() {
+                let scale = residual.scale;
+                let before = scale * log.rms_primary[channel];
+                let after = scale * log.rms_compensated[channel];
                 logs.push([
-                    log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into()),
+                    file_name(log),
                     if log.healthy { "healthy" } else { "later" }.to_owned(),
                     log.samples.to_string(),
-                    name.clone(),
+                    format!("{} [{}]", residual.name, residual.unit),
                     figure(before),
                     figure(after),
                     figure(before / after),
@@ -72,7 +105,7 @@ impl LogStudy {
         bias.push(["orders".to_owned(), self.bias.orders.clone()]);
         bias.push(["parameters".to_owned(), list(&self.bias.theta)]);
         for (name, poles) in self.residuals.iter().zip(&self.bias.poles) {
-            bias.push([format!("pole magnitudes, {name}"), list(poles)]);
+            bias.push([format!("pole magnitudes, {}", name.name), list(poles)]);
         }
         if let Some(selection) = &self.bias.selection {
             bias.push(["order criteria".to_owned(), selection.clone()]);
@@ -92,31 +125,43 @@ impl LogStudy {
         }
         for (log, (_, with)) in self.logs.iter().zip(&traces.logs) {
             let role = if log.healthy { "healthy" } else { "later" };
-            page.heading(format!("{} ({role})", log.file.display()));
-            for (channel, name) in self.residuals.iter().enumerate() {
-                page.picture(&self.residual_picture(with, channel, name), caption(log))?;
+            page.heading(format!("{} ({role})", file_name(log)));
+            for (channel, residual) in self.residuals.iter().enumerate() {
+                page.picture(&self.residual_picture(with, channel, residual), caption(log))?;
             }
             if self.residuals.len() > 1 {
                 page.picture(&statistic_picture(with), "Test statistic over all residuals.")?;
             }
-            page.table(events(log));
+            if let Some(sizes) = &log.sensor_sizes {
+                let mut table =
+                    Table::new("If it is a lasting sensor fault", &["of sensor", "size"]);
+                for (output, size) in self.outputs.iter().zip(sizes) {
+                    table.push([output.name.clone(), format!("{} {}", figure(*size), output.unit)]);
+                }
+                page.table(table);
+            }
+            if !log.events.is_empty() {
+                page.table(events(log));
+            }
         }
         Ok(page)
     }
 
-    fn residual_picture(&self, trace: &Trace, channel: usize, name: &str) -> Picture {
+    fn residual_picture(&self, trace: &Trace, channel: usize, residual: &SignalUnit) -> Picture {
+        let SignalUnit { name, unit, scale } = residual;
         let line = |label: &str, values: &[f64]| {
-            let own = values.iter().skip(channel).step_by(trace.channels.max(1)).copied();
+            let own = values.iter().skip(channel).step_by(trace.channels.max(1)).map(|v| v * scale);
             Line::new(label, trace.time.iter().copied().zip(own))
         };
         let mut picture = Picture {
-            title: format!("Residual {name}"),
+            title: format!("Residual of {name}"),
             x_label: "time [s]".to_owned(),
-            y_label: "residual [scaled]".to_owned(),
+            y_label: format!("residual [{unit}]"),
             lines: vec![line("primary", &trace.residual), line("compensated", &trace.compensated)],
             ..Picture::default()
         };
         if let (1, Some(&threshold)) = (self.residuals.len(), trace.threshold.first()) {
+            let threshold = threshold * scale;
             picture.levels =
                 vec![(threshold, "threshold of r*".to_owned()), (-threshold, String::new())];
         }
@@ -125,6 +170,10 @@ impl LogStudy {
         }
         picture
     }
+}
+
+fn file_name(log: &LogResult) -> String {
+    log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned())
 }
 
 fn statistic_picture(trace: &Trace) -> Picture {

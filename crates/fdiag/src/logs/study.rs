@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::LogStudyError;
 use crate::{
-    road::{Healthy, RoadError, Trace, train},
-    spec::PipelineSpec,
+    road::{Healthy, RoadError, Trace, sensor_sizes, train},
+    spec::{GeneratorSpec, PipelineSpec},
 };
 
 /// The version of the JSON report.
@@ -43,16 +43,27 @@ pub struct LogStudy {
     pub version: u32,
     /// Name of the model.
     pub model: String,
-    /// Output channels in physical units, each with the value that one per unit stands for.
-    pub outputs: Vec<(String, f64)>,
-    /// Names of the residual channels.
-    pub residuals: Vec<String>,
+    /// Output channels.
+    pub outputs: Vec<SignalUnit>,
+    /// Residual channels.
+    pub residuals: Vec<SignalUnit>,
     /// What was chosen.
     pub spec: PipelineSpec,
     /// The learned bias.
     pub bias: BiasSummary,
     /// Every log, healthy ones first.
     pub logs: Vec<LogResult>,
+}
+
+/// A channel, its unit, and what one in the signals of the report is worth in that unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SignalUnit {
+    /// Name.
+    pub name: String,
+    /// Unit; `1` when outputs of different units were combined.
+    pub unit: String,
+    /// Value of one in that unit.
+    pub scale: f64,
 }
 
 /// The learned bias model.
@@ -81,7 +92,7 @@ pub struct LogResult {
     pub samples: usize,
     /// The time base of the file.
     pub time_base: TimeBaseReport,
-    /// Root mean square of each residual channel before compensation.
+    /// Root mean square of each residual channel before compensation, in scaled units.
     pub rms_primary: Vec<f64>,
     /// Root mean square of each residual channel after compensation.
     pub rms_compensated: Vec<f64>,
@@ -91,6 +102,9 @@ pub struct LogResult {
     pub first_alarm_s: (Option<f64>, Option<f64>),
     /// Share of samples in alarm without and with compensation.
     pub alarm_share: (f64, f64),
+    /// After an alarm that stands at the end of the log: the size that a lasting fault of each
+    /// output's sensor would have to explain it, in the unit of the output.
+    pub sensor_sizes: Option<Vec<f64>>,
     /// What happened.
     pub events: Vec<Event>,
     /// Samples refused because they were missing.
@@ -135,15 +149,12 @@ impl LogStudy {
         let mut files = Vec::new();
         for path in &paths {
             let log = read(path, &file, &map)?;
-            // All logs share the time base of the first.
+            // All logs are brought onto the time base of the first.
             map.resample.sample_time.get_or_insert(log.0.ts().seconds());
             files.push(log);
         }
         let Some((first, _)) = files.first() else { return Err(RoadError::NoHealthyLog.into()) };
         let model = sampled(&file, first.ts())?;
-        for (path, (record, _)) in paths.iter().zip(&files) {
-            check_sample_time(path, record, first.ts())?;
-        }
         let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
             .iter()
             .map(|(record, _)| Healthy::split(record, request.share_to_learn))
@@ -152,6 +163,15 @@ impl LogStudy {
             return Err(LogStudyError::NoExcitation);
         }
         let trained = train(&request.spec, &model, &healthy)?;
+        let outputs: Vec<SignalUnit> = file
+            .outputs
+            .iter()
+            .map(|o| SignalUnit {
+                name: o.channel.name.clone(),
+                unit: o.channel.unit.clone(),
+                scale: o.scale.scale.unwrap_or(1.0),
+            })
+            .collect();
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
         for (i, (path, (record, time_base))) in paths.iter().zip(&files).enumerate() {
             let run = |mut pipeline| Trace::of(&mut pipeline, record).map_err(RoadError::from);
@@ -167,6 +187,8 @@ impl LogStudy {
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
+                sensor_sizes: sensor_sizes(&trained, &with)?
+                    .map(|sizes| sizes.iter().zip(&outputs).map(|(s, o)| s * o.scale).collect()),
                 events: with.events.clone(),
                 refused: with.refused,
             });
@@ -180,12 +202,8 @@ impl LogStudy {
         let study = Self {
             version: REPORT_VERSION,
             model: file.name.clone().unwrap_or_else(|| request.model.display().to_string()),
-            outputs: file
-                .outputs
-                .iter()
-                .map(|o| (o.channel.to_string(), o.scale.scale.unwrap_or(1.0)))
-                .collect(),
-            residuals: residual_names(&file, trained.design().residual_len()),
+            residuals: residual_units(&request.spec, &outputs, trained.design().residual_len()),
+            outputs,
             spec: request.spec.clone(),
             bias: BiasSummary {
                 orders: bias.orders().to_string(),
@@ -206,10 +224,10 @@ fn read(
     map: &LogMap,
 ) -> Result<(Record, TimeBaseReport), LogStudyError> {
     let log = read_log(path, map)?;
-    let scaled = log
-        .record
-        .scaled(&model.scaling())
-        .map_err(|source| LogStudyError::Record { file: path.to_owned(), source })?;
+    let scaled = log.record.scaled(&model.scaling()).map_err(|source| LogStudyError::Record {
+        file: path.to_owned(),
+        source: Box::new(source),
+    })?;
     Ok((scaled, log.time_base))
 }
 
@@ -220,15 +238,6 @@ fn sampled(file: &LinearModel, ts: SampleTime) -> Result<StateSpace<Discrete>, L
     })
 }
 
-fn check_sample_time(path: &Path, record: &Record, ts: SampleTime) -> Result<(), LogStudyError> {
-    let (expected, found) = (ts.seconds(), record.ts().seconds());
-    // Time bases are written with a few digits; a part in a million is not another time base.
-    if (expected - found).abs() > 1e-6 * expected {
-        return Err(LogStudyError::SampleTime { file: path.to_owned(), expected, found });
-    }
-    Ok(())
-}
-
 fn input_moves(record: &Record) -> bool {
     (0..record.inputs().len()).any(|channel| {
         let mut values = record.input(channel).filter(|v| v.is_finite());
@@ -237,12 +246,19 @@ fn input_moves(record: &Record) -> bool {
     })
 }
 
-fn residual_names(model: &LinearModel, channels: usize) -> Vec<String> {
-    if channels == model.outputs.len() {
-        model.outputs.iter().map(|o| format!("r ({})", o.channel.name)).collect()
-    } else {
-        (1..=channels).map(|i| format!("r{i}")).collect()
+/// Residuals that are compared output by output keep the unit of the output.
+fn residual_units(spec: &PipelineSpec, outputs: &[SignalUnit], channels: usize) -> Vec<SignalUnit> {
+    let per_output = match spec.generator {
+        GeneratorSpec::Parity { .. } => false,
+        GeneratorSpec::Simulation {}
+        | GeneratorSpec::Observer { .. }
+        | GeneratorSpec::Kalman { .. } => spec.weighting.is_none(),
+    };
+    if per_output {
+        return outputs.to_vec();
     }
+    let name = |i| SignalUnit { name: format!("r{i}"), unit: "1".to_owned(), scale: 1.0 };
+    (1..=channels).map(name).collect()
 }
 
 /// Root mean square per channel over the samples in which the bias was subtracted.

@@ -27,7 +27,7 @@ mod tests {
 
     #[test]
     fn three_figures_are_enough() {
-        let texts = [1234.5, 12.34, 1.234, 0.1234, 0.0001234, 0.0, f64::NAN].map(figure);
+        let texts = [1234.5, 12.34, 1.234, 0.1234, 1.234e-4, 0.0, f64::NAN].map(figure);
         assert_eq!(texts, ["1234", "12.3", "1.23", "0.1234", "1.2e-4", "0", "-"]);
     }
 }

@@ -130,6 +130,7 @@ const STYLE: &str = "
 body { margin: 0; background: #f4f5f7; color: #1c1e21;
   font: 16px/1.5 system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif; }
 main { max-width: 60rem; margin: 0 auto; padding: 1rem; background: #fff; }
+h1, h2, h3, .headline { overflow-wrap: anywhere; }
 h1 { font-size: 1.5rem; margin: .5rem 0; }
 h2 { font-size: 1.2rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ddd; }
 h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }

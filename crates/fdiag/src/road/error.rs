@@ -1,13 +1,13 @@
 //! What can stop a run.
 
-use fd_compensate::{
-    RowsError, decide::RuleError, detect::DetectorError, residual_compensation::CompensationError,
-};
+use fd_compensate::{RowsError, decide::RuleError, residual_compensation::CompensationError};
 use fd_core::{BuildError, FrameError};
 use fd_ident::IdentError;
 use fd_model::ModelError;
 use fd_residual::DesignError;
 use thiserror::Error;
+
+use crate::spec::DetectorSpecError;
 
 /// A diagnosis cannot be trained or run.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -35,6 +35,16 @@ pub enum RoadError {
         needed: usize,
         /// Samples there are.
         found: usize,
+    },
+    /// A setting is out of its range.
+    #[error("{setting} must be {expected}, got {found}")]
+    Setting {
+        /// Name of the setting in the spec.
+        setting: &'static str,
+        /// What is expected.
+        expected: &'static str,
+        /// Value that was given.
+        found: f64,
     },
     /// Recursive learning was asked for over several logs.
     #[error(
@@ -85,7 +95,7 @@ pub enum RoadError {
     Rows(#[from] RowsError),
     /// The detector.
     #[error("detector: {0}")]
-    Detector(#[from] DetectorError),
+    Detector(#[from] DetectorSpecError),
     /// The decision rule.
     #[error("rule: {0}")]
     Rule(#[from] RuleError),

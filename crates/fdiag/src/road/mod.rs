@@ -10,12 +10,15 @@
 mod error;
 mod learn;
 mod residuals;
+mod silent;
+mod size;
 mod trace;
 mod train;
 
 pub use self::{
     error::RoadError,
     residuals::residual_record,
+    size::{sensor_signatures, sensor_sizes},
     trace::Trace,
     train::{Healthy, Trained, train},
 };

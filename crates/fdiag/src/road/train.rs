@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use fd_compensate::{
     SampleRows,
+    calibrate::CalibrationPlan,
     decide::Debounce,
     residual_compensation::{PreFitted, ResidualCompensator},
 };
 use fd_core::{
     DynPipeline, DynStages, Event, MissingSamples, Pipeline,
-    stage::{Compensator, Detector, Uncompensated},
+    stage::{Compensator, DecisionRule, Detector, Uncompensated},
 };
 use fd_ident::{
     arx::{ArxModel, ArxOrders, ArxSimulator, RecursiveArx},
@@ -19,7 +20,9 @@ use fd_ident::{
 use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
-use super::{error::RoadError, learn::learn, residuals::residual_record, trace::Trace};
+use super::{
+    error::RoadError, learn::learn, residuals::residual_record, silent::Silent, trace::Trace,
+};
 use crate::spec::{LearningSpec, PipelineSpec};
 
 /// A log of the healthy plant and what its samples are for.
@@ -100,6 +103,12 @@ pub fn train(
     }
     if records.is_empty() {
         return Err(RoadError::NoHealthyLog);
+    }
+    let complete = |record: &Record| (0..record.len()).any(|k| record.is_complete(k));
+    if !records.iter().any(complete) {
+        let found = records.iter().map(Record::len).max().unwrap_or(0);
+        let what = "learning the bias after the settling time";
+        return Err(RoadError::TooShort { what, needed: settle.saturating_add(1), found });
     }
     let learned = learn(spec, &records)?;
     let filling = if settle == 0 { 0 } else { settle + learned.model.orders().lag() };
@@ -190,21 +199,25 @@ impl Trained {
         healthy: &[f64],
     ) -> Result<DynPipeline, RoadError> {
         let channels = self.design.residual_len();
-        let detector = self.spec.detector.calibrated(SampleRows::new(channels, healthy)?)?;
-        self.assemble(compensator, detector)
+        let detector = self.detector(healthy)?;
+        let rule = Debounce::new(channels, self.spec.rule)?;
+        self.assemble(compensator, detector, Box::new(rule))
+    }
+
+    /// The detector of the spec, calibrated on fault-free residuals.
+    pub(crate) fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, RoadError> {
+        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
+        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
+        Ok(self.spec.detector.calibrated(rows, &plan)?)
     }
 
     fn assemble(
         &self,
         compensator: Box<dyn Compensator>,
         detector: Box<dyn Detector>,
+        rule: Box<dyn DecisionRule>,
     ) -> Result<DynPipeline, RoadError> {
-        let stages = DynStages {
-            generator: self.design.build()?,
-            compensator,
-            detector,
-            rule: Box::new(Debounce::new(self.design.residual_len(), self.spec.rule)?),
-        };
+        let stages = DynStages { generator: self.design.build()?, compensator, detector, rule };
         let missing = match self.spec.hold_missing {
             0 => MissingSamples::Reject,
             at_most => MissingSamples::Hold { at_most },
@@ -224,12 +237,12 @@ impl Trained {
 
     /// Adds what both residuals look like in healthy data.
     fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
-        let silent = self.spec.detector.silent(self.design.residual_len())?;
+        let channels = self.design.residual_len();
+        let judge = Box::new(Silent(channels));
         let mut pipeline = self
-            .assemble(Box::new(self.compensator()?), silent)?
+            .assemble(Box::new(self.compensator()?), judge.clone(), judge)?
             .with_missing_samples(MissingSamples::Hold { at_most: u64::MAX });
         let trace = Trace::of(&mut pipeline, log.record)?;
-        let channels = trace.channels;
         for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
             if trace.compensating[k] && log.record.is_complete(k) {
                 let row = k * channels..(k + 1) * channels;
@@ -278,8 +291,12 @@ fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, RoadErro
 fn settling_samples(spec: &PipelineSpec, design: &dyn GeneratorDesign) -> Result<usize, RoadError> {
     let form = design.form()?;
     let ts = form.system().domain().ts.seconds();
-    if let Some(seconds) = spec.settle_s {
-        return Ok((seconds.max(0.0) / ts).round() as usize);
+    if let Some(found) = spec.settle_s {
+        if !(found >= 0.0 && found.is_finite()) {
+            let (setting, expected) = ("settle_s", "finite and not negative");
+            return Err(RoadError::Setting { setting, expected, found });
+        }
+        return Ok((found / ts).round() as usize);
     }
     // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
     let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);

@@ -7,11 +7,18 @@
 mod detector;
 mod generator;
 
-use fd_compensate::{decide::Debouncing, residual_compensation::CompensationPlan};
+use fd_compensate::{
+    calibrate::CalibrationPlan,
+    decide::{Debouncing, Sizing},
+    residual_compensation::CompensationPlan,
+};
 use fd_ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign};
 use serde::{Deserialize, Serialize};
 
-pub use self::{detector::DetectorSpec, generator::GeneratorSpec};
+pub use self::{
+    detector::{DetectorSpec, DetectorSpecError},
+    generator::GeneratorSpec,
+};
 
 /// Every choice of a diagnosis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,8 +35,13 @@ pub struct PipelineSpec {
     pub compensation: CompensationPlan,
     /// Compensated residuals to test statistics.
     pub detector: DetectorSpec,
+    /// How a threshold is found for a stated rate of false alarms; its debouncing is that of
+    /// `rule`.
+    pub calibration: CalibrationPlan,
     /// Test statistics to alarms.
     pub rule: Debouncing,
+    /// How the size of a sensor fault is estimated after an alarm.
+    pub sizing: Sizing,
     /// Time in s at the start of each log that is not learned from, while the generator forgets
     /// where it started; none takes five time constants of its slowest pole.
     pub settle_s: Option<f64>,
@@ -45,7 +57,9 @@ impl Default for PipelineSpec {
             bias: BiasSpec::default(),
             compensation: CompensationPlan::default(),
             detector: DetectorSpec::default(),
+            calibration: CalibrationPlan::default(),
             rule: Debouncing::consecutive(3),
+            sizing: Sizing::default(),
             settle_s: None,
             hold_missing: 0,
         }

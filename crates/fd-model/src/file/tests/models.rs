@@ -9,7 +9,7 @@ use crate::{
 };
 
 const LAG: &str = r#"version = 1
-kind = "state_space"
+kind = "state-space"
 sample_time = 0.1
 inputs = [{ name = "wf", unit = "kg/s", operating_point = 0.2, scale = 0.1 }]
 outputs = [{ name = "N", unit = "rpm" }, { name = "T_7", unit = "K" }]
@@ -162,7 +162,7 @@ fn broken_toml_and_wrong_keys_have_a_place() {
 #[test]
 fn other_versions_and_kinds_are_refused() {
     assert_eq!(
-        message("version = 2\nkind = 'state_space'\nnovelty = true"),
+        message("version = 2\nkind = 'state-space'\nnovelty = true"),
         "model.toml: expected `version = 1`, found 2"
     );
     assert_eq!(

@@ -11,7 +11,7 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 #[test]
 fn logs_of_the_micro_gas_turbine_are_read_and_resampled() {
-    let map = format!("{ROOT}/examples/micro-gas-turbine-map.toml");
+    let map = format!("{ROOT}/examples/micro-gas-turbine/columns.toml");
     let map: LogMap = toml::from_str(&std::fs::read_to_string(map).unwrap()).unwrap();
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/micro_gas_turbine");
     let folder = PathBuf::from(folder);

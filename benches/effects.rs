@@ -12,7 +12,7 @@ use fd_gap::{
 };
 
 fn candidates(c: &mut Criterion) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let library = library();
     for plant in ["pendulum", "two_mass_drive", "cart_pole"] {
         let model = Model::load(&root.join(format!("{plant}.toml"))).unwrap();

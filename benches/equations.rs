@@ -35,7 +35,7 @@ fn right_hand_side(c: &mut Criterion) {
 }
 
 fn simulations(c: &mut Criterion) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let mut group = c.benchmark_group("1000 samples");
     for name in ["pendulum", "cart_pole", "dc_drive_closed_loop", "tanks"] {
         let model = Model::load(&root.join(format!("{name}.toml"))).unwrap();
@@ -51,7 +51,7 @@ fn simulations(c: &mut Criterion) {
 }
 
 fn compilation(c: &mut Criterion) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let model = Model::load(&root.join("pendulum.toml")).unwrap();
     c.bench_function("compile/pendulum", |b| {
         b.iter(|| EquationSimulator::<f64>::new(black_box(&model)).unwrap());

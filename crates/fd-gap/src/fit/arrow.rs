@@ -1,0 +1,189 @@
+//! Normal equations in the form of an arrow: shared unknowns, and blocks that touch only them.
+
+use super::{cholesky::Cholesky, layout::Layout};
+
+/// `H = JᵀJ + P` and `g = Jᵀr + P(z − m)`, block by block.
+///
+/// Normal equations square the condition of `J`; the prior of the nuisances bounds it, and
+/// unknowns are scaled by what is known of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Arrow {
+    shared: usize,
+    own: usize,
+    segments: usize,
+    /// Shared block, row by row.
+    corner: Vec<f64>,
+    /// Own blocks, one after the other.
+    blocks: Vec<f64>,
+    /// Own rows, shared columns, one after the other.
+    arms: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
+}
+
+impl Arrow {
+    /// Assembles the equations, with residuals and slopes multiplied by `weight`.
+    pub(crate) fn new(
+        layout: &Layout,
+        slopes: &[Vec<f64>],
+        r: &[f64],
+        prior: &[[f64; 2]],
+        z: &[f64],
+        weight: f64,
+    ) -> Self {
+        let (ns, no, segments) = (layout.shared, layout.own, layout.segments.len());
+        let mut arrow = Self {
+            shared: ns,
+            own: no,
+            segments,
+            corner: vec![0.0; ns * ns],
+            blocks: vec![0.0; segments * no * no],
+            arms: vec![0.0; segments * no * ns],
+            gradient: vec![0.0; layout.unknowns()],
+        };
+        let square = weight * weight;
+        for (s, rows) in layout.segments.iter().enumerate() {
+            let dot = |a: &[f64], b: &[f64]| -> f64 {
+                let pairs = a[rows.clone()].iter().zip(&b[rows.clone()]);
+                square * pairs.map(|(a, b)| a * b).sum::<f64>()
+            };
+            for i in 0..ns + no {
+                let place = if i < ns { i } else { layout.first_own(s) + i - ns };
+                arrow.gradient[place] += dot(&slopes[i], r);
+                for j in 0..=i {
+                    let product = dot(&slopes[i], &slopes[j]);
+                    if i < ns {
+                        arrow.corner[i * ns + j] += product;
+                    } else if j < ns {
+                        arrow.arms[(s * no + i - ns) * ns + j] = product;
+                    } else {
+                        arrow.blocks[(s * no + i - ns) * no + j - ns] = product;
+                    }
+                }
+            }
+        }
+        for (i, [mean, precision]) in prior.iter().enumerate() {
+            *arrow.diagonal_mut(i) += precision;
+            arrow.gradient[i] += precision * (z[i] - mean);
+        }
+        arrow
+    }
+
+    /// A diagonal entry of `H`.
+    pub(crate) fn diagonal_mut(&mut self, i: usize) -> &mut f64 {
+        if i < self.shared {
+            &mut self.corner[i * self.shared + i]
+        } else {
+            let k = i - self.shared;
+            &mut self.blocks[k * self.own + k % self.own]
+        }
+    }
+
+    /// Takes an unknown out: its row and column become those of the unit matrix.
+    pub(crate) fn fix(&mut self, i: usize) {
+        self.gradient[i] = 0.0;
+        let (ns, no) = (self.shared, self.own);
+        if i < ns {
+            for j in 0..ns {
+                self.corner[i * ns + j] = 0.0;
+                self.corner[j * ns + i] = 0.0;
+            }
+            self.arms.iter_mut().skip(i).step_by(ns).for_each(|v| *v = 0.0);
+        } else {
+            let k = i - ns;
+            let first = k / no * no;
+            for j in 0..no {
+                self.blocks[k * no + j] = 0.0;
+                self.blocks[(first + j) * no + k % no] = 0.0;
+            }
+            self.arms[k * ns..(k + 1) * ns].fill(0.0);
+        }
+        *self.diagonal_mut(i) = 1.0;
+    }
+
+    /// Factors `H`, block by block; `None` when it is not positive definite.
+    pub(crate) fn factor(&self) -> Option<Factor> {
+        let (ns, no) = (self.shared, self.own);
+        let mut corner = self.corner.clone();
+        let mut blocks = Vec::with_capacity(self.segments);
+        // Columns of L⁻¹ arm, one after the other.
+        let mut arms = vec![0.0; self.segments * no * ns];
+        for s in 0..self.segments {
+            let block = Cholesky::new(&self.blocks[s * no * no..(s + 1) * no * no], no)?;
+            for j in 0..ns {
+                let column = &mut arms[(s * ns + j) * no..(s * ns + j + 1) * no];
+                for (i, value) in column.iter_mut().enumerate() {
+                    *value = self.arms[(s * no + i) * ns + j];
+                }
+                block.forward(column);
+            }
+            let column = |j: usize| &arms[(s * ns + j) * no..(s * ns + j + 1) * no];
+            for i in 0..ns {
+                for j in 0..=i {
+                    let product: f64 = column(i).iter().zip(column(j)).map(|(a, b)| a * b).sum();
+                    corner[i * ns + j] -= product;
+                }
+            }
+            blocks.push(block);
+        }
+        let corner = Cholesky::new(&corner, ns)?;
+        Some(Factor { shared: ns, own: no, corner, blocks, arms })
+    }
+}
+
+/// The factored `H = L Lᵀ`, own unknowns first.
+#[derive(Clone, Debug)]
+pub(crate) struct Factor {
+    shared: usize,
+    own: usize,
+    corner: Cholesky,
+    blocks: Vec<Cholesky>,
+    arms: Vec<f64>,
+}
+
+impl Factor {
+    fn arm(&self, s: usize, j: usize) -> &[f64] {
+        let first = (s * self.shared + j) * self.own;
+        &self.arms[first..first + self.own]
+    }
+
+    /// `b ← L⁻¹ b`, in the order of the unknowns.
+    pub(crate) fn forward(&self, b: &mut [f64]) {
+        let (shared, own) = b.split_at_mut(self.shared);
+        for (s, block) in self.blocks.iter().enumerate() {
+            let part = &mut own[s * self.own..(s + 1) * self.own];
+            block.forward(part);
+            for (j, value) in shared.iter_mut().enumerate() {
+                *value -= self.arm(s, j).iter().zip(&*part).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        self.corner.forward(shared);
+    }
+
+    /// `b ← H⁻¹ b`.
+    pub(crate) fn solve(&self, b: &mut [f64]) {
+        self.forward(b);
+        let (shared, own) = b.split_at_mut(self.shared);
+        self.corner.backward(shared);
+        for (s, block) in self.blocks.iter().enumerate() {
+            let part = &mut own[s * self.own..(s + 1) * self.own];
+            for (j, value) in shared.iter().enumerate() {
+                part.iter_mut().zip(self.arm(s, j)).for_each(|(b, a)| *b -= a * value);
+            }
+            block.backward(part);
+        }
+    }
+
+    /// `ln det H`.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        let blocks = self.blocks.iter().map(Cholesky::log_determinant).sum::<f64>();
+        blocks + self.corner.log_determinant()
+    }
+
+    /// Variance of a shared unknown, the diagonal entry of `H⁻¹`.
+    pub(crate) fn variance(&self, i: usize) -> f64 {
+        let mut unit = vec![0.0; self.shared];
+        unit[i] = 1.0;
+        self.corner.forward(&mut unit);
+        unit.iter().map(|v| v * v).sum()
+    }
+}

@@ -1,0 +1,56 @@
+//! The shape of a fit: unknowns that all segments share, and unknowns of each segment.
+
+use std::ops::Range;
+
+/// Sizes of a least-squares problem. Its unknowns are one vector: first those that all segments
+/// share (parameters), then, segment by segment, those of its own (initial states).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Unknowns that every residual may depend on.
+    pub shared: usize,
+    /// Unknowns of each segment, of which only the residuals of that segment depend.
+    pub own: usize,
+    /// The residuals of each segment, in order and without gaps.
+    pub segments: Vec<Range<usize>>,
+}
+
+impl Layout {
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.shared + self.own * self.segments.len()
+    }
+
+    /// Number of residuals.
+    #[must_use]
+    pub fn residuals(&self) -> usize {
+        self.segments.last().map_or(0, |rows| rows.end)
+    }
+
+    /// Place of the first unknown of a segment.
+    #[must_use]
+    pub fn first_own(&self, segment: usize) -> usize {
+        self.shared + segment * self.own
+    }
+}
+
+/// A sum of squares to be minimised, in scaled unknowns.
+pub trait LeastSquares {
+    /// Sizes.
+    fn layout(&self) -> &Layout;
+
+    /// Lowest and highest value of each unknown.
+    fn bounds(&self) -> &[[f64; 2]];
+
+    /// Mean and precision of a Gaussian prior of each unknown, which adds
+    /// `precision (z − mean)²` to the sum of squares.
+    fn prior(&self) -> &[[f64; 2]];
+
+    /// Writes the residuals; returns `false` when they are not finite.
+    fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool;
+
+    /// Writes the slopes of the residuals `r` at `z`: one column per shared unknown from
+    /// `columns.start` on, then one per own unknown, in which each segment has its own slope.
+    /// Column numbers run over both kinds.
+    fn slopes(&mut self, z: &[f64], r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]);
+}

@@ -1,0 +1,122 @@
+//! A record, in the order and the units of a simulator.
+
+use fd_model::{Channel, Record};
+
+use super::error::FitError;
+use crate::simulate::Simulator;
+
+/// Relative difference of two sample times that are meant to be equal.
+const ROUNDING: f64 = 1e-6;
+
+/// Samples of the channels of a simulator, row by row. Holes in inputs are filled with the last
+/// value; missing outputs are NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    pub(crate) u: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) nu: usize,
+    pub(crate) ny: usize,
+    pub(crate) samples: usize,
+}
+
+impl Log {
+    /// Picks the channels of a simulator out of a record, by name, and converts their units; a unit
+    /// that nobody knows is fine when both write it alike. `number`, from 1, names the record in
+    /// errors.
+    ///
+    /// ```
+    /// use fd_gap::{fit::Log, simulate::BlackBox};
+    /// use faer::mat;
+    /// use fd_model::{Channel, Discrete, Record, SampleTime, StateSpace};
+    ///
+    /// let ts = SampleTime::new(0.1)?;
+    /// let lag = StateSpace::new(mat![[0.5]], mat![[0.5]], mat![[1.0]], mat![[0.0]], Discrete { ts })?;
+    /// let (volt, metre) = (vec![Channel::new("u", "V")], vec![Channel::new("y", "m")]);
+    /// let simulator = BlackBox::discrete(&lag, volt, metre)?;
+    /// let (mv, mm) = (vec![Channel::new("u", "mV")], vec![Channel::new("y", "mm")]);
+    /// let record = Record::new(mv, mm, vec![1000.0; 5], vec![2.0; 5], ts)?;
+    /// assert_eq!(Log::new(&record, &simulator, 1)?.samples(), 5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the sample times differ, a channel is missing, its unit does not fit,
+    /// or an input has no value at all.
+    pub fn new(
+        record: &Record,
+        simulator: &dyn Simulator,
+        number: usize,
+    ) -> Result<Self, FitError> {
+        let (expected, found) = (simulator.ts().seconds(), record.ts().seconds());
+        if ROUNDING * expected < (expected - found).abs() {
+            return Err(FitError::SampleTime { log: number, expected, found });
+        }
+        let places =
+            |role, wanted: &[Channel], known: &[Channel]| -> Result<Vec<usize>, FitError> {
+                let place = |channel: &Channel| known.iter().position(|k| k.name == channel.name);
+                let missing = |channel: &Channel| FitError::Channel {
+                    log: number,
+                    role,
+                    channel: channel.name.clone(),
+                    known: known.iter().map(|known| known.name.clone()).collect(),
+                };
+                wanted.iter().map(|c| place(c).ok_or_else(|| missing(c))).collect()
+            };
+        let inputs = places("input", simulator.inputs(), record.inputs())?;
+        let outputs = places("output", simulator.outputs(), record.outputs())?;
+        // Only channels that the simulator has are converted, and only where the units differ.
+        let units = |known: &[Channel], wanted: &[Channel], places: &[usize]| -> Vec<String> {
+            let mut units: Vec<String> = known.iter().map(|channel| channel.unit.clone()).collect();
+            places.iter().zip(wanted).for_each(|(&i, w)| units[i].clone_from(&w.unit));
+            units
+        };
+        let input_units = units(record.inputs(), simulator.inputs(), &inputs);
+        let output_units = units(record.outputs(), simulator.outputs(), &outputs);
+        let input_units: Vec<&str> = input_units.iter().map(String::as_str).collect();
+        let output_units: Vec<&str> = output_units.iter().map(String::as_str).collect();
+        let record = &record
+            .in_units(&input_units, &output_units)
+            .map_err(|source| FitError::Unit { log: number, source })?;
+        let y = (0..record.len()).flat_map(|k| outputs.iter().map(move |&i| record.y(k)[i]));
+        let mut u: Vec<f64> =
+            (0..record.len()).flat_map(|k| inputs.iter().map(move |&i| record.u(k)[i])).collect();
+        for (i, channel) in simulator.inputs().iter().enumerate() {
+            let empty = || FitError::EmptyInput { log: number, channel: channel.name.clone() };
+            let column = u.iter().skip(i).step_by(inputs.len());
+            let mut last = column.copied().find(|v| v.is_finite()).ok_or_else(empty)?;
+            for value in u.iter_mut().skip(i).step_by(inputs.len()) {
+                if value.is_finite() {
+                    last = *value;
+                }
+                *value = last;
+            }
+        }
+        let (nu, ny) = (inputs.len(), outputs.len());
+        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len() })
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The first `samples` samples.
+    pub(crate) fn prefix(&self, samples: usize) -> Self {
+        let samples = samples.min(self.samples);
+        let (u, y) = (self.u[..samples * self.nu].to_vec(), self.y[..samples * self.ny].to_vec());
+        Self { u, y, samples, ..*self }
+    }
+
+    /// Inputs of a sample; the last one is held.
+    pub(crate) fn input(&self, sample: usize) -> &[f64] {
+        let sample = sample.min(self.samples - 1);
+        &self.u[sample * self.nu..(sample + 1) * self.nu]
+    }
+
+    /// Number of measured values.
+    pub(crate) fn measured(&self) -> usize {
+        self.y.iter().filter(|value| value.is_finite()).count()
+    }
+}

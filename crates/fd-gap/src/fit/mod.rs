@@ -1,0 +1,39 @@
+//! Fits of a simulator to logs: nuisances, initial states and parameters of an effect at once.
+//!
+//! Minimised is `Σ r² + Σ ((θ − θ₀)/s)²`: `r` are simulation errors in units of the noise, and
+//! whitened when the noise has a colour; the nuisances `θ` (uncertain parameters and initial
+//! states) have a prior and a box ([`Variable::known`]). Nothing is ever fitted to one-step
+//! predictions, which flatter every model.
+//!
+//! A free run is one [`Segment`] per log; windows are many, each with its own initial state. As an
+//! initial state touches only its own segment, the slopes of all segments come from one simulation
+//! and the normal equations are solved block by block.
+//!
+//! *When not to use:* a chaotic plant in free run has no useful slopes; use windows.
+
+mod arrow;
+mod cholesky;
+mod error;
+mod layout;
+mod levenberg;
+mod log;
+mod null;
+mod plan;
+mod problem;
+mod screen;
+mod variable;
+mod weights;
+
+pub(crate) use self::arrow::Arrow;
+pub use self::{
+    error::FitError,
+    layout::{Layout, LeastSquares},
+    levenberg::{Minimum, Search, minimise},
+    log::Log,
+    null::{NullFit, null_fit},
+    plan::{Horizon, Plan, Segment},
+    problem::Problem,
+    screen::{Projection, Score},
+    variable::Variable,
+    weights::Weights,
+};

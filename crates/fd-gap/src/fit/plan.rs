@@ -1,0 +1,187 @@
+//! What is fitted to what: logs, segments, and the unknowns of the nominal model.
+
+use fd_model::Record;
+
+use super::{error::FitError, log::Log, variable::Variable};
+use crate::simulate::Simulator;
+
+/// How long a simulation runs without seeing the outputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Horizon {
+    /// Through the whole log.
+    FreeRun,
+    /// Through windows, each with an initial state of its own.
+    Windows {
+        /// Length of a window.
+        samples: usize,
+    },
+}
+
+/// A stretch of a log that is simulated in one go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Number of the log, from 0.
+    pub log: usize,
+    /// First sample.
+    pub from: usize,
+    /// One after the last sample.
+    pub to: usize,
+}
+
+/// Standard deviation of the initial state of a window, in ranges of the state.
+const WINDOW_PRIOR: f64 = 3.0;
+/// Half width of its box, in ranges of the state.
+const WINDOW_BOX: f64 = 30.0;
+
+/// Logs cut into segments, with the unknowns of the nominal model: its uncertain parameters,
+/// which all segments share, and the initial states of each segment.
+///
+/// At the start of a log only states with a tolerance are unknown. Within a log every state of
+/// the nominal model is, and states that an effect adds start where the effect says (left free,
+/// they would win falsely).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub(crate) logs: Vec<Log>,
+    pub(crate) segments: Vec<Segment>,
+    /// Uncertain parameters.
+    pub(crate) shared: Vec<Variable>,
+    /// Names of the states that are unknown somewhere.
+    pub(crate) own_names: Vec<String>,
+    /// Their values in each segment.
+    pub(crate) own: Vec<Vec<Variable>>,
+}
+
+impl Plan {
+    /// A plan for records, of which the simulator gives the nominal model.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no record, a record does not fit the simulator (see
+    /// [`Log::new`]) or has fewer than two values per unknown, or the nominal simulation diverges.
+    pub fn new(
+        simulator: &dyn Simulator,
+        records: &[Record],
+        horizon: Horizon,
+    ) -> Result<Self, FitError> {
+        let logs: Result<Vec<_>, _> =
+            records.iter().enumerate().map(|(i, r)| Log::new(r, simulator, i + 1)).collect();
+        Self::of_logs(simulator, logs?, horizon)
+    }
+
+    pub(crate) fn of_logs(
+        simulator: &dyn Simulator,
+        logs: Vec<Log>,
+        horizon: Horizon,
+    ) -> Result<Self, FitError> {
+        if logs.is_empty() {
+            return Err(FitError::NoLog);
+        }
+        let shared = simulator.parameters().iter().filter_map(Variable::nuisance).collect();
+        let mut plan =
+            Self { logs, segments: Vec::new(), shared, own_names: Vec::new(), own: Vec::new() };
+        plan.cut(simulator, horizon)?;
+        for (i, log) in plan.logs.iter().enumerate() {
+            let unknowns = plan.shared.len() + plan.own_names.len();
+            let (found, needed) = (log.measured(), 2 * unknowns.max(4));
+            if found < needed {
+                return Err(FitError::TooShort { log: i + 1, found, unknowns, needed });
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Runs through each log with the nominal model, notes where its states are at the start of
+    /// each segment, and how far they move.
+    fn cut(&mut self, simulator: &dyn Simulator, horizon: Horizon) -> Result<(), FitError> {
+        let mut simulator = simulator.boxed();
+        let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        let initial = simulator.initial().to_vec();
+        let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
+        let mut y = vec![0.0; simulator.outputs().len()];
+        let mut starts: Vec<Vec<f64>> = Vec::new();
+        let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; x0.len()];
+        for (l, log) in self.logs.iter().enumerate() {
+            let length = match horizon {
+                Horizon::FreeRun => log.samples,
+                Horizon::Windows { samples } => samples.max(2),
+            };
+            simulator.start(&theta, &x0, 0);
+            for k in 0..log.samples {
+                // A last window that is shorter than half a window joins the one before.
+                let is_start = k % length == 0 && (k == 0 || length / 2 <= log.samples - k);
+                if is_start {
+                    if let Some(last) = self.segments.last_mut().filter(|last| last.log == l) {
+                        last.to = k;
+                    }
+                    self.segments.push(Segment { log: l, from: k, to: log.samples });
+                    starts.push(simulator.state().to_vec());
+                }
+                for (range, x) in range.iter_mut().zip(simulator.state()) {
+                    *range = [range[0].min(*x), range[1].max(*x)];
+                }
+                simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
+                if y.iter().any(|value| !value.is_finite()) {
+                    return Err(FitError::Diverged);
+                }
+            }
+        }
+        let is_cut = self.segments.iter().any(|segment| 0 < segment.from);
+        let free: Vec<usize> = (0..initial.len())
+            .filter(|&i| is_cut || Variable::initial(&initial[i]).is_some())
+            .collect();
+        self.own_names = free.iter().map(|&i| initial[i].channel.name.clone()).collect();
+        for (segment, start) in self.segments.iter().zip(&starts) {
+            let own = free.iter().map(|&i| {
+                let state = &initial[i];
+                let width = range[i][1] - range[i][0];
+                let smallest = (1e-3 * start[i].abs()).max(1e-6);
+                let scale = width.max(state.tolerance.unwrap_or(0.0)).max(smallest);
+                let (name, unit) = (&state.channel.name, &state.channel.unit);
+                if 0 < segment.from {
+                    let mut own = Variable::known(name, unit, start[i], scale);
+                    own.prior = Some(WINDOW_PRIOR * scale);
+                    own.low = start[i] - WINDOW_BOX * scale;
+                    own.high = start[i] + WINDOW_BOX * scale;
+                    own
+                } else {
+                    Variable::initial(state).unwrap_or_else(|| {
+                        let mut exact = Variable::known(name, unit, start[i], scale);
+                        (exact.low, exact.high) = (start[i], start[i]);
+                        exact
+                    })
+                }
+            });
+            self.own.push(own.collect());
+        }
+        Ok(())
+    }
+
+    /// Segments, in order.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Uncertain parameters of the nominal model.
+    #[must_use]
+    pub fn nuisances(&self) -> &[Variable] {
+        &self.shared
+    }
+
+    /// Number of measured values.
+    #[must_use]
+    pub fn measured(&self) -> usize {
+        self.logs.iter().map(Log::measured).sum()
+    }
+
+    /// The same plan for other logs of the same lengths, centred at other nuisances (all of the
+    /// plan: shared, then segment by segment).
+    pub(crate) fn moved(&self, logs: Vec<Log>, nuisances: &[f64]) -> Self {
+        let mut plan = Self { logs, ..self.clone() };
+        let all = plan.shared.iter_mut().chain(plan.own.iter_mut().flatten());
+        for (variable, value) in all.zip(nuisances) {
+            variable.start = *value;
+        }
+        plan
+    }
+}

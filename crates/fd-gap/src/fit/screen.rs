@@ -1,0 +1,79 @@
+//! How much a change of the outputs could explain, whatever the nuisances.
+
+use super::{
+    arrow::{Arrow, Factor},
+    layout::{Layout, LeastSquares},
+    levenberg::Minimum,
+};
+
+/// Part of a change that must be left once the nuisances have taken theirs; less is rounding.
+const INVISIBLE: f64 = 1e-9;
+
+/// What a score test says of a change of the outputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// How many times the change the residual asks for.
+    pub amplitude: f64,
+    /// By how much the sum of squares would fall.
+    pub gain: f64,
+}
+
+/// The space that the nuisances span around a minimum.
+#[derive(Clone, Debug)]
+pub struct Projection<'a> {
+    layout: Layout,
+    minimum: &'a Minimum,
+    factor: Factor,
+    /// `L⁻¹ g`.
+    gradient: Vec<f64>,
+}
+
+impl<'a> Projection<'a> {
+    /// The space around a minimum of a problem; `None` when its equations are singular.
+    ///
+    /// Nuisances at an edge of their box count as free: they may come back.
+    #[must_use]
+    pub fn new(problem: &dyn LeastSquares, minimum: &'a Minimum) -> Option<Self> {
+        let layout = problem.layout().clone();
+        let Minimum { z, r, slopes, .. } = minimum;
+        let mut equations = Arrow::new(&layout, slopes, r, problem.prior(), z, 1.0);
+        for i in 0..z.len() {
+            if *equations.diagonal_mut(i) <= 0.0 {
+                equations.fix(i);
+            }
+        }
+        let factor = equations.factor()?;
+        let mut gradient = equations.gradient;
+        factor.forward(&mut gradient);
+        Some(Self { layout, minimum, factor, gradient })
+    }
+
+    /// Score of the change from the residuals of the minimum to `changed`: with `d` the change and
+    /// everything in the complement of the nuisances, `a = −⟨d, r⟩/⟨d, d⟩` within `range`, and the
+    /// sum of squares falls by `−2a⟨d, r⟩ − a²⟨d, d⟩`.
+    #[must_use]
+    pub fn score(&self, changed: &[f64], range: [f64; 2]) -> Score {
+        let r = &self.minimum.r;
+        let change: Vec<f64> = changed.iter().zip(r).map(|(c, r)| c - r).collect();
+        let mut seen = vec![0.0; self.layout.unknowns()];
+        for (s, rows) in self.layout.segments.iter().enumerate() {
+            for (i, slope) in self.minimum.slopes.iter().enumerate() {
+                let shared = self.layout.shared;
+                let place = if i < shared { i } else { self.layout.first_own(s) + i - shared };
+                let pairs = slope[rows.clone()].iter().zip(&change[rows.clone()]);
+                seen[place] += pairs.map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        self.factor.forward(&mut seen);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let all = dot(&change, &change);
+        let left = all - dot(&seen, &seen);
+        if !(INVISIBLE * all < left) {
+            return Score { amplitude: 0.0, gain: 0.0 };
+        }
+        let along = dot(&change, r) - dot(&seen, &self.gradient);
+        let amplitude = (-along / left).clamp(range[0], range[1]);
+        let gain = -2.0 * amplitude * along - amplitude * amplitude * left;
+        Score { amplitude, gain: gain.max(0.0) }
+    }
+}
