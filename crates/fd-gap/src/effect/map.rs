@@ -1,9 +1,9 @@
 //! Catch-all maps: a free curve at a site, for causes whose law no effect knows.
 //!
-//! A map is the sum of six hat functions on an even grid over the range that its argument has in the
-//! nominal simulation; beyond the range it stays at its last value. It says where something is
-//! missing and what it depends on, not what it is. *When not to use:* as a cause with a name; its six
-//! strengths fit nearly anything static, and need a prior of their own.
+//! A map is the sum of six hat functions on an even grid over the range that its argument has in
+//! the nominal simulation; beyond the range it stays at its last value. It says where something is
+//! missing and what it depends on, not what it is. *When not to use:* as a cause with a name; its
+//! six strengths fit nearly anything static, and need a prior of their own.
 
 use super::{Effect, ForceScale, Offers, Reason, ReplayScales, SignalScale, Sketch};
 use crate::model::Model;
@@ -111,7 +111,8 @@ fn range(signal: &SignalScale) -> [f64; 2] {
     [signal.low, signal.high]
 }
 
-/// Adds the strengths of the hats and `curve`, a curve of the template `of`. Each start has one hat.
+/// Adds the strengths of the hats and `curve`, a curve of the template `of`. Each start has one
+/// hat.
 fn curve<'a>(
     sketch: Sketch<'a>,
     unit: &str,

@@ -69,8 +69,8 @@ pub struct ForceScale {
     pub mobility: f64,
     /// Largest change of the velocity by a force of 1 in one integration step.
     pub kick: f64,
-    /// Whether the force acts at the end of an integration step (states with update laws) instead of
-    /// during it.
+    /// Whether the force acts at the end of an integration step (states with update laws) instead
+    /// of during it.
     pub is_discrete: bool,
     /// Acceleration of the replay.
     pub motion: SignalScale,

@@ -17,8 +17,8 @@ use crate::{
 ///
 /// Equations are templates, in which short local names stand for what they are bound to: `u` for
 /// the input, `v` and `x` for velocity and position of a site, `y` for what a sensor measures, `p`
-/// for a parameter, and whatever the sketch adds. `t`, `dt`, `first` and `pi` mean what they mean in
-/// models. Bounds and starts are in units of the scale of their parameter.
+/// for a parameter, and whatever the sketch adds. `t`, `dt`, `first` and `pi` mean what they mean
+/// in models. Bounds and starts are in units of the scale of their parameter.
 ///
 /// What goes wrong on the way is kept, and [`Sketch::finish`] returns it. See [`Effect`] for an
 /// example.

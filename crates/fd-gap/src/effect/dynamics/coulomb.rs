@@ -6,13 +6,13 @@ use crate::{
     model::Model,
 };
 
-/// Dry friction `f tanh(v/V)` with a creep velocity `V` of a fiftieth of the usual velocity, or more
-/// where the integration step needs it.
+/// Dry friction `f tanh(v/V)` with a creep velocity `V` of a fiftieth of the usual velocity, or
+/// more where the integration step needs it.
 ///
 /// * Direction-dependent: `f (1 ± a)` for the two directions.
 /// * Stribeck: `f + g exp(-(v/w)²)`.
-/// * Load-dependent: `f + m |N|`, where `N` is the force that the nominal model has at the site, the
-///   sum of what drives and what holds (a gear that rubs more the more it transmits).
+/// * Load-dependent: `f + m |N|`, where `N` is the force that the nominal model has at the site,
+///   the sum of what drives and what holds (a gear that rubs more the more it transmits).
 #[derive(Clone, Copy, Debug)]
 pub struct CoulombFriction;
 

@@ -6,8 +6,8 @@ use crate::{
     model::Model,
 };
 
-/// Drag `c |v| v`; with a free exponent `c V² |v/V|^p` in the direction of `v`, where `V` is the usual
-/// velocity.
+/// Drag `c |v| v`; with a free exponent `c V² |v/V|^p` in the direction of `v`, where `V` is the
+/// usual velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct Drag;
 

@@ -6,8 +6,8 @@ use crate::{
     model::Model,
 };
 
-/// A stop that pushes back with stiffness `k` beyond a distance `1/s` from the middle `c` of the range
-/// that the nominal model shows: at both ends, or at one. The strength is the inverse of the
+/// A stop that pushes back with stiffness `k` beyond a distance `1/s` from the middle `c` of the
+/// range that the nominal model shows: at both ends, or at one. The strength is the inverse of the
 /// distance, so that none is exactly none.
 #[derive(Clone, Copy, Debug)]
 pub struct EndStop;

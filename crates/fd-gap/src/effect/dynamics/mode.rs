@@ -18,8 +18,8 @@ const FASTEST: f64 = 0.8;
 /// damping ratio `z`.
 ///
 /// With `a` the acceleration of the nominal model, `r` the relative displacement and
-/// `P = ω² r + 2 z ω r'`, the appendage obeys `r'' = -a - (1 + m) P` and accelerates what carries it
-/// by `m P`. A run starts with `r = 0`.
+/// `P = ω² r + 2 z ω r'`, the appendage obeys `r'' = -a - (1 + m) P` and accelerates what carries
+/// it by `m P`. A run starts with `r = 0`.
 #[derive(Clone, Copy, Debug)]
 pub struct ResonantMode;
 

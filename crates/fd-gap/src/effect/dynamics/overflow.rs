@@ -9,9 +9,9 @@ use crate::{
 /// Heights of the brim from which to start, as fractions of the range.
 const LEVELS: [f64; 4] = [0.62, 0.8, 0.42, 0.92];
 
-/// A level that cannot rise above `low + 1/s`, where `low` is the lowest level of the nominal model:
-/// what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is the
-/// inverse of the height, so that none is exactly none.
+/// A level that cannot rise above `low + 1/s`, where `low` is the lowest level of the nominal
+/// model: what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is
+/// the inverse of the height, so that none is exactly none.
 ///
 /// Only for sites without velocity whose position is the very state that the force enters: a tank,
 /// a temperature, a pressure. The rise is stopped within `Z`, a hundredth of the range, or what the

@@ -25,7 +25,8 @@ impl Effect for PeriodicForce {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (lowest, highest) = (0.5 / scales.duration, 0.45 / scales.ts);
-        // In periods per log. A square wave above an eighth of the sample rate is all but a sinusoid.
+        // In periods per log. A square wave above an eighth of the sample rate is all but a
+        // sinusoid.
         let bounds = |highest: f64| [0.5, highest * scales.duration];
         let grid: Vec<f64> = (0..FREQUENCIES)
             .map(|i| (f64::from(i) + 0.5) / f64::from(FREQUENCIES))

@@ -6,7 +6,8 @@ use crate::{
     model::Model,
 };
 
-/// Gain error `u + e u`; in the asymmetric law `u + e u + a |u|`, that is `e ± a` for the two signs.
+/// Gain error `u + e u`; in the asymmetric law `u + e u + a |u|`, that is `e ± a` for the two
+/// signs.
 #[derive(Clone, Copy, Debug)]
 pub struct InputGain;
 

@@ -14,8 +14,8 @@ use crate::{
 /// integration step.
 ///
 /// With `k = exp(-dt/T)` and `b` the state at the start of the step, the mean of order 1 is
-/// `u + (b - u) (1 - k) T/dt`. Of order 2 the second state is `u + c_1 exp(-t/T) + c_2 exp(-t/(r T))`
-/// with `c_1 = (b_1 - u)/(1 - r)` and `c_2 = b_2 - u - c_1`.
+/// `u + (b - u) (1 - k) T/dt`. Of order 2 the second state is `u + c_1 exp(-t/T) + c_2 exp(-t/(r
+/// T))` with `c_1 = (b_1 - u)/(1 - r)` and `c_2 = b_2 - u - c_1`.
 #[derive(Clone, Copy, Debug)]
 pub struct InputLag;
 

@@ -7,8 +7,8 @@ use crate::{
 };
 
 /// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.
-/// Hard `u / max(1, |s u|)`; soft `u / (1 + |s u|^n)^(1/n)`; asymmetric with `s (1 ± a)` for the two
-/// signs; and `tanh(s u)/s`.
+/// Hard `u / max(1, |s u|)`; soft `u / (1 + |s u|^n)^(1/n)`; asymmetric with `s (1 ± a)` for the
+/// two signs; and `tanh(s u)/s`.
 #[derive(Clone, Copy, Debug)]
 pub struct InputSaturation;
 

@@ -7,8 +7,8 @@ use crate::{
 };
 
 /// Saturation at a distance of `1/s` from the middle `c` of the range that the nominal model
-/// shows: the strength is the inverse of the distance, so that none is exactly none. At both ends, or
-/// at one.
+/// shows: the strength is the inverse of the distance, so that none is exactly none. At both ends,
+/// or at one.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorSaturation;
 

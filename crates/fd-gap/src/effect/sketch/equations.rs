@@ -9,8 +9,8 @@ use crate::{
 
 impl Sketch<'_> {
     /// Adds a memory: a state that changes at the end of each integration step, to what
-    /// [`becomes`](Self::becomes) says. The local name stands for its value at the start of the step,
-    /// which is the template `at_first` in the first step of a run.
+    /// [`becomes`](Self::becomes) says. The local name stands for its value at the start of the
+    /// step, which is the template `at_first` in the first step of a run.
     #[must_use]
     pub fn memory(mut self, local: &str, name: &str, unit: &str, at_first: &str) -> Self {
         let state = self.fresh(name);
