@@ -8,10 +8,13 @@
 //! | [`patch`] | effects spliced into a model, which stays a model |
 //! | [`effect`] | the library of effects, as candidates at every site of a model |
 
+pub mod diagnose;
 pub mod effect;
 pub mod equation;
+pub mod evidence;
 pub mod fit;
 pub mod model;
 pub mod patch;
 pub mod quality;
+pub mod shrink;
 pub mod simulate;
