@@ -34,7 +34,7 @@ use crate::{
     evidence::{SEPARATED, distance, evidence, likelihood, pool, posterior},
     fit::{FitError, Log, NullFit, Plan, Weights, null_fit},
     model::Model,
-    quality::{noise_floor, third_difference_floor},
+    quality::{noise_floor, robust_third_difference_floor},
     shrink::{gap, gap_per_output},
     simulate::EquationSimulator,
 };
@@ -152,9 +152,12 @@ pub fn diagnose(
         .iter()
         .zip(&stated)
         .zip(&sigma)
-        .map(|((signals, stated), sigma)| {
-            let joined = signals.join(&f64::NAN);
-            noise_floor(&joined, stated.map(|stated| stated / sigma)).unwrap_or(1.0)
+        .zip(&best_gap)
+        .map(|(((signals, stated), sigma), gap)| {
+            let stated = stated.map(|stated| stated / sigma);
+            let floor = noise_floor(&signals.join(&f64::NAN), stated).unwrap_or(1.0);
+            // Slow noise of the stated size is noise, whatever its innovation.
+            stated.filter(|_| is_coloured).map_or(floor, |stated| floor.max(gap.min(stated)))
         })
         .collect();
     let is_unexplained = best_gap.iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
@@ -205,7 +208,7 @@ fn weighted_null_fit(
         let largest = signal.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
         // A perfectly smooth signal still has rounding errors.
         let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);
-        third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
+        robust_third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
     };
     let sigma = stated.iter().enumerate().map(|(c, stated)| stated.unwrap_or_else(|| guess(c)));
     let first = null_fit(plan, nominal, &Weights::white(sigma.collect()))?;
@@ -217,7 +220,7 @@ fn weighted_null_fit(
         .zip(old)
         .zip(stated)
         .map(|((signals, old), stated)| {
-            let shown = third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
+            let shown = robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
             match stated {
                 Some(stated) if shown <= BELIEVED * stated => *stated,
                 Some(stated) => shown.min(RAISED * stated),

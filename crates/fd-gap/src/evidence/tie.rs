@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::{Minimum, Problem, Search, Weights, minimise};
+use crate::fit::{Minimum, Problem, Search, minimise};
 
 /// Distance, in squares of the noise, below which a log does not separate two models.
 pub const SEPARATED: f64 = 9.0;
@@ -16,7 +16,7 @@ pub const SEPARATED: f64 = 9.0;
 pub fn distance(truth: &mut Problem, at: &Minimum, rival: &Problem, rival_at: &Minimum) -> f64 {
     let Some(logs) = truth.simulated(&at.z) else { return f64::INFINITY };
     let plan = Arc::new(truth.plan().moved(logs, &truth.nuisance_values(&at.z)));
-    let weights = Weights::white(truth.weights().sigma.clone());
+    let weights = truth.weights().clone();
     let (simulator, effects) = (rival.simulator().boxed(), rival.effects().to_vec());
     let Ok(mut refit) = Problem::new(plan, simulator, effects, weights) else {
         return f64::INFINITY;

@@ -24,6 +24,7 @@ mod screen;
 mod variable;
 mod weights;
 
+pub(crate) use self::arrow::Arrow;
 pub use self::{
     error::FitError,
     layout::{Layout, LeastSquares},
@@ -36,4 +37,3 @@ pub use self::{
     variable::Variable,
     weights::Weights,
 };
-pub(crate) use self::arrow::Arrow;

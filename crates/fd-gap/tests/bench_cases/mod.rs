@@ -22,27 +22,27 @@ use fd_model::{
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-pub fn example(name: &str) -> Model {
+pub(crate) fn example(name: &str) -> Model {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
     Model::load(&root.join(format!("{name}.toml"))).unwrap()
 }
 
-pub fn expr(text: &str) -> Expr {
+pub(crate) fn expr(text: &str) -> Expr {
     Expr::parse(text).unwrap()
 }
 
 /// One unknown strength `a` (and perhaps a second one), spliced in by `splice`.
-pub struct Recipe<'a> {
-    pub label: &'static str,
-    pub family: &'static str,
-    pub site: SiteRef,
-    pub side: Side,
+pub(crate) struct Recipe<'a> {
+    pub(crate) label: &'static str,
+    pub(crate) family: &'static str,
+    pub(crate) site: SiteRef,
+    pub(crate) side: Side,
     /// Scale, low, high, neutral.
-    pub strength: [f64; 4],
-    pub starts: &'a [f64],
+    pub(crate) strength: [f64; 4],
+    pub(crate) starts: &'a [f64],
 }
 
-pub fn candidate(model: &Model, recipe: Recipe<'_>, splice: impl Fn(&mut Patch)) -> Candidate {
+pub(crate) fn candidate(model: &Model, recipe: Recipe<'_>, splice: impl Fn(&mut Patch)) -> Candidate {
     let Recipe { label, family, site, side, strength, starts } = recipe;
     let [scale, low, high, neutral] = strength;
     let simulator = EquationSimulator::<f64>::new(model).unwrap();
@@ -77,7 +77,7 @@ pub fn candidate(model: &Model, recipe: Recipe<'_>, splice: impl Fn(&mut Patch))
 
 /// A library of a dozen effects at the places of a model; `u`, `f`, `v`, `y` are the sizes of
 /// inputs, forces, velocities and outputs.
-pub fn candidates(model: &Model, size: impl Fn(&str) -> f64) -> Vec<Candidate> {
+pub(crate) fn candidates(model: &Model, size: impl Fn(&str) -> f64) -> Vec<Candidate> {
     let mut all = Vec::new();
     for (i, input) in model.inputs.iter().enumerate() {
         let (u, us) = (&input.name, size(&input.name));
@@ -167,7 +167,7 @@ pub fn candidates(model: &Model, size: impl Fn(&str) -> f64) -> Vec<Candidate> {
 }
 
 /// Sizes of the signals of two example models under [`excitation`].
-pub fn sizes(model: &str) -> impl Fn(&str) -> f64 + '_ {
+pub(crate) fn sizes(model: &str) -> impl Fn(&str) -> f64 + '_ {
     move |what| match (model, what) {
         ("mass_spring_damper", "force" | "carriage") => 6.0,
         ("mass_spring_damper", "v") => 0.6,
@@ -181,7 +181,7 @@ pub fn sizes(model: &str) -> impl Fn(&str) -> f64 + '_ {
 }
 
 /// Steps of random height held for 5 to 40 samples.
-pub fn excitation(amplitude: f64, samples: usize, seed: u64) -> Vec<f64> {
+pub(crate) fn excitation(amplitude: f64, samples: usize, seed: u64) -> Vec<f64> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut u = Vec::with_capacity(samples + 40);
     while u.len() < samples {
@@ -195,19 +195,19 @@ pub fn excitation(amplitude: f64, samples: usize, seed: u64) -> Vec<f64> {
 
 /// How reality differs from the model besides its effect.
 #[derive(Clone, Copy)]
-pub struct Reality {
-    pub samples: usize,
-    pub amplitude: f64,
+pub(crate) struct Reality {
+    pub(crate) samples: usize,
+    pub(crate) amplitude: f64,
     /// Parameters are drawn within this part of their value.
-    pub parameter_error: f64,
+    pub(crate) parameter_error: f64,
     /// Coefficient of first-order noise; 0 is white.
-    pub colour: f64,
-    pub seed: u64,
+    pub(crate) colour: f64,
+    pub(crate) seed: u64,
 }
 
 /// A log of a patched model, integrated eight times finer, from an unknown initial state, with
 /// parameter errors and noise.
-pub fn record(model: &Model, reality: Reality, excitation_seed: u64) -> Record {
+pub(crate) fn record(model: &Model, reality: Reality, excitation_seed: u64) -> Record {
     let Reality { samples, amplitude, parameter_error, colour, seed } = reality;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let ts = SampleTime::new(model.sample_time).unwrap();
