@@ -10,8 +10,13 @@
 //! of the nominal model with the inputs of the log.
 
 mod candidate;
+pub mod dynamics;
+pub mod input;
+pub mod map;
 mod scales;
+pub mod sensor;
 mod sketch;
+mod units;
 
 pub use self::{
     candidate::{
@@ -21,8 +26,65 @@ pub use self::{
     sketch::Sketch,
 };
 
+use crate::model::Model;
+
+/// What an effect offers: one candidate per law and site, or the reason why there is none.
+pub type Offers = Vec<Result<Candidate, NotTestable>>;
+
 /// All effects that are known.
+///
+/// ```
+/// use fd_gap::effect::library;
+///
+/// let labels: Vec<&str> = library().iter().map(|effect| effect.label()).collect();
+/// assert!(labels.contains(&"coulomb-friction"));
+/// ```
 #[must_use]
 pub fn library() -> Vec<Box<dyn Effect>> {
-    Vec::new()
+    use self::{dynamics as d, input as i, map as m, sensor as s};
+    vec![
+        Box::new(i::InputGain),
+        Box::new(i::InputOffset),
+        Box::new(i::InputDeadZone),
+        Box::new(i::InputSaturation),
+        Box::new(i::InputBacklash),
+        Box::new(i::InputDelay),
+        Box::new(i::InputLag),
+        Box::new(i::InputRateLimit),
+        Box::new(i::InputQuantisation),
+        Box::new(i::InputCrossCoupling),
+        Box::new(d::ViscousFriction),
+        Box::new(d::CoulombFriction),
+        Box::new(d::Drag),
+        Box::new(d::LinearStiffness),
+        Box::new(d::Stiffening),
+        Box::new(d::ConstantLoad),
+        Box::new(d::GravityLoad),
+        Box::new(d::PeriodicForce),
+        Box::new(d::Hysteresis),
+        Box::new(d::ResonantMode),
+        Box::new(d::EndStop),
+        Box::new(d::Overflow),
+        Box::new(d::StateCoupling),
+        Box::new(d::ParameterError),
+        Box::new(s::SensorBias),
+        Box::new(s::SensorDrift),
+        Box::new(s::SensorScale),
+        Box::new(s::SensorLag),
+        Box::new(s::SensorDelay),
+        Box::new(s::SensorSaturation),
+        Box::new(s::SensorCrossTalk),
+        Box::new(s::SensorQuantisation),
+        Box::new(s::SensorOutliers),
+        Box::new(s::SensorNoise),
+        Box::new(m::InputMap),
+        Box::new(m::ForceMap),
+        Box::new(m::SensorMap),
+    ]
+}
+
+/// What all effects of a library offer for a model, in the order of the library.
+#[must_use]
+pub fn offers(library: &[Box<dyn Effect>], nominal: &Model, scales: &ReplayScales) -> Offers {
+    library.iter().flat_map(|effect| effect.candidates(nominal, scales)).collect()
 }

@@ -5,7 +5,7 @@ use super::{
     scales::{ForceScale, ReplayScales},
 };
 use crate::{
-    equation::Expr,
+    equation::{Comparison, Cond, Expr},
     model::{Delay, Law, Model, Parameter, State},
     patch::{Patch, PatchError},
 };
@@ -28,6 +28,10 @@ pub struct Sketch<'a> {
     bound: Vec<(String, Expr)>,
     /// Beginning of the names of everything that is added.
     prefix: String,
+    /// States to be added.
+    states: Vec<State>,
+    /// Local names of memories and their states.
+    memories: Vec<(String, String)>,
     force: Option<&'a ForceScale>,
     problem: Option<Reason>,
 }
@@ -126,6 +130,8 @@ impl<'a> Sketch<'a> {
             },
             patch,
             bound: Vec::new(),
+            states: Vec::new(),
+            memories: Vec::new(),
             force: None,
             problem: None,
         }
@@ -231,33 +237,55 @@ impl<'a> Sketch<'a> {
         self.bind(local, Expr::name(name))
     }
 
-    /// Adds a memory: a state that is set to `update` at the end of each integration step, from
-    /// values at its start. Its initial value is 0; `first` tells when there is no past.
+    /// Adds a memory: a state that changes at the end of each integration step, to what
+    /// [`becomes`](Self::becomes) says. The local name stands for its value at the start of the step,
+    /// which is the template `at_first` in the first step of a run.
     #[must_use]
-    pub fn memory(self, local: &str, name: &str, unit: &str, update: &str) -> Self {
-        self.state(local, name, unit, update, Law::Update)
+    pub fn memory(mut self, local: &str, name: &str, unit: &str, at_first: &str) -> Self {
+        let state = self.fresh(name);
+        let is_first = Cond::compare(Comparison::Greater, Expr::name("first"), Expr::Number(0.0));
+        let value = Expr::choice(is_first, self.expr(at_first), Expr::name(&state));
+        self.add_state(&state, unit, Law::Update(value.clone()));
+        self.memories.push((local.to_owned(), state));
+        self.bind(local, value)
     }
 
-    /// Adds a state with a derivative, 0 at the start of a run.
+    /// States what a memory becomes at the end of a step, from values at its start.
     #[must_use]
-    pub fn dynamic(self, local: &str, name: &str, unit: &str, derivative: &str) -> Self {
-        self.state(local, name, unit, derivative, Law::Derivative)
-    }
-
-    fn state(
-        mut self,
-        local: &str,
-        name: &str,
-        unit: &str,
-        template: &str,
-        law: fn(Expr) -> Law,
-    ) -> Self {
-        let name = self.fresh(name);
-        self = self.bind(local, Expr::name(&name));
-        let law = law(self.expr(template));
-        let unit = if unit.is_empty() { "1" } else { unit }.to_owned();
-        self.patch.add_state(State { name, unit, initial: 0.0, tolerance: None, law });
+    pub fn becomes(mut self, local: &str, template: &str) -> Self {
+        let law = Law::Update(self.expr(template));
+        self.set_law(local, law);
         self
+    }
+
+    /// Adds a state, 0 at the start of a run, with the derivative that [`moves`](Self::moves) says.
+    #[must_use]
+    pub fn dynamic(mut self, local: &str, name: &str, unit: &str) -> Self {
+        let state = self.fresh(name);
+        self.add_state(&state, unit, Law::Derivative(Expr::Number(0.0)));
+        self.memories.push((local.to_owned(), state.clone()));
+        self.bind(local, Expr::name(state))
+    }
+
+    /// States the derivative of a state.
+    #[must_use]
+    pub fn moves(mut self, local: &str, derivative: &str) -> Self {
+        let law = Law::Derivative(self.expr(derivative));
+        self.set_law(local, law);
+        self
+    }
+
+    fn set_law(&mut self, local: &str, law: Law) {
+        let memory = self.memories.iter().find(|(known, _)| known == local);
+        match memory.and_then(|(_, name)| self.states.iter_mut().find(|s| s.name == *name)) {
+            Some(state) => state.law = law,
+            None => self.fail(Reason::Missing("such memory")),
+        }
+    }
+
+    fn add_state(&mut self, name: &str, unit: &str, law: Law) {
+        let unit = if unit.is_empty() { "1" } else { unit }.to_owned();
+        self.states.push(State { name: name.to_owned(), unit, initial: 0.0, tolerance: None, law });
     }
 
     /// Adds the value of a template some time (a template of parameters, in s) ago.
@@ -376,6 +404,9 @@ impl<'a> Sketch<'a> {
             self.fail(Reason::Bounds);
         }
         if self.problem.is_none() && self.candidate.kind == Kind::Simulation {
+            for state in self.states {
+                self.patch.add_state(state);
+            }
             match self.patch.finish() {
                 Ok(model) => self.candidate.model = model,
                 Err(error) => self.problem = Some(error.into()),

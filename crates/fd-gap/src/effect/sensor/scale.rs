@@ -1,0 +1,32 @@
+//! Scale error of a sensor.
+
+use super::each_output;
+use crate::{
+    effect::{Effect, Offers, ReplayScales},
+    model::Model,
+};
+
+/// Scale error `(1 + e) y`.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorScale;
+
+impl Effect for SensorScale {
+    fn label(&self) -> &'static str {
+        "sensor-scale"
+    }
+
+    fn family(&self) -> &'static str {
+        "sensor-gain"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        each_output(self, nominal, scales, |sketch, _| {
+            vec![
+                sketch("linear")
+                    .strength("e", "scale_error", "1", 1.0, [-0.9, 2.0])
+                    .wrap_output("(1 + e)*y")
+                    .starts([[0.05]]),
+            ]
+        })
+    }
+}

@@ -1,0 +1,222 @@
+//! Laws of effects against exact solutions and against finer integration steps.
+
+use fd_gap::{
+    effect::{Candidate, Kind, library, offers},
+    equation::Expr,
+    model::{Model, Output},
+    simulate::{EquationSimulator, Simulator},
+};
+
+use crate::cases::{Case, PLANTS, name};
+
+/// An integrator of what arrives, and a sensor of time.
+fn bench() -> Case {
+    let text = r#"
+version = 1
+kind = "equations"
+name = "bench"
+sample_time = 0.1
+step = 0.05
+inputs = { u = { unit = "1" } }
+[states]
+x = { unit = "s", initial = 0.0, derivative = "u" }
+ramp = { unit = "s", initial = 0.0, derivative = "1" }
+[outputs]
+sum = { unit = "s", value = "x" }
+clock = { unit = "s", value = "ramp" }
+"#;
+    let mut case = Case::of(text.parse::<Model>().unwrap(), 60);
+    // A step at 0.1 s: the integral of its response is known.
+    case.u = (0..60).map(|k| if k == 0 { 0.0 } else { 1.0 }).collect();
+    case
+}
+
+fn candidate(case: &Case, label: &str, law: &str, site: &str) -> Candidate {
+    let all = case.simulated();
+    let is_it = |c: &&Candidate| c.label == label && c.law == law && c.site.name() == Some(site);
+    all.iter().find(is_it).unwrap().clone()
+}
+
+/// Output `channel` of the bench, against `exact` of the time.
+fn check(case: &Case, effect: (&str, &str, &str), phi: &[f64], exact: impl Fn(f64) -> f64) {
+    let (label, law, site) = effect;
+    let channel = usize::from(site == "clock");
+    let (_, y) = case.apply(&candidate(case, label, law, site), phi);
+    for (k, row) in y.chunks(2).enumerate() {
+        let t = 0.1 * k as f64;
+        // Some hundred steps, each with a rounding error of an ulp of 6.
+        let expected = exact(t);
+        assert!((row[channel] - expected).abs() < 1e-12, "{label}, t = {t}: {row:?}, {expected}");
+    }
+}
+
+#[test]
+fn actuator_dynamics_are_exact_for_held_inputs() {
+    let case = bench();
+    for lag in [0.013, 0.2, 3.0] {
+        check(&case, ("input-lag", "order-1", "u"), &[lag], |t| {
+            let t = (t - 0.1).max(0.0);
+            t - lag * (1.0 - (-t / lag).exp())
+        });
+        for ratio in [0.0, 0.4, 0.95] {
+            let second = ratio * lag;
+            check(&case, ("input-lag", "order-2", "u"), &[lag, ratio], |t| {
+                let t = (t - 0.1).max(0.0);
+                let part = |lag: f64| lag * lag * (1.0 - (-t / lag.max(1e-9)).exp());
+                t - (part(lag) - part(second)) / (lag - second)
+            });
+        }
+    }
+    for delay in [0.0, 0.031, 0.1, 1.234] {
+        check(&case, ("input-delay", "pure", "u"), &[delay], |t| (t - 0.1 - delay).max(0.0));
+    }
+    for inverse in [0.02, 0.5, 3.0] {
+        check(&case, ("input-rate-limit", "symmetric", "u"), &[inverse], |t| {
+            let t = (t - 0.1).max(0.0);
+            if t < inverse { t * t / (2.0 * inverse) } else { t - inverse / 2.0 }
+        });
+        let asymmetric = ("input-rate-limit", "asymmetric", "u");
+        check(&case, asymmetric, &[inverse, 0.5], |t| {
+            let (t, inverse) = ((t - 0.1).max(0.0), 1.5 * inverse);
+            if t < inverse { t * t / (2.0 * inverse) } else { t - inverse / 2.0 }
+        });
+    }
+}
+
+#[test]
+fn sensor_dynamics_are_exact_for_ramps() {
+    let case = bench();
+    for lag in [0.013, 0.2, 3.0] {
+        check(&case, ("sensor-lag", "order-1", "clock"), &[lag], |t| {
+            t - lag * (1.0 - (-t / lag).exp())
+        });
+    }
+    for delay in [0.05, 0.4] {
+        // The past is interpolated where it began to move, so only whole steps are exact there.
+        check(&case, ("sensor-delay", "pure", "clock"), &[delay], |t| (t - delay).max(0.0));
+    }
+}
+
+#[test]
+fn actuator_curves_are_as_their_names_say() {
+    let mut case = bench();
+    // Held for a sample, the integral is the sum of what arrived.
+    case.u = (0..60).map(|k| 2.0 * (0.37 * f64::from(k)).sin()).collect();
+    let u = case.u.clone();
+    let arrives = |label: &str, law: &str, phi: &[f64], curve: &mut dyn FnMut(f64) -> f64| {
+        let (_, y) = case.apply(&candidate(&case, label, law, "u"), phi);
+        let mut sum = 0.0;
+        for (k, row) in y.chunks(2).enumerate() {
+            assert!((row[0] - sum).abs() < 1e-12, "{label} ({law}) {k}: {row:?}, {sum}");
+            sum += 0.1 * curve(u[k]);
+        }
+    };
+    arrives("input-gain", "asymmetric", &[0.1, 0.2], &mut |u| {
+        if u > 0.0 { 1.3 * u } else { 0.9 * u }
+    });
+    arrives("input-dead-zone", "asymmetric", &[0.4, 0.5], &mut |u| {
+        if u > 0.6 {
+            u - 0.6
+        } else if u < -0.2 {
+            u + 0.2
+        } else {
+            0.0
+        }
+    });
+    arrives("input-saturation", "hard", &[0.8], &mut |u| u.clamp(-1.25, 1.25));
+    arrives("input-saturation", "asymmetric", &[0.8, 0.25], &mut |u| u.clamp(-1.0 / 0.6, 1.0));
+    arrives("input-saturation", "tanh", &[0.8], &mut |u| (0.8 * u).tanh() / 0.8);
+    arrives("input-saturation", "soft", &[0.8, 2.0], &mut |u| u / (0.64 * u * u + 1.0).sqrt());
+    arrives("input-quantisation", "round", &[0.25], &mut |u| (4.0 * u).round() / 4.0);
+    let mut played = 0.0;
+    arrives("input-backlash", "play", &[0.3], &mut |u| {
+        played = f64::clamp(played, u - 0.3, u + 0.3);
+        played
+    });
+}
+
+#[test]
+fn friction_and_springs_work_against_the_motion_at_every_site() {
+    let mut checked = 0;
+    for plant in PLANTS {
+        let case = Case::new(plant, 300);
+        let work = |candidate: &Candidate, phi: &[f64]| {
+            // The mean power of the force, from a model that shows it.
+            let (sites, i) = (&case.scales.sites, &candidate.site);
+            let site = sites.iter().find(|site| Some(site.name.as_str()) == i.name()).unwrap();
+            let mut draft = candidate.model.clone().into_draft();
+            let ny = draft.outputs.len();
+            let force = draft.definitions.last().unwrap().name.clone();
+            let (velocity, _) = site.velocity.clone().unwrap();
+            for (name, value) in [("shown_force", Expr::name(force)), ("shown_velocity", velocity)]
+            {
+                let (name, unit) = (name.to_owned(), "1".to_owned());
+                draft.outputs.push(Output { name, unit, value, noise: None });
+            }
+            let model = Model::try_from(draft).unwrap();
+            let mut theta = case.model.nominal();
+            theta.extend(phi);
+            let (_, y) = case.run(&model, &theta);
+            let power = y.chunks(ny + 2).map(|row| row[ny] * row[ny + 1]);
+            site.mobility.signum() * power.sum::<f64>()
+        };
+        for candidate in case.simulated() {
+            let dissipates =
+                matches!(candidate.label, "viscous-friction" | "coulomb-friction" | "drag");
+            if dissipates {
+                for start in &candidate.starts {
+                    let power = work(&candidate, start);
+                    assert!(power < 0.0, "{plant}: {}: {power}", name(&candidate));
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked > 100, "{checked}");
+}
+
+#[test]
+fn a_finer_step_changes_little() {
+    for plant in PLANTS {
+        let case = Case::new(plant, 300);
+        for candidate in case.simulated() {
+            // A lag of a held signal: how much of a jump it shows in the very sample of the jump is
+            // a matter of the step.
+            if candidate.label == "sensor-lag" && candidate.site.name() == Some("voltage") {
+                continue;
+            }
+            let plain = EquationSimulator::<f64>::new(&candidate.model).unwrap();
+            for start in &candidate.starts {
+                let mut theta = case.model.nominal();
+                theta.extend(start);
+                let run = |factor| {
+                    let mut simulator = plain.refined(factor);
+                    let mut y = vec![0.0; case.samples * candidate.model.outputs.len()];
+                    let x0 = candidate.model.initial();
+                    Simulator::simulate(&mut simulator, &theta, &x0, &case.u, &mut y);
+                    y
+                };
+                let distance = case.distance(&run(1), &run(8));
+                // Dry friction is worst: its creep velocity depends on the step.
+                assert!(distance < 0.05, "{plant}: {} {start:?}: {distance}", name(&candidate));
+            }
+        }
+    }
+}
+
+#[test]
+fn effects_go_on_top_of_effects() {
+    let case = Case::new("pendulum", 100);
+    let first = candidate(&case, "coulomb-friction", "stribeck", "joint");
+    let mut theta = case.model.nominal();
+    theta.extend(&first.starts[0]);
+    let expected = case.run(&first.model, &theta).1;
+    let second = offers(&library(), &first.model, &case.scales);
+    let second: Vec<Candidate> = second.into_iter().filter_map(Result::ok).collect();
+    assert!(case.simulated().len() <= second.len());
+    for candidate in second.iter().filter(|c| c.kind == Kind::Simulation) {
+        let mut theta = theta.clone();
+        theta.extend(candidate.parameters.iter().map(|p| p.neutral));
+        assert_eq!(case.run(&candidate.model, &theta).1, expected, "{}", name(candidate));
+    }
+}
