@@ -198,9 +198,10 @@ fn weighted_null_fit(
     stated: &[Option<f64>],
 ) -> Result<NullFit, FitError> {
     let measured = |c: usize| {
-        let signals = plan.logs.iter().map(|log| {
-            log.y.iter().skip(c).step_by(log.ny).copied().collect::<Vec<f64>>()
-        });
+        let signals = plan
+            .logs
+            .iter()
+            .map(|log| log.y.iter().skip(c).step_by(log.ny).copied().collect::<Vec<f64>>());
         signals.collect::<Vec<_>>().join(&f64::NAN)
     };
     let guess = |c: usize| {
@@ -220,7 +221,8 @@ fn weighted_null_fit(
         .zip(old)
         .zip(stated)
         .map(|((signals, old), stated)| {
-            let shown = robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
+            let shown =
+                robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
             match stated {
                 Some(stated) if shown <= BELIEVED * stated => *stated,
                 Some(stated) => shown.min(RAISED * stated),

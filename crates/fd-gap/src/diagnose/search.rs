@@ -58,8 +58,7 @@ pub(super) fn search<'a>(
     let mut found = Found { null, trials, not_tested, is_coloured: false };
     if let Some(weights) = colours(&mut found, spread) {
         let Found { null, trials, .. } = &found;
-        let recoloured =
-            null_fit(null.problem.plan(), null.problem.simulator(), &weights)?;
+        let recoloured = null_fit(null.problem.plan(), null.problem.simulator(), &weights)?;
         debug_assert!(trials.len() <= candidates.len(), "one trial per candidate");
         found.null = recoloured;
         found.is_coloured = true;

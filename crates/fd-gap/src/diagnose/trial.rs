@@ -56,8 +56,7 @@ impl<'a> Trial<'a> {
         let effects = candidate.parameters.iter().map(variable).collect();
         let weights = null.problem.weights().clone();
         let problem = Problem::new(plan, Box::new(simulator), effects, weights)?;
-        let neutral =
-            |p: &EffectParameter| p.is_strength.then_some(p.neutral);
+        let neutral = |p: &EffectParameter| p.is_strength.then_some(p.neutral);
         let strengths = candidate.parameters.iter().map(neutral).collect();
         Ok(Self { candidate, index, problem, strengths, best: None })
     }

@@ -28,8 +28,7 @@ pub fn evidence(
     let scale = f64::sqrt(scales.iter().map(|s| s * s).sum::<f64>() / scales.len() as f64);
     let weight = 1.0 / scale;
     let layout = problem.layout();
-    let mut equations =
-        Arrow::new(layout, &at.slopes, &at.r, problem.prior(), &at.z, weight);
+    let mut equations = Arrow::new(layout, &at.slopes, &at.r, problem.prior(), &at.z, weight);
     let first = layout.shared - problem.effects().len();
     for i in 0..at.z.len() {
         let [low, high] = problem.bounds()[i];

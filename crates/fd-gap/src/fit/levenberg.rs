@@ -2,7 +2,7 @@
 
 use super::{
     arrow::Arrow,
-    layout::{LeastSquares, Layout},
+    layout::{Layout, LeastSquares},
 };
 
 /// How long to search, and what to leave as it is.
@@ -85,8 +85,7 @@ pub fn minimise(
     let [total, prior_cost] = cost(problem, &z, &r);
     let columns = layout.shared + layout.own;
     let mut known = slopes.is_some();
-    let slopes =
-        slopes.map_or_else(|| vec![vec![0.0; r.len()]; columns], <[Vec<f64>]>::to_vec);
+    let slopes = slopes.map_or_else(|| vec![vec![0.0; r.len()]; columns], <[Vec<f64>]>::to_vec);
     let mut at = Minimum { z, cost: total, prior_cost, r, slopes, converged: false };
     let mut trial = at.r.clone();
     let mut damping = DAMPING;
@@ -101,8 +100,7 @@ pub fn minimise(
         };
         problem.slopes(&at.z, &at.r, refresh, &mut at.slopes);
         known = true;
-        let mut equations =
-            Arrow::new(&layout, &at.slopes, &at.r, problem.prior(), &at.z, 1.0);
+        let mut equations = Arrow::new(&layout, &at.slopes, &at.r, problem.prior(), &at.z, 1.0);
         for (i, [low, high]) in bounds.iter().enumerate() {
             let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
             let is_held = search.own_only && i < layout.shared

@@ -52,16 +52,17 @@ impl Log {
         if ROUNDING * expected < (expected - found).abs() {
             return Err(FitError::SampleTime { log: number, expected, found });
         }
-        let places = |role, wanted: &[Channel], known: &[Channel]| -> Result<Vec<usize>, FitError> {
-            let place = |channel: &Channel| known.iter().position(|k| k.name == channel.name);
-            let missing = |channel: &Channel| FitError::Channel {
-                log: number,
-                role,
-                channel: channel.name.clone(),
-                known: known.iter().map(|known| known.name.clone()).collect(),
+        let places =
+            |role, wanted: &[Channel], known: &[Channel]| -> Result<Vec<usize>, FitError> {
+                let place = |channel: &Channel| known.iter().position(|k| k.name == channel.name);
+                let missing = |channel: &Channel| FitError::Channel {
+                    log: number,
+                    role,
+                    channel: channel.name.clone(),
+                    known: known.iter().map(|known| known.name.clone()).collect(),
+                };
+                wanted.iter().map(|c| place(c).ok_or_else(|| missing(c))).collect()
             };
-            wanted.iter().map(|c| place(c).ok_or_else(|| missing(c))).collect()
-        };
         let inputs = places("input", simulator.inputs(), record.inputs())?;
         let outputs = places("output", simulator.outputs(), record.outputs())?;
         // Only channels that the simulator has are converted, and only where the units differ.

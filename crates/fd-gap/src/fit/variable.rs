@@ -1,7 +1,7 @@
 //! An unknown of a fit.
 
-use crate::simulate::Initial;
 use crate::model::Parameter;
+use crate::simulate::Initial;
 
 /// Standard deviation of what is known of a value, in tolerances.
 const PRIOR: f64 = 0.67;

@@ -48,10 +48,6 @@ pub fn inspect(
     };
     let outputs = simulator.outputs();
     let measured: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&log.y, c)).collect();
-    for (c, channel) in outputs.iter().enumerate() {
-        problems(&measured[c], noise[c], false).into_iter().for_each(|p| add(&channel.name, p));
-    }
-
     let mut simulator = simulator.boxed();
     let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
     let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
@@ -59,6 +55,14 @@ pub fn inspect(
     // What diverges is NaN, and does not count below.
     let _ = simulator.simulate(&theta, &x0, &log.u, &mut y);
     let simulated: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&y, c)).collect();
+    for (c, channel) in outputs.iter().enumerate() {
+        let is_small = unit_factor(&measured[c], &simulated[c]).is_some();
+        let found = problems(&measured[c], noise[c], false).into_iter();
+        // In the wrong unit the noise is wrong as well.
+        found
+            .filter(|problem| !is_small || *problem != Problem::NotExcited)
+            .for_each(|problem| add(&channel.name, problem));
+    }
     for (c, channel) in outputs.iter().enumerate() {
         if let Some(factor) = unit_factor(&measured[c], &simulated[c]) {
             add(&channel.name, Problem::WrongUnit { factor });
@@ -120,7 +124,8 @@ fn unit_factor(measured: &[f64], simulated: &[f64]) -> Option<f64> {
 /// not explain it.
 fn foretells(errors: &[f64], u: &[f64]) -> Option<f64> {
     let changes: Vec<f64> = u.windows(2).map(|w| w[1] - w[0]).collect();
-    let power = |signal: &[f64]| signal.iter().filter(|v| v.is_finite()).map(|v| v * v).sum::<f64>();
+    let power =
+        |signal: &[f64]| signal.iter().filter(|v| v.is_finite()).map(|v| v * v).sum::<f64>();
     let scale = f64::sqrt(power(errors) * power(&changes));
     // An input that seldom changes has few independent changes.
     let moves = changes.iter().filter(|c| 0.0 < c.abs()).count().max(1) as f64;

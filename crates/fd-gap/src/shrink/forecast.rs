@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    fit::{FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Variable, Weights, minimise},
+    fit::{
+        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Variable, Weights,
+        minimise,
+    },
     simulate::Simulator,
 };
 

@@ -42,7 +42,11 @@ pub(crate) struct Recipe<'a> {
     pub(crate) starts: &'a [f64],
 }
 
-pub(crate) fn candidate(model: &Model, recipe: Recipe<'_>, splice: impl Fn(&mut Patch)) -> Candidate {
+pub(crate) fn candidate(
+    model: &Model,
+    recipe: Recipe<'_>,
+    splice: impl Fn(&mut Patch),
+) -> Candidate {
     let Recipe { label, family, site, side, strength, starts } = recipe;
     let [scale, low, high, neutral] = strength;
     let simulator = EquationSimulator::<f64>::new(model).unwrap();
@@ -83,7 +87,8 @@ pub(crate) fn candidates(model: &Model, size: impl Fn(&str) -> f64) -> Vec<Candi
         let (u, us) = (&input.name, size(&input.name));
         let site = || SiteRef::Input(i, u.clone());
         let mut add = |label, family, strength, starts: &[f64], value: String| {
-            let recipe = Recipe { label, family, site: site(), side: Side::Input, strength, starts };
+            let recipe =
+                Recipe { label, family, site: site(), side: Side::Input, strength, starts };
             all.push(candidate(model, recipe, |patch| {
                 patch.wrap_input(u, "applied", expr(&value)).unwrap();
             }));
@@ -157,7 +162,13 @@ pub(crate) fn candidates(model: &Model, size: impl Fn(&str) -> f64) -> Vec<Candi
                 patch.wrap_output(&output.name, "measured", expr(&value)).unwrap();
             }));
         };
-        add("bias", "offset", [0.1 * ys, -3.0 * ys, 3.0 * ys, 0.0], &[0.1 * ys], "measured + a".into());
+        add(
+            "bias",
+            "offset",
+            [0.1 * ys, -3.0 * ys, 3.0 * ys, 0.0],
+            &[0.1 * ys],
+            "measured + a".into(),
+        );
         let drift = "measured + a*t".to_owned();
         let rate = 0.1 * ys / (1000.0 * model.sample_time);
         add("drift", "drift", [rate, -30.0 * rate, 30.0 * rate, 0.0], &[rate], drift);
