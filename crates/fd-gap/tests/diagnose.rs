@@ -1,5 +1,10 @@
 //! The right cause comes first, on logs of a reality that is not the library's.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests panic to fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests panic to fail, and print what they saw"
+)]
 
 mod bench_cases;
 

@@ -1,5 +1,10 @@
 //! Fits: known optima, boxes, simulators that diverge, holes, windows.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests panic to fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests panic to fail, and print what they saw"
+)]
 
 mod bench_cases;
 

@@ -1,5 +1,10 @@
 //! Findings about logs, and what noise is.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests panic to fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests panic to fail, and print what they saw"
+)]
 
 mod bench_cases;
 
@@ -21,7 +26,9 @@ fn problems(log: &Record, errors: Option<&[Vec<f64>]>) -> Vec<(String, Problem)>
     let simulator = EquationSimulator::<f64>::new(&model).unwrap();
     let noise: Vec<_> = model.outputs.iter().map(|output| output.noise).collect();
     let found = inspect(log, &simulator, &noise, errors, 1).unwrap();
-    found.iter().for_each(|finding| println!("{finding}"));
+    for finding in &found {
+        println!("{finding}");
+    }
     found.into_iter().map(|finding| (finding.channel, finding.problem)).collect()
 }
 

@@ -9,10 +9,14 @@ use crate::{
     effect::{Candidate, Kind},
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},
+    quality::spectral_peaks,
 };
 
 /// Innovation, as a fraction of the noise, below which noise is coloured.
 const COLOURED: f64 = 0.985;
+
+/// Lines of the spectrum at which periodic effects are started.
+const LINES: usize = 5;
 
 /// All candidates, fitted as far as it was worth it.
 pub(super) struct Found<'a> {
@@ -29,6 +33,7 @@ pub(super) fn search<'a>(
     settings: &Settings,
 ) -> Result<Found<'a>, FitError> {
     let projection = Projection::new(&null.problem, &null.minimum).ok_or(FitError::Diverged)?;
+    let lines = lines(&null)?;
     let tried: Vec<Result<Trial<'a>, (usize, String)>> = candidates
         .par_iter()
         .enumerate()
@@ -38,12 +43,8 @@ pub(super) fn search<'a>(
             }
             let mut trial =
                 Trial::new(candidate, index, &null).map_err(|e| (index, e.to_string()))?;
-            trial.screen(&null, &projection);
-            if trial.best.is_some() {
-                Ok(trial)
-            } else {
-                Err((index, "its simulation diverges".to_owned()))
-            }
+            trial.screen(&null, &projection, &lines);
+            Ok(trial)
         })
         .collect();
     let (mut trials, mut not_tested) = (Vec::new(), Vec::new());
@@ -53,6 +54,15 @@ pub(super) fn search<'a>(
             Err(reason) => not_tested.push(reason),
         }
     }
+    let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
+    trials.par_iter_mut().for_each(|trial| trial.short_fits(&null, most));
+    trials.retain(|trial| {
+        if trial.best.is_none() {
+            not_tested.push((trial.index, "its simulation diverges".to_owned()));
+        }
+        trial.best.is_some()
+    });
+    not_tested.sort_by_key(|(index, _)| *index);
     finish(&mut trials, &null, settings.finalists);
 
     let mut found = Found { null, trials, not_tested, is_coloured: false };
@@ -67,6 +77,15 @@ pub(super) fn search<'a>(
         finish(&mut found.trials, null, settings.finalists);
     }
     Ok(found)
+}
+
+/// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.
+fn lines(null: &NullFit) -> Result<Vec<f64>, FitError> {
+    let mut problem = null.problem.clone();
+    let errors = problem.errors(&null.minimum.z).ok_or(FitError::Diverged)?;
+    let signals: Vec<&[f64]> = errors.iter().flatten().map(Vec::as_slice).collect();
+    let rate = 1.0 / problem.simulator().ts().seconds();
+    Ok(spectral_peaks(&signals, LINES).into_iter().map(|f| f * rate).collect())
 }
 
 /// Fits the laws of the best causes to the end.

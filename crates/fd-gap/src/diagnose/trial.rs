@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::{
     effect::{Candidate, EffectParameter},
     fit::{
-        FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Search, Variable, Weights,
-        minimise,
+        FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
+        Weights, minimise,
     },
     simulate::EquationSimulator,
 };
@@ -21,7 +21,10 @@ const AMPLITUDE: f64 = 4.0;
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
 const SMALLEST_AMPLITUDE: f64 = 0.1;
 /// Starts whose gain is below this part of the best one get no short fit.
-const HOPEFUL: f64 = 0.2;
+const HOPEFUL: f64 = 0.5;
+
+/// A candidate whose gain is below this part of the best of all gets one short fit.
+const PROMISING: f64 = 0.2;
 
 /// A candidate with its fit.
 #[derive(Debug)]
@@ -33,6 +36,8 @@ pub(super) struct Trial<'a> {
     /// Neutral values of strengths; `None` for shapes.
     pub(super) strengths: Vec<Option<f64>>,
     pub(super) best: Option<Minimum>,
+    /// Scores of the starts, the best first.
+    scored: Vec<(Score, Vec<f64>)>,
 }
 
 impl<'a> Trial<'a> {
@@ -58,24 +63,47 @@ impl<'a> Trial<'a> {
         let problem = Problem::new(plan, Box::new(simulator), effects, weights)?;
         let neutral = |p: &EffectParameter| p.is_strength.then_some(p.neutral);
         let strengths = candidate.parameters.iter().map(neutral).collect();
-        Ok(Self { candidate, index, problem, strengths, best: None })
+        Ok(Self { candidate, index, problem, strengths, best: None, scored: Vec::new() })
     }
 
-    /// Scores every start and fits the best ones a little.
-    pub(super) fn screen(&mut self, null: &NullFit, projection: &Projection<'_>) {
-        let nuisances = &null.minimum.z;
-        let mut scored = Vec::new();
+    /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz.
+    pub(super) fn screen(&mut self, null: &NullFit, projection: &Projection<'_>, lines: &[f64]) {
         let mut r = vec![0.0; self.problem.layout().residuals()];
-        for start in &self.candidate.starts {
-            let z = self.problem.place(nuisances, start);
+        for start in self.starts(lines) {
+            let z = self.problem.place(&null.minimum.z, &start);
             if self.problem.residuals(&z, &mut r) {
-                let score = projection.score(&r, self.amplitudes(start));
-                scored.push((score, start.clone()));
+                let score = projection.score(&r, self.amplitudes(&start));
+                self.scored.push((score, start));
             }
         }
-        scored.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
-        let top = scored.first().map_or(0.0, |(score, _)| score.gain);
-        for (score, start) in scored.into_iter().take(SHORT_FITS) {
+        self.scored.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    }
+
+    /// Those of the candidate; where a frequency is unknown, also each of them at each line.
+    fn starts(&self, lines: &[f64]) -> Vec<Vec<f64>> {
+        let mut starts = self.candidate.starts.clone();
+        if let (Some(i), Some(first)) = (self.candidate.spectral, starts.first().cloned()) {
+            let EffectParameter { low, high, .. } = self.candidate.parameters[i];
+            for line in lines.iter().filter(|line| (low..=high).contains(*line)) {
+                let mut start = first.clone();
+                start[i] = *line;
+                starts.push(start);
+            }
+        }
+        starts
+    }
+
+    /// What the best start could explain.
+    pub(super) fn gain(&self) -> f64 {
+        self.scored.first().map_or(0.0, |(score, _)| score.gain)
+    }
+
+    /// Fits the best starts a little; only one when no start could explain much of `most`, which
+    /// the best of all candidates could.
+    pub(super) fn short_fits(&mut self, null: &NullFit, most: f64) {
+        let top = self.gain();
+        let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
+        for (score, start) in self.scored.clone().into_iter().take(fits) {
             if score.gain < HOPEFUL * top {
                 break;
             }

@@ -47,6 +47,8 @@ pub fn posterior(causes: &[f64], no_gap: f64, temperature: f64) -> Posterior {
     let causes = causes.iter().map(|evidence| evidence / temperature + each);
     let mut all: Vec<f64> = std::iter::once(no_gap.ln()).chain(causes).collect();
     let total = log_sum_exp(&all);
-    all.iter_mut().for_each(|value| *value = (*value - total).exp());
+    for value in &mut all {
+        *value = (*value - total).exp();
+    }
     Posterior { no_gap: all[0], causes: all[1..].to_vec() }
 }

@@ -1,6 +1,9 @@
 //! What a single channel shows without any model.
 
-use super::{finding::Problem, noise_floor::third_difference_floor};
+use super::{
+    finding::Problem,
+    noise_floor::{robust_third_difference_floor, third_difference_floor},
+};
 
 /// Part of the samples at a limit from which a channel counts as clipped.
 const CLIPPED: f64 = 0.05;
@@ -39,7 +42,7 @@ pub fn grid_step(signal: &[f64]) -> Option<f64> {
     }
     let is_off = |v: &&f64| {
         let steps = (**v - first) / step;
-        ROUNDING * steps.max(1.0).min(1.0 / ROUNDING / 4.0) < (steps - steps.round()).abs()
+        ROUNDING * steps.clamp(1.0, 0.25 / ROUNDING) < (steps - steps.round()).abs()
     };
     let off = values.iter().filter(is_off).count();
     (off as f64 <= OFF_GRID * values.len() as f64).then_some(step)
@@ -65,11 +68,12 @@ pub(super) fn problems(signal: &[f64], noise: Option<f64>, is_input: bool) -> Ve
     }
     let grid = grid_step(signal);
     let third = third_difference_floor(signal).unwrap_or(0.0);
-    if let Some(step) = grid.filter(|step| COARSE * third.max(noise.unwrap_or(0.0)) < *step) {
+    let smooth = robust_third_difference_floor(signal).unwrap_or(0.0);
+    if let Some(step) = grid.filter(|step| COARSE * smooth.max(noise.unwrap_or(0.0)) < *step) {
         found.push(Problem::Quantised { step });
     }
     for at in [low, high] {
-        let share = values.iter().filter(|v| v.total_cmp(&&at).is_eq()).count() as f64 / n;
+        let share = values.iter().filter(|v| v.total_cmp(&at).is_eq()).count() as f64 / n;
         // The ends of a coarse grid are met often.
         let is_grid = grid.is_some_and(|step| high - low < 20.0 * step);
         if CLIPPED < share && !is_grid {

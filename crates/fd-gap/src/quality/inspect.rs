@@ -41,7 +41,9 @@ pub fn inspect(
     for channel in simulator.inputs() {
         let Some(i) = record.input_index(&channel.name) else { continue };
         let signal: Vec<f64> = record.input(i).collect();
-        problems(&signal, None, true).into_iter().for_each(|p| add(&channel.name, p));
+        for problem in problems(&signal, None, true) {
+            add(&channel.name, problem);
+        }
     }
     let column = |values: &[f64], c: usize| -> Vec<f64> {
         values.iter().skip(c).step_by(log.ny).copied().collect()
@@ -57,11 +59,12 @@ pub fn inspect(
     let simulated: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&y, c)).collect();
     for (c, channel) in outputs.iter().enumerate() {
         let is_small = unit_factor(&measured[c], &simulated[c]).is_some();
-        let found = problems(&measured[c], noise[c], false).into_iter();
-        // In the wrong unit the noise is wrong as well.
-        found
-            .filter(|problem| !is_small || *problem != Problem::NotExcited)
-            .for_each(|problem| add(&channel.name, problem));
+        for problem in problems(&measured[c], noise[c], false) {
+            // In the wrong unit the noise is wrong as well.
+            if !is_small || problem != Problem::NotExcited {
+                add(&channel.name, problem);
+            }
+        }
     }
     for (c, channel) in outputs.iter().enumerate() {
         if let Some(factor) = unit_factor(&measured[c], &simulated[c]) {

@@ -5,6 +5,7 @@ mod channel;
 mod finding;
 mod inspect;
 mod noise_floor;
+mod spectrum;
 
 pub use self::{
     autoregression::Autoregression,
@@ -12,4 +13,5 @@ pub use self::{
     finding::{Finding, Problem, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},
+    spectrum::spectral_peaks,
 };
