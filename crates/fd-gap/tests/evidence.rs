@@ -97,12 +97,13 @@ fn the_interval_of_the_closed_share_covers_the_truth() {
             vec![vec![white.iter().zip(&slow).map(|(w, s)| w + size * s).collect()]]
         };
         let share = closed(&errors(5.0), &errors(2.0), 1.0, 200, seed).unwrap();
-        assert!(90 <= share.block, "memory of (1 + 0.9)/(1 − 0.9) = 19 samples");
+        // Five times (1 + 0.9)/(1 − 0.9) = 19 samples, of which an estimate may be half or double.
+        assert!((40..=300).contains(&share.block), "{}", share.block);
         let [low, high] = share.interval;
         covered += usize::from(low <= truth && truth <= high);
     }
     // 95 of 100 with a standard deviation of 2.2; the bootstrap of 40 blocks is a little short.
-    assert!((85..=100).contains(&covered), "{covered}");
+    assert!((85..=100).contains(&covered), "{covered} of 100 intervals cover");
 }
 
 #[test]
