@@ -205,7 +205,7 @@ pub struct NotTestable {
     /// Where it would be.
     pub site: SiteRef,
     /// What is missing.
-    pub reason: Reason,
+    pub reason: Box<Reason>,
 }
 
 /// What keeps an effect out of a model.

@@ -10,6 +10,7 @@
 //! of the nominal model with the inputs of the log.
 
 mod candidate;
+mod default_sites;
 pub mod dynamics;
 pub mod input;
 pub mod map;
@@ -22,6 +23,7 @@ pub use self::{
     candidate::{
         Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Side, SiteRef,
     },
+    default_sites::with_default_sites,
     scales::{ForceScale, ReplayScales, SignalScale},
     sketch::Sketch,
 };

@@ -69,6 +69,9 @@ pub struct ForceScale {
     pub mobility: f64,
     /// Largest change of the velocity by a force of 1 in one integration step.
     pub kick: f64,
+    /// Whether the force acts at the end of an integration step (states with update laws) instead of
+    /// during it.
+    pub is_discrete: bool,
     /// Acceleration of the replay.
     pub motion: SignalScale,
     /// Acceleration of the nominal model, an expression of its names; a rate where the site has no
@@ -204,6 +207,7 @@ impl ReplayScales {
                 force: if moves { acceleration.std / compliance.mean.abs() } else { 0.0 },
                 mobility: compliance.mean,
                 kick: compliance.peak() * if is_discrete(model, site) { 1.0 } else { step },
+                is_discrete: is_discrete(model, site),
                 velocity: signal(probe.velocity),
                 position: signal(probe.position),
                 acceleration: probe.acceleration,
@@ -214,6 +218,21 @@ impl ReplayScales {
         let sites = sites.collect();
         let duration = samples as f64 * ts.seconds();
         Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites })
+    }
+}
+
+impl ReplayScales {
+    /// The same for an integration step divided into `factor`, where the outputs of candidates
+    /// depend on the step by more than the noise. The nominal model is to be simulated with this
+    /// [`step`](Self::step) then, too.
+    #[must_use]
+    pub fn refined(mut self, factor: u32) -> Self {
+        let factor = f64::from(factor.max(1));
+        self.step /= factor;
+        for site in self.sites.iter_mut().filter(|site| !site.is_discrete) {
+            site.kick /= factor;
+        }
+        self
     }
 }
 

@@ -1,13 +1,16 @@
 //! The bookkeeping of a candidate: names, units, bounds, patches.
 
+mod equations;
+mod sites;
+
 use super::{
     candidate::{Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Side, SiteRef},
     scales::{ForceScale, ReplayScales},
 };
 use crate::{
-    equation::{Comparison, Cond, Expr},
-    model::{Delay, Law, Model, Parameter, State},
-    patch::{Patch, PatchError},
+    equation::Expr,
+    model::{Model, Parameter, State},
+    patch::Patch,
 };
 
 /// A candidate in the making.
@@ -21,7 +24,6 @@ use crate::{
 /// example.
 #[derive(Clone, Debug)]
 pub struct Sketch<'a> {
-    nominal: &'a Model,
     candidate: Candidate,
     patch: Patch,
     /// Local names and what they stand for.
@@ -113,7 +115,6 @@ impl<'a> Sketch<'a> {
         let mut patch = Patch::of(nominal);
         patch.pin_step(scales.step);
         Self {
-            nominal,
             prefix: site.name().unwrap_or("plant").to_owned(),
             candidate: Candidate {
                 label: effect.label(),
@@ -237,124 +238,6 @@ impl<'a> Sketch<'a> {
         self.bind(local, Expr::name(name))
     }
 
-    /// Adds a memory: a state that changes at the end of each integration step, to what
-    /// [`becomes`](Self::becomes) says. The local name stands for its value at the start of the step,
-    /// which is the template `at_first` in the first step of a run.
-    #[must_use]
-    pub fn memory(mut self, local: &str, name: &str, unit: &str, at_first: &str) -> Self {
-        let state = self.fresh(name);
-        let is_first = Cond::compare(Comparison::Greater, Expr::name("first"), Expr::Number(0.0));
-        let value = Expr::choice(is_first, self.expr(at_first), Expr::name(&state));
-        self.add_state(&state, unit, Law::Update(value.clone()));
-        self.memories.push((local.to_owned(), state));
-        self.bind(local, value)
-    }
-
-    /// States what a memory becomes at the end of a step, from values at its start.
-    #[must_use]
-    pub fn becomes(mut self, local: &str, template: &str) -> Self {
-        let law = Law::Update(self.expr(template));
-        self.set_law(local, law);
-        self
-    }
-
-    /// Adds a state, 0 at the start of a run, with the derivative that [`moves`](Self::moves) says.
-    #[must_use]
-    pub fn dynamic(mut self, local: &str, name: &str, unit: &str) -> Self {
-        let state = self.fresh(name);
-        self.add_state(&state, unit, Law::Derivative(Expr::Number(0.0)));
-        self.memories.push((local.to_owned(), state.clone()));
-        self.bind(local, Expr::name(state))
-    }
-
-    /// States the derivative of a state.
-    #[must_use]
-    pub fn moves(mut self, local: &str, derivative: &str) -> Self {
-        let law = Law::Derivative(self.expr(derivative));
-        self.set_law(local, law);
-        self
-    }
-
-    fn set_law(&mut self, local: &str, law: Law) {
-        let memory = self.memories.iter().find(|(known, _)| known == local);
-        match memory.and_then(|(_, name)| self.states.iter_mut().find(|s| s.name == *name)) {
-            Some(state) => state.law = law,
-            None => self.fail(Reason::Missing("such memory")),
-        }
-    }
-
-    fn add_state(&mut self, name: &str, unit: &str, law: Law) {
-        let unit = if unit.is_empty() { "1" } else { unit }.to_owned();
-        self.states.push(State { name: name.to_owned(), unit, initial: 0.0, tolerance: None, law });
-    }
-
-    /// Adds the value of a template some time (a template of parameters, in s) ago.
-    #[must_use]
-    pub fn delay(mut self, local: &str, name: &str, value: &str, time: &str) -> Self {
-        let name = self.fresh(name);
-        let (value, time) = (self.expr(value), self.expr(time));
-        self.patch.add_delay(Delay { name: name.clone(), value, time });
-        self.bind(local, Expr::name(name))
-    }
-
-    /// Adds a named expression.
-    #[must_use]
-    pub fn define(mut self, local: &str, name: &str, template: &str) -> Self {
-        let name = self.fresh(name);
-        let value = self.expr(template);
-        self.patch.add_definition(name.clone(), value);
-        self.bind(local, Expr::name(name))
-    }
-
-    /// Lets the plant see the value of a template instead of the input `u`.
-    #[must_use]
-    pub fn wrap_input(mut self, template: &str) -> Self {
-        let (applied, value) = (self.fresh("applied"), self.expr(template));
-        let result = self.patch.wrap_input(&self.prefix, &applied, value);
-        self.keep(result)
-    }
-
-    /// Lets the sensor show the value of a template instead of `y`.
-    #[must_use]
-    pub fn wrap_output(mut self, template: &str) -> Self {
-        let (measured, value) = (self.expr("y").to_string(), self.expr(template));
-        let result = self.patch.wrap_output(&self.prefix, &measured, value);
-        self.keep(result)
-    }
-
-    /// Lets the plant see the value of a template instead of the parameter `p`.
-    #[must_use]
-    pub fn wrap_parameter(mut self, template: &str) -> Self {
-        let (real, value) = (self.fresh("real"), self.expr(template));
-        let result = self.patch.wrap_parameter(&self.prefix, &real, value);
-        self.keep(result)
-    }
-
-    /// Adds a force at the site.
-    #[must_use]
-    pub fn force(mut self, name: &str, template: &str) -> Self {
-        let (name, value) = (self.fresh(name), self.expr(template));
-        let result = self.patch.add_force(&self.prefix, &name, value);
-        self.keep(result)
-    }
-
-    /// Adds a force at the site that works against `v` or `x`, to which the template is positive.
-    #[must_use]
-    pub fn resist(mut self, name: &str, template: &str) -> Self {
-        let (name, value) = (self.fresh(name), self.expr(template));
-        let value = self.force.map_or_else(|| -value.clone(), |force| force.against(value.clone()));
-        let result = self.patch.add_force(&self.prefix, &name, value);
-        self.keep(result)
-    }
-
-    /// Adds a force at another site.
-    #[must_use]
-    pub fn force_at(mut self, site: &str, name: &str, template: &str) -> Self {
-        let (name, value) = (self.fresh(name), self.expr(template));
-        let result = self.patch.add_force(site, &name, value);
-        self.keep(result)
-    }
-
     /// Names the other end of a coupling.
     #[must_use]
     pub fn partner(mut self, site: SiteRef) -> Self {
@@ -415,14 +298,10 @@ impl<'a> Sketch<'a> {
         let Candidate { label, law, ref site, .. } = self.candidate;
         match self.problem {
             None => Ok(self.candidate),
-            Some(reason) => Err(NotTestable { label, law, site: site.clone(), reason }),
+            Some(reason) => {
+                Err(NotTestable { label, law, site: site.clone(), reason: Box::new(reason) })
+            }
         }
-    }
-
-    /// The model without the effect.
-    #[must_use]
-    pub fn nominal(&self) -> &'a Model {
-        self.nominal
     }
 
     fn fresh(&self, name: &str) -> String {
@@ -431,13 +310,6 @@ impl<'a> Sketch<'a> {
 
     fn fail(&mut self, reason: Reason) {
         self.problem.get_or_insert(reason);
-    }
-
-    fn keep(mut self, result: Result<(), PatchError>) -> Self {
-        if let Err(error) = result {
-            self.fail(error.into());
-        }
-        self
     }
 
     /// The template with local names replaced; the latest binding of a name counts.

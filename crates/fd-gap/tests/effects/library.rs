@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use fd_gap::{
-    effect::{Candidate, Kind},
+    effect::{Candidate, Kind, SiteRef, with_default_sites},
     model::Model,
     simulate::Outcome,
 };
@@ -177,6 +177,28 @@ fn weak_effects_change_little() {
                 let distance = case.distance(&y, &nominal);
                 assert!(distance < 1e-3, "{plant}: {}: {distance}", name(&candidate));
             }
+        }
+    }
+}
+
+#[test]
+fn a_model_without_sites_gets_some() {
+    for plant in PLANTS {
+        let mut draft = Case::new(plant, 1).model.into_draft();
+        draft.sites.clear();
+        let bare = Model::try_from(draft).unwrap();
+        let case = Case::of(with_default_sites(&bare), 100);
+        let expected = case.run(&bare, &bare.nominal()).1;
+        let dynamics: Vec<Candidate> = case
+            .simulated()
+            .into_iter()
+            .filter(|c| matches!(c.site, SiteRef::Force(..)) && c.family != "map")
+            .collect();
+        assert!(dynamics.len() >= 6, "{plant}: {}", dynamics.len());
+        for candidate in dynamics {
+            let y = case.run(&candidate.model, &candidate.model.nominal()).1;
+            assert_eq!(y, expected, "{plant}: {}", name(&candidate));
+            assert_ne!(case.apply(&candidate, &candidate.starts[0]).1, expected);
         }
     }
 }

@@ -113,7 +113,7 @@ impl SiteUnits<'_> {
     }
 }
 
-impl<'a> Sketch<'a> {
+impl Sketch<'_> {
     /// Gives up unless the site has a velocity that moves.
     fn with_velocity(self, units: &SiteUnits<'_>) -> Self {
         self.require(units.site.velocity.is_some(), Reason::Missing("velocity"))

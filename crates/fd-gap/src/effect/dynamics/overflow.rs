@@ -6,6 +6,9 @@ use crate::{
     model::{Law, Model},
 };
 
+/// Heights of the brim from which to start, as fractions of the range.
+const LEVELS: [f64; 4] = [0.62, 0.8, 0.42, 0.92];
+
 /// A level that cannot rise above `low + 1/s`, where `low` is the lowest level of the nominal model:
 /// what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is the
 /// inverse of the height, so that none is exactly none.
@@ -27,21 +30,20 @@ impl Effect for Overflow {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let mut offers = Vec::new();
-        for i in 0..scales.sites.len() {
-            offers.push(self.loses(nominal, scales, i).finish());
-            let unit = &scales.sites[i].unit;
-            let neighbours = scales.sites.iter().enumerate();
-            let neighbours = neighbours.filter(|(j, site)| *j != i && site.unit == *unit);
-            for (j, neighbour) in neighbours.filter(|(j, _)| store(nominal, *j).is_some()) {
-                if store(nominal, i).is_none() {
-                    continue;
-                }
-                let sketch = self
-                    .shares(nominal, scales, i)
-                    .partner(SiteRef::Force(j, neighbour.name.clone()))
+        for (i, site) in scales.sites.iter().enumerate() {
+            let sketch =
+                |law| spills(Sketch::of_force(self, law, nominal, scales, i), nominal, scales, i);
+            offers.push(sketch("lost").starts(LEVELS.map(|level| [1.0 / level])).finish());
+            let is_neighbour = |j: usize| {
+                i != j && scales.sites[j].unit == site.unit && store(nominal, j).is_some()
+            };
+            for j in (0..scales.sites.len()).filter(|j| is_neighbour(*j)) {
+                let neighbour = &scales.sites[j].name;
+                let sketch = sketch("shared")
+                    .partner(SiteRef::Force(j, neighbour.clone()))
                     .shape("h", "overflow_share", "1", 1.0, [0.0, 1.0], 0.0)
-                    .force_at(&neighbour.name, "caught", "h*e")
-                    .starts([[1.0 / 0.62, 0.5], [1.0 / 0.8, 0.8], [1.0 / 0.42, 0.8]]);
+                    .force_at(neighbour, "caught", "h*e")
+                    .starts(LEVELS.map(|level| [1.0 / level, 0.7]));
                 offers.push(sketch.finish());
             }
         }
@@ -49,47 +51,25 @@ impl Effect for Overflow {
     }
 }
 
-impl Overflow {
-    fn loses<'a>(&self, nominal: &'a Model, scales: &'a ReplayScales, i: usize) -> Sketch<'a> {
-        self.spills("lost", nominal, scales, i).starts([
-            [1.0 / 0.62],
-            [1.0 / 0.8],
-            [1.0 / 0.42],
-            [1.0 / 0.92],
-        ])
-    }
-
-    fn shares<'a>(&self, nominal: &'a Model, scales: &'a ReplayScales, i: usize) -> Sketch<'a> {
-        self.spills("shared", nominal, scales, i)
-    }
-
-    fn spills<'a>(
-        &self,
-        law: &'static str,
-        nominal: &'a Model,
-        scales: &'a ReplayScales,
-        i: usize,
-    ) -> Sketch<'a> {
-        let site = &scales.sites[i];
-        let sketch = Sketch::of_force(self, law, nominal, scales, i);
-        let Some(store) = store(nominal, i) else {
-            return sketch.require(false, Reason::Missing("level"));
-        };
-        let (low, high) = site.position.as_ref().map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
-        let range = high - low;
-        let zone = (0.01 * range).max(2.0 * scales.step * site.motion.peak());
-        let excess = "clamp((x - l - 1/max(s, S))/Z, 0, 1)*max(R, 0)/C";
-        let sketch = sketch
-            .require(range > 0.0 && site.force > 0.0, Reason::Still("the level"))
-            .limit("s", "brim", per("1", store.unit), 1.0 / range, [0.0, 12.5])
-            .bind("S", 1e-9 / range)
-            .bind("l", low)
-            .bind("Z", zone)
-            .bind("R", store.rate)
-            .bind("C", site.compliance.clone())
-            .define("e", "overflow", excess);
-        sketch.force("spilled", "-e")
-    }
+/// A force that takes away what rises beyond the brim, and `e`, how much that is.
+fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usize) -> Sketch<'a> {
+    let site = &scales.sites[i];
+    let Some(store) = store(nominal, i) else {
+        return sketch.require(false, Reason::Missing("level"));
+    };
+    let (low, high) = site.position.as_ref().map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
+    let range = high - low;
+    let zone = (0.01 * range).max(2.0 * scales.step * site.motion.peak());
+    sketch
+        .require(range > 0.0 && site.force > 0.0, Reason::Still("the level"))
+        .limit("s", "brim", per("1", store.unit), 1.0 / range, [0.0, 12.5])
+        .bind("S", 1e-9 / range)
+        .bind("l", low)
+        .bind("Z", zone)
+        .bind("R", store.rate)
+        .bind("C", site.compliance.clone())
+        .define("e", "overflow", "clamp((x - l - 1/max(s, S))/Z, 0, 1)*max(R, 0)/C")
+        .force("spilled", "-e")
 }
 
 /// A state that a force fills.

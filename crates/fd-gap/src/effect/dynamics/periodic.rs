@@ -25,23 +25,23 @@ impl Effect for PeriodicForce {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (lowest, highest) = (0.5 / scales.duration, 0.45 / scales.ts);
-        // In periods per log.
-        let bounds = [0.5, highest * scales.duration];
+        // In periods per log. A square wave above an eighth of the sample rate is all but a sinusoid.
+        let bounds = |highest: f64| [0.5, highest * scales.duration];
         let grid: Vec<f64> = (0..FREQUENCIES)
             .map(|i| (f64::from(i) + 0.5) / f64::from(FREQUENCIES))
             .map(|x| 0.5 * (highest / lowest).powf(x))
             .collect();
         each_site(self, nominal, scales, |sketch, at| {
-            let wave = |law| {
+            let wave = |law, highest| {
                 sketch(law)
                     .strength("a", "sine", &at.site.unit, at.force(), [-3.0, 3.0])
                     .strength("b", "cosine", &at.site.unit, at.force(), [-3.0, 3.0])
-                    .shape("w", "frequency", "Hz", 1.0 / scales.duration, bounds, grid[0])
+                    .shape("w", "frequency", "Hz", 1.0 / scales.duration, bounds(highest), grid[0])
                     .define("s", "wave", "a*sin(2*pi*w*t) + b*cos(2*pi*w*t)")
                     .spectral(2)
             };
-            let sinusoid = wave("sinusoid").force("periodic_force", "s");
-            let square = wave("square")
+            let sinusoid = wave("sinusoid", highest).force("periodic_force", "s");
+            let square = wave("square", 0.125 / scales.ts)
                 .shape("k", "squareness", "1", 1.0, [0.1, 12.0], 0.1)
                 .bind("F", 1e-9 * at.force())
                 .abbreviate("A", "sqrt(a^2 + b^2 + F^2)")
