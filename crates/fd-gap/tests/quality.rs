@@ -10,7 +10,7 @@ mod bench_cases;
 
 use bench_cases::{Reality, example, record};
 use fd_gap::{
-    quality::{Autoregression, Problem, inspect, noise_floor, third_difference_floor},
+    quality::{Autoregression, Defect, inspect, noise_floor, third_difference_floor},
     simulate::EquationSimulator,
 };
 use fd_model::{
@@ -21,7 +21,7 @@ use fd_model::{
 const REALITY: Reality =
     Reality { samples: 1000, amplitude: 20.0, parameter_error: 0.02, colour: 0.0, seed: 4 };
 
-fn problems(log: &Record, errors: Option<&[Vec<f64>]>) -> Vec<(String, Problem)> {
+fn problems(log: &Record, errors: Option<&[Vec<f64>]>) -> Vec<(String, Defect)> {
     let model = example("dc_drive");
     let simulator = EquationSimulator::<f64>::new(&model).unwrap();
     let noise: Vec<_> = model.outputs.iter().map(|output| output.noise).collect();
@@ -29,7 +29,7 @@ fn problems(log: &Record, errors: Option<&[Vec<f64>]>) -> Vec<(String, Problem)>
     for finding in &found {
         println!("{finding}");
     }
-    found.into_iter().map(|finding| (finding.channel, finding.problem)).collect()
+    found.into_iter().map(|finding| (finding.channel, finding.defect)).collect()
 }
 
 fn rebuilt(log: &Record, change: impl Fn(usize, &[f64]) -> Vec<f64>) -> Record {
@@ -55,22 +55,22 @@ fn faults_of_a_log_are_found() {
         found.remove(0)
     };
     let (channel, problem) = single(&|_, y| vec![y[1], y[0]]);
-    assert_eq!((channel.as_str(), problem), ("current", Problem::Swapped { with: "speed".into() }));
+    assert_eq!((channel.as_str(), problem), ("current", Defect::Swapped { with: "speed".into() }));
     let (channel, problem) = single(&|_, y| vec![y[0], 1e-3 * y[1]]);
-    assert_eq!((channel.as_str(), problem), ("speed", Problem::WrongUnit { factor: 1000.0 }));
+    assert_eq!((channel.as_str(), problem), ("speed", Defect::WrongUnit { factor: 1000.0 }));
     let (_, problem) = single(&|_, y| vec![y[0].min(4.0), y[1]]);
-    assert!(matches!(problem, Problem::Clipped { .. }), "{problem:?}");
+    assert!(matches!(problem, Defect::Clipped { .. }), "{problem:?}");
     let (_, problem) = single(&|_, y| vec![(y[0] / 0.1).round() * 0.1, y[1]]);
-    let Problem::Quantised { step } = problem else { panic!("{problem:?}") };
+    let Defect::Quantised { step } = problem else { panic!("{problem:?}") };
     // Rounding of multiples of 0.1 up to 20.
     assert!((step - 0.1).abs() < 1e-12);
     let (channel, problem) = single(&|_, y| vec![y[0], 7.0 + 0.0 * y[1]]);
-    assert_eq!((channel.as_str(), problem), ("speed", Problem::Constant));
+    assert_eq!((channel.as_str(), problem), ("speed", Defect::Constant));
     let white = WhiteNoise::new(0.2, 3).values(1000).unwrap();
     let (channel, problem) = single(&|k, y| vec![y[0], white[k]]);
-    assert_eq!((channel.as_str(), problem), ("speed", Problem::NotExcited));
+    assert_eq!((channel.as_str(), problem), ("speed", Defect::NotExcited));
     let (_, problem) = single(&|k, y| vec![y[0], if k % 10 == 0 { f64::NAN } else { y[1] }]);
-    assert!(matches!(problem, Problem::Missing { .. }));
+    assert!(matches!(problem, Defect::Missing { .. }));
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn errors_that_foretell_the_input_are_feedback() {
     let inputs = vec![Channel::new("u", "V")];
     let closed = Record::new(inputs, log.outputs().to_vec(), u, y, log.ts()).unwrap();
     let found = problems(&closed, Some(&[noise.clone(), noise]));
-    assert!(found.iter().any(|(_, problem)| matches!(problem, Problem::Feedback { .. })));
+    assert!(found.iter().any(|(_, problem)| matches!(problem, Defect::Feedback { .. })));
 }
 
 #[test]

@@ -32,9 +32,9 @@ pub use self::{
 use crate::{
     effect::Candidate,
     evidence::{SEPARATED, distance, evidence, likelihood, pool, posterior},
-    fit::{FitError, Log, NullFit, Plan, Weights, null_fit},
+    fit::{FitError, Log, NullFit, Plan, Problem, Weights, null_fit},
     model::Model,
-    quality::{noise_floor, robust_third_difference_floor},
+    quality::{Finding, inspect, noise_floor, robust_third_difference_floor},
     shrink::{gap, gap_per_output},
     simulate::EquationSimulator,
 };
@@ -104,6 +104,7 @@ pub fn diagnose(
     let mut base = null.problem.clone();
     let errors = base.errors(&null.minimum.z).ok_or(FitError::Diverged)?;
     let refit_gap = gap_per_output(&errors);
+    let findings = inspect_all(logs, &base, &stated, &errors)?;
     let base_likelihood = likelihood(&errors, &spread, is_coloured);
     let reference =
         evidence(&base, &null.minimum, &base_likelihood, &[]).ok_or(FitError::Diverged)?;
@@ -178,6 +179,7 @@ pub fn diagnose(
         is_coloured,
         nuisances,
         held_out: Vec::new(),
+        findings,
         not_tested,
         simulations,
     };
@@ -231,6 +233,25 @@ fn weighted_null_fit(
         })
         .collect();
     if new == *old { Ok(first) } else { null_fit(plan, nominal, &Weights::white(new)) }
+}
+
+/// Findings in all logs, with the errors that the null fit has left in each.
+fn inspect_all(
+    logs: &[Record],
+    null: &Problem,
+    stated: &[Option<f64>],
+    errors: &[Vec<Vec<f64>>],
+) -> Result<Vec<Finding>, FitError> {
+    let mut findings = Vec::new();
+    for (i, log) in logs.iter().enumerate() {
+        let left = |signals: &Vec<Vec<f64>>| -> Vec<f64> {
+            let segments = null.plan().segments().iter().zip(signals);
+            segments.filter(|(s, _)| s.log == i).flat_map(|(_, e)| e).copied().collect()
+        };
+        let left: Vec<Vec<f64>> = errors.iter().map(left).collect();
+        findings.extend(inspect(log, null.simulator(), stated, Some(&left), i + 1)?);
+    }
+    Ok(findings)
 }
 
 /// Places of the causes that this log cannot tell from the first, and of those that are nearly as

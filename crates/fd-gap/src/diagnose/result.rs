@@ -3,6 +3,7 @@
 use crate::{
     effect::{Side, SiteRef},
     fit::Horizon,
+    quality::Finding,
     shrink::Closed,
 };
 
@@ -38,6 +39,8 @@ pub struct Diagnosis {
     pub nuisances: Vec<(String, f64, f64)>,
     /// Held-out gaps, one per horizon that could be computed.
     pub held_out: Vec<HeldOut>,
+    /// What is wrong with the logs.
+    pub findings: Vec<Finding>,
     /// Candidates that could not be tried: place, reason.
     pub not_tested: Vec<(usize, String)>,
     /// Simulations of all logs that were made.

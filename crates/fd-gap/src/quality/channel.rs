@@ -1,7 +1,7 @@
 //! What a single channel shows without any model.
 
 use super::{
-    finding::Problem,
+    finding::Defect,
     noise_floor::{robust_third_difference_floor, third_difference_floor},
 };
 
@@ -50,17 +50,17 @@ pub fn grid_step(signal: &[f64]) -> Option<f64> {
 
 /// What is wrong with a channel. Inputs are made of steps, so that clipping, grids and fast changes
 /// are no faults of theirs.
-pub(super) fn problems(signal: &[f64], noise: Option<f64>, is_input: bool) -> Vec<Problem> {
+pub(super) fn defects(signal: &[f64], noise: Option<f64>, is_input: bool) -> Vec<Defect> {
     let values: Vec<f64> = signal.iter().copied().filter(|v| v.is_finite()).collect();
     let n = values.len().max(1) as f64;
     let mut found = Vec::new();
     if values.len() < signal.len() {
-        found.push(Problem::Missing { share: 1.0 - values.len() as f64 / signal.len() as f64 });
+        found.push(Defect::Missing { share: 1.0 - values.len() as f64 / signal.len() as f64 });
     }
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if high <= low || values.is_empty() {
-        found.push(Problem::Constant);
+        found.push(Defect::Constant);
         return found;
     }
     if is_input {
@@ -70,14 +70,14 @@ pub(super) fn problems(signal: &[f64], noise: Option<f64>, is_input: bool) -> Ve
     let third = third_difference_floor(signal).unwrap_or(0.0);
     let smooth = robust_third_difference_floor(signal).unwrap_or(0.0);
     if let Some(step) = grid.filter(|step| COARSE * smooth.max(noise.unwrap_or(0.0)) < *step) {
-        found.push(Problem::Quantised { step });
+        found.push(Defect::Quantised { step });
     }
     for at in [low, high] {
         let share = values.iter().filter(|v| v.total_cmp(&at).is_eq()).count() as f64 / n;
         // The ends of a coarse grid are met often.
         let is_grid = grid.is_some_and(|step| high - low < 20.0 * step);
         if CLIPPED < share && !is_grid {
-            found.push(Problem::Clipped { at, share });
+            found.push(Defect::Clipped { at, share });
         }
     }
     let mean = values.iter().sum::<f64>() / n;
@@ -85,12 +85,12 @@ pub(super) fn problems(signal: &[f64], noise: Option<f64>, is_input: bool) -> Ve
     let noise = noise.unwrap_or(third);
     // A signal that is all noise has a variance of noise², give or take √(2/n) of it.
     if variance <= noise * noise * (1.0 + 4.0 * f64::sqrt(2.0 / n)) {
-        found.push(Problem::NotExcited);
+        found.push(Defect::NotExcited);
     } else if (10.0 * noise).powi(2) < variance || (noise - third).abs() < f64::EPSILON * third {
         let products = signal.windows(2).map(|w| (w[0] - mean) * (w[1] - mean));
         let correlation = products.filter(|p| p.is_finite()).sum::<f64>() / n / variance;
         if correlation < SLOW {
-            found.push(Problem::SlowSampling { correlation });
+            found.push(Defect::SlowSampling { correlation });
         }
     }
     found

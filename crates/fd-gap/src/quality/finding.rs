@@ -16,7 +16,7 @@ pub enum Severity {
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Problem {
+pub enum Defect {
     /// The values lie on a grid that is coarse against the noise.
     Quantised {
         /// Distance of two neighbours on the grid.
@@ -71,20 +71,20 @@ pub struct Finding {
     /// Name of the channel.
     pub channel: String,
     /// What was found.
-    pub problem: Problem,
+    pub defect: Defect,
 }
 
 impl Finding {
     /// How bad it is.
     #[must_use]
     pub fn severity(&self) -> Severity {
-        match self.problem {
-            Problem::Quantised { .. } | Problem::Missing { .. } => Severity::Note,
-            Problem::Clipped { .. }
-            | Problem::SlowSampling { .. }
-            | Problem::Feedback { .. }
-            | Problem::Constant => Severity::Warning,
-            Problem::NotExcited | Problem::WrongUnit { .. } | Problem::Swapped { .. } => {
+        match self.defect {
+            Defect::Quantised { .. } | Defect::Missing { .. } => Severity::Note,
+            Defect::Clipped { .. }
+            | Defect::SlowSampling { .. }
+            | Defect::Feedback { .. }
+            | Defect::Constant => Severity::Warning,
+            Defect::NotExcited | Defect::WrongUnit { .. } | Defect::Swapped { .. } => {
                 Severity::Serious
             }
         }
@@ -93,33 +93,33 @@ impl Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { log, channel, problem } = self;
+        let Self { log, channel, defect } = self;
         write!(f, "log {log}, `{channel}`: ")?;
-        match problem {
-            Problem::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
-            Problem::Clipped { at, share } => {
+        match defect {
+            Defect::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
+            Defect::Clipped { at, share } => {
                 write!(f, "{:.0} % of the values are exactly {at}", 100.0 * share)
             }
-            Problem::Constant => write!(f, "the channel does not change"),
-            Problem::NotExcited => {
+            Defect::Constant => write!(f, "the channel does not change"),
+            Defect::NotExcited => {
                 write!(f, "the output moves by no more than its noise: this log says nothing of it")
             }
-            Problem::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
-            Problem::SlowSampling { correlation } => write!(
+            Defect::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
+            Defect::SlowSampling { correlation } => write!(
                 f,
                 "neighbouring samples have a correlation of only {correlation:.2}: the sampling is \
                  too slow for the dynamics"
             ),
-            Problem::Feedback { correlation, input } => write!(
+            Defect::Feedback { correlation, input } => write!(
                 f,
                 "errors of the model foretell the input `{input}` (correlation {correlation:.2}): \
                  a loop outside the model is closed over it"
             ),
-            Problem::WrongUnit { factor } => write!(
+            Defect::WrongUnit { factor } => write!(
                 f,
                 "multiplied by {factor} the channel would fit the simulation: check its unit"
             ),
-            Problem::Swapped { with } => {
+            Defect::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")
             }
         }

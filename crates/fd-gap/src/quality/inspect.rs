@@ -1,8 +1,8 @@
 //! What a log shows, alone and next to the nominal simulation.
 
 use super::{
-    channel::problems,
-    finding::{Finding, Problem},
+    channel::defects,
+    finding::{Defect, Finding},
 };
 use crate::{
     fit::{FitError, Log},
@@ -35,14 +35,14 @@ pub fn inspect(
 ) -> Result<Vec<Finding>, FitError> {
     let log = Log::new(record, simulator, number)?;
     let mut all = Vec::new();
-    let mut add = |channel: &str, problem| {
-        all.push(Finding { log: number, channel: channel.to_owned(), problem });
+    let mut add = |channel: &str, defect| {
+        all.push(Finding { log: number, channel: channel.to_owned(), defect });
     };
     for channel in simulator.inputs() {
         let Some(i) = record.input_index(&channel.name) else { continue };
         let signal: Vec<f64> = record.input(i).collect();
-        for problem in problems(&signal, None, true) {
-            add(&channel.name, problem);
+        for defect in defects(&signal, None, true) {
+            add(&channel.name, defect);
         }
     }
     let column = |values: &[f64], c: usize| -> Vec<f64> {
@@ -59,16 +59,16 @@ pub fn inspect(
     let simulated: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&y, c)).collect();
     for (c, channel) in outputs.iter().enumerate() {
         let is_small = unit_factor(&measured[c], &simulated[c]).is_some();
-        for problem in problems(&measured[c], noise[c], false) {
+        for defect in defects(&measured[c], noise[c], false) {
             // In the wrong unit the noise is wrong as well.
-            if !is_small || problem != Problem::NotExcited {
-                add(&channel.name, problem);
+            if !is_small || defect != Defect::NotExcited {
+                add(&channel.name, defect);
             }
         }
     }
     for (c, channel) in outputs.iter().enumerate() {
         if let Some(factor) = unit_factor(&measured[c], &simulated[c]) {
-            add(&channel.name, Problem::WrongUnit { factor });
+            add(&channel.name, Defect::WrongUnit { factor });
         }
         for other in c + 1..log.ny {
             let straight = agreement(&measured[c], &simulated[c])
@@ -76,7 +76,7 @@ pub fn inspect(
             let crossed = agreement(&measured[c], &simulated[other])
                 + agreement(&measured[other], &simulated[c]);
             if straight + 2.0 * SWAPPED < crossed {
-                add(&channel.name, Problem::Swapped { with: outputs[other].name.clone() });
+                add(&channel.name, Defect::Swapped { with: outputs[other].name.clone() });
             }
         }
     }
@@ -84,7 +84,7 @@ pub fn inspect(
         for (i, input) in simulator.inputs().iter().enumerate() {
             let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
             if let Some(correlation) = foretells(errors, &u) {
-                add(&channel.name, Problem::Feedback { correlation, input: input.name.clone() });
+                add(&channel.name, Defect::Feedback { correlation, input: input.name.clone() });
             }
         }
     }

@@ -10,7 +10,7 @@ mod spectrum;
 pub use self::{
     autoregression::Autoregression,
     channel::grid_step,
-    finding::{Finding, Problem, Severity},
+    finding::{Defect, Finding, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},
     spectrum::spectral_peaks,
