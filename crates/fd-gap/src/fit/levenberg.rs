@@ -140,8 +140,7 @@ pub fn minimise(
             }
             damping *= 10.0;
         }
-        // Not `<=`: a cost that is not lower ends the search as well.
-        if !(search.absolute + search.relative * at.cost < before - at.cost) {
+        if before - at.cost <= search.absolute + search.relative * at.cost {
             at.converged = damping < HIGHEST_DAMPING;
             break;
         }

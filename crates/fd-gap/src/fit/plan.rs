@@ -168,6 +168,11 @@ impl Plan {
         &self.shared
     }
 
+    /// Initial states, segment by segment.
+    pub(crate) fn own_variables(&self) -> impl Iterator<Item = &Variable> {
+        self.own.iter().flatten()
+    }
+
     /// Number of measured values.
     #[must_use]
     pub fn measured(&self) -> usize {

@@ -306,14 +306,18 @@ impl LeastSquares for Problem {
             let is_inside = places.iter().all(|&i| z[i] + size <= self.bounds[i][1]);
             let order = if is_inside { [size, -size] } else { [-size, size] };
             for step in order {
-                places.iter().for_each(|&i| moved[i] = z[i] + step);
+                for &i in &places {
+                    moved[i] = z[i] + step;
+                }
                 if self.compare(&moved, &mut trial, None) {
                     let differences = trial.iter().zip(r).map(|(t, r)| (t - r) / step);
                     slope.iter_mut().zip(differences).for_each(|(slope, d)| *slope = d);
                     break;
                 }
             }
-            places.iter().for_each(|&i| moved[i] = z[i]);
+            for &i in &places {
+                moved[i] = z[i];
+            }
         }
         self.trial = trial;
     }

@@ -68,7 +68,7 @@ impl<'a> Projection<'a> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let all = dot(&change, &change);
         let left = all - dot(&seen, &seen);
-        if !(INVISIBLE * all < left) {
+        if left <= INVISIBLE * all {
             return Score { amplitude: 0.0, gain: 0.0 };
         }
         let along = dot(&change, r) - dot(&seen, &self.gradient);

@@ -55,7 +55,7 @@ impl Autoregression {
         let longest = signals.iter().map(|signal| signal.len()).max().unwrap_or(0);
         let highest = highest.min(longest / 10);
         let mut predictors = Self::white().predictors;
-        if !(0.0 < power) {
+        if power <= 0.0 {
             return Self { predictors };
         }
         let (mut variance, mut least, mut order) = (1.0_f64, 0.0, 0);
@@ -66,7 +66,7 @@ impl Autoregression {
             let known: f64 = (1..m).map(|i| a[i - 1] * correlations[m - i]).sum();
             let k = (correlations[m] - known) / variance;
             let left = variance * (1.0 - k * k);
-            if !(f64::EPSILON < left) {
+            if left <= f64::EPSILON {
                 break;
             }
             let next = (1..m).map(|i| a[i - 1] - k * a[m - i - 1]).chain([k]).collect();

@@ -29,6 +29,25 @@ pub fn third_difference_floor(signal: &[f64]) -> Option<f64> {
     (0.0 < count).then(|| f64::sqrt(sum / count / 20.0))
 }
 
+/// As [`third_difference_floor`], from the median instead of the mean of squares: a few jumps, such
+/// as those of a model without a dead zone, do not count.
+///
+/// ```
+/// use fd_gap::quality::robust_third_difference_floor;
+///
+/// let mut step = [0.0; 40];
+/// step[20..].fill(5.0);
+/// assert_eq!(robust_third_difference_floor(&step), Some(0.0));
+/// ```
+#[must_use]
+pub fn robust_third_difference_floor(signal: &[f64]) -> Option<f64> {
+    let differences = signal.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]);
+    let mut sizes: Vec<f64> = differences.filter(|d| d.is_finite()).map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
+    sizes.get(sizes.len() / 2).map(|median| median / 0.674_489_750_196_082 / f64::sqrt(20.0))
+}
+
 /// The smaller of [`third_difference_floor`] and the standard deviation of the innovation of an
 /// autoregression of order up to 12; within 0.6 and 4 times the noise that the sensor is said to
 /// have, if that is known.

@@ -1,0 +1,68 @@
+//! Gaps on held-out logs, before and after.
+
+use super::{
+    result::{Diagnosis, HeldOut},
+    settings::Settings,
+    trial::Trial,
+};
+use crate::{
+    fit::{FitError, Log, NullFit, Problem, Variable},
+    shrink::{Settled, closed, forecast_errors, gap_per_output},
+    simulate::{EquationSimulator, Simulator},
+};
+
+/// Refitted parameters: name, value, deviation from nominal in standard deviations of the prior.
+pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<(String, f64, f64)> {
+    let variables = problem.plan().nuisances().iter();
+    variables.zip(z).map(|(v, z)| (v.name.clone(), v.value(*z), z * v.precision().sqrt())).collect()
+}
+
+/// One entry per horizon at which nothing diverges.
+pub(super) fn compare(
+    nominal: &EquationSimulator,
+    null: &NullFit,
+    leader: Option<&Trial<'_>>,
+    logs: &[Log],
+    diagnosis: &Diagnosis,
+    settings: &Settings,
+) -> Result<Vec<HeldOut>, FitError> {
+    let named = |problem: &Problem, z: &[f64]| -> Vec<(String, f64)> {
+        nuisances(problem, z).into_iter().map(|(name, value, _)| (name, value)).collect()
+    };
+    let refitted = named(&null.problem, &null.minimum.z);
+    let (mut simulator, mut values): (&dyn Simulator, _) = (nominal, refitted.clone());
+    let mut effects: Vec<(Variable, f64)> = Vec::new();
+    if let Some((trial, best)) = leader.and_then(|trial| Some((trial, trial.best.as_ref()?))) {
+        simulator = trial.problem.simulator();
+        values = named(&trial.problem, &best.z);
+        let fitted = trial.problem.effect_values(&best.z);
+        effects = trial.problem.effects().iter().cloned().zip(fitted).collect();
+    }
+    let mut all = Vec::new();
+    for &horizon in &settings.report_horizons {
+        let run = |simulator, nuisances: &[(String, f64)], effects: &[(Variable, f64)]| {
+            let settled = Settled { simulator, nuisances, effects };
+            forecast_errors(nominal, settled, logs, horizon, &diagnosis.sigma)
+        };
+        let before = run(nominal, &[], &[])?;
+        let refit = run(nominal, &refitted, &[])?;
+        let after = run(simulator, &values, &effects)?;
+        let (Some(before), Some(refit), Some(after)) = (before, refit, after) else { continue };
+        let squares = diagnosis.floor.iter().map(|floor| floor * floor);
+        let floor = f64::sqrt(squares.sum::<f64>() / diagnosis.floor.len() as f64);
+        let physical = |gaps: &[f64]| -> Vec<f64> {
+            gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
+        };
+        let (replicas, seed) = (settings.replicas, settings.seed);
+        all.push(HeldOut {
+            horizon,
+            nominal: physical(&gap_per_output(&before)),
+            refit: physical(&gap_per_output(&refit)),
+            after: physical(&gap_per_output(&after)),
+            floor: physical(&diagnosis.floor),
+            closed_of_nominal: closed(&before, &after, floor, replicas, seed),
+            closed_of_refit: closed(&refit, &after, floor, replicas, seed),
+        });
+    }
+    Ok(all)
+}

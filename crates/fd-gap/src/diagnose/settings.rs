@@ -1,0 +1,39 @@
+//! How a diagnosis is made.
+
+use crate::fit::Horizon;
+
+/// How a diagnosis is made; the defaults are for most logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// How long a simulation runs without seeing the outputs.
+    pub horizon: Horizon,
+    /// Horizons at which the gap on held-out data is reported.
+    pub report_horizons: Vec<Horizon>,
+    /// Causes (effect and site) that are fitted to the end.
+    pub finalists: usize,
+    /// Probability of "no gap" before the data.
+    pub no_gap: f64,
+    /// What evidence is divided by.
+    pub temperature: f64,
+    /// Causes within this Bayes factor of the best are its rivals.
+    pub bayes_factor: f64,
+    /// Replicas of the bootstrap.
+    pub replicas: usize,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            horizon: Horizon::FreeRun,
+            report_horizons: vec![Horizon::FreeRun],
+            finalists: 10,
+            no_gap: 0.25,
+            temperature: 1.5,
+            bayes_factor: 20.0,
+            replicas: 400,
+            seed: 1,
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! How strongly a log speaks for a cause.
+//!
+//! Evidence is the probability of the log under a model, averaged over what is not known of the
+//! model ([`evidence`], by Laplace's method at the fit). It is for logs that the best model explains
+//! down to the noise. *When not to use:* when even the best model ends far above the noise, as on
+//! most real logs, likelihoods are absurdly sharp; then held-out data must speak (see
+//! [`shrink`](crate::shrink)).
+
+mod laplace;
+mod likelihood;
+mod posterior;
+mod tie;
+
+pub use self::{
+    laplace::evidence,
+    likelihood::{Likelihood, likelihood},
+    posterior::{Posterior, pool, posterior},
+    tie::{SEPARATED, distance},
+};

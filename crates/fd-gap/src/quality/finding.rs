@@ -1,0 +1,127 @@
+//! Things a user should know about a log before believing a diagnosis.
+
+use std::fmt;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Good to know.
+    Note,
+    /// Answers suffer.
+    Warning,
+    /// The log cannot answer, or is not what it claims to be.
+    Serious,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Defect {
+    /// The values lie on a grid that is coarse against the noise.
+    Quantised {
+        /// Distance of two neighbours on the grid.
+        step: f64,
+    },
+    /// Many values are exactly the largest or smallest one.
+    Clipped {
+        /// That value.
+        at: f64,
+        /// Part of the samples that have it.
+        share: f64,
+    },
+    /// The channel does not change.
+    Constant,
+    /// The output moves by no more than its noise.
+    NotExcited,
+    /// Samples are missing.
+    Missing {
+        /// Part of the samples.
+        share: f64,
+    },
+    /// The output moves too much from sample to sample for the dynamics to be seen.
+    SlowSampling {
+        /// Correlation of neighbouring samples.
+        correlation: f64,
+    },
+    /// The errors of the model go before the inputs: something outside the model feeds the output
+    /// back to the input.
+    Feedback {
+        /// Largest correlation of the error with future inputs.
+        correlation: f64,
+        /// Name of the input.
+        input: String,
+    },
+    /// The channel fits the simulation better when multiplied.
+    WrongUnit {
+        /// By this power of ten.
+        factor: f64,
+    },
+    /// Two columns fit the simulation better when they are swapped.
+    Swapped {
+        /// The other one.
+        with: String,
+    },
+}
+
+/// What was found, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Number of the log, from 1.
+    pub log: usize,
+    /// Name of the channel.
+    pub channel: String,
+    /// What was found.
+    pub defect: Defect,
+}
+
+impl Finding {
+    /// How bad it is.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self.defect {
+            Defect::Quantised { .. } | Defect::Missing { .. } => Severity::Note,
+            Defect::Clipped { .. }
+            | Defect::SlowSampling { .. }
+            | Defect::Feedback { .. }
+            | Defect::Constant => Severity::Warning,
+            Defect::NotExcited | Defect::WrongUnit { .. } | Defect::Swapped { .. } => {
+                Severity::Serious
+            }
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { log, channel, defect } = self;
+        write!(f, "log {log}, `{channel}`: ")?;
+        match defect {
+            Defect::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
+            Defect::Clipped { at, share } => {
+                write!(f, "{:.0} % of the values are exactly {at}", 100.0 * share)
+            }
+            Defect::Constant => write!(f, "the channel does not change"),
+            Defect::NotExcited => {
+                write!(f, "the output moves by no more than its noise: this log says nothing of it")
+            }
+            Defect::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
+            Defect::SlowSampling { correlation } => write!(
+                f,
+                "neighbouring samples have a correlation of only {correlation:.2}: the sampling is \
+                 too slow for the dynamics"
+            ),
+            Defect::Feedback { correlation, input } => write!(
+                f,
+                "errors of the model foretell the input `{input}` (correlation {correlation:.2}): \
+                 a loop outside the model is closed over it"
+            ),
+            Defect::WrongUnit { factor } => write!(
+                f,
+                "multiplied by {factor} the channel would fit the simulation: check its unit"
+            ),
+            Defect::Swapped { with } => {
+                write!(f, "the channel looks like `{with}`: two columns may be swapped")
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What a log shows, alone and next to the nominal simulation.
+
+use super::{
+    channel::defects,
+    finding::{Defect, Finding},
+};
+use crate::{
+    fit::{FitError, Log},
+    simulate::Simulator,
+};
+
+/// Correlation with future inputs, in standard deviations of that of white signals, that speaks
+/// for feedback.
+const FEEDBACK: f64 = 5.0;
+/// Least such correlation that matters.
+const LEAST_FEEDBACK: f64 = 0.15;
+/// Samples into the future that are looked at.
+const AHEAD: usize = 20;
+/// By how much two columns must agree better with each other's simulation.
+const SWAPPED: f64 = 0.5;
+
+/// Inspects a record. `noise` is what is stated for each output of the simulator, and `errors` are
+/// those (simulated less measured, one signal per output) that a fit has left in this log, if
+/// there was one: only they can show feedback.
+///
+/// # Errors
+///
+/// As [`Log::new`].
+pub fn inspect(
+    record: &fd_model::Record,
+    simulator: &dyn Simulator,
+    noise: &[Option<f64>],
+    errors: Option<&[Vec<f64>]>,
+    number: usize,
+) -> Result<Vec<Finding>, FitError> {
+    let log = Log::new(record, simulator, number)?;
+    let mut all = Vec::new();
+    let mut add = |channel: &str, defect| {
+        all.push(Finding { log: number, channel: channel.to_owned(), defect });
+    };
+    for channel in simulator.inputs() {
+        let Some(i) = record.input_index(&channel.name) else { continue };
+        let signal: Vec<f64> = record.input(i).collect();
+        for defect in defects(&signal, None, true) {
+            add(&channel.name, defect);
+        }
+    }
+    let column = |values: &[f64], c: usize| -> Vec<f64> {
+        values.iter().skip(c).step_by(log.ny).copied().collect()
+    };
+    let outputs = simulator.outputs();
+    let measured: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&log.y, c)).collect();
+    let mut simulator = simulator.boxed();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let mut y = vec![0.0; log.y.len()];
+    // What diverges is NaN, and does not count below.
+    let _ = simulator.simulate(&theta, &x0, &log.u, &mut y);
+    let simulated: Vec<Vec<f64>> = (0..log.ny).map(|c| column(&y, c)).collect();
+    for (c, channel) in outputs.iter().enumerate() {
+        let is_small = unit_factor(&measured[c], &simulated[c]).is_some();
+        for defect in defects(&measured[c], noise[c], false) {
+            // In the wrong unit the noise is wrong as well.
+            if !is_small || defect != Defect::NotExcited {
+                add(&channel.name, defect);
+            }
+        }
+    }
+    for (c, channel) in outputs.iter().enumerate() {
+        if let Some(factor) = unit_factor(&measured[c], &simulated[c]) {
+            add(&channel.name, Defect::WrongUnit { factor });
+        }
+        for other in c + 1..log.ny {
+            let straight = agreement(&measured[c], &simulated[c])
+                + agreement(&measured[other], &simulated[other]);
+            let crossed = agreement(&measured[c], &simulated[other])
+                + agreement(&measured[other], &simulated[c]);
+            if straight + 2.0 * SWAPPED < crossed {
+                add(&channel.name, Defect::Swapped { with: outputs[other].name.clone() });
+            }
+        }
+    }
+    for (errors, channel) in errors.into_iter().flatten().zip(outputs) {
+        for (i, input) in simulator.inputs().iter().enumerate() {
+            let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
+            if let Some(correlation) = foretells(errors, &u) {
+                add(&channel.name, Defect::Feedback { correlation, input: input.name.clone() });
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// `1 − Σ(m − s)²/Σ(m² + s²)` about the means: 1 for equal signals, 0 for unrelated ones.
+fn agreement(a: &[f64], b: &[f64]) -> f64 {
+    let pairs: Vec<(f64, f64)> =
+        a.iter().zip(b).filter(|(a, b)| (**a - **b).is_finite()).map(|(a, b)| (*a, *b)).collect();
+    let n = pairs.len().max(1) as f64;
+    let sum = pairs.iter().fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
+    let (ma, mb) = (sum.0 / n, sum.1 / n);
+    let (mut product, mut power) = (0.0, 0.0);
+    for (a, b) in pairs {
+        product += 2.0 * (a - ma) * (b - mb);
+        power += (a - ma).powi(2) + (b - mb).powi(2);
+    }
+    if 0.0 < power { product / power } else { 0.0 }
+}
+
+/// The power of a thousand that makes a measured signal agree with the simulated one, if it does
+/// not already and comes within a factor of three.
+fn unit_factor(measured: &[f64], simulated: &[f64]) -> Option<f64> {
+    let size = |signal: &[f64]| {
+        let finite = signal.iter().filter(|v| v.is_finite());
+        f64::sqrt(finite.clone().map(|v| v * v).sum::<f64>() / finite.count().max(1) as f64)
+    };
+    let ratio = size(simulated) / size(measured);
+    let power = (ratio.log10() / 3.0).round();
+    if !power.is_finite() || power.abs() < 0.5 {
+        return None;
+    }
+    let factor = 1000.0_f64.powf(power);
+    let converted: Vec<f64> = measured.iter().map(|v| factor * v).collect();
+    (0.5 < agreement(&converted, simulated)).then_some(factor)
+}
+
+/// The largest correlation of errors with changes of an input 1 to 20 samples later, if chance does
+/// not explain it.
+fn foretells(errors: &[f64], u: &[f64]) -> Option<f64> {
+    let changes: Vec<f64> = u.windows(2).map(|w| w[1] - w[0]).collect();
+    let power =
+        |signal: &[f64]| signal.iter().filter(|v| v.is_finite()).map(|v| v * v).sum::<f64>();
+    let scale = f64::sqrt(power(errors) * power(&changes));
+    // An input that seldom changes has few independent changes.
+    let moves = changes.iter().filter(|c| 0.0 < c.abs()).count().max(1) as f64;
+    let limit = LEAST_FEEDBACK.max(FEEDBACK / moves.sqrt());
+    let correlation = |ahead: usize| {
+        let pairs = errors.iter().zip(changes.iter().skip(ahead));
+        pairs.map(|(e, c)| e * c).filter(|p| p.is_finite()).sum::<f64>() / scale
+    };
+    // `changes[k]` happens between samples k and k + 1: the error at k cannot be its effect.
+    let best = (0..AHEAD).map(correlation).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (limit < best.abs()).then_some(best)
+}

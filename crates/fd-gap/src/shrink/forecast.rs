@@ -1,0 +1,80 @@
+//! Errors of forecasts on logs that the fit has not seen.
+
+use std::sync::Arc;
+
+use crate::{
+    fit::{
+        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Variable, Weights,
+        minimise,
+    },
+    simulate::Simulator,
+};
+
+/// Part of a free run from which its initial state is estimated.
+const FREE_RUN_SHARE: usize = 4;
+/// Part of a window for the same purpose.
+const WINDOW_SHARE: usize = 2;
+
+/// A model with all its parameters settled.
+#[derive(Clone, Copy, Debug)]
+pub struct Settled<'a> {
+    /// The simulator.
+    pub simulator: &'a dyn Simulator,
+    /// Values of the nuisance parameters, by name.
+    pub nuisances: &'a [(String, f64)],
+    /// Parameters of the effect, with their values.
+    pub effects: &'a [(Variable, f64)],
+}
+
+/// Forecast errors (simulated less measured) in units of sigma: per output, one signal per segment,
+/// NaN where nothing was measured and in the first part of each segment (half of a window, a
+/// quarter of a free run), from which its initial state is estimated. `None` when a simulation
+/// diverges.
+///
+/// # Errors
+///
+/// As [`Plan::new`], for the `nominal` simulator.
+pub fn forecast_errors(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    logs: &[Log],
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
+    let mut plan = Plan::of_logs(nominal, logs.to_vec(), horizon)?;
+    for variable in &mut plan.shared {
+        let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
+        variable.start = known.map_or(variable.start, |(_, value)| *value);
+    }
+    let share = match horizon {
+        Horizon::FreeRun => FREE_RUN_SHARE,
+        Horizon::Windows { .. } => WINDOW_SHARE,
+    };
+    let mut begun = plan.clone();
+    for segment in &begun.segments {
+        let log = &mut begun.logs[segment.log];
+        let first = segment.from + (segment.to - segment.from).div_ceil(share);
+        log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
+    }
+    let segments = plan.segments.clone();
+    let build = |plan| {
+        let effects = settled.effects.iter().map(|(variable, _)| variable.clone()).collect();
+        let weights = Weights::white(sigma.to_vec());
+        Problem::new(Arc::new(plan), settled.simulator.boxed(), effects, weights)
+    };
+    let mut estimate = build(begun)?;
+    let Layout { shared, .. } = *estimate.layout();
+    let values: Vec<f64> = settled.effects.iter().map(|(_, value)| *value).collect();
+    let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
+    let z = estimate.place(&origin, &values);
+    let search = Search { own_only: true, ..Search::default() };
+    let Some(begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
+    debug_assert_eq!(begin.z[..shared], z[..shared], "only states move");
+    let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
+    for signals in &mut errors {
+        for (signal, segment) in signals.iter_mut().zip(&segments) {
+            signal[..(segment.to - segment.from).div_ceil(share)].fill(f64::NAN);
+        }
+    }
+    Ok(Some(errors))
+}
