@@ -167,7 +167,7 @@ fn other_versions_and_kinds_are_refused() {
     );
     assert_eq!(
         message("version = 1\nkind = 'neural'"),
-        "model.toml: expected `kind = \"state_space\"`, found `neural`"
+        "model.toml: expected `kind = \"state-space\"`, found `neural`"
     );
 }
 
