@@ -117,11 +117,11 @@ fn stages_must_fit() {
 #[test]
 fn a_rejected_sample_leaves_no_trace() {
     let (mut a, mut b) = (pipeline(), pipeline());
-    for k in 0..20 {
+    for k in 0..20_u32 {
         let y = f64::from(k) * 0.01;
         assert_eq!(
             a.step(&[0.0], &[f64::NAN]).err(),
-            Some(FrameError::NonFinite { k: k as u64, signal: "y", channel: 0 })
+            Some(FrameError::NonFinite { k: u64::from(k), signal: "y", channel: 0 })
         );
         assert!(matches!(a.step(&[], &[y]).err(), Some(FrameError::Length { found: 0, .. })));
         let left = a.step(&[0.0], &[y]).unwrap().verdict;
