@@ -1,8 +1,11 @@
 //! `fdiag engine`: the benchmark.
 
-use std::process::ExitCode;
+use std::{process::ExitCode, time::Instant};
 
-use fdiag::engine::{Benchmark, EngineConfig, EngineStudyError};
+use fdiag::{
+    engine::{Benchmark, EngineConfig, EngineStudyError},
+    report::{Table, figure},
+};
 
 use super::{args::EngineArgs, failure::Failure, output::Output, progress::bar, toml_file};
 
@@ -22,9 +25,11 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
         .map_err(Failure::analysis)?;
     let refused = |error| refusal(args, &error);
     let benchmark = Benchmark::new(config).map_err(refused)?;
+    let begun = Instant::now();
     let progress = bar(benchmark.config().seeds, "engines");
     let study = pool.install(|| benchmark.study(|| progress.inc(1))).map_err(refused)?;
     progress.finish_and_clear();
+    let seconds = begun.elapsed().as_secs_f64();
     let first = study.trials.first().map_or(benchmark.config().first_seed, |trial| trial.seed);
     let example = benchmark.example(first).map_err(Failure::analysis)?;
 
@@ -38,7 +43,12 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
     let mut page = study.page(&example).map_err(Failure::analysis)?;
     page.heading("Configuration");
     page.details("Show all settings", toml::to_string(&study.config).map_err(Failure::analysis)?);
-    output.finish(&study.headline(), &study.tables(), &page, &study)?;
+    let mut tables = study.tables();
+    let mut time = Table::new("Time", &["engines", "total [s]", "per engine [ms]"]);
+    let engines = benchmark.config().seeds;
+    time.push([engines.to_string(), figure(seconds), figure(1e3 * seconds / engines as f64)]);
+    tables.push(time);
+    output.finish(&study.headline(), &tables, &page, &study)?;
     Ok(ExitCode::SUCCESS)
 }
 

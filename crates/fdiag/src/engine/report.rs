@@ -2,6 +2,7 @@
 
 use super::{
     example::{Example, FaultyRun, Residuals},
+    quantile::median,
     study::{Range, Study},
 };
 use crate::report::{Line, Page, Picture, PictureError, Table, figure};
@@ -99,7 +100,32 @@ impl Study {
                 range(&fault.estimated),
             ]);
         }
-        vec![residuals, faults, found]
+        vec![residuals, faults, found, self.bias_table()]
+    }
+
+    /// The orders that were used and the parameters, one row per structure.
+    fn bias_table(&self) -> Table {
+        let mut table = Table::new(
+            "Bias model, parameters as medians over the engines",
+            &["order", "engines", "theta"],
+        );
+        let mut orders: Vec<&str> = self.trials.iter().map(|t| t.orders.as_str()).collect();
+        orders.sort_unstable();
+        orders.dedup();
+        for order in orders {
+            let thetas: Vec<&[f64]> = self
+                .trials
+                .iter()
+                .filter(|t| t.orders == order)
+                .map(|t| t.theta.as_slice())
+                .collect();
+            let parameters = thetas.first().map_or(0, |theta| theta.len());
+            let medians: Vec<String> = (0..parameters)
+                .map(|i| format!("{:.5}", median(&mut thetas.iter().map(|t| t[i]).collect())))
+                .collect();
+            table.push([order.to_owned(), thetas.len().to_string(), medians.join(", ")]);
+        }
+        table
     }
 
     /// The cumulative share of seeds over the two ratios.
