@@ -10,6 +10,7 @@ use fd_gap::{
     model::Model,
     simulate::{EquationSimulator, Simulator},
 };
+use num_dual::DualSVec64;
 
 fn right_hand_side(c: &mut Criterion) {
     let scope = Scope {
@@ -50,6 +51,20 @@ fn simulations(c: &mut Criterion) {
     group.finish();
 }
 
+fn sensitivities(c: &mut Criterion) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let model = Model::load(&root.join("pendulum.toml")).unwrap();
+    let mut simulator = EquationSimulator::<DualSVec64<6>>::new(&model).unwrap();
+    let u = [1.0; 1000];
+    let mut y = vec![DualSVec64::from_re(0.0); 1000];
+    let seed = |(i, value): (usize, f64)| DualSVec64::from_re(value).derivative(i);
+    let theta: Vec<_> = model.nominal().into_iter().enumerate().map(seed).collect();
+    let x0: Vec<_> = (4..).zip(model.initial()).map(seed).collect();
+    c.bench_function("1000 samples/pendulum with 6 sensitivities", |b| {
+        b.iter(|| simulator.run(black_box(&theta), &x0, &u, &mut y));
+    });
+}
+
 fn compilation(c: &mut Criterion) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let model = Model::load(&root.join("pendulum.toml")).unwrap();
@@ -58,5 +73,5 @@ fn compilation(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, right_hand_side, simulations, compilation);
+criterion_group!(benches, right_hand_side, simulations, sensitivities, compilation);
 criterion_main!(benches);

@@ -227,6 +227,16 @@ fn mistakes_are_named_with_their_place() {
         ),
         (
             "(u - x)/T",
+            "(u-x) /Tau",
+            "11:55: states.x.derivative: `Tau` is not known here\n    (u-x) /Tau\n           ^^^",
+        ),
+        (
+            "\"(u - x)/T\"",
+            "'''\n  (u - x)\n    /Tau'''",
+            "13:6: states.x.derivative: `Tau` is not known here\n        /Tau\n         ^^^",
+        ),
+        (
+            "(u - x)/T",
             "(u - x)/t_1",
             "11:56: states.x.derivative: `t_1` is not known here\n    (u - x)/t_1\n            ^^^",
         ),

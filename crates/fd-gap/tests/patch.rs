@@ -202,7 +202,7 @@ proptest! {
     fn any_numbers_and_units_survive_the_file(
         which in 0..MODELS.len(),
         numbers in prop::collection::vec(any::<f64>().prop_filter("finite", |x| x.is_finite()), 20),
-        unit in "[^ ]\\PC{0,8}",
+        unit in "[a-zµ/^%\"\\\\]\\PC{0,8}",
         description in any::<String>(),
     ) {
         let mut draft = example(MODELS[which]).into_draft();

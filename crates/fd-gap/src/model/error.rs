@@ -4,7 +4,7 @@ use std::{collections::HashMap, fmt, ops::Range};
 
 use thiserror::Error;
 
-use crate::equation::{Span, SyntaxProblem, TableError, picture};
+use crate::equation::{Span, SyntaxProblem, TableError, locate, picture};
 
 /// A model file cannot be loaded.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -165,15 +165,21 @@ impl ModelError {
         self
     }
 
-    /// Adds line and column. A mistake inside an expression is pointed at when the expression
-    /// stands in the file as it is, without escapes; otherwise its beginning is.
+    /// Adds line and column. A mistake inside an expression is pointed at where the expression
+    /// stands in the file, as it is written there; with escapes in it, its beginning is.
     pub(super) fn found_in(mut self, places: &Places, file: &str) -> Self {
         let Some(range) = nearest_key(places, &self.key) else { return self };
         let mut at = range.start;
-        if let Some((text, span)) = &self.expression {
-            let raw = file.get(range.clone()).unwrap_or_default();
-            if let Some(start) = raw.find(text.as_str()) {
-                at += start + span.start;
+        if let Some((text, span)) = &mut self.expression {
+            let raw = file.get(range).unwrap_or_default();
+            let written = raw.trim_matches(['"', '\'']);
+            let start = at + (raw.len() - raw.trim_start_matches(['"', '\'']).len());
+            if written == text {
+                at = start + span.start;
+            } else if let Some(place) = locate(written, &text[span.clone()]) {
+                // Spaces were written in another way than they are printed.
+                at = start + place.start;
+                (*text, *span) = (written.to_owned(), place);
             }
         }
         self.place = Some(Place::of(file, at));

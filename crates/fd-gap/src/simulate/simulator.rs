@@ -36,6 +36,9 @@ pub trait Simulator: Debug + Send + Sync {
     /// Starts a run at sample number `first` of the log with these parameters and states, in the
     /// order of [`parameters`](Self::parameters) and [`initial`](Self::initial).
     ///
+    /// Nothing is left of the run before. Whatever else a simulator remembers (what is on its way
+    /// through a delay) starts as if the plant had been at rest until then.
+    ///
     /// # Panics
     ///
     /// May panic when the numbers of values are wrong.
