@@ -5,7 +5,10 @@ use fd_compensate::{
     decide::Debouncing,
     evaluate::{alarms, smallest_detectable_by_search},
 };
-use fd_core::{Event, stage::Detector};
+use fd_core::{
+    Event,
+    stage::{Detector, Stage},
+};
 use fd_model::{Channel, Record};
 use serde::{Deserialize, Serialize};
 
@@ -156,9 +159,12 @@ impl Benchmark {
             primary: Vec::new(),
             compensated: Vec::new(),
         };
+        // Calibrating the detector is the dear part of a pipeline, so one serves all runs.
+        let mut pipeline = trained.compensated()?;
         for _ in 0..self.config().test_runs {
             let record = self.test_run(case)?;
-            let trace = Trace::of(&mut trained.compensated()?, &record).map_err(RoadError::from)?;
+            pipeline.reset();
+            let trace = Trace::of(&mut pipeline, &record).map_err(RoadError::from)?;
             tests.primary.push(trace.residual);
             tests.compensated.push(trace.compensated);
         }

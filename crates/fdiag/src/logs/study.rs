@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use fd_core::Event;
+use fd_core::{DynPipeline, Event, stage::Stage};
 use fd_model::{
     Discrete, Record, SampleTime, StateSpace, TimeBaseReport,
     file::{LinearModel, LinearSystem, LogMap, read_log},
@@ -172,11 +172,14 @@ impl LogStudy {
                 scale: o.scale.scale.unwrap_or(1.0),
             })
             .collect();
+        let (mut plain, mut compensated) = (trained.uncompensated()?, trained.compensated()?);
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
         for (i, (path, (record, time_base))) in paths.iter().zip(&files).enumerate() {
-            let run = |mut pipeline| Trace::of(&mut pipeline, record).map_err(RoadError::from);
-            let without = run(trained.uncompensated()?)?;
-            let with = run(trained.compensated()?)?;
+            let run = |pipeline: &mut DynPipeline| {
+                pipeline.reset();
+                Trace::of(pipeline, record).map_err(RoadError::from)
+            };
+            let (without, with) = (run(&mut plain)?, run(&mut compensated)?);
             logs.push(LogResult {
                 file: (*path).clone(),
                 healthy: i < request.healthy.len(),
