@@ -29,5 +29,5 @@ pub use self::{
     equations::EquationSimulator,
     error::SimulateError,
     linearize::{OperatingPoint, linearize, linearize_discrete},
-    simulator::{Initial, Outcome, Port, Simulator},
+    simulator::{Initial, Outcome, Port, Run, Simulator},
 };
