@@ -11,28 +11,36 @@ use super::{
     value::{Lanes, Value},
 };
 
-/// The cheap operations on values. Each lane gets to the bit what [`evaluate`] says.
+/// The cheap operations on values, written to `to`. Each lane gets to the bit what `evaluate` says.
 pub trait Kernel<V: Value>: Copy {
     /// `a + b`.
-    fn add(self, a: V, b: V) -> V;
+    fn add(self, to: &mut V, a: &V, b: &V);
     /// `a - b`.
-    fn sub(self, a: V, b: V) -> V;
+    fn sub(self, to: &mut V, a: &V, b: &V);
     /// `a*b`.
-    fn mul(self, a: V, b: V) -> V;
+    fn mul(self, to: &mut V, a: &V, b: &V);
     /// `a/b`.
-    fn div(self, a: V, b: V) -> V;
+    fn div(self, to: &mut V, a: &V, b: &V);
+    /// `a*b + c`, with the product rounded.
+    fn mul_add(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// `a*b - c`, with the product rounded.
+    fn mul_sub(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// `c - a*b`, with the product rounded.
+    fn sub_mul(self, to: &mut V, a: &V, b: &V, c: &V);
     /// `-a`.
-    fn neg(self, a: V) -> V;
+    fn neg(self, to: &mut V, a: &V);
     /// `sqrt(a)`.
-    fn sqrt(self, a: V) -> V;
+    fn sqrt(self, to: &mut V, a: &V);
     /// `b` where `b < a`, else `a`.
-    fn smaller(self, a: V, b: V) -> V;
+    fn smaller(self, to: &mut V, a: &V, b: &V);
     /// `b` where `a < b`, else `a`.
-    fn larger(self, a: V, b: V) -> V;
+    fn larger(self, to: &mut V, a: &V, b: &V);
+    /// `a` within `b` and `c`.
+    fn clamp(self, to: &mut V, a: &V, b: &V, c: &V);
     /// 1 where the comparison holds, else 0.
-    fn compare(self, comparison: Comparison, a: V, b: V) -> V;
+    fn compare(self, comparison: Comparison, to: &mut V, a: &V, b: &V);
     /// `b` where `0 < a`, else `c`.
-    fn select(self, a: V, b: V, c: V) -> V;
+    fn select(self, to: &mut V, a: &V, b: &V, c: &V);
 }
 
 /// Something to be computed with a kernel.
@@ -47,53 +55,73 @@ pub(super) struct OneLane;
 
 impl<T: Scalar> Kernel<T> for OneLane {
     #[inline(always)]
-    fn add(self, a: T, b: T) -> T {
-        a + b
+    fn add(self, to: &mut T, a: &T, b: &T) {
+        *to = *a + *b;
     }
 
     #[inline(always)]
-    fn sub(self, a: T, b: T) -> T {
-        a - b
+    fn sub(self, to: &mut T, a: &T, b: &T) {
+        *to = *a - *b;
     }
 
     #[inline(always)]
-    fn mul(self, a: T, b: T) -> T {
-        a * b
+    fn mul(self, to: &mut T, a: &T, b: &T) {
+        *to = *a * *b;
     }
 
     #[inline(always)]
-    fn div(self, a: T, b: T) -> T {
-        a / b
+    fn div(self, to: &mut T, a: &T, b: &T) {
+        *to = *a / *b;
     }
 
     #[inline(always)]
-    fn neg(self, a: T) -> T {
-        -a
+    fn mul_add(self, to: &mut T, a: &T, b: &T, c: &T) {
+        *to = *a * *b + *c;
     }
 
     #[inline(always)]
-    fn sqrt(self, a: T) -> T {
-        evaluate::unary(Unary::Sqrt, a)
+    fn mul_sub(self, to: &mut T, a: &T, b: &T, c: &T) {
+        *to = *a * *b - *c;
     }
 
     #[inline(always)]
-    fn smaller(self, a: T, b: T) -> T {
-        evaluate::binary(Binary::Min, a, b)
+    fn sub_mul(self, to: &mut T, a: &T, b: &T, c: &T) {
+        *to = *c - *a * *b;
     }
 
     #[inline(always)]
-    fn larger(self, a: T, b: T) -> T {
-        evaluate::binary(Binary::Max, a, b)
+    fn neg(self, to: &mut T, a: &T) {
+        *to = -*a;
     }
 
     #[inline(always)]
-    fn compare(self, comparison: Comparison, a: T, b: T) -> T {
-        if evaluate::compare(comparison, a, b) { T::one() } else { T::zero() }
+    fn sqrt(self, to: &mut T, a: &T) {
+        *to = evaluate::unary(Unary::Sqrt, *a);
     }
 
     #[inline(always)]
-    fn select(self, a: T, b: T, c: T) -> T {
-        if T::zero() < a { b } else { c }
+    fn smaller(self, to: &mut T, a: &T, b: &T) {
+        *to = evaluate::binary(Binary::Min, *a, *b);
+    }
+
+    #[inline(always)]
+    fn larger(self, to: &mut T, a: &T, b: &T) {
+        *to = evaluate::binary(Binary::Max, *a, *b);
+    }
+
+    #[inline(always)]
+    fn clamp(self, to: &mut T, a: &T, b: &T, c: &T) {
+        *to = evaluate::clamp(*a, *b, *c);
+    }
+
+    #[inline(always)]
+    fn compare(self, comparison: Comparison, to: &mut T, a: &T, b: &T) {
+        *to = if evaluate::compare(comparison, *a, *b) { T::one() } else { T::zero() };
+    }
+
+    #[inline(always)]
+    fn select(self, to: &mut T, a: &T, b: &T, c: &T) {
+        *to = if T::zero() < *a { *b } else { *c };
     }
 }
 
@@ -101,8 +129,8 @@ impl<T: Scalar> Kernel<T> for OneLane {
 #[derive(Clone, Copy)]
 struct Registers<S>(S);
 
-// No closure may be handed to a function that is not always inlined: it would be compiled for the
-// smallest machine.
+// Loops are written out: a closure handed to an iterator would be compiled for the smallest
+// machine.
 impl<S: Simd> Registers<S> {
     // `Simd::select_f64s` and `Simd::neg_f64s` are not inlined into code for wide registers.
     #[inline(always)]
@@ -111,121 +139,135 @@ impl<S: Simd> Registers<S> {
     }
 
     #[inline(always)]
-    fn map<const N: usize>(self, a: Lanes<N>, f: impl Fn(S::f64s) -> S::f64s) -> Lanes<N> {
-        let mut result = a;
-        let (to, rest) = S::as_mut_simd_f64s(&mut result.0);
-        debug_assert!(rest.is_empty(), "lanes fill whole registers");
-        for a in to {
-            *a = f(*a);
+    fn map<const N: usize>(
+        self,
+        to: &mut Lanes<N>,
+        a: &Lanes<N>,
+        f: impl Fn(S::f64s) -> S::f64s,
+    ) {
+        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
+        let (a, _) = S::as_simd_f64s(&a.0);
+        for i in 0..N / S::F64_LANES {
+            to[i] = f(a[i]);
         }
-        result
     }
 
     #[inline(always)]
     fn zip<const N: usize>(
         self,
-        a: Lanes<N>,
-        b: Lanes<N>,
+        to: &mut Lanes<N>,
+        a: &Lanes<N>,
+        b: &Lanes<N>,
         f: impl Fn(S::f64s, S::f64s) -> S::f64s,
-    ) -> Lanes<N> {
-        let mut result = a;
-        let (to, rest) = S::as_mut_simd_f64s(&mut result.0);
-        debug_assert!(rest.is_empty(), "lanes fill whole registers");
-        let (b, _) = S::as_simd_f64s(&b.0);
-        for (a, b) in to.iter_mut().zip(b) {
-            *a = f(*a, *b);
+    ) {
+        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
+        let ((a, _), (b, _)) = (S::as_simd_f64s(&a.0), S::as_simd_f64s(&b.0));
+        for i in 0..N / S::F64_LANES {
+            to[i] = f(a[i], b[i]);
         }
-        result
+    }
+
+    #[inline(always)]
+    fn zip3<const N: usize>(
+        self,
+        to: &mut Lanes<N>,
+        [a, b, c]: [&Lanes<N>; 3],
+        f: impl Fn(S::f64s, S::f64s, S::f64s) -> S::f64s,
+    ) {
+        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
+        let ((a, _), (b, _)) = (S::as_simd_f64s(&a.0), S::as_simd_f64s(&b.0));
+        let (c, _) = S::as_simd_f64s(&c.0);
+        for i in 0..N / S::F64_LANES {
+            to[i] = f(a[i], b[i], c[i]);
+        }
     }
 }
 
 impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
-    fn add(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.0.add_f64s(a, b),
-        )
+    fn add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| simd.add_f64s(a, b));
     }
 
     #[inline(always)]
-    fn sub(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.0.sub_f64s(a, b),
-        )
+    fn sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| simd.sub_f64s(a, b));
     }
 
     #[inline(always)]
-    fn mul(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.0.mul_f64s(a, b),
-        )
+    fn mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| simd.mul_f64s(a, b));
     }
 
     #[inline(always)]
-    fn div(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.0.div_f64s(a, b),
-        )
+    fn div(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| simd.div_f64s(a, b));
     }
 
     #[inline(always)]
-    fn neg(self, a: Lanes<N>) -> Lanes<N> {
-        let minus = self.0.splat_f64s(-1.0);
-        self.map(
-            a,
-            #[inline(always)]
-            |a| self.0.mul_f64s(a, minus),
-        )
+    fn mul_add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
+        let simd = self.0;
+        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.add_f64s(simd.mul_f64s(a, b), c));
     }
 
     #[inline(always)]
-    fn sqrt(self, a: Lanes<N>) -> Lanes<N> {
-        self.map(
-            a,
-            #[inline(always)]
-            |a| self.0.sqrt_f64s(a),
-        )
+    fn mul_sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
+        let simd = self.0;
+        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.sub_f64s(simd.mul_f64s(a, b), c));
     }
 
     #[inline(always)]
-    fn smaller(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.pick(self.0.less_than_f64s(b, a), b, a),
-        )
+    fn sub_mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
+        let simd = self.0;
+        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.sub_f64s(c, simd.mul_f64s(a, b)));
     }
 
     #[inline(always)]
-    fn larger(self, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
-        self.zip(
-            a,
-            b,
-            #[inline(always)]
-            |a, b| self.pick(self.0.less_than_f64s(a, b), b, a),
-        )
+    fn neg(self, to: &mut Lanes<N>, a: &Lanes<N>) {
+        let simd = self.0;
+        let minus = simd.splat_f64s(-1.0);
+        self.map(to, a, #[inline(always)] |a| simd.mul_f64s(a, minus));
     }
 
     #[inline(always)]
-    fn compare(self, comparison: Comparison, a: Lanes<N>, b: Lanes<N>) -> Lanes<N> {
+    fn sqrt(self, to: &mut Lanes<N>, a: &Lanes<N>) {
+        let simd = self.0;
+        self.map(to, a, #[inline(always)] |a| simd.sqrt_f64s(a));
+    }
+
+    #[inline(always)]
+    fn smaller(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| self.pick(simd.less_than_f64s(b, a), b, a));
+    }
+
+    #[inline(always)]
+    fn larger(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
+        let simd = self.0;
+        self.zip(to, a, b, #[inline(always)] |a, b| self.pick(simd.less_than_f64s(a, b), b, a));
+    }
+
+    #[inline(always)]
+    fn clamp(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
+        let simd = self.0;
+        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| {
+            let above = self.pick(simd.less_than_f64s(a, b), b, a);
+            self.pick(simd.less_than_f64s(c, above), c, above)
+        });
+    }
+
+    #[inline(always)]
+    fn compare(self, comparison: Comparison, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
         let (yes, no) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
         macro_rules! holds {
             ($method:ident, $a:expr, $b:expr) => {
                 self.zip(
+                    to,
                     $a,
                     $b,
                     #[inline(always)]
@@ -243,17 +285,10 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     }
 
     #[inline(always)]
-    fn select(self, a: Lanes<N>, b: Lanes<N>, c: Lanes<N>) -> Lanes<N> {
+    fn select(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
         let zero = simd.splat_f64s(0.0);
-        let mut result = a;
-        let (to, rest) = S::as_mut_simd_f64s(&mut result.0);
-        debug_assert!(rest.is_empty(), "lanes fill whole registers");
-        let ((b, _), (c, _)) = (S::as_simd_f64s(&b.0), S::as_simd_f64s(&c.0));
-        for ((a, b), c) in to.iter_mut().zip(b).zip(c) {
-            *a = self.pick(simd.less_than_f64s(zero, *a), *b, *c);
-        }
-        result
+        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| self.pick(simd.less_than_f64s(zero, a), b, c));
     }
 }
 

@@ -22,6 +22,7 @@ mod differentiate;
 mod error;
 mod evaluate;
 mod expr;
+mod fuse;
 mod interpret;
 mod kernel;
 mod nearest;

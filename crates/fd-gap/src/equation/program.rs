@@ -68,6 +68,12 @@ pub(super) enum Operation {
     Sub,
     Mul,
     Div,
+    /// Slot `a` times slot `b`, plus slot `c`; rounded in between, as are the next two.
+    MulAdd,
+    /// Slot `a` times slot `b`, less slot `c`.
+    MulSub,
+    /// Slot `c` less slot `a` times slot `b`.
+    SubMul,
     Unary(Unary),
     Binary(Binary),
     /// Slot `a` to a literal power.

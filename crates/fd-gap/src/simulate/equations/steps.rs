@@ -90,7 +90,7 @@ impl<V: Value> Engine<V> {
                 for ((to, x), slope) in
                     fast[FIRST_STATE..].iter_mut().zip(&self.x).zip(&self.k[stage - 1])
                 {
-                    *to = kernel.add(*x, kernel.mul(length, *slope));
+                    kernel.mul_add(to, &length, slope, x);
                 }
             }
             system.rates.run_with(kernel, &mut self.rates, &mut self.k[stage]);
@@ -98,9 +98,11 @@ impl<V: Value> Engine<V> {
         let (sixth, two) = (V::constant(h / 6.0), V::constant(2.0));
         let [k1, k2, k3, k4] = &self.k;
         for ((((x, k1), k2), k3), k4) in self.x.iter_mut().zip(k1).zip(k2).zip(k3).zip(k4) {
-            let middle = kernel.mul(two, kernel.add(*k2, *k3));
-            let sum = kernel.add(kernel.add(*k1, middle), *k4);
-            *x = kernel.add(*x, kernel.mul(sixth, sum));
+            let (before, mut sum, mut more) = (*x, *k1, *k1);
+            kernel.add(&mut more, k2, k3);
+            kernel.mul_add(&mut sum, &two, &more, k1);
+            kernel.add(&mut more, &sum, k4);
+            kernel.mul_add(x, &sixth, &more, &before);
         }
     }
 }
