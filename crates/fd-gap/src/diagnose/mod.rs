@@ -126,7 +126,7 @@ pub fn diagnose(
     let (tied, rivals) = separate(&causes, &mut trials, settings);
     monitor.advance();
 
-    let refitted = Answer { explanation: refit.clone(), errors, fit: None, log_evidence: 0.0 };
+    let refitted = Answer { explanation: refit.clone(), errors, fit: None, effects: 0, log_evidence: 0.0 };
     let rest = |answer: &Answer| answer.rest(&refitted, &base, &noise, is_coloured);
     let single = Answer::first(&causes, &trials, &refitted)
         .filter(|single| worth(settings, causes.len()) < single.log_evidence);
@@ -145,7 +145,7 @@ pub fn diagnose(
         best = answer;
         left = rest(&best);
     }
-    let judgement = judge(&mut causes, &mut pairs, best.log_evidence, &left.leftover, settings);
+    let judgement = judge(&mut causes, &mut pairs, &best, &left.leftover, settings);
     let verdict = verdict(judgement, &causes, &tied, &pairs);
     if verdict == Verdict::NoGap {
         best = refitted.clone();
