@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::{
     fit::{
-        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Variable, Weights,
-        minimise,
+        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
+        Weights, minimise,
     },
     simulate::Simulator,
 };
@@ -26,6 +26,14 @@ pub struct Settled<'a> {
     pub effects: &'a [(Variable, f64)],
 }
 
+/// Errors of a forecast, and where they are in the logs.
+#[derive(Clone, Debug)]
+pub(super) struct Forecast {
+    /// As [`forecast_errors`] returns them.
+    pub(super) errors: Vec<Vec<Vec<f64>>>,
+    pub(super) segments: Vec<Segment>,
+}
+
 /// Forecast errors (simulated less measured) in units of sigma: per output, one signal per segment,
 /// NaN where nothing was measured and in the first part of each segment (half of a window, a
 /// quarter of a free run), from which its initial state is estimated. `None` when a simulation
@@ -41,6 +49,16 @@ pub fn forecast_errors(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
+    Ok(forecast(nominal, settled, logs, horizon, sigma)?.map(|forecast| forecast.errors))
+}
+
+pub(super) fn forecast(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    logs: &[Log],
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Forecast>, FitError> {
     let mut plan = Plan::of_logs(nominal, logs.to_vec(), horizon)?;
     for variable in &mut plan.shared {
         let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
@@ -76,5 +94,5 @@ pub fn forecast_errors(
             signal[..(segment.to - segment.from).div_ceil(share)].fill(f64::NAN);
         }
     }
-    Ok(Some(errors))
+    Ok(Some(Forecast { errors, segments }))
 }
