@@ -13,6 +13,7 @@
 mod case;
 mod explain;
 mod held_out;
+mod misfit;
 mod monitor;
 mod prepare;
 mod rank;
@@ -36,6 +37,7 @@ pub use self::{
 use self::{
     explain::{explain, nominal_explanation},
     held_out::compare,
+    misfit::weigh_by_forecasts,
     prepare::{inspect_all, weighted_null_fit},
     rank::{Noise, groups, rank, sides},
     search::{Found, search},
@@ -43,8 +45,9 @@ use self::{
 };
 use crate::{
     evidence::{evidence, likelihood},
-    fit::{FitError, Log, Plan},
+    fit::{FitError, Horizon, Log, Plan},
     quality::noise_floor,
+    shrink::Rules,
 };
 
 /// Spread of `ln` of the noise where the model states it, and where it does not.
@@ -97,7 +100,6 @@ pub fn diagnose(
     let plan = Arc::new(Plan::new(&*simulator, logs, settings.horizon)?);
     let stated: Vec<Option<f64>> = nominal.model().outputs.iter().map(|o| o.noise).collect();
     let null = weighted_null_fit(&plan, &*simulator, &stated)?;
-    let sigma = null.problem.weights().sigma.clone();
     let spread: Vec<f64> =
         stated.iter().map(|stated| NOISE_SPREAD[usize::from(stated.is_none())]).collect();
 
@@ -108,8 +110,25 @@ pub fn diagnose(
             Err(refusal) => not_tested.push(NotTested::from(&refusal)),
         }
     }
-    let Found { null, mut trials, not_tested: failed, is_coloured } =
-        search(null, nominal, &candidates, &spread, settings, monitor)?;
+    let held_out_logs: Vec<Log> = held_out
+        .iter()
+        .enumerate()
+        .map(|(i, r)| Log::new(r, &*simulator, i + 1))
+        .collect::<Result<_, _>>()?;
+    let mut found = search(null, nominal, &candidates, &stated, &spread, settings, monitor)?;
+    let mut report_horizons = settings.report_horizons.clone();
+    if found.regime == Regime::AboveTheFloor {
+        report_horizons = misfit::memory(&*simulator, &found.null, &held_out_logs);
+        let windows = misfit::windows(&report_horizons);
+        let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
+        if is_free && misfit::is_lost(&found.null) {
+            let plan = Arc::new(Plan::new(&*simulator, logs, windows)?);
+            let null = weighted_null_fit(&plan, &*simulator, &stated)?;
+            found = search(null, nominal, &candidates, &stated, &spread, settings, monitor)?;
+        }
+    }
+    let Found { null, mut trials, not_tested: failed, is_coloured, regime } = found;
+    let sigma = null.problem.weights().sigma.clone();
     not_tested.extend(failed);
 
     monitor.begin(Stage::Judge, 2);
@@ -120,12 +139,38 @@ pub fn diagnose(
     let reference =
         evidence(&base, &null.minimum, &base_likelihood, &[]).ok_or(FitError::Diverged)?;
     let noise = Noise { spread: &spread, is_coloured, reference };
-    let (no_gap, causes) = rank(&mut trials, noise, settings);
-    let (tied, rivals) = separate(&causes, &mut trials, settings);
+    let (mut no_gap, mut causes) = rank(&mut trials, noise, settings);
+    let mut none_of_these = 0.0;
+    let mut in_doubt = causes.len();
+    if regime == Regime::AboveTheFloor {
+        let rules = Rules {
+            horizons: &report_horizons,
+            sigma: &sigma,
+            floor: misfit::floor(&mut trials, &causes, &errors),
+            replicas: settings.replicas,
+            seed: settings.seed,
+        };
+        let forecasts = weigh_by_forecasts(
+            &*simulator,
+            &null,
+            &trials,
+            &mut causes,
+            &held_out_logs,
+            &rules,
+            settings,
+        )?;
+        (no_gap, none_of_these) = (forecasts.no_gap, forecasts.none_of_these);
+        in_doubt = causes.iter().take_while(|(_, cause)| 0.0 < cause.probability).count();
+    }
+    let (tied, rivals) = separate(&causes[..in_doubt], &mut trials, settings);
     monitor.advance();
 
-    let verdict =
-        verdict(no_gap, &causes.iter().map(|(_, c)| c.probability).collect::<Vec<_>>(), &tied);
+    let probabilities: Vec<f64> = causes.iter().map(|(_, c)| c.probability).collect();
+    let verdict = if NAMED < none_of_these {
+        Verdict::NoneOfThese
+    } else {
+        verdict(no_gap, &probabilities, &tied)
+    };
     let refit = explain(nominal.model(), &mut base, &null.minimum.z).ok_or(FitError::Diverged)?;
     let leader = causes.first().map(|(trial, _)| *trial).filter(|_| verdict != Verdict::NoGap);
     let (best, best_errors) = match leader {
@@ -151,20 +196,19 @@ pub fn diagnose(
         })
         .collect();
     let is_unexplained = best.gap.iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
-    let held_out_logs: Result<Vec<Log>, _> =
-        held_out.iter().enumerate().map(|(i, r)| Log::new(r, &*simulator, i + 1)).collect();
     let leader = leader.map(|trial| &trials[trial]);
+    let settings = Settings { report_horizons, ..settings.clone() };
     let held_out =
-        compare(&*simulator, &null, leader, &held_out_logs?, [&sigma, &floor], settings)?;
+        compare(&*simulator, &null, leader, &held_out_logs, [&sigma, &floor], &settings)?;
     monitor.advance();
     let simulations =
         base.simulations() + trials.iter().map(|trial| trial.problem.simulations()).sum::<usize>();
     let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
     Ok(Diagnosis {
         verdict,
-        regime: Regime::AtTheFloor,
+        regime,
         no_gap,
-        none_of_these: 0.0,
+        none_of_these,
         groups: groups(&causes),
         sides: sides(&causes),
         causes,

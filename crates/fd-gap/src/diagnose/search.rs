@@ -5,8 +5,9 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::{
+    misfit,
     monitor::{Monitor, Stage},
-    result::NotTested,
+    result::{NotTested, Regime},
     settings::Settings,
     trial::Trial,
 };
@@ -30,12 +31,14 @@ pub(super) struct Found<'a> {
     pub(super) trials: Vec<Trial<'a>>,
     pub(super) not_tested: Vec<NotTested>,
     pub(super) is_coloured: bool,
+    pub(super) regime: Regime,
 }
 
 pub(super) fn search<'a>(
     null: NullFit,
     nominal: &dyn Nominal,
     candidates: &'a [Candidate],
+    stated: &[Option<f64>],
     spread: &[f64],
     settings: &Settings,
     monitor: &dyn Monitor,
@@ -83,8 +86,14 @@ pub(super) fn search<'a>(
     });
     finish(&mut trials, &null, settings.finalists);
 
-    let mut found = Found { null, trials, not_tested, is_coloured: false };
-    if let Some(weights) = colours(&mut found, spread) {
+    let regime = Regime::AtTheFloor;
+    let mut found = Found { null, trials, not_tested, is_coloured: false, regime };
+    let left = best_errors(&mut found).ok_or(FitError::Diverged)?;
+    found.regime = misfit::regime(&left, stated, &found.null.problem.weights().sigma);
+    if found.regime == Regime::AboveTheFloor {
+        return Ok(found);
+    }
+    if let Some(weights) = colours(&found, &left, spread) {
         let Found { null, trials, .. } = &found;
         let recoloured = null_fit(null.problem.plan(), null.problem.simulator(), &weights)?;
         debug_assert!(trials.len() <= candidates.len(), "one trial per candidate");
@@ -142,17 +151,21 @@ fn finish(trials: &mut [Trial<'_>], null: &NullFit, finalists: usize) {
     });
 }
 
-/// The colour of what the best fit leaves, if it has one.
-fn colours(found: &mut Found<'_>, spread: &[f64]) -> Option<Weights> {
-    let mut weights = found.null.problem.weights().clone();
+/// What the best fit leaves.
+fn best_errors(found: &mut Found<'_>) -> Option<Vec<Vec<Vec<f64>>>> {
     let best = found.trials.iter_mut().min_by(|a, b| a.cost().total_cmp(&b.cost()));
-    let errors = match best {
+    match best {
         Some(trial) => {
             let best = trial.best.as_ref()?;
             trial.problem.errors(&best.z)
         }
         None => found.null.problem.errors(&found.null.minimum.z),
-    };
-    weights.colour = likelihood(&errors?, spread, true).colour;
+    }
+}
+
+/// The colour of what the best fit leaves, if it has one.
+fn colours(found: &Found<'_>, left: &[Vec<Vec<f64>>], spread: &[f64]) -> Option<Weights> {
+    let mut weights = found.null.problem.weights().clone();
+    weights.colour = likelihood(left, spread, true).colour;
     weights.colour.iter().any(|colour| colour.innovation() < COLOURED).then_some(weights)
 }

@@ -1,0 +1,210 @@
+//! Logs of which no model reaches the noise: forecasts judge instead of evidence.
+//!
+//! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
+//! * models are fitted in windows if the free run is lost without any effect ([`is_lost`]),
+//! * the noise has no colour: what a wrong model leaves is no noise,
+//! * causes compete in forecasts at three horizons, on the logs of the fit and on those held out;
+//!   what to believe is how often they win ([`weigh_by_forecasts`]),
+//! * a cause that does not clearly close a part of the gap at two horizons is no answer.
+
+use super::{
+    held_out::nuisances,
+    rank::groups,
+    result::{Cause, Regime},
+    settings::Settings,
+    trial::Trial,
+};
+use crate::{
+    evidence::confidence,
+    fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
+    quality::noise_floor,
+    shrink::{
+        Closed, Contest, Rules, Settled, contest, dominant_time_constant, gap_per_output, horizons,
+    },
+    simulate::Simulator,
+};
+
+/// The noise is reached within this factor of the stated one …
+const REACHED: f64 = 2.0;
+/// … or of the floor, where none is stated: slow noise has a floor below its size.
+const REACHED_FLOOR: f64 = 4.0;
+/// A free run whose error is above this part of the signal is lost.
+const LOST: f64 = 0.5;
+/// A cause must close more than this part of the held-out gap, with 97.5 % confidence …
+const WORTH_A_NAME: f64 = 0.2;
+/// … at so many horizons.
+const AT_HORIZONS: usize = 2;
+/// The family of free curves, which are no law.
+const CATCH_ALL: &str = "map";
+
+/// Whether the best errors that any model leaves, in units of sigma, are noise.
+pub(super) fn regime(errors: &[Vec<Vec<f64>>], stated: &[Option<f64>], sigma: &[f64]) -> Regime {
+    let gaps = gap_per_output(errors);
+    let is_noise = errors.iter().zip(&gaps).zip(stated.iter().zip(sigma)).all(
+        |((signals, gap), (stated, sigma))| match stated {
+            Some(stated) => *gap <= REACHED * (stated / sigma).max(1.0),
+            None => {
+                let floor = noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0);
+                *gap <= REACHED_FLOOR * floor
+            }
+        },
+    );
+    if is_noise { Regime::AtTheFloor } else { Regime::AboveTheFloor }
+}
+
+/// Whether the simulation without any effect has little to do with some output.
+pub(super) fn is_lost(null: &NullFit) -> bool {
+    let mut problem = null.problem.clone();
+    let Some(errors) = problem.errors(&null.minimum.z) else { return true };
+    let logs = &null.problem.plan().logs;
+    gap_per_output(&errors).iter().zip(&null.problem.weights().sigma).enumerate().any(
+        |(c, (gap, sigma))| {
+            let measured = || {
+                let each = logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
+                each.copied().filter(|value| value.is_finite())
+            };
+            let n = measured().count().max(1) as f64;
+            let mean = measured().sum::<f64>() / n;
+            let spread = (measured().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+            LOST * spread < gap * sigma
+        },
+    )
+}
+
+/// The horizons at which the refitted model is to be judged, and fitted in windows: the middle one.
+pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]) -> Vec<Horizon> {
+    let Minimum { z, .. } = &null.minimum;
+    let refitted = nuisances(&null.problem, z);
+    let parameters = simulator.parameters().iter();
+    let value = |p: &crate::model::Parameter| {
+        let refitted = refitted.iter().find(|(name, ..)| *name == p.name);
+        refitted.map_or(p.value, |(_, value, _)| *value)
+    };
+    let theta: Vec<f64> = parameters.map(value).collect();
+    let x0 = null.problem.start_of(0, z);
+    let logs = &null.problem.plan().logs;
+    let time = dominant_time_constant(simulator, &theta, &x0, &logs[0]);
+    let shortest = logs.iter().chain(held_out).map(Log::samples).min().unwrap_or(0);
+    horizons(time, simulator.initial().len(), shortest)
+}
+
+/// A horizon for fits: the middle one.
+pub(super) fn windows(horizons: &[Horizon]) -> Horizon {
+    let windows = horizons.iter().rev().find(|h| matches!(h, Horizon::Windows { .. }));
+    windows.copied().unwrap_or(Horizon::FreeRun)
+}
+
+/// The noise floor below the cause of most evidence, in sigma, over all outputs.
+pub(super) fn floor(
+    trials: &mut [Trial<'_>],
+    causes: &[(usize, Cause)],
+    without: &[Vec<Vec<f64>>],
+) -> f64 {
+    let best = causes.first().and_then(|(trial, _)| trials[*trial].errors());
+    let errors = best.as_deref().unwrap_or(without);
+    let floors = errors.iter().map(|signals| noise_floor(&signals.join(&f64::NAN), None));
+    let squares: f64 = floors.map(|floor| floor.unwrap_or(1.0).powi(2)).sum();
+    f64::sqrt(squares / errors.len().max(1) as f64)
+}
+
+/// What forecasts say of causes.
+#[derive(Debug)]
+pub(super) struct Forecasts {
+    /// How much to believe that no effect is missing.
+    pub(super) no_gap: f64,
+    /// How much to believe that none of the causes is the right one.
+    pub(super) none_of_these: f64,
+    /// Shares of the held-out gap that each cause closes, in the new order of the causes; nothing
+    /// for those that did not compete.
+    pub(super) closed: Vec<Vec<Option<Closed>>>,
+}
+
+/// Gives causes their probabilities by forecasts, and orders them by these. The first
+/// `settings.finalists` compete; the others have none. Without held-out logs those of the fit count
+/// alone.
+pub(super) fn weigh_by_forecasts(
+    simulator: &dyn Simulator,
+    null: &NullFit,
+    trials: &[Trial<'_>],
+    causes: &mut Vec<(usize, Cause)>,
+    held_out: &[Log],
+    rules: &Rules<'_>,
+    settings: &Settings,
+) -> Result<Forecasts, FitError> {
+    let mut entrants = vec![Entrant::new(&null.problem, &null.minimum)];
+    let finalists = settings.finalists.min(causes.len());
+    for (trial, _) in &causes[..finalists] {
+        let trial = &trials[*trial];
+        let best = trial.best.as_ref().ok_or(FitError::Diverged)?;
+        entrants.push(Entrant::new(&trial.problem, best));
+    }
+    let families = causes[..finalists].iter().map(|(_, cause)| cause.family == CATCH_ALL);
+    let is_catch_all: Vec<bool> = std::iter::once(false).chain(families).collect();
+    let settled: Vec<Settled<'_>> = entrants.iter().map(Entrant::settled).collect();
+    let run = |logs: &[Log]| contest(simulator, &settled, &is_catch_all, logs, rules);
+    let training = run(&null.problem.plan().logs)?;
+    let Contest { wins, mut closed, .. } =
+        if held_out.is_empty() { training.clone() } else { run(held_out)? };
+
+    let no_gap = confidence(wins[0], training.wins[0]);
+    // A mechanism at a place is believed as a whole; its causes share that.
+    causes.iter_mut().for_each(|(_, cause)| cause.probability = 0.0);
+    let all: Vec<Cause> = causes[..finalists].iter().map(|(_, cause)| cause.clone()).collect();
+    for group in groups(&all) {
+        let sum = |wins: &[f64]| group.causes.iter().map(|c| wins[c + 1]).sum::<f64>();
+        let together = confidence(sum(&wins), sum(&training.wins));
+        let weight = |c: usize| (wins[c + 1] * training.wins[c + 1]).sqrt();
+        let weights: f64 = group.causes.iter().map(|c| weight(*c)).sum();
+        for &c in &group.causes {
+            let both = wins[c + 1] + training.wins[c + 1];
+            let share = if 0.0 < weights {
+                weight(c) / weights
+            } else {
+                both / (sum(&wins) + sum(&training.wins)).max(f64::MIN_POSITIVE)
+            };
+            causes[c].1.probability = together * share;
+        }
+    }
+    closed.resize(causes.len() + 1, Vec::new());
+    let mut order: Vec<usize> = (0..causes.len()).collect();
+    order.sort_by(|a, b| causes[*b].1.probability.total_cmp(&causes[*a].1.probability));
+    *causes = order.iter().map(|&i| causes[i].clone()).collect();
+    let closed: Vec<_> = order.iter().map(|&i| closed[i + 1].clone()).collect();
+
+    let clear = |closed: &&Closed| WORTH_A_NAME < closed.interval[0];
+    let convincing = closed.first().map_or(0, |first| first.iter().flatten().filter(clear).count());
+    let named: f64 = causes.iter().map(|(_, cause)| cause.probability).sum();
+    let mut none_of_these = (1.0 - no_gap - named).max(0.0);
+    if convincing < AT_HORIZONS.min(rules.horizons.len()) {
+        // The order stays, the belief goes.
+        let left = (1.0 - no_gap).max(0.0);
+        none_of_these = confidence(1.0, 1.0) * left;
+        let factor = (left - none_of_these) / named.max(f64::MIN_POSITIVE);
+        causes.iter_mut().for_each(|(_, cause)| cause.probability *= factor);
+    }
+    Ok(Forecasts { no_gap, none_of_these, closed })
+}
+
+/// A fitted model with its values.
+struct Entrant<'a> {
+    simulator: &'a dyn Simulator,
+    nuisances: Vec<(String, f64)>,
+    effects: Vec<(Variable, f64)>,
+}
+
+impl<'a> Entrant<'a> {
+    fn new(problem: &'a Problem, at: &Minimum) -> Self {
+        let nuisances = nuisances(problem, &at.z).into_iter();
+        let values = problem.effect_values(&at.z);
+        Self {
+            simulator: problem.simulator(),
+            nuisances: nuisances.map(|(name, value, _)| (name, value)).collect(),
+            effects: problem.effects().iter().cloned().zip(values).collect(),
+        }
+    }
+
+    fn settled(&self) -> Settled<'_> {
+        let Self { simulator, nuisances, effects } = self;
+        Settled { simulator: *simulator, nuisances, effects }
+    }
+}
