@@ -24,10 +24,8 @@ use crate::{
     simulate::Simulator,
 };
 
-/// The noise is reached within this factor of the stated one …
+/// The noise is reached within this factor of the stated one, or of the floor where none is stated.
 const REACHED: f64 = 2.0;
-/// … or of the floor, where none is stated: slow noise has a floor below its size.
-const REACHED_FLOOR: f64 = 4.0;
 /// A free run whose error is above this part of the signal is lost.
 const LOST: f64 = 0.5;
 /// A cause must close more than this part of the held-out gap, with 97.5 % confidence …
@@ -45,7 +43,7 @@ pub(super) fn regime(errors: &[Vec<Vec<f64>>], stated: &[Option<f64>], sigma: &[
             Some(stated) => *gap <= REACHED * (stated / sigma).max(1.0),
             None => {
                 let floor = noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0);
-                *gap <= REACHED_FLOOR * floor
+                *gap <= REACHED * floor
             }
         },
     );

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::carried::Carried;
 use crate::{
     fit::{
         FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
@@ -52,6 +53,7 @@ pub fn forecast_errors(
     Ok(forecast(nominal, settled, logs, horizon, sigma)?.map(|forecast| forecast.errors))
 }
 
+/// Log by log: a free run of each log tells what its effects remember.
 pub(super) fn forecast(
     nominal: &dyn Simulator,
     settled: Settled<'_>,
@@ -59,7 +61,24 @@ pub(super) fn forecast(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
-    let mut plan = Plan::of_logs(nominal, logs.to_vec(), horizon)?;
+    let mut all = Forecast { errors: vec![Vec::new(); sigma.len()], segments: Vec::new() };
+    for (i, log) in logs.iter().enumerate() {
+        let one = forecast_one(nominal, settled, log, horizon, sigma)?;
+        let Some(Forecast { errors, segments }) = one else { return Ok(None) };
+        all.errors.iter_mut().zip(errors).for_each(|(all, one)| all.extend(one));
+        all.segments.extend(segments.iter().map(|segment| Segment { log: i, ..*segment }));
+    }
+    Ok(Some(all))
+}
+
+fn forecast_one(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    log: &Log,
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Forecast>, FitError> {
+    let mut plan = Plan::of_logs(nominal, vec![log.clone()], horizon)?;
     for variable in &mut plan.shared {
         let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
         variable.start = known.map_or(variable.start, |(_, value)| *value);
@@ -75,10 +94,16 @@ pub(super) fn forecast(
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
     }
     let segments = plan.segments.clone();
+    let starts: Vec<usize> = segments.iter().map(|segment| segment.from).collect();
+    let simulator: Box<dyn Simulator> = match Carried::new(settled, nominal.initial(), log, &starts)
+    {
+        Some(carried) => Box::new(carried),
+        None => settled.simulator.boxed(),
+    };
     let build = |plan| {
         let effects = settled.effects.iter().map(|(variable, _)| variable.clone()).collect();
         let weights = Weights::white(sigma.to_vec());
-        Problem::new(Arc::new(plan), settled.simulator.boxed(), effects, weights)
+        Problem::new(Arc::new(plan), simulator.boxed(), effects, weights)
     };
     let mut estimate = build(begun)?;
     let Layout { shared, .. } = *estimate.layout();

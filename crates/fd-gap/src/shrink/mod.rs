@@ -4,6 +4,7 @@
 //! run from its first quarter), and only the rest is scored. The gap before is that of the model
 //! with its parameters refitted, which is the honest comparison, and that of the nominal one.
 
+mod carried;
 mod contest;
 mod forecast;
 mod gap;
