@@ -9,8 +9,8 @@
 
 use super::{
     held_out::nuisances,
-    rank::groups,
-    result::{Cause, Regime},
+    rank::{Noise, groups},
+    result::{Cause, Group, Regime},
     settings::Settings,
     trial::Trial,
 };
@@ -117,57 +117,69 @@ pub(super) struct Forecasts {
     pub(super) closed: Vec<Vec<Option<Closed>>>,
 }
 
-/// Gives causes their probabilities by forecasts, and orders them by these. The first
-/// `settings.finalists` compete; the others have none. Without held-out logs those of the fit count
-/// alone.
+/// Gives causes their probabilities by forecasts, and orders them by these. All laws of the first
+/// `settings.finalists` causes compete, and a cause wins what its laws win; the others have
+/// nothing. Without held-out logs those of the fit count alone.
 pub(super) fn weigh_by_forecasts(
     simulator: &dyn Simulator,
     null: &NullFit,
-    trials: &[Trial<'_>],
+    trials: &mut [Trial<'_>],
     causes: &mut Vec<(usize, Cause)>,
     held_out: &[Log],
     rules: &Rules<'_>,
+    noise: Noise<'_>,
     settings: &Settings,
 ) -> Result<Forecasts, FitError> {
-    let mut entrants = vec![Entrant::new(&null.problem, &null.minimum)];
     let finalists = settings.finalists.min(causes.len());
-    for (trial, _) in &causes[..finalists] {
-        let trial = &trials[*trial];
-        let best = trial.best.as_ref().ok_or(FitError::Diverged)?;
-        entrants.push(Entrant::new(&trial.problem, best));
+    // The place of the cause of each law, and that of its trial.
+    let mut laws: Vec<(usize, usize)> = Vec::new();
+    let mut entrants = vec![Entrant::new(&null.problem, &null.minimum)];
+    for (c, (representative, _)) in causes[..finalists].iter().enumerate() {
+        for (t, trial) in trials.iter().enumerate() {
+            let best = trial.best.as_ref().filter(|_| trial.is_of(&trials[*representative]));
+            if let Some(best) = best {
+                laws.push((c, t));
+                entrants.push(Entrant::new(&trial.problem, best));
+            }
+        }
     }
-    let families = causes[..finalists].iter().map(|(_, cause)| cause.family == CATCH_ALL);
-    let is_catch_all: Vec<bool> = std::iter::once(false).chain(families).collect();
+    let curves = laws.iter().map(|(_, t)| trials[*t].candidate.family == CATCH_ALL);
+    let is_catch_all: Vec<bool> = std::iter::once(false).chain(curves).collect();
     let settled: Vec<Settled<'_>> = entrants.iter().map(Entrant::settled).collect();
     let run = |logs: &[Log]| contest(simulator, &settled, &is_catch_all, logs, rules);
     let training = run(&null.problem.plan().logs)?;
-    let Contest { wins, mut closed, .. } =
-        if held_out.is_empty() { training.clone() } else { run(held_out)? };
+    let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
 
-    let no_gap = confidence(wins[0], training.wins[0]);
-    // A mechanism at a place is believed as a whole; its causes share that.
-    causes.iter_mut().for_each(|(_, cause)| cause.probability = 0.0);
-    let all: Vec<Cause> = causes[..finalists].iter().map(|(_, cause)| cause.clone()).collect();
-    for group in groups(&all) {
-        let sum = |wins: &[f64]| group.causes.iter().map(|c| wins[c + 1]).sum::<f64>();
-        let together = confidence(sum(&wins), sum(&training.wins));
-        let weight = |c: usize| (wins[c + 1] * training.wins[c + 1]).sqrt();
-        let weights: f64 = group.causes.iter().map(|c| weight(*c)).sum();
-        for &c in &group.causes {
-            let both = wins[c + 1] + training.wins[c + 1];
-            let share = if 0.0 < weights {
-                weight(c) / weights
-            } else {
-                both / (sum(&wins) + sum(&training.wins)).max(f64::MIN_POSITIVE)
-            };
-            causes[c].1.probability = together * share;
+    let no_gap = confidence(test.wins[0], training.wins[0]);
+    let wins_of = |contest: &Contest, c: usize| -> f64 {
+        let all = laws.iter().zip(&contest.wins[1..]);
+        all.filter(|((cause, _), _)| *cause == c).map(|(_, wins)| wins).sum()
+    };
+    let wins: Vec<[f64; 2]> =
+        (0..finalists).map(|c| [wins_of(&test, c), wins_of(&training, c)]).collect();
+    let mut closed: Vec<Vec<Option<Closed>>> = vec![Vec::new(); causes.len()];
+    for c in 0..finalists {
+        let of_cause = laws.iter().enumerate().filter(|(_, (cause, _))| *cause == c);
+        let score = |law: usize| test.wins[law + 1] + training.wins[law + 1];
+        let best = of_cause.max_by(|(a, x), (b, y)| {
+            // Laws that win nothing are ranked by their fit; of equal ones the first counts.
+            let fit = trials[y.1].cost().total_cmp(&trials[x.1].cost());
+            score(*a).total_cmp(&score(*b)).then(fit).then(b.cmp(a))
+        });
+        if let Some((law, (_, t))) = best {
+            closed[c].clone_from(&test.closed[law + 1]);
+            if *t != causes[c].0 {
+                let weight = trials[*t].weigh(noise);
+                let log_evidence = causes[c].1.log_evidence;
+                causes[c] = (*t, trials[*t].cause(weight, log_evidence, 0.0));
+            }
         }
     }
-    closed.resize(causes.len() + 1, Vec::new());
+    believe(causes, &wins);
     let mut order: Vec<usize> = (0..causes.len()).collect();
     order.sort_by(|a, b| causes[*b].1.probability.total_cmp(&causes[*a].1.probability));
     *causes = order.iter().map(|&i| causes[i].clone()).collect();
-    let closed: Vec<_> = order.iter().map(|&i| closed[i + 1].clone()).collect();
+    let closed: Vec<_> = order.iter().map(|&i| closed[i].clone()).collect();
 
     let clear = |closed: &&Closed| WORTH_A_NAME < closed.interval[0];
     let convincing = closed.first().map_or(0, |first| first.iter().flatten().filter(clear).count());
@@ -181,6 +193,29 @@ pub(super) fn weigh_by_forecasts(
         causes.iter_mut().for_each(|(_, cause)| cause.probability *= factor);
     }
     Ok(Forecasts { no_gap, none_of_these, closed })
+}
+
+/// Sets probabilities from the shares of wins on held-out logs and on those of the fit, of as many
+/// causes. A mechanism at a place is believed as a whole, and its causes share that.
+fn believe(causes: &mut [(usize, Cause)], wins: &[[f64; 2]]) {
+    causes.iter_mut().for_each(|(_, cause)| cause.probability = 0.0);
+    let all: Vec<Cause> = causes[..wins.len()].iter().map(|(_, cause)| cause.clone()).collect();
+    for Group { causes: members, .. } in groups(&all) {
+        let sum = |value: &dyn Fn([f64; 2]) -> f64| -> f64 {
+            members.iter().map(|c| value(wins[*c])).sum()
+        };
+        let together = confidence(sum(&|w| w[0]), sum(&|w| w[1]));
+        let both = |[a, b]: [f64; 2]| a * b;
+        let either = |[a, b]: [f64; 2]| a + b;
+        for &c in &members {
+            let (weight, weights) = if 0.0 < sum(&|w| both(w).sqrt()) {
+                (both(wins[c]).sqrt(), sum(&|w| both(w).sqrt()))
+            } else {
+                (either(wins[c]), sum(&either))
+            };
+            causes[c].1.probability = together * weight / weights.max(f64::MIN_POSITIVE);
+        }
+    }
 }
 
 /// A fitted model with its values.

@@ -153,10 +153,11 @@ pub fn diagnose(
         let forecasts = weigh_by_forecasts(
             &*simulator,
             &null,
-            &trials,
+            &mut trials,
             &mut causes,
             &held_out_logs,
             &rules,
+            noise,
             settings,
         )?;
         (no_gap, none_of_these) = (forecasts.no_gap, forecasts.none_of_these);

@@ -101,13 +101,13 @@ impl Trial<'_> {
     }
 
     /// Whether both are laws of one cause.
-    fn is_of(&self, other: &Trial<'_>) -> bool {
+    pub(super) fn is_of(&self, other: &Trial<'_>) -> bool {
         let (a, b) = (self.candidate, other.candidate);
         a.label == b.label && a.site == b.site && a.partner == b.partner
     }
 
     /// Evidence over that of "no gap", gap, and the noise in sigma.
-    fn weigh(&mut self, noise: Noise<'_>) -> (f64, f64, f64) {
+    pub(super) fn weigh(&mut self, noise: Noise<'_>) -> (f64, f64, f64) {
         let hopeless = (f64::NEG_INFINITY, f64::NAN, 1.0);
         let Some(errors) = self.errors() else { return hopeless };
         let Some(best) = &self.best else { return hopeless };
@@ -119,7 +119,7 @@ impl Trial<'_> {
         }
     }
 
-    fn cause(
+    pub(super) fn cause(
         &self,
         (_, gap, scale): (f64, f64, f64),
         log_evidence: f64,
