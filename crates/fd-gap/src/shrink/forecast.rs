@@ -16,6 +16,10 @@ const FREE_RUN_SHARE: usize = 4;
 /// Part of a window for the same purpose.
 const WINDOW_SHARE: usize = 2;
 
+/// Relative fall of the sum of squares at which the states of a window are settled: errors above the
+/// noise need no more.
+const STATES_SETTLED: f64 = 1e-4;
+
 /// A model with all its parameters settled.
 #[derive(Clone, Copy, Debug)]
 pub struct Settled<'a> {
@@ -110,7 +114,7 @@ fn forecast_one(
     let values: Vec<f64> = settled.effects.iter().map(|(_, value)| *value).collect();
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
-    let search = Search { own_only: true, ..Search::default() };
+    let search = Search { own_only: true, relative: STATES_SETTLED, ..Search::default() };
     let Some(begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
     debug_assert_eq!(begin.z[..shared], z[..shared], "only states move");
     let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
