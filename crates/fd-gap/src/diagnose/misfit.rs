@@ -106,15 +106,12 @@ pub(super) fn floor(
 }
 
 /// What forecasts say of causes.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Forecasts {
     /// How much to believe that no effect is missing.
     pub(super) no_gap: f64,
     /// How much to believe that none of the causes is the right one.
     pub(super) none_of_these: f64,
-    /// Shares of the held-out gap that each cause closes, in the new order of the causes; nothing
-    /// for those that did not compete.
-    pub(super) closed: Vec<Vec<Option<Closed>>>,
 }
 
 /// Gives causes their probabilities by forecasts, and orders them by these. All laws of the first
@@ -179,10 +176,10 @@ pub(super) fn weigh_by_forecasts(
     let mut order: Vec<usize> = (0..causes.len()).collect();
     order.sort_by(|a, b| causes[*b].1.probability.total_cmp(&causes[*a].1.probability));
     *causes = order.iter().map(|&i| causes[i].clone()).collect();
-    let closed: Vec<_> = order.iter().map(|&i| closed[i].clone()).collect();
 
     let clear = |closed: &&Closed| WORTH_A_NAME < closed.interval[0];
-    let convincing = closed.first().map_or(0, |first| first.iter().flatten().filter(clear).count());
+    let first = order.first().map_or(&[][..], |first| &closed[*first]);
+    let convincing = first.iter().flatten().filter(clear).count();
     let named: f64 = causes.iter().map(|(_, cause)| cause.probability).sum();
     let mut none_of_these = (1.0 - no_gap - named).max(0.0);
     if convincing < AT_HORIZONS.min(rules.horizons.len()) {
@@ -192,7 +189,7 @@ pub(super) fn weigh_by_forecasts(
         let factor = (left - none_of_these) / named.max(f64::MIN_POSITIVE);
         causes.iter_mut().for_each(|(_, cause)| cause.probability *= factor);
     }
-    Ok(Forecasts { no_gap, none_of_these, closed })
+    Ok(Forecasts { no_gap, none_of_these })
 }
 
 /// Sets probabilities from the shares of wins on held-out logs and on those of the fit, of as many
