@@ -53,7 +53,13 @@ impl Answer {
         let mut problem = problem.clone();
         let explanation = explain(model, &mut problem, &best.z)?;
         let errors = problem.errors(&best.z)?;
-        Some(Self { explanation, errors, fit: Some((problem, best.clone())), effects, log_evidence })
+        Some(Self {
+            explanation,
+            errors,
+            fit: Some((problem, best.clone())),
+            effects,
+            log_evidence,
+        })
     }
 
     /// The answer of the first cause; that of `refit` when it is one of the measurement.

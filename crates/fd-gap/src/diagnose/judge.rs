@@ -40,7 +40,7 @@ pub(super) fn judge(
     // Two causes out of n, of which only the promising ones were tried.
     let n = causes.len();
     let each_pair = share((1.0 - no_gap) * two, n * n.saturating_sub(1) / 2);
-    let gain = if OTHER < left.share { left.level + left.pattern } else { 0.0 };
+    let gain = if OTHER < left.share { left.gain() } else { 0.0 };
     let prior = [no_gap, each, each_pair][best.effects.min(2)] * unknown / (1.0 - unknown);
     let mut answers = vec![(0.0, no_gap), (best.log_evidence + gain - STRENGTH, prior)];
     answers.extend(causes.iter().map(|(_, cause)| (cause.log_evidence, each)));
