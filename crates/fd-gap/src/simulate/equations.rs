@@ -170,6 +170,11 @@ impl Simulator for EquationSimulator<f64> {
         &self.engine.x
     }
 
+    fn go_on_from(&mut self, x: &[f64]) -> bool {
+        self.x.copy_from_slice(x);
+        true
+    }
+
     fn boxed(&self) -> Box<dyn Simulator> {
         Box::new(self.clone())
     }
