@@ -1,9 +1,5 @@
 //! Linear models as equations simulate as the matrices do.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "tests panic to fail"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests panic to fail")]
 
 use faer::Mat;
 use fd_gap::{

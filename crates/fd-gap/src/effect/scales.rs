@@ -44,11 +44,7 @@ impl SignalScale {
         self.std > 1e-9 * self.peak()
     }
 
-    pub(crate) fn of(
-        name: &str,
-        unit: &str,
-        values: impl Iterator<Item = f64> + Clone,
-    ) -> Self {
+    pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
         let n = values.clone().count().max(1) as f64;
         let mean = values.clone().sum::<f64>() / n;
         let std = (values.clone().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();

@@ -214,9 +214,8 @@ fn uncertain(draft: &mut Draft, wish: &str, tolerance: f64) -> Option<Expr> {
 /// The sum of products of which the coefficient is not zero.
 fn sum(coefficients: &[f64], signals: &[Expr]) -> Expr {
     let terms = coefficients.iter().zip(signals).filter(|(c, _)| **c != 0.0);
-    let product = |c: f64, signal: &Expr| {
-        if c == 1.0 { signal.clone() } else { Expr::Number(c) * signal.clone() }
-    };
+    // Simplified, a factor of 1 is left out.
+    let product = |c: f64, signal: &Expr| (Expr::Number(c) * signal.clone()).simplify();
     let add = |sum: Option<Expr>, (&c, signal): (&f64, &Expr)| {
         Some(match sum {
             None => product(c, signal),
