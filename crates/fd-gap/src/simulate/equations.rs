@@ -166,12 +166,17 @@ impl Simulator for EquationSimulator<f64> {
         self.advance(u, u_next, f, y);
     }
 
+    /// Not with delays or a sampled controller, which remember what they have seen.
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        self.engine.measure_now(u, y)
+    }
+
     fn state(&self) -> &[f64] {
         &self.engine.x
     }
 
     fn go_on_from(&mut self, x: &[f64]) -> bool {
-        self.x.copy_from_slice(x);
+        self.engine.x.copy_from_slice(x);
         true
     }
 

@@ -120,6 +120,18 @@ impl<V: Value> Engine<V> {
         self.spoil();
     }
 
+    /// Writes the outputs of this sample without moving on; not with delays or a sampled
+    /// controller, which remember what they have seen.
+    pub(super) fn measure_now(&mut self, u: &[f64], y: &mut [V]) -> bool {
+        let inputs = self.system.inputs.len();
+        load(&mut self.u[..inputs], &u[..inputs]);
+        let is_plain = self.lines.is_empty() && self.system.control.is_none();
+        if is_plain {
+            self.measure(self.sample as f64 * self.system.timing.ts, y);
+        }
+        is_plain
+    }
+
     /// A lane in which one state is not finite is NaN from then on.
     fn spoil(&mut self) {
         for lane in 0..V::LANES {
