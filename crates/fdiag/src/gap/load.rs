@@ -15,8 +15,13 @@ use super::{
 /// Kinds of model files that can be diagnosed.
 const KINDS: &str = "`equations`";
 
-/// Loads the simulator, with sites of forces at all state equations.
-pub(super) fn load(request: &Request) -> Result<Model, GapError> {
+/// The model that a request diagnoses: that of its file, with the tolerances and the noise of the
+/// request, and a site of forces at every state equation.
+///
+/// # Errors
+///
+/// Returns what is wrong with the file or a setting.
+pub fn model_of(request: &Request) -> Result<Model, GapError> {
     let model = read(&request.model)?;
     let mut draft = with_default_sites(&model).into_draft();
     for Named { name, value } in &request.tolerances {

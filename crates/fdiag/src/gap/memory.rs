@@ -1,6 +1,6 @@
 //! How long a simulator remembers its initial state, along the inputs of a log.
 
-use fd_gap::{fit::Log, simulate::Simulator};
+use fd_gap::simulate::Simulator;
 
 /// How long a simulator remembers its initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,9 @@ pub(super) struct Memory {
     pub(super) seconds: Option<f64>,
     /// Whether all states are forgotten within a third of the log.
     pub(super) forgets: bool,
+    /// Longest time constant, in seconds, of those states that are forgotten so slowly that the log
+    /// ends before; `None` when there is no such state, or it is never forgotten.
+    pub(super) slowest: Option<f64>,
 }
 
 /// Part of the log within which a state must be forgotten.
@@ -29,7 +32,7 @@ impl Memory {
         let mut base = vec![0.0; samples * ny];
         let range = ranges(&mut *simulator, &theta, &x0, u, samples, &mut base);
         let scale: Vec<f64> = (0..ny).map(|c| spread(base.iter().skip(c).step_by(ny))).collect();
-        let mut memory = Self { seconds: None, forgets: true };
+        let mut memory = Self { seconds: None, forgets: true, slowest: None };
         let mut y = vec![0.0; samples * ny];
         for i in 0..nx {
             let mut nudged = x0.clone();
@@ -50,6 +53,8 @@ impl Memory {
                 memory.seconds = Some(memory.seconds.unwrap_or(0.0).max(seconds));
             } else if largest > 0.0 || distance.iter().any(|d| d.is_nan()) {
                 memory.forgets = false;
+                let slow = slow(&distance, simulator.ts().seconds());
+                memory.slowest = [memory.slowest, slow].into_iter().flatten().reduce(f64::max);
             }
         }
         memory
@@ -84,4 +89,14 @@ fn spread<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
     let mean = values.clone().sum::<f64>() / n;
     let deviation = f64::sqrt(values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / n);
     if 0.0 < deviation { deviation } else { 1.0 }
+}
+
+/// Time constant of a distance that decays slowly, from its largest values in the third and the last
+/// quarter of the log. What falls by less than a hundredth in that time, or grows, has none.
+fn slow(distance: &[f64], ts: f64) -> Option<f64> {
+    let quarter = distance.len() / 4;
+    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let (third, last) = (distance.get(2 * quarter..3 * quarter)?, distance.get(3 * quarter..)?);
+    let fall = (largest(third) / largest(last)).ln();
+    (0.01 < fall).then(|| quarter as f64 * ts / fall)
 }
