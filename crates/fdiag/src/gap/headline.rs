@@ -2,7 +2,7 @@
 
 use super::{
     report::{CauseReport, FindingReport, Report, SpectrumReport},
-    words::{list, percent, probability, share},
+    words::{list, p, percent, share},
 };
 
 /// Causes that are named when none stands out.
@@ -56,18 +56,18 @@ fn no_gap(report: &Report) -> String {
     });
     format!(
         "No gap: with its parameters refitted within their tolerances{moved} the model explains \
-         the logs down to the noise (p = {}).",
-        probability(report.no_gap)
+         the logs down to the noise ({}).",
+        p(report.no_gap)
     )
 }
 
 fn cause(report: &Report) -> String {
     let Some(first) = report.causes.first() else { return no_gap(report) };
     format!(
-        "{}{}, p = {}; {}.",
+        "{}{}, {}; {}.",
         capital(&first.name),
         in_parentheses(&first.strength),
-        probability(first.probability),
+        p(first.probability),
         closes(report, "adding it")
     )
 }
@@ -78,9 +78,9 @@ fn tied(report: &Report) -> String {
         tied.iter().map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength))).collect();
     let together: f64 = tied.iter().map(|cause| cause.probability).sum();
     format!(
-        "{} (together p = {}): this log cannot tell which; {}.",
+        "{} (together {}): this log cannot tell which; {}.",
         capital(&list(&names, "or")),
-        probability(together),
+        p(together),
         closes(report, "adding the first")
     )
 }
@@ -116,26 +116,26 @@ fn none_of_these(report: &Report) -> String {
         )
     });
     format!(
-        "None of the known effects explains the gap (p = {}){best}{black_box}.",
-        probability(report.none_of_these)
+        "None of the known effects explains the gap ({}){best}{black_box}.",
+        p(report.none_of_these)
     )
 }
 
 fn unclear(report: &Report) -> String {
     let first = report.causes.iter().take(NAMED);
     let names: Vec<String> = first
-        .map(|cause| format!("{} (p = {})", cause.name, probability(cause.probability)))
+        .map(|cause| format!("{} ({})", cause.name, p(cause.probability)))
         .collect();
     let group = report.groups.first().filter(|group| {
         report.causes.first().is_some_and(|c| c.probability + 0.1 < group.probability)
     });
     let group = group.map_or_else(String::new, |group| {
-        format!("; {} altogether has p = {}", group.name, probability(group.probability))
+        format!("; {} altogether has {}", group.name, p(group.probability))
     });
     format!(
-        "Unclear: no single cause stands out; candidates are {}, and no gap (p = {}){group}.",
+        "Unclear: no single cause stands out; candidates are {}, and no gap ({}){group}.",
         list(&names, "and"),
-        probability(report.no_gap)
+        p(report.no_gap)
     )
 }
 

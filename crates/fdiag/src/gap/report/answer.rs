@@ -257,5 +257,13 @@ fn strength(cause: &Cause, parameters: &[ParameterReport]) -> String {
         let largest = strengths.iter().max_by(by_size);
         return largest.map_or_else(String::new, |p| format!("up to {}", p.words()));
     }
-    strengths.iter().map(|p| p.words()).collect::<Vec<_>>().join(", ")
+    let prefix = format!("{}_", cause.site.name().unwrap_or("plant"));
+    let named = |p: &&ParameterReport| {
+        let name = p.name.strip_prefix(&prefix).unwrap_or(&p.name).replace('_', " ");
+        format!("{name} {}", p.words())
+    };
+    match &strengths[..] {
+        [only] => only.words(),
+        several => several.iter().map(named).collect::<Vec<_>>().join(", "),
+    }
 }

@@ -22,8 +22,9 @@ pub(in crate::gap) fn with_error(value: f64, error: f64) -> String {
     let leading = error / 10.0_f64.powi(exponent(error));
     let decimals = (-exponent(error)).saturating_add(i32::from(leading < 2.95));
     let places = usize::try_from(decimals).unwrap_or(0);
-    let unit = 10.0_f64.powi(decimals.min(0));
-    let rounded = |x: f64| (x * unit).round() / unit;
+    // An error of tens or more leaves no digit before them.
+    let tens = 10.0_f64.powi((-decimals).max(0));
+    let rounded = |x: f64| if decimals < 0 { (x / tens).round() * tens } else { x };
     format!("{:.places$} ± {:.places$}", rounded(value), rounded(error))
 }
 
@@ -40,6 +41,14 @@ pub(in crate::gap) fn probability(p: f64) -> String {
         p if 0.995 <= p => "> 0.99".to_owned(),
         p if p < 0.005 => "< 0.01".to_owned(),
         p => format!("{p:.2}"),
+    }
+}
+
+/// A probability in a sentence: `p = 0.97`, `p > 0.99`.
+pub(in crate::gap) fn p(p: f64) -> String {
+    match probability(p) {
+        bound if bound.starts_with(['<', '>']) => format!("p {bound}"),
+        value => format!("p = {value}"),
     }
 }
 
@@ -72,11 +81,13 @@ mod tests {
         assert_eq!(with_error(1234.0, 87.0), "1230 ± 90");
         assert_eq!(with_error(3.14e-7, 0.5e-7), "(3.1 ± 0.5)e-7");
         assert_eq!(with_error(2.5, f64::NAN), "2.50");
+        assert_eq!(with_error(-0.02, 0.3), "-0.0 ± 0.3");
     }
 
     #[test]
     fn probabilities_are_never_certain() {
         assert_eq!([0.9999, 0.97, 0.0].map(probability), ["> 0.99", "0.97", "< 0.01"]);
+        assert_eq!([0.9999, 0.97].map(p), ["p > 0.99", "p = 0.97"]);
         assert_eq!(share(0.923, [0.881, 0.954]), "92 % (88..95)");
         assert_eq!(percent(0.9961), "99.6 %");
         assert_eq!(percent(-0.12), "-12 %");
