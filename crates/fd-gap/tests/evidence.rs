@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests panic to fail; exact numbers")]
 
 use fd_gap::{
-    evidence::{likelihood, pool, posterior},
+    evidence::{NoisePrior, likelihood, pool, probabilities},
     quality::spectral_peaks,
     shrink::{closed, gap},
 };
@@ -18,11 +18,12 @@ proptest! {
         no_gap in 0.01..0.99_f64,
         temperature in 0.5..5.0_f64,
     ) {
-        let answer = posterior(&evidence, no_gap, temperature);
-        let sum = answer.no_gap + answer.causes.iter().sum::<f64>();
-        prop_assert!((sum - 1.0).abs() < 1e-12);
-        for (a, pa) in evidence.iter().zip(&answer.causes) {
-            for (b, pb) in evidence.iter().zip(&answer.causes) {
+        let mut answers = vec![(0.0, no_gap)];
+        answers.extend(evidence.iter().map(|e| (*e, (1.0 - no_gap) / evidence.len() as f64)));
+        let answer = probabilities(&answers, temperature);
+        prop_assert!((answer.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        for (a, pa) in evidence.iter().zip(&answer[1..]) {
+            for (b, pb) in evidence.iter().zip(&answer[1..]) {
                 prop_assert!(a > b || pa <= pb);
             }
         }
@@ -42,8 +43,8 @@ proptest! {
 #[test]
 fn the_scale_of_the_noise_balances_data_and_prior() {
     let noise = WhiteNoise::new(3.0, 1).values(4000).unwrap();
-    let free = likelihood(&[vec![noise.clone()]], &[10.0], false);
-    let held = likelihood(&[vec![noise.clone()]], &[1e-3], false);
+    let free = likelihood(&[vec![noise.clone()]], &[NoisePrior::white(10.0)]);
+    let held = likelihood(&[vec![noise.clone()]], &[NoisePrior::white(1e-3)]);
     let power = noise.iter().map(|v| v * v).sum::<f64>();
     // With a wide prior: the root of the mean square.
     assert!((free.scale[0] / f64::sqrt(power / 4000.0) - 1.0).abs() < 1e-4);
@@ -75,7 +76,9 @@ fn coloured_noise_is_no_evidence_once_its_colour_is_known() {
             })
             .collect();
         for (gain, coloured) in gains.iter_mut().zip([false, true]) {
-            let log = |e: &Vec<f64>| likelihood(&[vec![e.clone()]], &[0.15], coloured).log;
+            let log = |e: &Vec<f64>| {
+                likelihood(&[vec![e.clone()]], &[NoisePrior::white(0.15).coloured(coloured)]).log
+            };
             *gain += (log(&left) - log(&noise)) / 20.0;
         }
     }

@@ -1,8 +1,8 @@
 //! Gaps on held-out logs, before and after.
 
-use super::{result::HeldOut, settings::Settings, trial::Trial};
+use super::{result::HeldOut, settings::Settings};
 use crate::{
-    fit::{FitError, Horizon, Log, NullFit, Problem, Variable},
+    fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
     shrink::{Settled, closed, forecast_errors, gap_per_output},
     simulate::Simulator,
 };
@@ -17,7 +17,7 @@ pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<(String, f64, f64)>
 pub(super) fn compare(
     nominal: &dyn Simulator,
     null: &NullFit,
-    leader: Option<&Trial<'_>>,
+    leader: Option<(&Problem, &Minimum)>,
     logs: &[Log],
     [sigma, floors]: [&[f64]; 2],
     settings: &Settings,
@@ -28,11 +28,10 @@ pub(super) fn compare(
     let refitted = named(&null.problem, &null.minimum.z);
     let (mut simulator, mut values): (&dyn Simulator, _) = (nominal, refitted.clone());
     let mut effects: Vec<(Variable, f64)> = Vec::new();
-    if let Some((trial, best)) = leader.and_then(|trial| Some((trial, trial.best.as_ref()?))) {
-        simulator = trial.problem.simulator();
-        values = named(&trial.problem, &best.z);
-        let fitted = trial.problem.effect_values(&best.z);
-        effects = trial.problem.effects().iter().cloned().zip(fitted).collect();
+    if let Some((problem, best)) = leader {
+        simulator = problem.simulator();
+        values = named(problem, &best.z);
+        effects = problem.effects().iter().cloned().zip(problem.effect_values(&best.z)).collect();
     }
     let mut all = Vec::new();
     if logs.is_empty() {

@@ -10,49 +10,55 @@
 //!
 //! Candidates are spread over threads; the answer does not depend on their number.
 
+mod answer;
 mod case;
 mod explain;
 mod held_out;
+mod judge;
+mod leftover;
 mod monitor;
+mod observe;
+mod offered;
+mod pairs;
 mod prepare;
 mod rank;
 mod result;
 mod search;
 mod separate;
 mod settings;
+mod steps;
 mod trial;
 
-use std::sync::Arc;
-
+use self::{
+    answer::Answer,
+    explain::{explain, nominal_explanation},
+    held_out::compare,
+    judge::{judge, verdict, worth},
+    observe::observe,
+    offered::Offered,
+    pairs::{Duo, PAIR, Workshop, merge, observed_beside, seek_pairs},
+    prepare::{Prepared, inspect_all, prepare},
+    rank::{Yardstick, groups, rank, sides},
+    search::{Found, search},
+    separate::separate,
+    steps::refine,
+};
 pub use self::{
     case::Case,
     monitor::{Monitor, Stage},
     result::{
-        Cause, Diagnosis, Estimate, Explanation, Group, HeldOut, NotTested, Pair, Regime, Start,
-        Verdict,
+        Cause, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested, Pair, Regime,
+        Start, Verdict,
     },
     settings::Settings,
 };
-use self::{
-    explain::{explain, nominal_explanation},
-    held_out::compare,
-    prepare::{inspect_all, weighted_null_fit},
-    rank::{Noise, groups, rank, sides},
-    search::{Found, search},
-    separate::separate,
-};
 use crate::{
     evidence::{evidence, likelihood},
-    fit::{FitError, Log, Plan},
-    quality::noise_floor,
+    fit::{FitError, Log, Problem},
 };
 
-/// Spread of `ln` of the noise where the model states it, and where it does not.
-const NOISE_SPREAD: [f64; 2] = [0.15, 0.5];
-/// `ln(rms/floor)` from which a residual is unexplained.
-const UNEXPLAINED: f64 = 0.2;
-/// Probability from which a cause, or "no gap", is named.
-const NAMED: f64 = 0.5;
+/// Log-likelihood that something else could gain from which second causes are tried.
+const SOMETHING: f64 = 3.0;
 
 /// Diagnoses the gap between a model and logs of the real system.
 ///
@@ -92,110 +98,92 @@ pub fn diagnose(
     monitor: &dyn Monitor,
 ) -> Result<Diagnosis, FitError> {
     let Case { nominal, suspects, logs, held_out } = *case;
-    let ts = logs.first().ok_or(FitError::NoLog)?.ts();
-    let simulator = nominal.simulator(ts)?;
-    let plan = Arc::new(Plan::new(&*simulator, logs, settings.horizon)?);
-    let stated: Vec<Option<f64>> = nominal.model().outputs.iter().map(|o| o.noise).collect();
-    let null = weighted_null_fit(&plan, &*simulator, &stated)?;
-    let sigma = null.problem.weights().sigma.clone();
-    let spread: Vec<f64> =
-        stated.iter().map(|stated| NOISE_SPREAD[usize::from(stated.is_none())]).collect();
-
-    let (mut candidates, mut not_tested) = (Vec::new(), Vec::new());
-    for offer in suspects.alone() {
-        match offer {
-            Ok(candidate) => candidates.push(candidate),
-            Err(refusal) => not_tested.push(NotTested::from(&refusal)),
-        }
-    }
-    let Found { null, mut trials, not_tested: failed, is_coloured } =
-        search(null, nominal, &candidates, &spread, settings, monitor)?;
+    let Prepared { mut model, null, noise } = prepare(case, settings)?;
+    let offers = Offered::of(suspects);
+    let mut not_tested = offers.refused;
+    let Found { mut null, mut trials, not_tested: failed, is_coloured, lines } =
+        search(null, nominal, &offers.simulated, &noise, settings, monitor)?;
     not_tested.extend(failed);
+    refine(nominal, &mut model, &mut null, &mut trials)?;
 
     monitor.begin(Stage::Judge, 2);
     let mut base = null.problem.clone();
     let errors = base.errors(&null.minimum.z).ok_or(FitError::Diverged)?;
-    let findings = inspect_all(logs, &base, &stated, &errors)?;
-    let base_likelihood = likelihood(&errors, &spread, is_coloured);
-    let reference =
-        evidence(&base, &null.minimum, &base_likelihood, &[]).ok_or(FitError::Diverged)?;
-    let noise = Noise { spread: &spread, is_coloured, reference };
-    let (no_gap, causes) = rank(&mut trials, noise, settings);
+    let findings = inspect_all(logs, &base, &noise.stated, &errors)?;
+    let refit = explain(&model, &mut base, &null.minimum.z).ok_or(FitError::Diverged)?;
+    let priors = noise.priors(is_coloured);
+    let reference = evidence(&base, &null.minimum, &likelihood(&errors, &priors), &[])
+        .ok_or(FitError::Diverged)?;
+    let yardstick = Yardstick { noise: &priors, reference };
+    let mut observed = Vec::new();
+    for candidate in &offers.observed {
+        match observe(candidate, &errors, &noise, is_coloured) {
+            Some(found) => observed.push((candidate, found)),
+            None => not_tested.push(NotTested::of(candidate, "nothing of it in the log".into())),
+        }
+    }
+    let mut causes = rank(&mut trials, &observed, &refit, yardstick);
     let (tied, rivals) = separate(&causes, &mut trials, settings);
     monitor.advance();
 
-    let verdict =
-        verdict(no_gap, &causes.iter().map(|(_, c)| c.probability).collect::<Vec<_>>(), &tied);
-    let refit = explain(nominal.model(), &mut base, &null.minimum.z).ok_or(FitError::Diverged)?;
-    let leader = causes.first().map(|(trial, _)| *trial).filter(|_| verdict != Verdict::NoGap);
-    let (best, best_errors) = match leader {
-        Some(trial) => {
-            let trial = &mut trials[trial];
-            let z = trial.best.as_ref().ok_or(FitError::Diverged)?.z.clone();
-            let best = explain(&trial.candidate.model, &mut trial.problem, &z);
-            (best, trial.errors())
-        }
-        None => (Some(refit.clone()), Some(errors)),
-    };
-    let (best, best_errors) = best.zip(best_errors).ok_or(FitError::Diverged)?;
-    let floor: Vec<f64> = best_errors
-        .iter()
-        .zip(&stated)
-        .zip(&sigma)
-        .zip(&best.gap)
-        .map(|(((signals, stated), sigma), gap)| {
-            let stated = stated.map(|stated| stated / sigma);
-            let floor = noise_floor(&signals.join(&f64::NAN), stated).unwrap_or(1.0);
-            // Slow noise of the stated size is noise, whatever its innovation.
-            stated.filter(|_| is_coloured).map_or(floor, |stated| floor.max(gap.min(stated)))
-        })
-        .collect();
-    let is_unexplained = best.gap.iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
-    let held_out_logs: Result<Vec<Log>, _> =
-        held_out.iter().enumerate().map(|(i, r)| Log::new(r, &*simulator, i + 1)).collect();
-    let leader = leader.map(|trial| &trials[trial]);
-    let held_out =
-        compare(&*simulator, &null, leader, &held_out_logs?, [&sigma, &floor], settings)?;
-    monitor.advance();
-    let simulations =
-        base.simulations() + trials.iter().map(|trial| trial.problem.simulations()).sum::<usize>();
+    let refitted = Answer { explanation: refit.clone(), errors, fit: None, log_evidence: 0.0 };
+    let rest = |answer: &Answer| answer.rest(&refitted, &base, &noise, is_coloured);
+    let single = Answer::first(&causes, &trials, &refitted)
+        .filter(|single| worth(settings, causes.len()) < single.log_evidence);
+    let mut best = single.unwrap_or_else(|| refitted.clone());
+    let mut left = rest(&best);
+    let mut duos = Vec::new();
+    if left.is_unexplained || SOMETHING < left.leftover.level + left.leftover.pattern {
+        let workshop = Workshop { nominal, suspects, null: &null, lines: &lines, yardstick };
+        duos = seek_pairs(workshop, &trials, &causes, monitor);
+    }
+    let beside = observed_beside(&causes, &best, &offers.observed, &noise, is_coloured);
+    let (mut pairs, tied_pairs) = merge(&mut duos, beside, &causes, settings);
+    if let Some(answer) = duos.first().and_then(Duo::answer)
+        && best.log_evidence + PAIR < answer.log_evidence
+    {
+        best = answer;
+        left = rest(&best);
+    }
+    let judgement = judge(&mut causes, &mut pairs, best.log_evidence, &left.leftover, settings);
+    let verdict = verdict(judgement, &causes, &tied, &pairs);
+    if verdict == Verdict::NoGap {
+        best = refitted.clone();
+        left = rest(&best);
+    }
     let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
+
+    let longest: Result<Vec<Log>, _> =
+        held_out.iter().enumerate().map(|(i, r)| Log::new(r, base.simulator(), i + 1)).collect();
+    let leader = best.fit.as_ref().map(|(problem, minimum)| (problem, minimum));
+    let held_out =
+        compare(base.simulator(), &null, leader, &longest?, [&noise.sigma, &left.floor], settings)?;
+    monitor.advance();
+    let fits = trials.iter().map(|t| &t.problem).chain(duos.iter().map(|duo| &duo.problem));
+    let simulations = base.simulations() + fits.map(Problem::simulations).sum::<usize>();
     Ok(Diagnosis {
         verdict,
         regime: Regime::AtTheFloor,
-        no_gap,
-        none_of_these: 0.0,
+        no_gap: judgement.no_gap,
+        none_of_these: judgement.none_of_these,
         groups: groups(&causes),
         sides: sides(&causes),
         causes,
         tied,
         rivals,
-        pairs: Vec::new(),
-        nominal: nominal_explanation(nominal.model(), &base)?,
+        pairs,
+        tied_pairs,
+        leftover: left.leftover,
+        nominal: nominal_explanation(&model, &base)?,
         refit,
-        best,
-        sigma,
-        floor,
-        is_unexplained,
+        is_unexplained: left.is_unexplained,
+        best: best.explanation,
+        sigma: noise.sigma,
+        floor: left.floor,
         is_coloured,
         held_out,
         findings,
         not_tested,
         simulations,
     })
-}
-
-/// The answer in one word, from probabilities of single causes.
-fn verdict(no_gap: f64, causes: &[f64], tied: &[usize]) -> Verdict {
-    let first = causes.first().copied().unwrap_or(0.0);
-    let set: f64 = tied.iter().filter_map(|&place| causes.get(place)).sum();
-    if NAMED < no_gap || causes.is_empty() {
-        Verdict::NoGap
-    } else if tied.len() == 1 && NAMED < first {
-        Verdict::Cause
-    } else if NAMED < set {
-        Verdict::Tied
-    } else {
-        Verdict::Unclear
-    }
 }

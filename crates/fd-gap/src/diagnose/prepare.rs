@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
-use fd_model::Record;
+use fd_model::{Record, SampleTime};
 
+use super::{case::Case, settings::Settings};
 use crate::{
+    evidence::NoisePrior,
     fit::{FitError, NullFit, Plan, Problem, Weights, null_fit},
-    quality::{Finding, inspect, robust_third_difference_floor},
-    simulate::Simulator,
+    model::Model,
+    quality::{Finding, grid_step, inspect, robust_third_difference_floor},
+    simulate::{EquationSimulator, Simulator},
 };
 
 /// A stated noise is believed up to this factor below what third differences show …
@@ -15,22 +18,92 @@ const BELIEVED: f64 = 1.25;
 /// … and never raised by more than this.
 const RAISED: f64 = 4.0;
 
+/// Spread of `ln` of the noise where the model states it, and where it does not.
+const NOISE_SPREAD: [f64; 2] = [0.15, 0.5];
+/// A grid above this many times the noise colours it: errors of rounding are no noise of a filter.
+const COARSE: f64 = 1.0;
+
+/// What a diagnosis begins with.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    /// The nominal model, its integration step pinned.
+    pub(super) model: Model,
+    /// The fit without any effect.
+    pub(super) null: NullFit,
+    /// What is known of the noise.
+    pub(super) noise: KnownNoise,
+}
+
+/// What is known of the noise of each output.
+#[derive(Clone, Debug)]
+pub(super) struct KnownNoise {
+    /// What the model states, in the unit of the output.
+    pub(super) stated: Vec<Option<f64>>,
+    /// Steps of grids that measured values lie on, in the unit of the output.
+    pub(super) grids: Vec<Option<f64>>,
+    /// What residuals are measured in, in the unit of the output.
+    pub(super) sigma: Vec<f64>,
+}
+
+impl KnownNoise {
+    /// The noise of each output as an unknown, in units of sigma.
+    pub(super) fn priors(&self, is_coloured: bool) -> Vec<NoisePrior> {
+        let of = |((stated, sigma), grid): ((&Option<f64>, &f64), &Option<f64>)| {
+            let is_coarse = grid.is_some_and(|step| COARSE * sigma < step);
+            let prior = NoisePrior::white(NOISE_SPREAD[usize::from(stated.is_none())]);
+            let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
+            NoisePrior { centre, ..prior }.coloured(is_coloured && !is_coarse)
+        };
+        self.stated.iter().zip(&self.sigma).zip(&self.grids).map(of).collect()
+    }
+}
+
+/// Cuts the logs and fits the nuisances.
+pub(super) fn prepare(case: &Case<'_>, settings: &Settings) -> Result<Prepared, FitError> {
+    let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
+    let model = pinned(case.nominal.model(), ts);
+    let simulator = case.nominal.patched(&model, ts)?;
+    let plan = Arc::new(Plan::new(&*simulator, case.logs, settings.horizon)?);
+    let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
+    let stated: Vec<Option<f64>> = said.collect();
+    let null = weighted_null_fit(&plan, &*simulator, &stated)?;
+    let grids = (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
+    let sigma = null.problem.weights().sigma.clone();
+    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma } })
+}
+
+/// The model with the integration step that it has with its nominal parameters, whatever they will
+/// be.
+fn pinned(model: &Model, ts: SampleTime) -> Model {
+    let Ok(simulator) = EquationSimulator::<f64>::at(model, ts) else { return model.clone() };
+    with_step(model, ts.seconds() / simulator.substeps() as f64)
+}
+
+/// The model with another integration step.
+pub(super) fn with_step(model: &Model, step: f64) -> Model {
+    let mut draft = model.clone().into_draft();
+    draft.step = Some(step);
+    // A step does not make a correct model wrong.
+    Model::try_from(draft).unwrap_or_else(|_| model.clone())
+}
+
+/// An output in all logs, one after the other, with a hole between them.
+fn measured(plan: &Plan, output: usize) -> Vec<f64> {
+    let column = |log: &crate::fit::Log| -> Vec<f64> {
+        log.y.iter().skip(output).step_by(log.ny).copied().collect()
+    };
+    plan.logs.iter().map(column).collect::<Vec<_>>().join(&f64::NAN)
+}
+
 /// Fits the nuisances with the stated noise, or that which third differences show; a stated noise
 /// that is clearly too small is raised.
-pub(super) fn weighted_null_fit(
+fn weighted_null_fit(
     plan: &Arc<Plan>,
     nominal: &dyn Simulator,
     stated: &[Option<f64>],
 ) -> Result<NullFit, FitError> {
-    let measured = |c: usize| {
-        let signals = plan
-            .logs
-            .iter()
-            .map(|log| log.y.iter().skip(c).step_by(log.ny).copied().collect::<Vec<f64>>());
-        signals.collect::<Vec<_>>().join(&f64::NAN)
-    };
     let guess = |c: usize| {
-        let signal = measured(c);
+        let signal = measured(plan, c);
         let largest = signal.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
         // A perfectly smooth signal still has rounding errors.
         let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);

@@ -1,63 +1,102 @@
-//! Evidence of trials, pooled over the laws of a cause, and probabilities.
+//! Evidence of trials, pooled over the laws of a cause; sums over mechanisms and sides.
 
 use super::{
     explain::settle,
-    result::{Cause, Estimate, Group},
-    settings::Settings,
+    observe::Observed,
+    result::{Cause, Estimate, Explanation, Group},
     trial::Trial,
 };
 use crate::{
-    effect::Side,
-    evidence::{evidence, likelihood, pool, posterior},
+    effect::{Candidate, Side, map::mechanism},
+    evidence::{NoisePrior, evidence, likelihood, pool},
+    fit::{Minimum, Problem},
     shrink::gap,
 };
 
-/// What the noise is taken to be.
+/// What evidence is measured against.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Noise<'a> {
-    /// Spread of `ln` of the noise of each output.
-    pub(super) spread: &'a [f64],
-    /// Whether it may have a colour.
-    pub(super) is_coloured: bool,
+pub(super) struct Yardstick<'a> {
+    /// The noise of each output, as an unknown.
+    pub(super) noise: &'a [NoisePrior],
     /// Logarithm of the evidence of "no gap".
     pub(super) reference: f64,
 }
 
-/// Probability of "no gap", and the causes with the place of their best law among the trials, the
-/// most probable first.
+/// A law with its weight.
+#[derive(Clone, Debug)]
+struct Weighed<'a> {
+    candidate: &'a Candidate,
+    /// Place among the trials; `None` for a law of the measurement.
+    trial: Option<usize>,
+    /// Logarithm of the evidence over that of "no gap".
+    log_evidence: f64,
+    cause: Cause,
+}
+
+/// The causes and the trial of the best law of each, the most evidence first.
+pub(super) type Ranking = Vec<(Option<usize>, Cause)>;
+
+/// Pools the evidence of laws over causes. `observed` are causes of the measurement, next to the
+/// `refit`ted nominal model. Probabilities come later.
 pub(super) fn rank(
     trials: &mut [Trial<'_>],
-    noise: Noise<'_>,
-    settings: &Settings,
-) -> (f64, Vec<(usize, Cause)>) {
-    let mut groups: Vec<(Vec<usize>, Vec<f64>)> = Vec::new();
-    let mut laws: Vec<(f64, f64, f64)> = Vec::with_capacity(trials.len());
-    for i in 0..trials.len() {
-        laws.push(trials[i].weigh(noise));
-        let same =
-            |(members, _): &&mut (Vec<usize>, Vec<f64>)| trials[members[0]].is_of(&trials[i]);
-        match groups.iter_mut().find(same) {
-            Some((members, weights)) => {
-                members.push(i);
-                weights.push(laws[i].0);
-            }
-            None => groups.push((vec![i], vec![laws[i].0])),
+    observed: &[(&Candidate, Observed)],
+    refit: &Explanation,
+    yardstick: Yardstick<'_>,
+) -> Ranking {
+    let mut laws: Vec<Weighed<'_>> = Vec::with_capacity(trials.len() + observed.len());
+    for (i, trial) in trials.iter_mut().enumerate() {
+        laws.push(trial.weigh(i, yardstick));
+    }
+    laws.extend(observed.iter().map(|(candidate, observed)| Weighed {
+        candidate,
+        trial: None,
+        log_evidence: observed.gain,
+        cause: observed_cause(candidate, observed, refit),
+    }));
+    let mut causes: Vec<Vec<Weighed<'_>>> = Vec::new();
+    for law in laws {
+        match causes.iter_mut().find(|known| is_same(known[0].candidate, law.candidate)) {
+            Some(known) => known.push(law),
+            None => causes.push(vec![law]),
         }
     }
-    let pooled: Vec<f64> = groups.iter().map(|(_, weights)| pool(weights)).collect();
-    let probabilities = posterior(&pooled, settings.no_gap, settings.temperature);
-    let mut causes: Vec<(usize, Cause)> = groups
-        .iter()
-        .enumerate()
-        .map(|(g, (members, _))| {
-            let heaviest = |a: &&usize, b: &&usize| laws[**a].0.total_cmp(&laws[**b].0);
-            let best = members.iter().max_by(heaviest).copied().unwrap_or(members[0]);
-            let cause = trials[best].cause(laws[best], pooled[g], probabilities.causes[g]);
-            (best, cause)
-        })
-        .collect();
-    causes.sort_by(|(_, a), (_, b)| b.log_evidence.total_cmp(&a.log_evidence));
-    (probabilities.no_gap, causes)
+    let pooled = causes.into_iter().filter_map(|laws| {
+        let evidence: Vec<f64> = laws.iter().map(|law| law.log_evidence).collect();
+        let heaviest = |a: &Weighed<'_>, b: &Weighed<'_>| a.log_evidence.total_cmp(&b.log_evidence);
+        let best = laws.into_iter().max_by(heaviest)?;
+        Some((best.trial, Cause { log_evidence: pool(&evidence), ..best.cause }))
+    });
+    let mut ranking: Ranking = pooled.collect();
+    ranking.sort_by(|(_, a), (_, b)| b.log_evidence.total_cmp(&a.log_evidence));
+    ranking
+}
+
+/// Whether both are laws of one cause.
+pub(super) fn is_same(a: &Candidate, b: &Candidate) -> bool {
+    a.label == b.label && a.site == b.site && a.partner == b.partner
+}
+
+/// A cause of the measurement, next to a model that stays as it is.
+pub(super) fn observed_cause(
+    candidate: &Candidate,
+    observed: &Observed,
+    explanation: &Explanation,
+) -> Cause {
+    let squares: f64 = explanation.gap.iter().map(|gap| gap * gap).sum();
+    Cause {
+        label: candidate.label,
+        site: candidate.site.clone(),
+        partner: candidate.partner.clone(),
+        family: candidate.family,
+        side: candidate.side,
+        probability: 0.0,
+        log_evidence: observed.gain,
+        law: candidate.law,
+        parameters: observed.parameters.clone(),
+        gap: f64::sqrt(squares / explanation.gap.len().max(1) as f64),
+        model: explanation.model.clone(),
+    }
 }
 
 /// Sums of probabilities over mechanisms at places.
@@ -93,65 +132,58 @@ pub(super) fn sides(causes: &[Cause]) -> Vec<(Side, f64)> {
     sides.to_vec()
 }
 
-impl Trial<'_> {
-    /// Errors in units of sigma.
-    pub(super) fn errors(&mut self) -> Option<Vec<Vec<Vec<f64>>>> {
-        let best = self.best.as_ref()?;
-        self.problem.errors(&best.z)
-    }
-
-    /// Whether both are laws of one cause.
-    fn is_of(&self, other: &Trial<'_>) -> bool {
-        let (a, b) = (self.candidate, other.candidate);
-        a.label == b.label && a.site == b.site && a.partner == b.partner
-    }
-
-    /// Evidence over that of "no gap", gap, and the noise in sigma.
-    fn weigh(&mut self, noise: Noise<'_>) -> (f64, f64, f64) {
-        let hopeless = (f64::NEG_INFINITY, f64::NAN, 1.0);
-        let Some(errors) = self.errors() else { return hopeless };
-        let Some(best) = &self.best else { return hopeless };
-        let likelihood = likelihood(&errors, noise.spread, noise.is_coloured);
-        let scale = likelihood.scale.iter().copied().fold(0.0, f64::max);
-        match evidence(&self.problem, best, &likelihood, &self.strengths) {
-            Some(evidence) => (evidence - noise.reference, gap(&errors), scale),
-            None => hopeless,
-        }
-    }
-
-    fn cause(
-        &self,
-        (_, gap, scale): (f64, f64, f64),
-        log_evidence: f64,
-        probability: f64,
-    ) -> Cause {
-        let candidate = self.candidate;
-        let values = self.best.as_ref().map(|best| self.problem.effect_values(&best.z));
-        let deviations =
-            self.best.as_ref().and_then(|best| self.problem.standard_errors(best, scale));
-        let parameters = candidate.parameters.iter().enumerate().map(|(i, p)| Estimate {
-            name: p.name.clone(),
-            unit: p.unit.clone(),
-            value: values.as_ref().map_or(f64::NAN, |values| values[i]),
-            standard_error: deviations.as_ref().map_or(f64::NAN, |d| d[i]),
-            is_strength: p.is_strength,
-            is_reciprocal: p.is_reciprocal,
+impl<'a> Trial<'a> {
+    /// Evidence over that of "no gap", and everything else that there is to say.
+    fn weigh(&mut self, place: usize, yardstick: Yardstick<'_>) -> Weighed<'a> {
+        let weight = self.best.clone().and_then(|best| {
+            let errors = self.problem.errors(&best.z)?;
+            let likelihood = likelihood(&errors, yardstick.noise);
+            let scale = likelihood.scale.iter().copied().fold(0.0, f64::max);
+            let found = evidence(&self.problem, &best, &likelihood, &[&self.strengths])?;
+            let part = estimates(self.candidate, &self.problem, &best, scale, 0);
+            Some((found - yardstick.reference, gap(&errors), part))
         });
-        Cause {
-            label: candidate.label,
-            site: candidate.site.clone(),
-            partner: candidate.partner.clone(),
-            family: candidate.family,
-            side: candidate.side,
-            probability,
+        let (log_evidence, gap, parameters) =
+            weight.unwrap_or((f64::NEG_INFINITY, f64::NAN, Vec::new()));
+        let model = match &self.best {
+            Some(best) => settle(&self.model, &self.problem, &best.z),
+            None => self.model.clone(),
+        };
+        let Candidate { label, law, site, partner, side, .. } = self.candidate.clone();
+        let cause = Cause {
+            label,
+            site,
+            partner,
+            family: mechanism(self.candidate),
+            side,
+            probability: 0.0,
             log_evidence,
-            law: candidate.law,
-            parameters: parameters.collect(),
+            law,
+            parameters,
             gap,
-            model: self.best.as_ref().map_or_else(
-                || candidate.model.clone(),
-                |best| settle(&candidate.model, &self.problem, &best.z),
-            ),
-        }
+            model,
+        };
+        Weighed { candidate: self.candidate, trial: Some(place), log_evidence, cause }
     }
+}
+
+/// Fitted parameters of a candidate, of which the first has place `first` among the effects.
+pub(super) fn estimates(
+    candidate: &Candidate,
+    problem: &Problem,
+    at: &Minimum,
+    scale: f64,
+    first: usize,
+) -> Vec<Estimate> {
+    let values = problem.effect_values(&at.z);
+    let deviations = problem.standard_errors(at, scale);
+    let parameters = candidate.parameters.iter().enumerate().map(|(i, p)| Estimate {
+        name: p.name.clone(),
+        unit: p.unit.clone(),
+        value: values[first + i],
+        standard_error: deviations.as_ref().map_or(f64::NAN, |d| d[first + i]),
+        is_strength: p.is_strength,
+        is_reciprocal: p.is_reciprocal,
+    });
+    parameters.collect()
 }

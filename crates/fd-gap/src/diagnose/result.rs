@@ -34,6 +34,11 @@ pub struct Diagnosis {
     pub rivals: Vec<(usize, f64)>,
     /// Pairs of causes that act together, the best first; empty when none was worth a try.
     pub pairs: Vec<Pair>,
+    /// Places in `pairs` of the pairs that this log cannot tell from the first one, which is the
+    /// first of them.
+    pub tied_pairs: Vec<usize>,
+    /// Why to doubt that the best explanation is all there is.
+    pub leftover: Leftover,
     /// Noise of each output that residuals are measured in, in its unit.
     pub sigma: Vec<f64>,
     /// Noise floor of each output below the best explanation, in sigma.
@@ -111,7 +116,7 @@ pub struct Cause {
     pub site: SiteRef,
     /// The other end of a coupling.
     pub partner: Option<SiteRef>,
-    /// Mechanism.
+    /// Mechanism; for a map, that of the named laws which depend on the same quantity.
     pub family: &'static str,
     /// Side of the plant.
     pub side: Side,
@@ -132,12 +137,26 @@ pub struct Cause {
 /// Two causes that act together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// The causes, with the parameters of the joint fit.
+    /// The causes, with the parameters of the joint fit; the model is that with both.
     pub causes: [Cause; 2],
-    /// Logarithm of the evidence over that of the best single cause.
+    /// Probability.
+    pub probability: f64,
+    /// Logarithm of the evidence over that of "no gap".
     pub log_evidence: f64,
     /// Root mean square of the training residual, in sigma.
     pub gap: f64,
+}
+
+/// What the best explanation leaves, beyond noise of the stated kind. Both are gains of the
+/// log-likelihood that something else could have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leftover {
+    /// From residuals that have a colour and are stronger than the noise.
+    pub level: f64,
+    /// From a few functions of inputs, outputs and time that still predict residuals.
+    pub pattern: f64,
+    /// Share of the amplitude of the reducible gap of the refitted model that is left.
+    pub share: f64,
 }
 
 /// A fitted parameter of an effect.

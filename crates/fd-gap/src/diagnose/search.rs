@@ -5,21 +5,20 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::{
+    leftover::COLOURED,
     monitor::{Monitor, Stage},
+    prepare::KnownNoise,
     result::NotTested,
     settings::Settings,
     trial::Trial,
 };
 use crate::{
-    effect::{Candidate, Kind},
+    effect::Candidate,
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},
     quality::spectral_peaks,
     simulate::Nominal,
 };
-
-/// Innovation, as a fraction of the noise, below which noise is coloured.
-const COLOURED: f64 = 0.985;
 
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
@@ -30,13 +29,15 @@ pub(super) struct Found<'a> {
     pub(super) trials: Vec<Trial<'a>>,
     pub(super) not_tested: Vec<NotTested>,
     pub(super) is_coloured: bool,
+    /// Frequencies of the highest lines in the spectrum of what the null fit left, in Hz.
+    pub(super) lines: Vec<f64>,
 }
 
 pub(super) fn search<'a>(
     null: NullFit,
     nominal: &dyn Nominal,
     candidates: &'a [Candidate],
-    spread: &[f64],
+    noise: &KnownNoise,
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Found<'a>, FitError> {
@@ -48,11 +49,8 @@ pub(super) fn search<'a>(
         .enumerate()
         .map(|(index, candidate)| {
             let refuse = |reason: String| NotTested::of(candidate, reason);
-            let tried = if candidate.kind == Kind::Simulation {
-                Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()))
-            } else {
-                Err(refuse("effects on the noise itself are not fitted yet".to_owned()))
-            };
+            let tried =
+                Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
             let screened = tried.map(|mut trial| {
                 trial.screen(&null, &projection, &lines);
                 trial
@@ -83,8 +81,8 @@ pub(super) fn search<'a>(
     });
     finish(&mut trials, &null, settings.finalists);
 
-    let mut found = Found { null, trials, not_tested, is_coloured: false };
-    if let Some(weights) = colours(&mut found, spread) {
+    let mut found = Found { null, trials, not_tested, is_coloured: false, lines };
+    if let Some(weights) = colours(&mut found, noise) {
         let Found { null, trials, .. } = &found;
         let recoloured = null_fit(null.problem.plan(), null.problem.simulator(), &weights)?;
         debug_assert!(trials.len() <= candidates.len(), "one trial per candidate");
@@ -143,7 +141,7 @@ fn finish(trials: &mut [Trial<'_>], null: &NullFit, finalists: usize) {
 }
 
 /// The colour of what the best fit leaves, if it has one.
-fn colours(found: &mut Found<'_>, spread: &[f64]) -> Option<Weights> {
+fn colours(found: &mut Found<'_>, noise: &KnownNoise) -> Option<Weights> {
     let mut weights = found.null.problem.weights().clone();
     let best = found.trials.iter_mut().min_by(|a, b| a.cost().total_cmp(&b.cost()));
     let errors = match best {
@@ -153,6 +151,6 @@ fn colours(found: &mut Found<'_>, spread: &[f64]) -> Option<Weights> {
         }
         None => found.null.problem.errors(&found.null.minimum.z),
     };
-    weights.colour = likelihood(&errors?, spread, true).colour;
+    weights.colour = likelihood(&errors?, &noise.priors(true)).colour;
     weights.colour.iter().any(|colour| colour.innovation() < COLOURED).then_some(weights)
 }

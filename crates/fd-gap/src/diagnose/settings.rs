@@ -13,6 +13,10 @@ pub struct Settings {
     pub finalists: usize,
     /// Probability of "no gap" before the data.
     pub no_gap: f64,
+    /// Probability before the data that a gap has a cause that is not among those tried.
+    pub unknown: f64,
+    /// Probability before the data that a gap has two causes.
+    pub two: f64,
     /// What evidence is divided by.
     pub temperature: f64,
     /// Causes within this Bayes factor of the best are its rivals.
@@ -30,6 +34,8 @@ impl Default for Settings {
             report_horizons: vec![Horizon::FreeRun],
             finalists: 10,
             no_gap: 0.25,
+            unknown: 0.05,
+            two: 0.1,
             temperature: 1.5,
             bayes_factor: 20.0,
             replicas: 400,

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use super::prepare::with_step;
 use crate::{
     effect::{Candidate, EffectParameter},
     fit::{
         FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
         Weights, minimise,
     },
+    model::Model,
     simulate::Nominal,
 };
 
@@ -30,12 +32,16 @@ const PROMISING: f64 = 0.2;
 #[derive(Debug)]
 pub(super) struct Trial<'a> {
     pub(super) candidate: &'a Candidate,
+    /// The model of the candidate, with the integration step that is in use.
+    pub(super) model: Model,
     /// Place among the candidates.
     pub(super) index: usize,
     pub(super) problem: Problem,
     /// Neutral values of strengths; `None` for shapes.
     pub(super) strengths: Vec<Option<f64>>,
     pub(super) best: Option<Minimum>,
+    /// Whether it was fitted to the end.
+    pub(super) is_final: bool,
     /// Scores of the starts, the best first.
     scored: Vec<(Score, Vec<f64>)>,
 }
@@ -64,7 +70,17 @@ impl<'a> Trial<'a> {
         let problem = Problem::new(plan, simulator, effects, weights)?;
         let neutral = |p: &EffectParameter| p.is_strength.then_some(p.neutral);
         let strengths = candidate.parameters.iter().map(neutral).collect();
-        Ok(Self { candidate, index, problem, strengths, best: None, scored: Vec::new() })
+        let model = candidate.model.clone();
+        Ok(Self {
+            candidate,
+            model,
+            index,
+            problem,
+            strengths,
+            best: None,
+            is_final: false,
+            scored: Vec::new(),
+        })
     }
 
     /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz.
@@ -170,6 +186,7 @@ impl<'a> Trial<'a> {
     /// Fits everything, to the end. The effect can be absent, so that the result is never worse
     /// than that without it.
     pub(super) fn full_fit(&mut self, null: &NullFit) {
+        self.is_final = true;
         if let Some(best) = self.best.take() {
             let minimum = minimise(&mut self.problem, &best.z, None, Search::default());
             self.best = Some(best);
@@ -201,6 +218,25 @@ impl<'a> Trial<'a> {
         let minimum = minimise(&mut self.problem, &best.z, None, SHORT_ALL);
         self.keep(minimum);
         self.fall_back(null);
+    }
+
+    /// Goes on from the same place with another integration step, at which `base` was fitted, too.
+    pub(super) fn refine(
+        &mut self,
+        nominal: &dyn Nominal,
+        step: f64,
+        base: &NullFit,
+    ) -> Result<(), FitError> {
+        let model = with_step(&self.model, step);
+        let simulator = nominal.patched(&model, self.problem.simulator().ts())?;
+        let (plan, effects) = (Arc::clone(self.problem.plan()), self.problem.effects().to_vec());
+        self.problem = Problem::new(plan, simulator, effects, self.problem.weights().clone())?;
+        self.model = model;
+        if let Some(best) = self.best.take() {
+            self.best = minimise(&mut self.problem, &best.z, None, SHORT_ALL);
+        }
+        self.full_fit(base);
+        Ok(())
     }
 
     /// The fitted parameters, as far as a law of the same label has them; the rest is neutral.

@@ -5,7 +5,7 @@
 //! missing and what it depends on, not what it is. *When not to use:* as a cause with a name; its
 //! six strengths fit nearly anything static, and need a prior of their own.
 
-use super::{Effect, ForceScale, Offers, Reason, ReplayScales, SignalScale, Sketch};
+use super::{Candidate, Effect, ForceScale, Offers, Reason, ReplayScales, SignalScale, Sketch};
 use crate::model::Model;
 
 /// Number of hat functions.
@@ -104,6 +104,42 @@ impl Effect for SensorMap {
             )
         });
         offers.collect()
+    }
+}
+
+/// The mechanism that a candidate speaks for: its family, and for a map that of the named laws
+/// which depend on the same quantity.
+///
+/// ```
+/// # use fd_gap::{effect::{EverySite, ReplayScales, Suspects, library, map::mechanism}, model::Model};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "slider"
+/// # sample_time = 0.01
+/// # inputs = { u = { unit = "N" } }
+/// # states = { v = { unit = "m/s", initial = 0.0, derivative = "u" } }
+/// # outputs = { y = { unit = "m/s", value = "v" } }
+/// # sites = { rail = { unit = "N", enters = { v = "1" }, velocity = "v" } }
+/// # "#.parse()?;
+/// # let u: Vec<f64> = (0..100).map(|k| if k < 50 { 3.0 } else { -3.0 }).collect();
+/// # let scales = ReplayScales::of(&model, model.sample_time()?, &u, 100)?;
+/// let all = EverySite::new(library(), &model, scales).alone();
+/// let map = all.iter().flatten().find(|c| (c.label, c.law) == ("force-map", "of-velocity"));
+/// assert_eq!(mechanism(map.unwrap()), "friction");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn mechanism(candidate: &Candidate) -> &'static str {
+    match (candidate.label, candidate.law) {
+        ("input-map", "of-time") => "actuator-offset",
+        ("input-map", _) => "actuator-nonlinearity",
+        ("force-map", "of-velocity") => "friction",
+        ("force-map", "of-position") => "stiffness",
+        ("force-map", _) => "load",
+        ("sensor-map", "of-time") => "sensor-offset",
+        ("sensor-map", _) => "sensor-nonlinearity",
+        _ => candidate.family,
     }
 }
 

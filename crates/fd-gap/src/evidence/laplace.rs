@@ -6,15 +6,15 @@ use super::likelihood::Likelihood;
 use crate::fit::{Arrow, LeastSquares, Minimum, Problem};
 
 /// `ln 10⁶`: a strength is anything within six decades, each as likely as the other.
-const DECADES: f64 = 13.8;
+pub const DECADES: f64 = 13.8;
 
 /// `ln ∫ likelihood × prior`, up to a constant that all models of the same data, nuisances and
 /// initial states share:
 /// `LL − ½ Σ((θ − θ₀)/s)² − ½ ln det H + Σ (½ ln 2π + ln p(φ))`.
 ///
 /// Strengths have a log-uniform prior, `p = 1/(13.8 √(2π) max(|φ|, σ_φ))` with one common size
-/// `|φ|` (in scales) for several strengths; shapes are uniform in their box. `strengths` holds,
-/// for each parameter of the effect, the neutral value if it is a strength.
+/// `|φ|` (in scales) for several strengths of one effect; shapes are uniform in their box.
+/// `effects` holds, effect by effect, for each parameter the neutral value if it is a strength.
 ///
 /// `None` when the equations are singular.
 #[must_use]
@@ -22,7 +22,7 @@ pub fn evidence(
     problem: &Problem,
     at: &Minimum,
     likelihood: &Likelihood,
-    strengths: &[Option<f64>],
+    effects: &[&[Option<f64>]],
 ) -> Option<f64> {
     let scales = &likelihood.scale;
     let scale = f64::sqrt(scales.iter().map(|s| s * s).sum::<f64>() / scales.len() as f64);
@@ -43,23 +43,27 @@ pub fn evidence(
         }
     }
     let factor = equations.factor()?;
-    let sizes = problem.effects().iter().zip(strengths).zip(&at.z[first..]);
-    let (mut squares, mut count) = (0.0, 0.0_f64);
-    for ((variable, strength), z) in sizes {
-        if let Some(neutral) = strength {
-            squares += (z - variable.scaled(*neutral)).powi(2);
-            count += 1.0;
+    let (mut log_prior, mut place) = (0.0, first);
+    for strengths in effects {
+        let (mut squares, mut count) = (0.0, 0.0_f64);
+        for (i, strength) in strengths.iter().enumerate() {
+            if let Some(neutral) = strength {
+                let variable = &problem.effects()[place - first + i];
+                squares += (at.z[place + i] - variable.scaled(*neutral)).powi(2);
+                count += 1.0;
+            }
         }
-    }
-    let size = f64::sqrt(squares / count.max(1.0));
-    let mut log_prior = if 0.0 < count { -DECADES.ln() } else { 0.0 };
-    for (i, strength) in strengths.iter().enumerate() {
-        let [low, high] = problem.bounds()[first + i];
-        log_prior += if strength.is_some() {
-            -size.max(factor.variance(first + i).sqrt()).ln()
-        } else {
-            0.5 * (2.0 * PI).ln() - (high - low).ln()
-        };
+        let size = f64::sqrt(squares / count.max(1.0));
+        log_prior -= if 0.0 < count { DECADES.ln() } else { 0.0 };
+        for (i, strength) in strengths.iter().enumerate() {
+            let [low, high] = problem.bounds()[place + i];
+            log_prior += if strength.is_some() {
+                -size.max(factor.variance(place + i).sqrt()).ln()
+            } else {
+                0.5 * (2.0 * PI).ln() - (high - low).ln()
+            };
+        }
+        place += strengths.len();
     }
     Some(likelihood.log - 0.5 * at.prior_cost - 0.5 * factor.log_determinant() + log_prior)
 }

@@ -12,8 +12,8 @@ mod posterior;
 mod tie;
 
 pub use self::{
-    laplace::evidence,
-    likelihood::{Likelihood, likelihood},
-    posterior::{Posterior, pool, posterior},
+    laplace::{DECADES, evidence},
+    likelihood::{Likelihood, NoisePrior, likelihood},
+    posterior::{pool, probabilities},
     tie::{SEPARATED, distance},
 };

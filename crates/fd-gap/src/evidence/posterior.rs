@@ -22,33 +22,20 @@ fn log_sum_exp(values: &[f64]) -> f64 {
     top + values.iter().map(|v| (v - top).exp()).sum::<f64>().ln()
 }
 
-/// Probabilities of causes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Posterior {
-    /// Of no gap.
-    pub no_gap: f64,
-    /// Of each cause.
-    pub causes: Vec<f64>,
-}
-
-/// Probabilities of "no gap" and of causes, from their evidence relative to that of "no gap".
-/// Before the data, "no gap" has probability `no_gap`, and causes are alike. Evidence is divided
-/// by `temperature`, which calibration sets: above 1 when evidence is too sure of itself.
+/// Probabilities of answers that exclude each other, from their evidence (its logarithm, up to a
+/// constant that all share) and their prior probabilities (up to a common factor). Evidence is
+/// divided by `temperature`, which calibration sets: above 1 when evidence is too sure of itself.
 ///
 /// ```
-/// use fd_gap::evidence::posterior;
+/// use fd_gap::evidence::probabilities;
 ///
-/// let even = posterior(&[0.0, 0.0], 0.5, 1.0);
-/// assert_eq!((even.no_gap, even.causes[0]), (0.5, 0.25));
+/// let even = probabilities(&[(0.0, 0.5), (0.0, 0.25), (0.0, 0.25)], 1.0);
+/// assert_eq!(even, [0.5, 0.25, 0.25]);
 /// ```
 #[must_use]
-pub fn posterior(causes: &[f64], no_gap: f64, temperature: f64) -> Posterior {
-    let each = ((1.0 - no_gap) / causes.len().max(1) as f64).ln();
-    let causes = causes.iter().map(|evidence| evidence / temperature + each);
-    let mut all: Vec<f64> = std::iter::once(no_gap.ln()).chain(causes).collect();
-    let total = log_sum_exp(&all);
-    for value in &mut all {
-        *value = (*value - total).exp();
-    }
-    Posterior { no_gap: all[0], causes: all[1..].to_vec() }
+pub fn probabilities(answers: &[(f64, f64)], temperature: f64) -> Vec<f64> {
+    let logs: Vec<f64> =
+        answers.iter().map(|(evidence, prior)| evidence / temperature + prior.ln()).collect();
+    let total = log_sum_exp(&logs);
+    logs.into_iter().map(|log| (log - total).exp()).collect()
 }

@@ -179,6 +179,14 @@ impl Plan {
         self.logs.iter().map(Log::measured).sum()
     }
 
+    /// The same plan with more uncertain parameters, such as those of an effect that is taken for
+    /// granted.
+    pub(crate) fn with_parameters(&self, more: &[Variable]) -> Self {
+        let mut plan = self.clone();
+        plan.shared.extend_from_slice(more);
+        plan
+    }
+
     /// The same plan for other logs of the same lengths, centred at other nuisances (all of the
     /// plan: shared, then segment by segment).
     pub(crate) fn moved(&self, logs: Vec<Log>, nuisances: &[f64]) -> Self {

@@ -2,16 +2,20 @@
 
 mod autoregression;
 mod channel;
+mod distribution;
 mod finding;
 mod inspect;
 mod noise_floor;
+mod pattern;
 mod spectrum;
 
 pub use self::{
     autoregression::Autoregression,
     channel::grid_step,
+    distribution::{OutlierMixture, interval_log_likelihood, outlier_mixture},
     finding::{Defect, Finding, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},
+    pattern::pattern,
     spectrum::spectral_peaks,
 };

@@ -1,0 +1,92 @@
+//! A possible answer: an explanation of the logs, what it leaves, and how it forecasts.
+
+use super::{
+    explain::explain,
+    leftover::leftover,
+    prepare::KnownNoise,
+    rank::Ranking,
+    result::{Explanation, Leftover},
+    trial::Trial,
+};
+use crate::{
+    fit::{Minimum, Problem},
+    model::Model,
+    quality::noise_floor,
+};
+
+/// `ln(rms/floor)` from which a residual is unexplained.
+const UNEXPLAINED: f64 = 0.2;
+
+/// An explanation with what it rests on.
+#[derive(Clone, Debug)]
+pub(super) struct Answer {
+    pub(super) explanation: Explanation,
+    /// Errors in sigma.
+    pub(super) errors: Vec<Vec<Vec<f64>>>,
+    /// The fit, if a simulated effect is part of it.
+    pub(super) fit: Option<(Problem, Minimum)>,
+    /// Logarithm of the evidence over that of "no gap".
+    pub(super) log_evidence: f64,
+}
+
+/// What is left of the gap, and how much of that may be noise.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    /// Noise floor of each output, in sigma.
+    pub(super) floor: Vec<f64>,
+    /// Whether some output is clearly above it.
+    pub(super) is_unexplained: bool,
+    pub(super) leftover: Leftover,
+}
+
+impl Answer {
+    /// The answer of a fit; `None` when it diverges.
+    pub(super) fn of(
+        model: &Model,
+        problem: &Problem,
+        best: &Minimum,
+        log_evidence: f64,
+    ) -> Option<Self> {
+        let mut problem = problem.clone();
+        let explanation = explain(model, &mut problem, &best.z)?;
+        let errors = problem.errors(&best.z)?;
+        Some(Self { explanation, errors, fit: Some((problem, best.clone())), log_evidence })
+    }
+
+    /// The answer of the first cause; that of `refit` when it is one of the measurement.
+    pub(super) fn first(causes: &Ranking, trials: &[Trial<'_>], refit: &Self) -> Option<Self> {
+        let (trial, cause) = causes.first()?;
+        match trial {
+            None => Some(Self { log_evidence: cause.log_evidence, ..refit.clone() }),
+            Some(trial) => {
+                let trial = &trials[*trial];
+                Self::of(&trial.model, &trial.problem, trial.best.as_ref()?, cause.log_evidence)
+            }
+        }
+    }
+
+    /// What it leaves of the gap of the `refit`ted model.
+    pub(super) fn rest(
+        &self,
+        refit: &Self,
+        base: &Problem,
+        noise: &KnownNoise,
+        is_coloured: bool,
+    ) -> Rest {
+        let gaps = [refit.explanation.gap.as_slice(), self.explanation.gap.as_slice()];
+        let of =
+            |(((signals, stated), sigma), gap): (((&Vec<Vec<f64>>, &Option<f64>), &f64), &f64)| {
+                let stated = stated.map(|stated| stated / sigma);
+                let floor = noise_floor(&signals.join(&f64::NAN), stated).unwrap_or(1.0);
+                // Slow noise of the stated size is noise, whatever its innovation.
+                stated.filter(|_| is_coloured).map_or(floor, |stated| floor.max(gap.min(stated)))
+            };
+        let outputs = self.errors.iter().zip(&noise.stated).zip(&noise.sigma).zip(gaps[1]);
+        let floor: Vec<f64> = outputs.map(of).collect();
+        let is_unexplained =
+            gaps[1].iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
+        let outputs = &self.explanation.outputs;
+        let leftover = leftover(base, outputs, &self.errors, noise, gaps, &floor);
+        Rest { floor, is_unexplained, leftover }
+    }
+}

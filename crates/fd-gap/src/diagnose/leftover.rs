@@ -1,0 +1,68 @@
+//! What the best explanation leaves: is it noise of the stated kind?
+
+use super::{prepare::KnownNoise, result::Leftover};
+use crate::{
+    evidence::{NoisePrior, likelihood},
+    fit::Problem,
+    quality::pattern,
+};
+
+/// Innovation, as a fraction of the noise, below which noise is coloured.
+pub(super) const COLOURED: f64 = 0.985;
+
+/// What the errors of an explanation (in sigma) hold beyond noise. `gaps` are those of the
+/// refitted model and of the explanation, per output, and `floor` is that of the noise.
+pub(super) fn leftover(
+    problem: &Problem,
+    outputs: &[Vec<f64>],
+    errors: &[Vec<Vec<f64>>],
+    noise: &KnownNoise,
+    [before, after]: [&[f64]; 2],
+    floor: &[f64],
+) -> Leftover {
+    let priors = noise.priors(true);
+    let signals = signals(problem, outputs);
+    let level = errors.iter().zip(&priors).map(|(errors, prior)| raised(errors, *prior)).sum();
+    // Errors of rounding follow the output by themselves.
+    let pattern = errors
+        .iter()
+        .zip(&priors)
+        .filter(|(_, prior)| prior.is_coloured)
+        .map(|(errors, _)| pattern(errors, &signals))
+        .sum();
+    let reducible = |gaps: &[f64]| -> f64 {
+        gaps.iter().zip(floor).map(|(gap, floor)| (gap * gap - floor * floor).max(0.0)).sum()
+    };
+    let (before, after) = (reducible(before), reducible(after));
+    let share = if 0.0 < before { (after / before).sqrt() } else { 0.0 };
+    Leftover { level, pattern, share }
+}
+
+/// What it costs that the errors of an output are stronger than the noise should be, if they have
+/// a colour as well; white ones are noise that was stated too small.
+fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
+    let found = likelihood(&[errors.to_vec()], &[prior]);
+    let (Some(scale), Some(colour)) = (found.scale.first(), found.colour.first()) else {
+        return 0.0;
+    };
+    let is_raised = prior.centre < scale.ln() && colour.innovation() < COLOURED;
+    if is_raised { prior.cost(scale.ln()) } else { 0.0 }
+}
+
+/// Inputs of the logs and outputs of the simulation, cut as the errors are.
+fn signals(problem: &Problem, outputs: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+    let plan = problem.plan();
+    let (Some(first), segments) = (plan.logs.first(), plan.segments()) else { return Vec::new() };
+    let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
+        (from..to).map(|k| rows[k * width + i]).collect()
+    };
+    let inputs = (0..first.nu).map(|i| -> Vec<Vec<f64>> {
+        let of = segments.iter();
+        of.map(|s| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to)).collect()
+    });
+    let outputs = (0..first.ny).map(|i| -> Vec<Vec<f64>> {
+        let of = segments.iter();
+        of.map(|s| column(&outputs[s.log], first.ny, i, s.from, s.to)).collect()
+    });
+    inputs.chain(outputs).collect()
+}

@@ -1,0 +1,70 @@
+//! Is the integration step short enough for the effects that matter?
+
+use rayon::prelude::*;
+
+use super::{prepare::with_step, trial::Trial};
+use crate::{
+    fit::{FitError, NullFit, Problem, null_fit},
+    model::Model,
+    shrink::gap_per_output,
+    simulate::Nominal,
+};
+
+/// Largest change of an output, in sigma, that a step of half the length may make.
+const LARGEST_CHANGE: f64 = 0.2;
+/// How often the step is halved at most.
+const MOST_HALVINGS: usize = 3;
+/// Trials, the best first, of which the step is checked.
+const CHECKED: usize = 5;
+
+/// Halves the integration step, and fits the finalists and the model without any effect again,
+/// until the outputs of the best do not depend on it by more than a fifth of the noise.
+pub(super) fn refine(
+    nominal: &dyn Nominal,
+    model: &mut Model,
+    null: &mut NullFit,
+    trials: &mut [Trial<'_>],
+) -> Result<(), FitError> {
+    for _ in 0..MOST_HALVINGS {
+        let Some(step) = model.step.map(|step| 0.5 * step) else { return Ok(()) };
+        let mut order: Vec<usize> = (0..trials.len()).filter(|i| trials[*i].is_final).collect();
+        order.sort_by(|a, b| trials[*a].cost().total_cmp(&trials[*b].cost()));
+        order.truncate(CHECKED);
+        let finalists = order.iter().filter_map(|&i| {
+            let trial = &trials[i];
+            Some((&trial.model, &trial.problem, trial.best.as_ref()?.z.as_slice()))
+        });
+        let all = finalists.chain([(&*model, &null.problem, null.minimum.z.as_slice())]);
+        let is_coarse = all.into_iter().any(|(model, problem, z)| {
+            // What cannot be simulated or diverges with the shorter step is no reason for it.
+            change(nominal, &with_step(model, step), problem, z)
+                .is_some_and(|change| LARGEST_CHANGE < change)
+        });
+        if !is_coarse {
+            return Ok(());
+        }
+        *model = with_step(model, step);
+        let simulator = nominal.patched(model, null.problem.simulator().ts())?;
+        *null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
+        let null = &*null;
+        trials
+            .par_iter_mut()
+            .filter(|trial| trial.is_final)
+            .try_for_each(|trial| trial.refine(nominal, step, null))?;
+    }
+    Ok(())
+}
+
+/// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted
+/// problem change with another model.
+fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, z: &[f64]) -> Option<f64> {
+    let ts = problem.simulator().ts();
+    let simulator = nominal.patched(other, ts).ok()?;
+    let (plan, weights) = (problem.plan().clone(), problem.weights().clone());
+    let mut finer = Problem::new(plan, simulator, problem.effects().to_vec(), weights).ok()?;
+    let (mut a, b) = (problem.clone().errors(z)?, finer.errors(z)?);
+    for (a, b) in a.iter_mut().flatten().flatten().zip(b.iter().flatten().flatten()) {
+        *a -= b;
+    }
+    Some(gap_per_output(&a).into_iter().fold(0.0, f64::max))
+}

@@ -1,0 +1,102 @@
+//! Distributions of measurement errors that are not Gaussian: rounding and outliers.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use statrs::function::erf::erfc;
+
+/// Log-density of Gaussian noise that is rounded to a grid, at errors `e` from the rounded value:
+/// `Σ ln((Φ((q/2 − e)/s) − Φ((−q/2 − e)/s))/q)` for noise `s` and step `q`.
+///
+/// ```
+/// use fd_gap::quality::interval_log_likelihood;
+///
+/// // On a fine grid: the density itself.
+/// let density = -0.5 * (2.0 * std::f64::consts::PI).ln() - 0.5 * 0.3_f64.powi(2);
+/// assert!((interval_log_likelihood(&[0.3], 1.0, 1e-3) - density).abs() < 1e-6);
+/// // On a coarse one all values within the cell are alike.
+/// assert!((interval_log_likelihood(&[0.3], 1e-3, 1.0)).abs() < 1e-6);
+/// ```
+#[must_use]
+pub fn interval_log_likelihood(errors: &[f64], noise: f64, step: f64) -> f64 {
+    let cell = |e: &f64| {
+        // By symmetry on the side on which both tails are small.
+        let e = e.abs();
+        let [near, far] = [e - 0.5 * step, e + 0.5 * step].map(|x| x / noise * FRAC_1_SQRT_2);
+        let mass = 0.5 * (erfc(near) - erfc(far));
+        // Far out in the tail the probability is lost in rounding; its density is not.
+        let density = -0.5 * (e / noise).powi(2) - noise.ln() - 0.5 * (2.0 * PI).ln();
+        if 1e-280 < mass { (mass / step).ln() } else { density }
+    };
+    errors.iter().map(cell).sum()
+}
+
+/// A mixture of noise and wider noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlierMixture {
+    /// Log-likelihood.
+    pub log: f64,
+    /// Standard deviation of the noise.
+    pub scale: f64,
+    /// Share of the outliers.
+    pub share: f64,
+    /// How many times wider they are.
+    pub width: f64,
+    /// Number of widths that were tried.
+    pub widths: usize,
+}
+
+/// How many times wider outliers may be.
+const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 50.0, 200.0];
+/// Largest share of outliers.
+const MOST: f64 = 0.3;
+/// Steps of the iteration.
+const STEPS: usize = 60;
+
+/// Fits `(1 − p) N(0, s²) + p N(0, (w s)²)` by expectation and maximisation (Dempster, Laird &
+/// Rubin 1977) for each of a few widths `w`, and returns the best. `None` without data.
+///
+/// ```
+/// use fd_gap::quality::outlier_mixture;
+///
+/// let mut e: Vec<f64> = (0..200).map(|k| f64::from(k % 7) - 3.0).collect();
+/// e[50] = 90.0;
+/// e[120] = -70.0;
+/// let mixture = outlier_mixture(&e).unwrap();
+/// assert!((mixture.share - 0.01).abs() < 0.001 && (mixture.scale - 2.0).abs() < 0.1);
+/// ```
+#[must_use]
+pub fn outlier_mixture(errors: &[f64]) -> Option<OutlierMixture> {
+    let mut sizes: Vec<f64> = errors.iter().map(|e| e.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
+    let robust = sizes.get(sizes.len() / 2)? / 0.674_489_750_196_082;
+    let fits = WIDTHS.map(|width| fit(errors, robust.max(f64::MIN_POSITIVE), width));
+    fits.into_iter().max_by(|a, b| a.log.total_cmp(&b.log))
+}
+
+fn fit(errors: &[f64], robust: f64, width: f64) -> OutlierMixture {
+    let n = errors.len() as f64;
+    let (mut scale, mut share) = (robust, 0.02);
+    let mut log = f64::NEG_INFINITY;
+    for _ in 0..STEPS {
+        let (mut outliers, mut squares, mut sum) = (0.0, 0.0, 0.0);
+        for e in errors {
+            let square = (e / scale).powi(2);
+            let inner = (1.0 - share) * (-0.5 * square).exp();
+            let outer = share / width * (-0.5 * square / (width * width)).exp();
+            let total = (inner + outer).max(f64::MIN_POSITIVE);
+            let odds = outer / total;
+            outliers += odds;
+            squares += e * e * ((1.0 - odds) + odds / (width * width));
+            sum += total.ln() - scale.ln() - 0.5 * (2.0 * PI).ln();
+        }
+        let is_done = sum - log < 1e-6;
+        log = sum;
+        if is_done {
+            break;
+        }
+        share = (outliers / n).clamp(0.1 / n, MOST);
+        scale = (squares / n).sqrt().max(f64::MIN_POSITIVE);
+    }
+    OutlierMixture { log, scale, share, width, widths: WIDTHS.len() }
+}

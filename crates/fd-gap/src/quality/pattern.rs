@@ -1,0 +1,135 @@
+//! Can a few functions of known signals still predict a residual?
+
+use super::Autoregression;
+
+/// Highest order of the autoregression that residual and signals are whitened with.
+const HIGHEST_ORDER: usize = 12;
+/// Delays of the signals, in samples.
+const DELAYS: [usize; 6] = [0, 1, 2, 4, 8, 16];
+/// Most functions that are used together.
+const MOST: usize = 4;
+
+/// By how much the log-likelihood of a residual rises when up to four delayed functions of the
+/// `signals` predict it, beyond what chance would do: each costs `½ ln n + ln K` for the choice of
+/// one out of `K`. The residual is whitened first, and functions with it, so that noise of any
+/// colour is no pattern; a smooth residual of a plant is one of its equation then, as in sparse
+/// regression on accelerations (Brunton, Proctor & Kutz 2016).
+///
+/// Residual and signals are in segments; NaN where nothing was measured. Zero when nothing helps.
+///
+/// ```
+/// use fd_gap::quality::pattern;
+///
+/// let u: Vec<f64> = (0..300).map(|k| f64::from((k * k) % 17) - 8.0).collect();
+/// let noise = |k: usize| ((k * 7919 + 5) % 101) as f64 / 50.0 - 1.0;
+/// let follows: Vec<f64> = (0..300).map(|k| 0.1 * u[k].abs() + noise(k)).collect();
+/// let alone: Vec<f64> = (0..300).map(noise).collect();
+/// let signals = [vec![u]];
+/// assert!(pattern(&[follows], &signals) > 10.0);
+/// assert!(pattern(&[alone], &signals) < 1.0);
+/// ```
+#[must_use]
+pub fn pattern(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> f64 {
+    let slices: Vec<&[f64]> = residual.iter().map(Vec::as_slice).collect();
+    let colour = Autoregression::fit(&slices, HIGHEST_ORDER);
+    let mut left = whitened(&colour, residual, residual);
+    let n = left.iter().filter(|e| **e != 0.0).count() as f64;
+    if n < 50.0 {
+        return 0.0;
+    }
+    let mut functions = functions(residual, signals);
+    let mut columns: Vec<Vec<f64>> = Vec::with_capacity(functions.len());
+    for function in &mut functions {
+        let column = whitened(&colour, residual, function);
+        columns.extend(normalised(column));
+    }
+    let price = 0.5 * n.ln() + (columns.len().max(1) as f64).ln();
+    let (mut best, mut total) = (0.0_f64, 0.0);
+    for _ in 0..MOST {
+        let power = dot(&left, &left);
+        let correlations = columns.iter().map(|c| dot(c, &left).powi(2) / power);
+        let Some((at, share)) =
+            correlations.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, s)| 0.0 < *s)
+        else {
+            break;
+        };
+        total += -0.5 * n * (1.0 - share).max(f64::EPSILON).ln() - price;
+        best = best.max(total);
+        // Orthogonal to what was used.
+        let used = columns.swap_remove(at);
+        remove(&used, &mut left);
+        columns = columns
+            .into_iter()
+            .filter_map(|mut column| {
+                remove(&used, &mut column);
+                // Less is the same function again.
+                if dot(&column, &column) < 1e-4 { None } else { normalised(column) }
+            })
+            .collect();
+    }
+    best
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn remove(unit: &[f64], from: &mut [f64]) {
+    let along = dot(unit, from);
+    from.iter_mut().zip(unit).for_each(|(f, u)| *f -= along * u);
+}
+
+fn normalised(mut column: Vec<f64>) -> Option<Vec<f64>> {
+    let size = dot(&column, &column).sqrt();
+    let is_fine = size.is_finite() && 0.0 < size;
+    is_fine.then(|| {
+        column.iter_mut().for_each(|v| *v /= size);
+        column
+    })
+}
+
+/// A signal filtered as the residual is; zero where that was not measured.
+fn whitened(colour: &Autoregression, residual: &[Vec<f64>], signal: &[Vec<f64>]) -> Vec<f64> {
+    let mut all = Vec::new();
+    for (r, s) in residual.iter().zip(signal) {
+        let holed: Vec<f64> =
+            r.iter().zip(s).map(|(r, s)| if r.is_finite() { *s } else { f64::NAN }).collect();
+        let mut white = vec![0.0; holed.len()];
+        colour.whiten(&holed, &mut white);
+        all.extend(white);
+    }
+    all
+}
+
+/// Functions of the signals, each with several delays; a constant and a ramp.
+fn functions(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>>> {
+    let shape = |f: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+        let segment = |(s, r): (usize, &Vec<f64>)| (0..r.len()).map(|k| f(s, k)).collect();
+        residual.iter().enumerate().map(segment).collect()
+    };
+    let ramp = |s: usize, k: usize| k as f64 / residual[s].len().max(1) as f64 - 0.5;
+    let mut all = vec![shape(&|_, _| 1.0), shape(&ramp)];
+    for signal in signals {
+        let finite = || signal.iter().flatten().filter(|v| v.is_finite());
+        let n = finite().count().max(1) as f64;
+        let mean = finite().sum::<f64>() / n;
+        let deviation = (finite().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        if deviation <= 1e-9 * mean.abs() || deviation <= 0.0 {
+            continue;
+        }
+        let size = deviation.max(f64::MIN_POSITIVE);
+        for delay in DELAYS {
+            let value = |s: usize, k: usize| signal[s][k.saturating_sub(delay)] / size;
+            let change = |s: usize, k: usize| value(s, k) - value(s, k.saturating_sub(1));
+            all.push(shape(&value));
+            all.push(shape(&|s, k| value(s, k).abs()));
+            all.push(shape(&|s, k| value(s, k).signum()));
+            all.push(shape(&|s, k| value(s, k) * value(s, k).abs()));
+            all.push(shape(&|s, k| value(s, k).powi(3)));
+            all.push(shape(&change));
+            all.push(shape(&|s, k| change(s, k).signum()));
+            all.push(shape(&|s, k| change(s, k).abs()));
+        }
+    }
+    all
+}
