@@ -1,7 +1,7 @@
 //! The answer in one sentence.
 
 use super::{
-    report::{CauseReport, FindingReport, Report, SpectrumReport},
+    report::{CauseReport, FindingReport, PairReport, Report, SpectrumReport},
     words::{list, p, percent, share},
 };
 
@@ -86,13 +86,27 @@ fn tied(report: &Report) -> String {
 }
 
 fn pair(report: &Report) -> String {
-    let Some(pair) = report.pairs.first() else { return unclear(report) };
-    let names: Vec<String> = pair
-        .causes
-        .iter()
-        .map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength)))
-        .collect();
-    format!("Two causes together: {}; {}.", list(&names, "and"), closes(report, "adding both"))
+    let names = |pair: &PairReport| {
+        let each = pair.causes.iter();
+        let names: Vec<String> =
+            each.map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength))).collect();
+        list(&names, "and")
+    };
+    let tied: Vec<String> = report.pairs.iter().filter(|pair| pair.is_tied).map(names).collect();
+    match report.pairs.first() {
+        None => unclear(report),
+        Some(_) if 1 < tied.len() => format!(
+            "Two causes together, {}: this log cannot tell which; {}.",
+            list(&tied, "or"),
+            closes(report, "adding the first two")
+        ),
+        Some(pair) => format!(
+            "Two causes together: {}, {}; {}.",
+            names(pair),
+            p(pair.probability),
+            closes(report, "adding both")
+        ),
+    }
 }
 
 fn none_of_these(report: &Report) -> String {

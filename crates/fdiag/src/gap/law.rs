@@ -46,7 +46,8 @@ pub(super) fn law(
     let model = &diagnosis.best.model;
     let axes = axes(nominal.model(), model, cause)?;
     let signals = signals(nominal, diagnosis, &axes, logs, ts)?;
-    let free = location.places.iter().find(|place| place.site == cause.site)?.free.as_ref();
+    let place = location.places.iter().find(|place| place.site == cause.site);
+    let free = place.and_then(|place| place.free.as_ref());
     let data: Vec<[f64; 2]> = free.map_or_else(Vec::new, |free| {
         let pairs = signals.iter().zip(&free.values).flat_map(|(log, free)| log.iter().zip(free));
         pairs.map(|([x, _], f)| [*x, if axes.adds { x + f } else { *f }]).collect()

@@ -6,7 +6,7 @@ use super::{
     pictures,
     report::{CalibrationReport, HorizonReport, Report},
     tables,
-    words::{probability, share},
+    words::{four, probability, share},
 };
 use crate::report::{Bar, Bars, Page, PictureError, Shares, Table, figure};
 
@@ -82,6 +82,17 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
             causes.bars.push(Bar { is_strong: is_named(place), ..bar });
         }
     }
+    for pair in report.pairs.iter().filter(|pair| SHOWN <= pair.probability).take(BARS) {
+        let names: Vec<&str> = pair.causes.iter().map(|cause| cause.name.as_str()).collect();
+        let tied = if pair.is_tied { " (tied)" } else { "" };
+        let label = format!("{}{tied}", names.join(" and "));
+        let bar = Bar::new(label, pair.probability, probability(pair.probability));
+        causes.bars.push(Bar { is_strong: report.verdict == "pair" && pair.is_tied, ..bar });
+    }
+    if report.verdict == "pair" && !report.pairs.iter().any(|pair| pair.is_tied) {
+        let first = causes.bars.iter_mut().find(|bar| bar.label.contains(" and "));
+        first.into_iter().for_each(|bar| bar.is_strong = true);
+    }
     page.bars(causes);
     if report.causes.iter().any(|cause| cause.is_tied) {
         page.text(
@@ -146,6 +157,9 @@ fn how_far(page: &mut Page, report: &Report) {
 
 fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     let location = &report.location;
+    if location.channels.is_empty() {
+        return Ok(());
+    }
     page.heading("Where the gap lies");
     let statements = location.channels.iter().map(|c| &c.statement);
     let statements = statements.chain(report.sides.iter().map(|side| &side.statement));
@@ -207,7 +221,7 @@ fn basis(page: &mut Page, report: &Report) {
     let header = ["parameter", "nominal", "refitted", "unit", "deviation [sd]"];
     let mut parameters = Table::new("Parameters of the model, with the best explanation", &header);
     for p in &report.parameters {
-        let [nominal, refitted] = [p.nominal, p.refitted].map(|v| format!("{v:.4e}"));
+        let [nominal, refitted] = [p.nominal, p.refitted].map(four);
         let deviation = format!("{:+.1}", p.deviation_sd);
         parameters.push([p.name.clone(), nominal, refitted, p.unit.clone(), deviation]);
     }

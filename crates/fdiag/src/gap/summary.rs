@@ -60,7 +60,7 @@ pub(super) fn summary(parts: Parts<'_>) -> Report {
         none_of_these: diagnosis.none_of_these,
         groups: diagnosis.groups.iter().map(GroupReport::of).collect(),
         sides: SideReport::all(diagnosis, location),
-        pairs: diagnosis.pairs.iter().map(PairReport::of).collect(),
+        pairs: PairReport::all(diagnosis),
         location: WhereReport::from(location),
         how_far: diagnosis.held_out.iter().map(|h| HorizonReport::of(h, &outputs)).collect(),
         remains: String::new(),

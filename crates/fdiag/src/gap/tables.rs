@@ -50,10 +50,16 @@ pub(super) fn causes(report: &Report) -> Option<Table> {
     let header = ["cause", "law", "strength", "probability", ""];
     let mut table = Table::new("Cause", &header);
     let is_shown = |cause: &&CauseReport| SHOWN <= cause.probability || cause.is_tied;
-    if report.verdict == "pair" {
-        for cause in report.pairs.iter().take(1).flat_map(|pair| &pair.causes) {
-            let (name, strength) = (cause.name.clone(), cause.strength.clone());
-            table.push([name, cause.law.to_owned(), strength, String::new(), "together".into()]);
+    let pairs = report.pairs.iter().filter(|_| report.verdict == "pair").take(ROWS);
+    for pair in pairs.filter(|pair| SHOWN <= pair.probability || pair.is_tied) {
+        for (i, cause) in pair.causes.iter().enumerate() {
+            let (name, law, strength) = (cause.name.clone(), cause.law, cause.strength.clone());
+            let (name, p) = match i {
+                0 => (name, probability(pair.probability)),
+                _ => (format!("and {name}"), String::new()),
+            };
+            let tied = if pair.is_tied { "tied pair" } else { "pair" };
+            table.push([name, law.to_owned(), strength, p, tied.to_owned()]);
         }
     }
     for cause in report.causes.iter().filter(is_shown).take(ROWS) {

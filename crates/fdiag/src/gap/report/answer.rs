@@ -87,10 +87,15 @@ pub struct CauseReport {
 pub struct PairReport {
     /// The causes, with the parameters of the joint fit.
     pub causes: Vec<CauseReport>,
-    /// Logarithm of the evidence over that of the best single cause.
+    /// Probability.
+    pub probability: f64,
+    /// Logarithm of the evidence over that of no gap.
     pub log_evidence: f64,
     /// Root mean square of what is left of the fitted logs, in sigma.
     pub gap_sigma: f64,
+    /// Whether this log cannot tell it from the first pair (true of the first one when there are
+    /// others).
+    pub is_tied: bool,
 }
 
 /// A parameter of an effect.
@@ -191,12 +196,25 @@ impl CauseReport {
 }
 
 impl PairReport {
-    pub(in crate::gap) fn of(pair: &Pair) -> Self {
+    fn of(pair: &Pair) -> Self {
         Self {
             causes: pair.causes.iter().map(CauseReport::of).collect(),
+            probability: pair.probability,
             log_evidence: pair.log_evidence,
             gap_sigma: pair.gap,
+            is_tied: false,
         }
+    }
+
+    /// All pairs of a diagnosis.
+    pub(in crate::gap) fn all(diagnosis: &Diagnosis) -> Vec<Self> {
+        let mut pairs: Vec<Self> = diagnosis.pairs.iter().map(Self::of).collect();
+        if 1 < diagnosis.tied_pairs.len() {
+            for &place in &diagnosis.tied_pairs {
+                pairs[place].is_tied = true;
+            }
+        }
+        pairs
     }
 }
 

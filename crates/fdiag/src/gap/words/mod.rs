@@ -6,6 +6,6 @@ mod units;
 
 pub(super) use self::{
     labels::{at, family, label, list, site},
-    numbers::{p, percent, probability, share, with_error},
+    numbers::{four, p, percent, probability, share, with_error},
     units::shown,
 };

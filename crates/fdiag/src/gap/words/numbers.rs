@@ -28,6 +28,19 @@ pub(in crate::gap) fn with_error(value: f64, error: f64) -> String {
     format!("{:.places$} ± {:.places$}", rounded(value), rounded(error))
 }
 
+/// Four significant figures.
+pub(in crate::gap) fn four(value: f64) -> String {
+    let magnitude = exponent(value.abs());
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    if !(PLAIN[0]..=PLAIN[1]).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let places = usize::try_from(3 - magnitude).unwrap_or(0);
+    format!("{value:.places$}")
+}
+
 /// The exponent of the first digit.
 #[expect(clippy::cast_possible_truncation, reason = "exponents of numbers are small")]
 fn exponent(value: f64) -> i32 {
@@ -81,6 +94,7 @@ mod tests {
         assert_eq!(with_error(1234.0, 87.0), "1230 ± 90");
         assert_eq!(with_error(3.14e-7, 0.5e-7), "(3.1 ± 0.5)e-7");
         assert_eq!(with_error(2.5, f64::NAN), "2.50");
+        assert_eq!([1.5, 12345.0, 0.012, 3e9].map(four), ["1.500", "12345", "0.01200", "3.000e9"]);
         assert_eq!(with_error(-0.02, 0.3), "-0.0 ± 0.3");
     }
 
