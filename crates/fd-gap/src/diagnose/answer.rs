@@ -25,6 +25,8 @@ pub(super) struct Answer {
     pub(super) errors: Vec<Vec<Vec<f64>>>,
     /// The fit, if a simulated effect is part of it.
     pub(super) fit: Option<(Problem, Minimum)>,
+    /// How many effects there are in it.
+    pub(super) effects: usize,
     /// Logarithm of the evidence over that of "no gap".
     pub(super) log_evidence: f64,
 }
@@ -40,27 +42,34 @@ pub(super) struct Rest {
 }
 
 impl Answer {
-    /// The answer of a fit; `None` when it diverges.
+    /// The answer of a fit with so many effects; `None` when it diverges.
     pub(super) fn of(
         model: &Model,
         problem: &Problem,
         best: &Minimum,
+        effects: usize,
         log_evidence: f64,
     ) -> Option<Self> {
         let mut problem = problem.clone();
         let explanation = explain(model, &mut problem, &best.z)?;
         let errors = problem.errors(&best.z)?;
-        Some(Self { explanation, errors, fit: Some((problem, best.clone())), log_evidence })
+        Some(Self {
+            explanation,
+            errors,
+            fit: Some((problem, best.clone())),
+            effects,
+            log_evidence,
+        })
     }
 
     /// The answer of the first cause; that of `refit` when it is one of the measurement.
     pub(super) fn first(causes: &Ranking, trials: &[Trial<'_>], refit: &Self) -> Option<Self> {
         let (trial, cause) = causes.first()?;
         match trial {
-            None => Some(Self { log_evidence: cause.log_evidence, ..refit.clone() }),
+            None => Some(Self { effects: 1, log_evidence: cause.log_evidence, ..refit.clone() }),
             Some(trial) => {
                 let trial = &trials[*trial];
-                Self::of(&trial.model, &trial.problem, trial.best.as_ref()?, cause.log_evidence)
+                Self::of(&trial.model, &trial.problem, trial.best.as_ref()?, 1, cause.log_evidence)
             }
         }
     }

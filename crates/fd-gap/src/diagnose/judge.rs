@@ -1,6 +1,7 @@
 //! From evidence to probabilities and a word.
 
 use super::{
+    answer::Answer,
     rank::Ranking,
     result::{Leftover, Pair, Verdict},
     settings::Settings,
@@ -13,6 +14,9 @@ const NAMED: f64 = 0.5;
 /// less is the right mechanism with another law.
 const OTHER: f64 = 0.15;
 
+/// What a strength costs that the data know: an unknown cause has one as well.
+const STRENGTH: f64 = 5.0;
+
 /// Probabilities of the answers that exclude each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Judgement {
@@ -20,12 +24,12 @@ pub(super) struct Judgement {
     pub(super) none_of_these: f64,
 }
 
-/// Sets the probabilities of causes and pairs, and returns those of the other answers. `best` is
-/// the evidence of the best explanation, and `left` what it leaves.
+/// Sets the probabilities of causes and pairs, and returns those of the other answers. `left` is
+/// what the `best` explanation leaves; something unknown, alone or beside it, could leave nothing.
 pub(super) fn judge(
     causes: &mut Ranking,
     pairs: &mut [Pair],
-    best: f64,
+    best: &Answer,
     left: &Leftover,
     settings: &Settings,
 ) -> Judgement {
@@ -36,8 +40,9 @@ pub(super) fn judge(
     // Two causes out of n, of which only the promising ones were tried.
     let n = causes.len();
     let each_pair = share((1.0 - no_gap) * two, n * n.saturating_sub(1) / 2);
-    let gain = if OTHER < left.share { left.level + left.pattern } else { 0.0 };
-    let mut answers = vec![(0.0, no_gap), (best + gain, (1.0 - no_gap) * share(unknown, n))];
+    let gain = if OTHER < left.share { left.gain() } else { 0.0 };
+    let prior = [no_gap, each, each_pair][best.effects.min(2)] * unknown / (1.0 - unknown);
+    let mut answers = vec![(0.0, no_gap), (best.log_evidence + gain - STRENGTH, prior)];
     answers.extend(causes.iter().map(|(_, cause)| (cause.log_evidence, each)));
     answers.extend(pairs.iter().map(|pair| (pair.log_evidence, each_pair)));
     let found = probabilities(&answers, temperature);

@@ -11,11 +11,13 @@
 //! Candidates are spread over threads; the answer does not depend on their number.
 
 mod answer;
+mod attempt;
 mod case;
 mod explain;
 mod held_out;
 mod judge;
 mod leftover;
+mod misfit;
 mod monitor;
 mod observe;
 mod offered;
@@ -31,17 +33,15 @@ mod trial;
 
 use self::{
     answer::Answer,
-    explain::{explain, nominal_explanation},
+    attempt::{Attempt, Weighing},
+    explain::nominal_explanation,
     held_out::compare,
-    judge::{judge, verdict, worth},
-    observe::observe,
+    judge::{Judgement, judge, verdict},
     offered::Offered,
-    pairs::{Duo, PAIR, Workshop, merge, observed_beside, seek_pairs},
-    prepare::{Prepared, inspect_all, prepare},
-    rank::{Yardstick, groups, rank, sides},
-    search::{Found, search},
+    pairs::{merge, observed_beside},
+    prepare::inspect_all,
+    rank::{Yardstick, groups, sides},
     separate::separate,
-    steps::refine,
 };
 pub use self::{
     case::Case,
@@ -53,12 +53,13 @@ pub use self::{
     settings::Settings,
 };
 use crate::{
-    evidence::{evidence, likelihood},
-    fit::{FitError, Log, Problem},
+    effect::Candidate,
+    fit::{FitError, Horizon, Log, Problem},
+    shrink::Rules,
 };
 
-/// Log-likelihood that something else could gain from which second causes are tried.
-const SOMETHING: f64 = 3.0;
+/// Times the noise that the best explanation leaves from which likelihoods are no use.
+const FAR: f64 = 5.0;
 
 /// Diagnoses the gap between a model and logs of the real system.
 ///
@@ -97,73 +98,48 @@ pub fn diagnose(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Diagnosis, FitError> {
-    let Case { nominal, suspects, logs, held_out } = *case;
-    let Prepared { mut model, null, noise } = prepare(case, settings)?;
-    let offers = Offered::of(suspects);
-    let mut not_tested = offers.refused;
-    let Found { mut null, mut trials, not_tested: failed, is_coloured, lines } =
-        search(null, nominal, &offers.simulated, &noise, settings, monitor)?;
-    not_tested.extend(failed);
-    refine(nominal, &mut model, &mut null, &mut trials)?;
+    let mut offers = Offered::of(case.suspects);
+    let mut not_tested = std::mem::take(&mut offers.refused);
+    let mut attempt = Attempt::new(case, &offers, settings.horizon, settings, monitor)?;
+    let simulator = attempt.weighing.base.simulator().boxed();
+    let held_out: Result<Vec<Log>, _> =
+        case.held_out.iter().enumerate().map(|(i, r)| Log::new(r, &*simulator, i + 1)).collect();
+    let held_out = held_out?;
 
     monitor.begin(Stage::Judge, 2);
-    let mut base = null.problem.clone();
-    let errors = base.errors(&null.minimum.z).ok_or(FitError::Diverged)?;
-    let findings = inspect_all(logs, &base, &noise.stated, &errors)?;
-    let refit = explain(&model, &mut base, &null.minimum.z).ok_or(FitError::Diverged)?;
-    let priors = noise.priors(is_coloured);
-    let reference = evidence(&base, &null.minimum, &likelihood(&errors, &priors), &[])
-        .ok_or(FitError::Diverged)?;
-    let yardstick = Yardstick { noise: &priors, reference };
-    let mut observed = Vec::new();
-    for candidate in &offers.observed {
-        match observe(candidate, &errors, &noise, is_coloured) {
-            Some(found) => observed.push((candidate, found)),
-            None => not_tested.push(NotTested::of(candidate, "nothing of it in the log".into())),
-        }
-    }
-    let mut causes = rank(&mut trials, &observed, &refit, yardstick);
-    let (tied, rivals) = separate(&causes, &mut trials, settings);
+    let is_far = FAR < attempt.noise.reach(&attempt.best.errors);
+    let Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons } = if is_far {
+        by_forecasts(case, &offers, &mut attempt, &held_out, settings, monitor)?
+    } else {
+        by_evidence(&offers, &mut attempt, settings)
+    };
     monitor.advance();
 
-    let refitted = Answer { explanation: refit.clone(), errors, fit: None, log_evidence: 0.0 };
-    let rest = |answer: &Answer| answer.rest(&refitted, &base, &noise, is_coloured);
-    let single = Answer::first(&causes, &trials, &refitted)
-        .filter(|single| worth(settings, causes.len()) < single.log_evidence);
-    let mut best = single.unwrap_or_else(|| refitted.clone());
-    let mut left = rest(&best);
-    let mut duos = Vec::new();
-    if left.is_unexplained || SOMETHING < left.leftover.level + left.leftover.pattern {
-        let workshop = Workshop { nominal, suspects, null: &null, lines: &lines, yardstick };
-        duos = seek_pairs(workshop, &trials, &causes, monitor);
-    }
-    let beside = observed_beside(&causes, &best, &offers.observed, &noise, is_coloured);
-    let (mut pairs, tied_pairs) = merge(&mut duos, beside, &causes, settings);
-    if let Some(answer) = duos.first().and_then(Duo::answer)
-        && best.log_evidence + PAIR < answer.log_evidence
-    {
-        best = answer;
-        left = rest(&best);
-    }
-    let judgement = judge(&mut causes, &mut pairs, best.log_evidence, &left.leftover, settings);
+    let Attempt { model, noise, found, weighing, duos, mut best, mut rest } = attempt;
+    let Weighing { base, refitted, observed, mut causes, .. } = weighing;
     let verdict = verdict(judgement, &causes, &tied, &pairs);
     if verdict == Verdict::NoGap {
         best = refitted.clone();
-        left = rest(&best);
+        rest = best.rest(&refitted, &base, &noise, found.is_coloured);
     }
-    let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
-
-    let longest: Result<Vec<Log>, _> =
-        held_out.iter().enumerate().map(|(i, r)| Log::new(r, base.simulator(), i + 1)).collect();
+    let findings = inspect_all(case.logs, &base, &noise.stated, &refitted.errors)?;
     let leader = best.fit.as_ref().map(|(problem, minimum)| (problem, minimum));
+    let settings = &Settings { report_horizons, ..settings.clone() };
+    let (null, floor) = (&found.null, &rest.floor);
     let held_out =
-        compare(base.simulator(), &null, leader, &longest?, [&noise.sigma, &left.floor], settings)?;
+        compare(base.simulator(), null, leader, &held_out, [&noise.sigma, floor], settings)?;
     monitor.advance();
-    let fits = trials.iter().map(|t| &t.problem).chain(duos.iter().map(|duo| &duo.problem));
+
+    let is_seen = |candidate: &Candidate| observed.iter().any(|(c, _)| std::ptr::eq(*c, candidate));
+    let unseen = offers.observed.iter().filter(|candidate| !is_seen(candidate));
+    not_tested.extend(found.not_tested);
+    not_tested.extend(unseen.map(|c| NotTested::of(c, "there is nothing of it in the log".into())));
+    let fits = found.trials.iter().map(|t| &t.problem).chain(duos.iter().map(|duo| &duo.problem));
     let simulations = base.simulations() + fits.map(Problem::simulations).sum::<usize>();
+    let causes: Vec<Cause> = causes.drain(..).map(|(_, cause)| cause).collect();
     Ok(Diagnosis {
         verdict,
-        regime: Regime::AtTheFloor,
+        regime,
         no_gap: judgement.no_gap,
         none_of_these: judgement.none_of_these,
         groups: groups(&causes),
@@ -173,17 +149,83 @@ pub fn diagnose(
         rivals,
         pairs,
         tied_pairs,
-        leftover: left.leftover,
+        leftover: rest.leftover,
         nominal: nominal_explanation(&model, &base)?,
-        refit,
-        is_unexplained: left.is_unexplained,
+        refit: refitted.explanation,
+        is_unexplained: rest.is_unexplained,
         best: best.explanation,
         sigma: noise.sigma,
-        floor: left.floor,
-        is_coloured,
+        floor: rest.floor,
+        is_coloured: found.is_coloured,
         held_out,
         findings,
         not_tested,
         simulations,
     })
+}
+
+/// What was made of the evidence.
+struct Judged {
+    regime: Regime,
+    judgement: Judgement,
+    tied: Vec<usize>,
+    rivals: Vec<(usize, f64)>,
+    pairs: Vec<Pair>,
+    tied_pairs: Vec<usize>,
+    report_horizons: Vec<Horizon>,
+}
+
+/// The best explanation comes near the noise: likelihoods speak.
+fn by_evidence(offers: &Offered, attempt: &mut Attempt<'_>, settings: &Settings) -> Judged {
+    let Attempt { noise, found, weighing, duos, best, rest, .. } = attempt;
+    let causes = &mut weighing.causes;
+    let (tied, rivals) = separate(causes, &mut found.trials, settings);
+    let beside = observed_beside(causes, best, &offers.observed, noise, found.is_coloured);
+    let (mut pairs, tied_pairs) = merge(duos, beside, causes, settings);
+    let judgement = judge(causes, &mut pairs, best, &rest.leftover, settings);
+    let report_horizons = settings.report_horizons.clone();
+    let regime = Regime::AtTheFloor;
+    Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons }
+}
+
+/// Nothing comes near the noise: forecasts speak.
+fn by_forecasts<'a>(
+    case: &Case<'_>,
+    offers: &'a Offered,
+    attempt: &mut Attempt<'a>,
+    held_out: &[Log],
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Judged, FitError> {
+    let simulator = attempt.weighing.base.simulator().boxed();
+    let report_horizons = misfit::memory(&*simulator, &attempt.found.null, held_out);
+    let windows = misfit::windows(&report_horizons);
+    let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
+    if is_free && misfit::is_lost(&attempt.found.null) {
+        *attempt = Attempt::new(case, offers, windows, settings, monitor)?;
+    }
+    let Attempt { noise, found, weighing, best, rest, duos, .. } = attempt;
+    duos.clear();
+    let rules = Rules {
+        horizons: &report_horizons,
+        sigma: &noise.sigma,
+        floor: misfit::floor(&best.errors),
+        replicas: settings.replicas,
+        seed: settings.seed,
+    };
+    let Weighing { causes, priors, reference, refitted, base, .. } = weighing;
+    let yardstick = Yardstick { noise: priors, reference: *reference };
+    let trials = &mut found.trials;
+    let logs = held_out;
+    let (null, simulator) = (&found.null, &*simulator);
+    let judgement =
+        misfit::weigh(simulator, null, trials, causes, logs, &rules, yardstick, settings)?;
+    let in_doubt = causes.iter().take_while(|(_, cause)| 0.0 < cause.probability).count();
+    let (tied, rivals) = separate(&causes[..in_doubt], trials, settings);
+    if let Some(first) = Answer::first(causes, trials, refitted) {
+        *rest = first.rest(refitted, base, noise, found.is_coloured);
+        *best = first;
+    }
+    let (pairs, tied_pairs, regime) = (Vec::new(), Vec::new(), Regime::AboveTheFloor);
+    Ok(Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons })
 }

@@ -24,11 +24,11 @@ use crate::{
 };
 
 /// First causes that others are tried beside.
-const FIRSTS: usize = 5;
+const FIRSTS: usize = 4;
 /// Best single causes of which all pairs are tried.
-const SINGLES: usize = 8;
+const SINGLES: usize = 6;
 /// Other second causes that get a short fit, by what they could explain.
-const HOPEFUL: usize = 8;
+const HOPEFUL: usize = 6;
 /// Second causes of each first one that are fitted to the end.
 const FINALISTS: usize = 3;
 
@@ -199,7 +199,7 @@ impl Duo {
 
     /// The answer that it gives; `None` when it diverges.
     pub(super) fn answer(&self) -> Option<Answer> {
-        Answer::of(&self.model, &self.problem, &self.best, self.pair.log_evidence)
+        Answer::of(&self.model, &self.problem, &self.best, 2, self.pair.log_evidence)
     }
 }
 

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use fd_model::{Record, SampleTime};
 
-use super::{case::Case, settings::Settings};
+use super::case::Case;
 use crate::{
     evidence::NoisePrior,
-    fit::{FitError, NullFit, Plan, Problem, Weights, null_fit},
+    fit::{FitError, Horizon, NullFit, Plan, Problem, Weights, null_fit},
     model::Model,
-    quality::{Finding, grid_step, inspect, robust_third_difference_floor},
+    quality::{Finding, grid_step, inspect, noise_floor, robust_third_difference_floor},
+    shrink::gap_per_output,
     simulate::{EquationSimulator, Simulator},
 };
 
@@ -56,14 +57,29 @@ impl KnownNoise {
         };
         self.stated.iter().zip(&self.sigma).zip(&self.grids).map(of).collect()
     }
+
+    /// How many times the noise is in errors (in sigma), in the output with the most; where none is
+    /// stated, how many times their own floor.
+    pub(super) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
+        let of =
+            |((signals, gap), (stated, sigma)): ((&Vec<Vec<f64>>, f64), (&Option<f64>, &f64))| {
+                let floor = match stated {
+                    Some(stated) => (stated / sigma).max(1.0),
+                    None => noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0),
+                };
+                gap / floor
+            };
+        let outputs = errors.iter().zip(gap_per_output(errors));
+        outputs.zip(self.stated.iter().zip(&self.sigma)).map(of).fold(0.0, f64::max)
+    }
 }
 
 /// Cuts the logs and fits the nuisances.
-pub(super) fn prepare(case: &Case<'_>, settings: &Settings) -> Result<Prepared, FitError> {
+pub(super) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, FitError> {
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let model = pinned(case.nominal.model(), ts);
     let simulator = case.nominal.patched(&model, ts)?;
-    let plan = Arc::new(Plan::new(&*simulator, case.logs, settings.horizon)?);
+    let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
     let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
     let stated: Vec<Option<f64>> = said.collect();
     let null = weighted_null_fit(&plan, &*simulator, &stated)?;

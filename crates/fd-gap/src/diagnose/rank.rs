@@ -24,13 +24,13 @@ pub(super) struct Yardstick<'a> {
 
 /// A law with its weight.
 #[derive(Clone, Debug)]
-struct Weighed<'a> {
+pub(super) struct Weighed<'a> {
     candidate: &'a Candidate,
     /// Place among the trials; `None` for a law of the measurement.
     trial: Option<usize>,
     /// Logarithm of the evidence over that of "no gap".
     log_evidence: f64,
-    cause: Cause,
+    pub(super) cause: Cause,
 }
 
 /// The causes and the trial of the best law of each, the most evidence first.
@@ -134,7 +134,7 @@ pub(super) fn sides(causes: &[Cause]) -> Vec<(Side, f64)> {
 
 impl<'a> Trial<'a> {
     /// Evidence over that of "no gap", and everything else that there is to say.
-    fn weigh(&mut self, place: usize, yardstick: Yardstick<'_>) -> Weighed<'a> {
+    pub(super) fn weigh(&mut self, place: usize, yardstick: Yardstick<'_>) -> Weighed<'a> {
         let weight = self.best.clone().and_then(|best| {
             let errors = self.problem.errors(&best.z)?;
             let likelihood = likelihood(&errors, yardstick.noise);

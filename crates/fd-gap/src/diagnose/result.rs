@@ -159,6 +159,14 @@ pub struct Leftover {
     pub share: f64,
 }
 
+impl Leftover {
+    /// Log-likelihood that something else could gain.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        self.level + self.pattern
+    }
+}
+
 /// A fitted parameter of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {

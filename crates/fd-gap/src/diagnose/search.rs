@@ -24,6 +24,7 @@ use crate::{
 const LINES: usize = 5;
 
 /// All candidates, fitted as far as it was worth it.
+#[derive(Debug)]
 pub(super) struct Found<'a> {
     pub(super) null: NullFit,
     pub(super) trials: Vec<Trial<'a>>,
@@ -37,7 +38,6 @@ pub(super) fn search<'a>(
     null: NullFit,
     nominal: &dyn Nominal,
     candidates: &'a [Candidate],
-    noise: &KnownNoise,
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Found<'a>, FitError> {
@@ -81,18 +81,39 @@ pub(super) fn search<'a>(
     });
     finish(&mut trials, &null, settings.finalists);
 
-    let mut found = Found { null, trials, not_tested, is_coloured: false, lines };
-    if let Some(weights) = colours(&mut found, noise) {
-        let Found { null, trials, .. } = &found;
-        let recoloured = null_fit(null.problem.plan(), null.problem.simulator(), &weights)?;
-        debug_assert!(trials.len() <= candidates.len(), "one trial per candidate");
-        found.null = recoloured;
-        found.is_coloured = true;
-        let null = &found.null;
-        found.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights));
-        finish(&mut found.trials, null, settings.finalists);
+    Ok(Found { null, trials, not_tested, is_coloured: false, lines })
+}
+
+impl Found<'_> {
+    /// What the best single fit leaves, in sigma.
+    pub(super) fn best_errors(&self) -> Option<Vec<Vec<Vec<f64>>>> {
+        let best = self.trials.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()));
+        match best.and_then(|trial| Some((trial, trial.best.as_ref()?))) {
+            Some((trial, best)) => trial.problem.clone().errors(&best.z),
+            None => self.null.problem.clone().errors(&self.null.minimum.z),
+        }
     }
-    Ok(found)
+
+    /// Gives the noise the colour of what the best explanation leaves, and fits everything again
+    /// with it. Says whether there is one.
+    pub(super) fn colour(
+        &mut self,
+        left: &[Vec<Vec<f64>>],
+        noise: &KnownNoise,
+        finalists: usize,
+    ) -> Result<bool, FitError> {
+        let mut weights: Weights = self.null.problem.weights().clone();
+        weights.colour = likelihood(left, &noise.priors(true)).colour;
+        self.is_coloured = weights.colour.iter().any(|colour| colour.innovation() < COLOURED);
+        if self.is_coloured {
+            self.null =
+                null_fit(self.null.problem.plan(), self.null.problem.simulator(), &weights)?;
+            let null = &self.null;
+            self.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights));
+            finish(&mut self.trials, null, finalists);
+        }
+        Ok(self.is_coloured)
+    }
 }
 
 /// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.
@@ -138,19 +159,4 @@ fn finish(trials: &mut [Trial<'_>], null: &NullFit, finalists: usize) {
             trial.full_fit(null);
         }
     });
-}
-
-/// The colour of what the best fit leaves, if it has one.
-fn colours(found: &mut Found<'_>, noise: &KnownNoise) -> Option<Weights> {
-    let mut weights = found.null.problem.weights().clone();
-    let best = found.trials.iter_mut().min_by(|a, b| a.cost().total_cmp(&b.cost()));
-    let errors = match best {
-        Some(trial) => {
-            let best = trial.best.as_ref()?;
-            trial.problem.errors(&best.z)
-        }
-        None => found.null.problem.errors(&found.null.minimum.z),
-    };
-    weights.colour = likelihood(&errors?, &noise.priors(true)).colour;
-    weights.colour.iter().any(|colour| colour.innovation() < COLOURED).then_some(weights)
 }

@@ -1,6 +1,6 @@
 //! What the log cannot tell from the leader.
 
-use super::{rank::Ranking, settings::Settings, trial::Trial};
+use super::{result::Cause, settings::Settings, trial::Trial};
 use crate::evidence::{SEPARATED, distance};
 
 /// Rivals that are refitted to the simulation of the best cause.
@@ -9,7 +9,7 @@ const MOST_RIVALS: usize = 8;
 /// Places of the causes that this log cannot tell from the first, and of those that are nearly as
 /// probable but could be told apart.
 pub(super) fn separate(
-    causes: &Ranking,
+    causes: &[(Option<usize>, Cause)],
     trials: &mut [Trial<'_>],
     settings: &Settings,
 ) -> (Vec<usize>, Vec<(usize, f64)>) {

@@ -295,7 +295,7 @@ fn is_discrete(model: &Model, site: &Site) -> bool {
 }
 
 /// The expression with all definitions written out.
-fn inline(model: &Model, expr: &Expr) -> Expr {
+pub(super) fn inline(model: &Model, expr: &Expr) -> Expr {
     expr.substitute(&|name| {
         let definition = model.definitions.iter().find(|definition| definition.name == name)?;
         Some(inline(model, &definition.value))

@@ -3,15 +3,17 @@
 //! Evidence is the probability of the log under a model, averaged over what is not known of the
 //! model ([`evidence`], by Laplace's method at the fit). It is for logs that the best model explains
 //! down to the noise. *When not to use:* when even the best model ends far above the noise, as on
-//! most real logs, likelihoods are absurdly sharp; then held-out data must speak (see
-//! [`shrink`](crate::shrink)).
+//! most real logs, likelihoods are absurdly sharp; then forecasts must speak
+//! ([`win_frequencies`]).
 
+mod frequency;
 mod laplace;
 mod likelihood;
 mod posterior;
 mod tie;
 
 pub use self::{
+    frequency::{BlockErrors, confidence, win_frequencies, win_frequencies_over},
     laplace::{DECADES, evidence},
     likelihood::{Likelihood, NoisePrior, likelihood},
     posterior::{pool, probabilities},

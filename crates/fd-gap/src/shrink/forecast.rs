@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use super::carried::Carried;
 use crate::{
     fit::{
-        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Variable, Weights,
-        minimise,
+        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
+        Weights, minimise,
     },
     simulate::Simulator,
 };
@@ -14,6 +15,10 @@ use crate::{
 const FREE_RUN_SHARE: usize = 4;
 /// Part of a window for the same purpose.
 const WINDOW_SHARE: usize = 2;
+
+/// Relative fall of the sum of squares at which the states of a window are settled: errors above the
+/// noise need no more.
+const STATES_SETTLED: f64 = 1e-4;
 
 /// A model with all its parameters settled.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +29,14 @@ pub struct Settled<'a> {
     pub nuisances: &'a [(String, f64)],
     /// Parameters of the effect, with their values.
     pub effects: &'a [(Variable, f64)],
+}
+
+/// Errors of a forecast, and where they are in the logs.
+#[derive(Clone, Debug)]
+pub(super) struct Forecast {
+    /// As [`forecast_errors`] returns them.
+    pub(super) errors: Vec<Vec<Vec<f64>>>,
+    pub(super) segments: Vec<Segment>,
 }
 
 /// Forecast errors (simulated less measured) in units of sigma: per output, one signal per segment,
@@ -41,7 +54,35 @@ pub fn forecast_errors(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
-    let mut plan = Plan::of_logs(nominal, logs.to_vec(), horizon)?;
+    Ok(forecast(nominal, settled, logs, horizon, sigma)?.map(|forecast| forecast.errors))
+}
+
+/// Log by log: a free run of each log tells what its effects remember.
+pub(super) fn forecast(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    logs: &[Log],
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Forecast>, FitError> {
+    let mut all = Forecast { errors: vec![Vec::new(); sigma.len()], segments: Vec::new() };
+    for (i, log) in logs.iter().enumerate() {
+        let one = forecast_one(nominal, settled, log, horizon, sigma)?;
+        let Some(Forecast { errors, segments }) = one else { return Ok(None) };
+        all.errors.iter_mut().zip(errors).for_each(|(all, one)| all.extend(one));
+        all.segments.extend(segments.iter().map(|segment| Segment { log: i, ..*segment }));
+    }
+    Ok(Some(all))
+}
+
+fn forecast_one(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    log: &Log,
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Forecast>, FitError> {
+    let mut plan = Plan::of_logs(nominal, vec![log.clone()], horizon)?;
     for variable in &mut plan.shared {
         let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
         variable.start = known.map_or(variable.start, |(_, value)| *value);
@@ -57,17 +98,23 @@ pub fn forecast_errors(
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
     }
     let segments = plan.segments.clone();
+    let starts: Vec<usize> = segments.iter().map(|segment| segment.from).collect();
+    let simulator: Box<dyn Simulator> = match Carried::new(settled, nominal.initial(), log, &starts)
+    {
+        Some(carried) => Box::new(carried),
+        None => settled.simulator.boxed(),
+    };
     let build = |plan| {
         let effects = settled.effects.iter().map(|(variable, _)| variable.clone()).collect();
         let weights = Weights::white(sigma.to_vec());
-        Problem::new(Arc::new(plan), settled.simulator.boxed(), effects, weights)
+        Problem::new(Arc::new(plan), simulator.boxed(), effects, weights)
     };
     let mut estimate = build(begun)?;
     let Layout { shared, .. } = *estimate.layout();
     let values: Vec<f64> = settled.effects.iter().map(|(_, value)| *value).collect();
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
-    let search = Search { own_only: true, ..Search::default() };
+    let search = Search { own_only: true, relative: STATES_SETTLED, ..Search::default() };
     let Some(begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
     debug_assert_eq!(begin.z[..shared], z[..shared], "only states move");
     let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
@@ -76,5 +123,5 @@ pub fn forecast_errors(
             signal[..(segment.to - segment.from).div_ceil(share)].fill(f64::NAN);
         }
     }
-    Ok(Some(errors))
+    Ok(Some(Forecast { errors, segments }))
 }

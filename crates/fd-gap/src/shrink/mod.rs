@@ -4,10 +4,15 @@
 //! run from its first quarter), and only the rest is scored. The gap before is that of the model
 //! with its parameters refitted, which is the honest comparison, and that of the nominal one.
 
+mod carried;
+mod contest;
 mod forecast;
 mod gap;
+mod horizons;
 
 pub use self::{
+    contest::{Contest, Rules, contest},
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
+    horizons::{dominant_time_constant, horizons},
 };

@@ -267,6 +267,11 @@ impl Simulator for EquationSimulator<f64> {
         &self.x
     }
 
+    fn go_on_from(&mut self, x: &[f64]) -> bool {
+        self.x.copy_from_slice(x);
+        true
+    }
+
     fn boxed(&self) -> Box<dyn Simulator> {
         Box::new(self.clone())
     }

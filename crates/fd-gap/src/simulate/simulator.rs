@@ -56,6 +56,13 @@ pub trait Simulator: Debug + Send + Sync {
     /// The state now, in the order of [`initial`](Self::initial).
     fn state(&self) -> &[f64];
 
+    /// Replaces the state in the middle of a run, in the order of [`initial`](Self::initial), and keeps
+    /// everything else that the simulator remembers. Returns `false`, and does nothing, if that is
+    /// not possible.
+    fn go_on_from(&mut self, _x: &[f64]) -> bool {
+        false
+    }
+
     /// An independent copy, for another thread.
     fn boxed(&self) -> Box<dyn Simulator>;
 

@@ -6,7 +6,7 @@ use crate::{
     file::{
         log_error::LogError,
         log_header::{HeaderColumn, find, texts},
-        log_map::{ColumnMap, LogMap},
+        log_map::{ColumnMap, LogMap, RowRule},
     },
     unit::Conversion,
 };
@@ -52,6 +52,20 @@ pub(super) fn time_source(
         column_unit: map.time.unit.clone(),
     };
     Ok(Time::Column(resolve(file, header, &seconds)?.0))
+}
+
+/// Columns of the rules about rows, in the unit they have.
+pub(super) fn rule_columns(
+    file: &str,
+    header: &[HeaderColumn],
+    rules: &[RowRule],
+) -> Result<Vec<(RowRule, Column)>, LogError> {
+    let column = |rule: &RowRule| {
+        let index = find(file, header, &rule.column)?;
+        let text = header[index].text.clone();
+        Ok((rule.clone(), Column { index, text, conversion: Conversion::IDENTITY }))
+    };
+    rules.iter().map(column).collect()
 }
 
 /// Finds a column and settles its unit.

@@ -4,7 +4,11 @@ use std::io;
 
 use thiserror::Error;
 
-use crate::{file::model_error::FileAction, resample::TimeBaseError, unit::UnitError};
+use crate::{
+    file::{log_map::RowRule, model_error::FileAction},
+    resample::TimeBaseError,
+    unit::UnitError,
+};
 
 /// A log cannot be read or written. Rows are lines of the file, counted from 1, as an editor
 /// shows them.
@@ -32,6 +36,14 @@ pub enum LogError {
     NoRows {
         /// Name of the file.
         file: String,
+    },
+    /// The rules about rows let none through.
+    #[error("{file}: expected rows that fit {rules:?}, found none")]
+    NoneSelected {
+        /// Name of the file.
+        file: String,
+        /// The rules.
+        rules: Vec<RowRule>,
     },
     /// The log was written in a version of the format that is not known.
     #[error("{file}, row 1: expected log format version 1, found {found}")]

@@ -44,8 +44,39 @@ pub struct LogMap {
     pub delimiter: Option<char>,
     /// Whether numbers are written `1,5` instead of `1.5`.
     pub decimal_comma: bool,
+    /// Which rows are samples of this log: those that every rule lets through; all if there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RowRule>,
     /// How the samples are put on an even time base.
     pub resample: ResamplePolicy,
+}
+
+/// Which rows belong to the log, by the number in one of their columns: a run out of a file of many,
+/// or a stretch of time. Everything that is given must hold; a row whose number is missing is out.
+///
+/// ```
+/// use fd_model::file::{LogMap, RowRule, read_log_from};
+///
+/// let csv = "run,t,y\n0,0,5\n0,1,6\n1,0,7\n1,1,8\n";
+/// let mut map: LogMap = toml::from_str("outputs = [{ name = 'y' }]")?;
+/// map.rows = vec![RowRule::equal("run", 1.0)];
+/// assert_eq!(read_log_from("runs.csv", csv.as_bytes(), &map)?.record.y(0), [7.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RowRule {
+    /// Header of the column, with or without its unit; numbers are compared as they are in the file.
+    pub column: String,
+    /// The number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equals: Option<f64>,
+    /// The least number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// A number that is too large.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
 }
 
 /// Where the time of a log comes from.
@@ -120,6 +151,23 @@ impl LogMap {
     #[must_use]
     pub fn for_model(model: &LinearModel) -> Self {
         Self::for_channels(&model.input_channels(), &model.output_channels())
+    }
+}
+
+impl RowRule {
+    /// Rows with this number in a column.
+    #[must_use]
+    pub fn equal(column: impl Into<String>, number: f64) -> Self {
+        Self { column: column.into(), equals: Some(number), ..Self::default() }
+    }
+
+    /// Whether a row with this number belongs to the log.
+    pub(super) fn admits(&self, number: f64) -> bool {
+        // NaN is neither equal, nor at least, nor below.
+        self.equals.is_none_or(|wanted| number == wanted)
+            && self.from.is_none_or(|least| least <= number)
+            && self.until.is_none_or(|end| number < end)
+            && !number.is_nan()
     }
 }
 

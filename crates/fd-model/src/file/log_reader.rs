@@ -11,11 +11,11 @@ use csv::ByteRecord;
 use crate::{
     channel::Channel,
     file::{
-        log_columns::{Column, Time, resolve, time_source},
+        log_columns::{Column, Time, resolve, rule_columns, time_source},
         log_error::LogError,
         log_head::{Head, LineCounter, cannot_read, utf8},
         log_header::{HeaderColumn, detect_delimiter},
-        log_map::LogMap,
+        log_map::{LogMap, RowRule},
     },
     record::Record,
     resample::{TimeBaseError, TimeBaseReport, TimeSeries},
@@ -53,6 +53,7 @@ pub struct LogReader<R> {
     lines: LineCounter,
     decimal_comma: bool,
     time: Time,
+    rules: Vec<(RowRule, Column)>,
     columns: Vec<Column>,
     rows_read: u64,
     inputs: Vec<Channel>,
@@ -166,6 +167,7 @@ impl<R: Read> LogReader<R> {
             lines: LineCounter { before_header: head.lines_before, crlf },
             decimal_comma: map.decimal_comma,
             time,
+            rules: rule_columns(file, &header, &map.rows)?,
             values: vec![f64::NAN; columns.len()],
             columns,
             rows_read: 0,
@@ -187,23 +189,15 @@ impl<R: Read> LogReader<R> {
         &self.outputs
     }
 
-    /// The next row, in the units of the channels, or nothing at the end. Times are as they are
-    /// in the file, in any order.
+    /// The next row that belongs to the log, in the units of the channels, or nothing at the end.
+    /// Times are as they are in the file, in any order.
     ///
     /// # Errors
     ///
     /// Returns an error when the file cannot be read, the row has the wrong number of cells, or a
     /// cell is not a number.
     pub fn next_row(&mut self) -> Result<Option<LogRow<'_>>, LogError> {
-        let before = self.csv.position().line();
-        if !self.csv.read_byte_record(&mut self.cells).map_err(|e| csv_error(&self.file, &e))? {
-            return Ok(None);
-        }
-        let row = self.lines.row(before, self.csv.position().line());
-        if self.cells.len() != self.width {
-            let (expected, found) = (self.width, self.cells.len());
-            return Err(LogError::Cells { file: self.file.clone(), row, expected, found });
-        }
+        let Some(row) = self.next_admitted()? else { return Ok(None) };
         let time = match &self.time {
             Time::Rows(ts) => self.rows_read as f64 * ts.seconds(),
             Time::Column(column) => {
@@ -222,6 +216,28 @@ impl<R: Read> LogReader<R> {
         Ok(Some(LogRow { row, time, u, y }))
     }
 
+    /// Reads cells up to a row that all rules admit, and returns its line.
+    fn next_admitted(&mut self) -> Result<Option<u64>, LogError> {
+        loop {
+            let before = self.csv.position().line();
+            if !self.csv.read_byte_record(&mut self.cells).map_err(|e| csv_error(&self.file, &e))? {
+                return Ok(None);
+            }
+            let row = self.lines.row(before, self.csv.position().line());
+            if self.cells.len() != self.width {
+                let (expected, found) = (self.width, self.cells.len());
+                return Err(LogError::Cells { file: self.file.clone(), row, expected, found });
+            }
+            let mut is_admitted = true;
+            for (rule, column) in &self.rules {
+                is_admitted &= rule.admits(self.number(row, column)?.0);
+            }
+            if is_admitted {
+                return Ok(Some(row));
+            }
+        }
+    }
+
     fn read_all(mut self, map: &LogMap) -> Result<Log, LogError> {
         let mut series = TimeSeries {
             inputs: self.inputs.clone(),
@@ -236,7 +252,14 @@ impl<R: Read> LogReader<R> {
             series.y.extend_from_slice(y);
         }
         if rows.is_empty() {
-            return Err(LogError::NoRows { file: self.file });
+            let file = self.file;
+            let rules = map.rows.clone();
+            let is_empty = rules.is_empty();
+            return Err(if is_empty {
+                LogError::NoRows { file }
+            } else {
+                LogError::NoneSelected { file, rules }
+            });
         }
         let mut policy = map.resample.clone();
         policy.sample_time = map.time.sample_time.or(policy.sample_time).or(self.sample_time);

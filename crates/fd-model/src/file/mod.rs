@@ -22,7 +22,7 @@ mod model_write;
 pub use self::{
     atomic::write_atomically,
     log_error::LogError,
-    log_map::{ColumnMap, LogMap, TimeMap},
+    log_map::{ColumnMap, LogMap, RowRule, TimeMap},
     log_reader::{Log, LogReader, LogRow, read_log, read_log_from},
     log_writer::{write_log, write_log_to},
     model::{LinearModel, LinearSystem, ModelChannel},

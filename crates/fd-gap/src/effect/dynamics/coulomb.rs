@@ -2,7 +2,8 @@
 
 use super::each_site;
 use crate::{
-    effect::{Effect, Offers, ReplayScales},
+    effect::{Effect, Offers, ReplayScales, scales::inline},
+    equation::Expr,
     model::Model,
 };
 
@@ -12,7 +13,10 @@ use crate::{
 /// * Direction-dependent: `f (1 ± a)` for the two directions.
 /// * Stribeck: `f + g exp(-(v/w)²)`.
 /// * Load-dependent: `f + m |N|`, where `N` is the force that the nominal model has at the site,
-///   the sum of what drives and what holds (a gear that rubs more the more it transmits).
+///   the sum of what drives and what holds: what accelerates.
+/// * Gear: `f + m |D - H|`, where `D` is the part of that force that the inputs drive and `H` the
+///   rest, such as a weight: what is transmitted (Duclusaud et al. 2025, arXiv 2410.08650, model
+///   M3). A drive that only holds a weight rubs.
 #[derive(Clone, Copy, Debug)]
 pub struct CoulombFriction;
 
@@ -32,6 +36,11 @@ impl Effect for CoulombFriction {
                 sketch(law).with_creep(at).strength("f", "coulomb", unit, at.force(), [0.0, 3.0])
             };
             let name = "friction";
+            let inputs = |name: &str| {
+                let is_input = nominal.inputs.iter().any(|input| input.name == name);
+                is_input.then_some(Expr::Number(0.0))
+            };
+            let held = inline(nominal, &at.site.acceleration).substitute(&inputs).simplify();
             vec![
                 dry("symmetric").resist(name, "f*tanh(v/max(V, K*f))").starts([
                     [0.05],
@@ -60,6 +69,15 @@ impl Effect for CoulombFriction {
                     .bind("A", at.site.acceleration.clone())
                     .bind("C", at.site.compliance.clone())
                     .define("N", "nominal_force", "A/C")
+                    .define("h", "friction_level", "f + m*abs(N)")
+                    .resist(name, "h*tanh(v/max(V, K*h))")
+                    .starts([[0.05, 0.05], [0.02, 0.2], [0.3, 0.1]]),
+                dry("gear")
+                    .strength("m", "per_transmitted", "1", 1.0, [0.0, 1.0])
+                    .bind("A", at.site.acceleration.clone())
+                    .bind("H", held)
+                    .bind("C", at.site.compliance.clone())
+                    .define("N", "transmitted_force", "(A - 2*H)/C")
                     .define("h", "friction_level", "f + m*abs(N)")
                     .resist(name, "h*tanh(v/max(V, K*h))")
                     .starts([[0.05, 0.05], [0.02, 0.2], [0.3, 0.1]]),

@@ -91,3 +91,18 @@ fn the_example_log_is_made_from_the_example_model() {
         }
     }
 }
+
+#[test]
+fn one_run_and_one_stretch_out_of_a_file_of_many() {
+    let csv = "run,time_s,position_rad\n3,0,1\n2,1,oops\n3,1,2\n,2,3\n3,2,4\n3,5,5\n3,6,6\n";
+    let mut map: LogMap = toml::from_str(&block("rows.toml")).unwrap();
+    let read = |map: &LogMap| read_log_from("runs.csv", csv.as_bytes(), map);
+    let record = read(&map).unwrap().record;
+    assert_eq!((record.len(), record.y(0)[0], record.y(1)[0]), (2, 2.0, 4.0));
+
+    map.rows[0].equals = Some(4.0);
+    let message = read(&map).unwrap_err().to_string();
+    assert!(message.contains("found none") && message.contains("4.0"), "{message}");
+    map.rows[0].column = "runs".to_owned();
+    assert!(read(&map).unwrap_err().to_string().contains("did you mean `run`?"));
+}

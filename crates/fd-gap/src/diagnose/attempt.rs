@@ -1,0 +1,139 @@
+//! One attempt at an answer: singles, the colour of the noise, pairs.
+
+use super::{
+    answer::{Answer, Rest},
+    case::Case,
+    explain::explain,
+    judge::worth,
+    monitor::Monitor,
+    observe::{Observed, observe},
+    offered::Offered,
+    pairs::{Duo, PAIR, Workshop, seek_pairs},
+    prepare::{KnownNoise, Prepared, prepare},
+    rank::{Ranking, Yardstick, rank},
+    search::{Found, search},
+    settings::Settings,
+    steps::refine,
+};
+use crate::{
+    effect::Candidate,
+    evidence::{NoisePrior, evidence, likelihood},
+    fit::{FitError, Horizon, Problem},
+    model::Model,
+};
+
+/// Errors within this many times the noise may be noise of another colour.
+pub(super) const REACHED: f64 = 2.0;
+/// Log-likelihood that something else could gain from which second causes are tried.
+const SOMETHING: f64 = 3.0;
+
+/// Everything that was fitted and weighed.
+#[derive(Debug)]
+pub(super) struct Attempt<'a> {
+    /// The nominal model with the integration step that is in use.
+    pub(super) model: Model,
+    pub(super) noise: KnownNoise,
+    pub(super) found: Found<'a>,
+    pub(super) weighing: Weighing<'a>,
+    pub(super) duos: Vec<Duo>,
+    pub(super) best: Answer,
+    pub(super) rest: Rest,
+}
+
+/// Single causes, weighed with the noise as it is taken to be.
+#[derive(Debug)]
+pub(super) struct Weighing<'a> {
+    pub(super) base: Problem,
+    pub(super) refitted: Answer,
+    pub(super) priors: Vec<NoisePrior>,
+    /// Logarithm of the evidence of "no gap".
+    pub(super) reference: f64,
+    pub(super) observed: Vec<(&'a Candidate, Observed)>,
+    pub(super) causes: Ranking,
+}
+
+impl<'a> Weighing<'a> {
+    fn of(
+        found: &mut Found<'a>,
+        model: &Model,
+        noise: &KnownNoise,
+        observations: &'a [Candidate],
+    ) -> Result<Self, FitError> {
+        let mut base = found.null.problem.clone();
+        let at = &found.null.minimum;
+        let errors = base.errors(&at.z).ok_or(FitError::Diverged)?;
+        let explanation = explain(model, &mut base, &at.z).ok_or(FitError::Diverged)?;
+        let priors = noise.priors(found.is_coloured);
+        let reference = evidence(&base, at, &likelihood(&errors, &priors), &[]);
+        let reference = reference.ok_or(FitError::Diverged)?;
+        let weigh = |candidate: &'a Candidate| {
+            Some((candidate, observe(candidate, &errors, noise, found.is_coloured)?))
+        };
+        let observed: Vec<_> = observations.iter().filter_map(weigh).collect();
+        let yardstick = Yardstick { noise: &priors, reference };
+        let causes = rank(&mut found.trials, &observed, &explanation, yardstick);
+        let refitted = Answer { explanation, errors, fit: None, effects: 0, log_evidence: 0.0 };
+        Ok(Self { base, refitted, priors, reference, observed, causes })
+    }
+
+    pub(super) fn yardstick(&self) -> Yardstick<'_> {
+        Yardstick { noise: &self.priors, reference: self.reference }
+    }
+}
+
+impl<'a> Attempt<'a> {
+    pub(super) fn new(
+        case: &Case<'_>,
+        offers: &'a Offered,
+        horizon: Horizon,
+        settings: &Settings,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, FitError> {
+        let Prepared { mut model, null, noise } = prepare(case, horizon)?;
+        let nominal = case.nominal;
+        let mut found = search(null, nominal, &offers.simulated, settings, monitor)?;
+        refine(nominal, &mut model, &mut found.null, &mut found.trials)?;
+        let seek = |found: &Found<'a>, weighing: &Weighing<'a>| {
+            let (suspects, null, lines) = (case.suspects, &found.null, found.lines.as_slice());
+            let yardstick = weighing.yardstick();
+            let workshop = Workshop { nominal, suspects, null, lines, yardstick };
+            seek_pairs(workshop, &found.trials, &weighing.causes, monitor)
+        };
+        // Far above the noise its colour cannot be told, and may be another effect.
+        let mut left = found.best_errors().ok_or(FitError::Diverged)?;
+        let mut duos = Vec::new();
+        let mut weighing = None;
+        let is_near = noise.reach(&left) <= REACHED;
+        if !is_near {
+            let white = Weighing::of(&mut found, &model, &noise, &offers.observed)?;
+            duos = seek(&found, &white);
+            if let Some(answer) = duos.first().and_then(Duo::answer) {
+                left = answer.errors;
+            }
+            weighing = Some(white);
+        }
+        let is_coloured =
+            noise.reach(&left) <= REACHED && found.colour(&left, &noise, settings.finalists)?;
+        let weighing = match weighing.filter(|_| !is_coloured) {
+            Some(white) => white,
+            None => Weighing::of(&mut found, &model, &noise, &offers.observed)?,
+        };
+        let single = Answer::first(&weighing.causes, &found.trials, &weighing.refitted)
+            .filter(|single| worth(settings, weighing.causes.len()) < single.log_evidence);
+        let mut best = single.unwrap_or_else(|| weighing.refitted.clone());
+        let rest =
+            |answer: &Answer| answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured);
+        let mut left = rest(&best);
+        let is_open = left.is_unexplained || SOMETHING < left.leftover.gain();
+        if is_near && is_open || !is_near && is_coloured {
+            duos = seek(&found, &weighing);
+        }
+        if let Some(answer) = duos.first().and_then(Duo::answer)
+            && best.log_evidence + PAIR < answer.log_evidence
+        {
+            best = answer;
+            left = rest(&best);
+        }
+        Ok(Self { model, noise, found, weighing, duos, best, rest: left })
+    }
+}
