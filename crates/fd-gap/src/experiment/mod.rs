@@ -1,12 +1,44 @@
 //! The experiment, sensor or sampling that would separate causes that a log cannot.
+//!
+//! An experiment separates two causes when one of them, refitted to what the other predicts of the
+//! present logs *and* of the new one together, leaves many squares of the noise (more than 9): the
+//! new data must not be explained by another strength or other parameters. Tried are inputs within
+//! the range of the logs, the logged one at twice its amplitude, then sensors of states that are
+//! not logged, then four times the sample rate; the first kind that separates all is advised.
+//!
+//! *When not to use:* predictions are those of the fitted causes; when none of them is right, the
+//! advice is for a question that does not matter. Inputs through which the leader is chaotic or
+//! diverges are left out.
 
+mod arena;
+mod excitation;
 mod result;
 
+use rayon::prelude::*;
+
 pub use self::result::{Advice, Excitation, Experiment, Reach, Separation};
-use crate::{
-    diagnose::{Case, Diagnosis},
-    fit::FitError,
+use self::{
+    arena::{Arena, Contender},
+    excitation::{ALL, inputs},
 };
+use crate::{
+    diagnose::{Case, Cause, Diagnosis, Verdict},
+    evidence::SEPARATED,
+    fit::{FitError, Log},
+    locate::{
+        bench::{Bench, settled},
+        places::name,
+    },
+};
+
+/// Most rivals that are refitted.
+const MOST_RIVALS: usize = 4;
+/// Most sensors that are tried.
+const MOST_SENSORS: usize = 4;
+/// Longest experiment that is simulated by default, in samples.
+const LONGEST: usize = 1000;
+/// How many times faster sampling could be.
+const FASTER: u32 = 4;
 
 /// The experiment of least effort that would separate the leading cause from those that are tied
 /// with it, or else from its rivals.
@@ -14,6 +46,211 @@ use crate::{
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
-pub fn next(_case: &Case<'_>, _diagnosis: &Diagnosis, _reach: &Reach) -> Result<Advice, FitError> {
-    Ok(Advice { between: vec![], now: 0.0, tried: vec![], best: None, statement: String::new() })
+pub fn next(case: &Case<'_>, diagnosis: &Diagnosis, reach: &Reach) -> Result<Advice, FitError> {
+    let between = between(diagnosis);
+    let nothing = |statement: &str| Advice {
+        between: Vec::new(),
+        now: f64::INFINITY,
+        tried: Vec::new(),
+        best: None,
+        statement: statement.to_owned(),
+    };
+    let [leader, others @ ..] = between.as_slice() else {
+        return Ok(nothing("there is nothing to separate"));
+    };
+    let bench = Bench::new(case, diagnosis)?;
+    let rivals = contenders(case, diagnosis, others);
+    let leader = &diagnosis.causes[*leader];
+    let is_best = diagnosis.best.model == leader.model;
+    let starts = is_best.then_some(diagnosis.best.starts.as_slice());
+    let arena = |sensor: Option<(String, f64)>, faster: u32| {
+        Arena::new(case, &bench, leader, starts, sensor, faster)
+    };
+    let present = arena(None, 1).and_then(|mut arena| arena.distances(&rivals, None));
+    let Some(now) = present.filter(|_| rivals.len() == others.len()) else {
+        return Ok(nothing("the causes that are left cannot be simulated again"));
+    };
+    let now = now.into_iter().fold(f64::INFINITY, f64::min);
+    let try_all = |experiments: Vec<Experiment>| -> Vec<Separation> {
+        let mut tried: Vec<Separation> = experiments
+            .into_par_iter()
+            .filter_map(|experiment| {
+                let mut arena = arena(experiment.sensor.clone(), experiment.faster)?;
+                let distances = arena.distances(&rivals, Some(&experiment.u))?;
+                Some(Separation { experiment, distances })
+            })
+            .collect();
+        tried.sort_by(|a, b| b.least().total_cmp(&a.least()));
+        tried
+    };
+    let is_enough = |tried: &[Separation]| tried.iter().any(|t| SEPARATED <= t.least());
+    let mut tried = try_all(other_inputs(&bench, reach));
+    // The most separating input, and the one that needs no change, with more to see.
+    let mut base: Vec<(Excitation, Vec<f64>)> = Vec::new();
+    for excitation in tried.first().into_iter().chain(tried.iter().find(|t| is_logged(t))) {
+        let Experiment { excitation, u, .. } = &excitation.experiment;
+        if base.iter().all(|(known, _)| known != excitation) {
+            base.push((*excitation, u.clone()));
+        }
+    }
+    if reach.can_measure && !is_enough(&tried) {
+        let sensors = sensors(case, diagnosis, &bench)?;
+        let experiment = |sensor: (String, f64)| {
+            base.iter().take(1).map(move |(excitation, u)| Experiment {
+                excitation: *excitation,
+                u: u.clone(),
+                name: format!("{}, with `{}` measured as well", excitation.name(), sensor.0),
+                sensor: Some(sensor.clone()),
+                faster: 1,
+            })
+        };
+        tried.extend(try_all(sensors.into_iter().flat_map(experiment).collect()));
+    }
+    if reach.can_sample_faster && !is_enough(&tried) {
+        let experiment = |(excitation, u): &(Excitation, Vec<f64>)| Experiment {
+            excitation: *excitation,
+            u: u.clone(),
+            name: format!("{}, sampled four times faster", excitation.name()),
+            sensor: None,
+            faster: FASTER,
+        };
+        tried.extend(try_all(base.iter().map(experiment).collect()));
+    }
+    let best = tried.iter().position(|t| SEPARATED <= t.least());
+    let statement = words(leader, &rivals, now, &tried, best, reach);
+    Ok(Advice { between, now, tried, best, statement })
+}
+
+/// Causes to be told apart: the tied ones, or else the leader and its rivals.
+fn between(diagnosis: &Diagnosis) -> Vec<usize> {
+    if diagnosis.verdict == Verdict::NoGap || diagnosis.tied.is_empty() {
+        return Vec::new();
+    }
+    let rivals = diagnosis.rivals.iter().map(|(place, _)| *place);
+    let all: Vec<usize> = match diagnosis.tied.as_slice() {
+        [leader] => std::iter::once(*leader).chain(rivals).collect(),
+        tied => tied.to_vec(),
+    };
+    if all.len() < 2 { Vec::new() } else { all.into_iter().take(1 + MOST_RIVALS).collect() }
+}
+
+/// Causes with the candidates that they were fitted as.
+fn contenders<'a>(
+    case: &Case<'_>,
+    diagnosis: &'a Diagnosis,
+    places: &[usize],
+) -> Vec<Contender<'a>> {
+    let offers: Vec<_> = case.suspects.alone().into_iter().filter_map(Result::ok).collect();
+    let contender = |place: &usize| {
+        let cause = &diagnosis.causes[*place];
+        let candidate = offers.iter().find(|candidate| {
+            (candidate.label, candidate.law) == (cause.label, cause.law)
+                && candidate.site == cause.site
+                && candidate.partner == cause.partner
+        })?;
+        Some(Contender { cause, candidate: candidate.clone() })
+    };
+    places.iter().filter_map(contender).collect()
+}
+
+fn other_inputs(bench: &Bench, reach: &Reach) -> Vec<Experiment> {
+    let longest = bench.logs.iter().max_by_key(|log| log.samples);
+    let Some(log) = longest else { return Vec::new() };
+    let samples = reach.samples.unwrap_or(log.samples.min(LONGEST)).max(2);
+    let ranges: Vec<[f64; 2]> = (0..log.nu).map(|i| range(&bench.logs, i)).collect();
+    let experiment = |excitation: Excitation| {
+        // A log too short for a kind of signal goes without it.
+        let u = inputs(excitation, log, &ranges, samples, bench.simulator.ts(), reach).ok()?;
+        let name = excitation.name().to_owned();
+        Some(Experiment { excitation, u, sensor: None, faster: 1, name })
+    };
+    ALL.into_iter().filter_map(experiment).collect()
+}
+
+fn range(logs: &[Log], input: usize) -> [f64; 2] {
+    let values = logs.iter().flat_map(|log| log.u.iter().skip(input).step_by(log.nu));
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
+}
+
+fn is_logged(tried: &&Separation) -> bool {
+    tried.experiment.excitation == Excitation::Logged
+}
+
+/// States that no output shows as they are, with a noise that is as large against their motion as
+/// that of the outputs is in the median.
+fn sensors(
+    case: &Case<'_>,
+    diagnosis: &Diagnosis,
+    bench: &Bench,
+) -> Result<Vec<(String, f64)>, FitError> {
+    let refit = &diagnosis.refit;
+    let mut simulator = case.nominal.patched(&refit.model, bench.simulator.ts())?;
+    let theta = settled(&*simulator);
+    let run = bench.run(&mut *simulator, &theta, &refit.starts, &Vec::new());
+    let (outputs, states) = run.ok_or(FitError::Diverged)?;
+    let spread = |rows: &[Vec<f64>], i: usize, width: usize| {
+        let values = || rows.iter().flat_map(|r| r.iter().skip(i).step_by(width)).copied();
+        let n = values().count().max(1) as f64;
+        let mean = values().sum::<f64>() / n;
+        (values().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+    };
+    let ny = bench.ny();
+    let mut ratios: Vec<f64> = (bench.sigma.iter().enumerate())
+        .map(|(c, sigma)| sigma / spread(&outputs, c, ny))
+        .filter(|ratio| ratio.is_finite())
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(0.01);
+    let model = case.nominal.model();
+    let is_logged = |name: &str| {
+        model.outputs.iter().any(|output| output.value == crate::equation::Expr::name(name))
+    };
+    let initial = simulator.initial();
+    let sensor = |(i, state): (usize, &crate::simulate::Initial)| {
+        let noise = ratio * spread(&states, i, initial.len());
+        let name = &state.channel.name;
+        (!is_logged(name) && 0.0 < noise).then(|| (name.clone(), noise))
+    };
+    Ok(initial.iter().enumerate().filter_map(sensor).take(MOST_SENSORS).collect())
+}
+
+fn words(
+    leader: &Cause,
+    rivals: &[Contender<'_>],
+    now: f64,
+    tried: &[Separation],
+    best: Option<usize>,
+    reach: &Reach,
+) -> String {
+    let cause = |cause: &Cause| format!("{} at {}", cause.label, name(&cause.site));
+    let others: Vec<String> = rivals.iter().map(|rival| cause(rival.cause)).collect();
+    let pair = format!("{} and {}", cause(leader), others.join(", "));
+    let Some(best) = best.map(|best| &tried[best]) else {
+        let most = tried.iter().map(Separation::least).fold(now, f64::max);
+        let mut also = String::new();
+        if reach.can_measure && tried.iter().any(|t| t.experiment.sensor.is_some()) {
+            also += ", nor does a sensor of another state";
+        }
+        if reach.can_sample_faster && tried.iter().any(|t| 1 < t.experiment.faster) {
+            also += ", nor does sampling four times faster";
+        }
+        return format!(
+            "no input within reach separates {pair}{also}: the distance rises from {now:.1} to at \
+             most {most:.1} squares of the noise, where 9 are needed"
+        );
+    };
+    let rises = format!("from {now:.1} to {:.0} squares of the noise", best.least());
+    match &best.experiment {
+        Experiment { sensor: Some((state, _)), .. } => format!(
+            "no input within reach separates {pair}: measure `{state}` as well, and the distance \
+             rises {rises}"
+        ),
+        Experiment { faster: 2.., .. } => format!(
+            "no input within reach separates {pair}: sample four times faster, and the distance \
+             rises {rises}"
+        ),
+        experiment => {
+            format!("run {}: the distance between {pair} rises {rises}", experiment.name)
+        }
+    }
 }

@@ -1,0 +1,138 @@
+//! What the diagnosis of a replica answers, and how probable it finds the truth.
+
+use crate::{
+    diagnose::{Cause, Diagnosis, Verdict},
+    evidence::posterior,
+};
+
+/// Least probability that counts in a logarithm.
+const SMALLEST: f64 = 1e-6;
+/// Temperatures that are tried: `0.2 · 1.1ⁱ`.
+const TEMPERATURES: i32 = 50;
+
+/// A diagnosed replica.
+#[derive(Clone, Debug)]
+pub(super) struct Outcome {
+    /// Row of the truth.
+    pub(super) row: usize,
+    /// Column of the answer.
+    pub(super) column: usize,
+    /// Answers: "no gap" first, then causes, the tied ones as one. Which of them is the truth, and
+    /// the evidence in each.
+    pub(super) answers: Answers,
+}
+
+/// Answers of a diagnosis with their evidence.
+#[derive(Clone, Debug)]
+pub(super) struct Answers {
+    no_gap: f64,
+    evidence: Vec<f64>,
+    /// Places of the tied causes, which count as one answer.
+    tied: Vec<usize>,
+    /// Place of the truth; `None` is "no gap".
+    truth: Option<Option<usize>>,
+}
+
+/// Whether two causes are the same effect at the same place.
+pub(super) fn is_same(a: &Cause, b: &Cause) -> bool {
+    (a.label, &a.site, &a.partner) == (b.label, &b.site, &b.partner)
+}
+
+impl Answers {
+    /// `truth` is the true cause; `None` is "no gap".
+    pub(super) fn of(diagnosis: &Diagnosis, truth: Option<&Cause>, no_gap: f64) -> Self {
+        let place = |truth: &Cause| diagnosis.causes.iter().position(|c| is_same(c, truth));
+        Self {
+            no_gap,
+            evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
+            tied: diagnosis.tied.clone(),
+            truth: truth.map_or(Some(None), |truth| place(truth).map(Some)),
+        }
+    }
+
+    /// Probabilities at a temperature: of "no gap", of the tied causes together, of each other cause
+    /// with its place.
+    pub(super) fn probabilities(&self, temperature: f64) -> (f64, f64, Vec<(usize, f64)>) {
+        let all = posterior(&self.evidence, self.no_gap, temperature);
+        let tied = self.tied.iter().filter_map(|&i| all.causes.get(i)).sum::<f64>().max(0.0);
+        let others = all.causes.iter().copied().enumerate();
+        let others = others.filter(|(i, _)| !self.tied.contains(i)).collect();
+        (all.no_gap, tied, others)
+    }
+
+    /// Probability of the truth, or of the causes that are tied with it.
+    pub(super) fn of_truth(&self, temperature: f64) -> f64 {
+        let (no_gap, tied, others) = self.probabilities(temperature);
+        match self.truth {
+            None => 0.0,
+            Some(None) => no_gap,
+            Some(Some(place)) if self.tied.contains(&place) => tied,
+            Some(Some(place)) => others
+                .iter()
+                .find(|(i, _)| *i == place)
+                .map_or(0.0, |(_, probability)| *probability),
+        }
+    }
+
+    /// The highest probability of an answer.
+    pub(super) fn top(&self, temperature: f64) -> f64 {
+        let (no_gap, tied, others) = self.probabilities(temperature);
+        others.iter().map(|(_, p)| *p).fold(no_gap.max(tied), f64::max)
+    }
+
+    /// How many answers have at least this probability.
+    pub(super) fn at_least(&self, threshold: f64, temperature: f64) -> usize {
+        let (no_gap, tied, others) = self.probabilities(temperature);
+        let all = others.iter().map(|(_, p)| *p).chain([no_gap, tied]);
+        all.filter(|p| threshold <= *p && 0.0 < *p).count()
+    }
+
+    /// The answers with at least this probability, by place; `None` is "no gap".
+    pub(super) fn set(&self, threshold: f64, temperature: f64) -> Vec<Option<usize>> {
+        let (no_gap, tied, others) = self.probabilities(temperature);
+        let is_in = |p: f64| threshold <= p && 0.0 < p;
+        let mut set = Vec::new();
+        if is_in(no_gap) {
+            set.push(None);
+        }
+        if is_in(tied) {
+            set.extend(self.tied.iter().map(|place| Some(*place)));
+        }
+        set.extend(others.iter().filter(|(_, p)| is_in(*p)).map(|(place, _)| Some(*place)));
+        set
+    }
+}
+
+/// The column of an answer: that of a true cause that is answered or tied with the answer, that of
+/// the own row first; then another cause, then no answer.
+pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usize) -> usize {
+    let (other, none) = (truths.len(), truths.len() + 1);
+    let answered = match diagnosis.verdict {
+        Verdict::NoGap => return 0,
+        Verdict::Cause => diagnosis.causes.get(..1),
+        Verdict::Tied => diagnosis.causes.get(..diagnosis.causes.len()),
+        Verdict::Pair => return other,
+        Verdict::NoneOfThese | Verdict::Unclear => return none,
+    };
+    let tied = answered.unwrap_or_default().iter().enumerate();
+    let tied: Vec<&Cause> =
+        tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
+    let is_answered = |truth: &Option<&Cause>| {
+        truth.is_some_and(|truth| tied.iter().any(|answer| is_same(answer, truth)))
+    };
+    if is_answered(&truths[row]) {
+        return row;
+    }
+    truths.iter().position(is_answered).unwrap_or(other)
+}
+
+/// The temperature with the least mean `−ln p` of the truth.
+pub(super) fn best_temperature(outcomes: &[Outcome]) -> f64 {
+    let loss = |temperature: f64| -> f64 {
+        let p = outcomes.iter().map(|o| o.answers.of_truth(temperature).max(SMALLEST));
+        -p.map(f64::ln).sum::<f64>()
+    };
+    let temperatures = (0..TEMPERATURES).map(|i| 0.2 * 1.1_f64.powi(i));
+    let best = temperatures.map(|t| (loss(t), t)).min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(1.0, |(_, temperature)| temperature)
+}

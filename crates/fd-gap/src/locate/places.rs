@@ -1,0 +1,177 @@
+//! Sides of the plant, and places on them: inputs, forces, state equations, outputs.
+
+use rayon::prelude::*;
+
+use super::{
+    free_signal::Probe,
+    result::{FreeSignal, PlaceEvidence, SideEvidence},
+};
+use crate::{
+    diagnose::{Cause, Diagnosis},
+    effect::{Side, SiteRef},
+    equation::Expr,
+    model::Model,
+};
+
+/// Probability from which a place is named.
+const NAMED: f64 = 0.5;
+
+pub(super) fn places(
+    model: &Model,
+    diagnosis: &Diagnosis,
+    probe: &Probe<'_>,
+) -> Vec<PlaceEvidence> {
+    let sites = sites(model);
+    let weights = weights(model, diagnosis, &sites);
+    let mut places: Vec<PlaceEvidence> = (sites.into_par_iter().zip(weights))
+        .map(|((site, equations), probability)| {
+            let free = probe.at(&site);
+            let side = side(&site);
+            let statement = words(&site, probability, free.as_ref());
+            PlaceEvidence { site, side, equations, probability, free, statement }
+        })
+        .collect();
+    let evidence = |place: &PlaceEvidence| place.free.as_ref().map_or(0.0, |f| f.log_evidence);
+    // What differs by rounding is equal.
+    let key = |place: &PlaceEvidence| (1e6 * place.probability).round();
+    let evidence = |place: &PlaceEvidence| (10.0 * evidence(place)).round();
+    places.sort_by(|a, b| key(b).total_cmp(&key(a)).then(evidence(b).total_cmp(&evidence(a))));
+    places
+}
+
+pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<SideEvidence> {
+    let side = |(side, probability): &(Side, f64)| {
+        let here = places.iter().filter(|place| place.side == *side);
+        let shares = here.filter_map(|place| place.free.as_ref()).map(|free| free.share);
+        let free_share = shares.reduce(f64::max);
+        let name = match side {
+            Side::Input => "before the plant (actuator)",
+            Side::Dynamics => "in the plant (dynamics)",
+            Side::Output => "behind the plant (sensor)",
+        };
+        let free = free_share.map_or_else(String::new, |share| {
+            format!("; a free signal there explains up to {:.0} % of the gap", 100.0 * share)
+        });
+        let statement = format!("{name}: probability {probability:.2}{free}");
+        SideEvidence { side: *side, probability: *probability, free_share, statement }
+    };
+    diagnosis.sides.iter().map(|(s, p)| side(&(*s, p.max(0.0)))).collect()
+}
+
+fn side(site: &SiteRef) -> Side {
+    match site {
+        SiteRef::Input(..) => Side::Input,
+        SiteRef::Output(..) => Side::Output,
+        _ => Side::Dynamics,
+    }
+}
+
+/// All places with the states whose equations they enter; a state that one force alone enters is not
+/// listed again.
+fn sites(model: &Model) -> Vec<(SiteRef, Vec<String>)> {
+    let mut all = Vec::new();
+    for (i, input) in model.inputs.iter().enumerate() {
+        all.push((SiteRef::Input(i, input.name.clone()), Vec::new()));
+    }
+    for (i, site) in model.sites.iter().enumerate() {
+        let entered = site.enters.iter().map(|(state, _)| state.clone()).collect();
+        all.push((SiteRef::Force(i, site.name.clone()), entered));
+    }
+    for (i, state) in model.states.iter().enumerate() {
+        if force_on(model, &state.name).is_none() {
+            all.push((SiteRef::State(i, state.name.clone()), vec![state.name.clone()]));
+        }
+    }
+    for (i, output) in model.outputs.iter().enumerate() {
+        all.push((SiteRef::Output(i, output.name.clone()), Vec::new()));
+    }
+    all
+}
+
+/// The force site that enters this equation and no other.
+fn force_on(model: &Model, state: &str) -> Option<usize> {
+    model.sites.iter().position(|site| match site.enters.as_slice() {
+        [(entered, _)] => entered == state,
+        _ => false,
+    })
+}
+
+/// Probability of each site.
+fn weights(model: &Model, diagnosis: &Diagnosis, sites: &[(SiteRef, Vec<String>)]) -> Vec<f64> {
+    let mut weights = vec![0.0; sites.len()];
+    for cause in &diagnosis.causes {
+        let places = places_of(model, cause, sites);
+        for place in &places {
+            weights[*place] += cause.probability / places.len() as f64;
+        }
+    }
+    weights
+}
+
+/// Sites that a cause acts at.
+fn places_of(model: &Model, cause: &Cause, sites: &[(SiteRef, Vec<String>)]) -> Vec<usize> {
+    let place = |wanted: &SiteRef| sites.iter().position(|(site, _)| site == wanted);
+    let of_state = |name: &str| {
+        let state = model.states.iter().position(|state| state.name == name)?;
+        match force_on(model, name) {
+            Some(force) => place(&SiteRef::Force(force, model.sites[force].name.clone())),
+            None => place(&SiteRef::State(state, name.to_owned())),
+        }
+    };
+    match &cause.site {
+        SiteRef::State(_, name) => of_state(name).into_iter().collect(),
+        SiteRef::Parameter(_, name) => {
+            let states = model.states.iter();
+            let touched = states.filter(|state| depends(model, state.law.expr(), name));
+            let mut places: Vec<usize> = touched.filter_map(|s| of_state(&s.name)).collect();
+            if places.is_empty() {
+                let outputs = model.outputs.iter().enumerate();
+                let touched = outputs.filter(|(_, output)| depends(model, &output.value, name));
+                places = touched
+                    .filter_map(|(i, output)| place(&SiteRef::Output(i, output.name.clone())))
+                    .collect();
+            }
+            places.dedup();
+            places
+        }
+        site => place(site).into_iter().collect(),
+    }
+}
+
+/// Whether an expression depends on a name, directly or through definitions.
+fn depends(model: &Model, expr: &Expr, name: &str) -> bool {
+    expr.mentions(name)
+        || model.definitions.iter().any(|definition| {
+            expr.mentions(&definition.name)
+                && definition.name != name
+                && depends(model, &definition.value, name)
+        })
+}
+
+/// A site in words.
+pub(crate) fn name(site: &SiteRef) -> String {
+    match site {
+        SiteRef::Input(_, name) => format!("input `{name}`"),
+        SiteRef::Force(_, name) => format!("force site `{name}`"),
+        SiteRef::State(_, name) => format!("the equation of `{name}`"),
+        SiteRef::Output(_, name) => format!("output `{name}`"),
+        SiteRef::Parameter(_, name) => format!("parameter `{name}`"),
+        SiteRef::WholeModel => "the whole model".to_owned(),
+    }
+}
+
+fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>) -> String {
+    let name = name(site);
+    let verdict = if NAMED < probability { "the cause is here" } else { "the cause may be here" };
+    let said = format!("{name}: {verdict} with probability {probability:.2}");
+    match free {
+        Some(free) if 0.0 < free.log_evidence => format!(
+            "{said}; a free signal of {} {} here would explain {:.0} % of the gap",
+            super::channels::Short(free.rms),
+            free.unit,
+            100.0 * free.share
+        ),
+        Some(_) => format!("{said}; a free signal here would explain nothing"),
+        None => format!("{said}; a free signal cannot be added here, or is not seen"),
+    }
+}
