@@ -44,7 +44,7 @@ impl SignalScale {
         self.std > 1e-9 * self.peak()
     }
 
-    fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
+    pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
         let n = values.clone().count().max(1) as f64;
         let mean = values.clone().sum::<f64>() / n;
         let std = (values.clone().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();
@@ -75,7 +75,7 @@ pub struct ForceScale {
     /// Acceleration of the replay.
     pub motion: SignalScale,
     /// Acceleration of the nominal model, an expression of its names; a rate where the site has no
-    /// velocity.
+    /// velocity, and a number where no equation of motion is known.
     pub acceleration: Expr,
     /// Acceleration per force, an expression.
     pub compliance: Expr,
@@ -303,6 +303,12 @@ pub(super) fn inline(model: &Model, expr: &Expr) -> Expr {
 }
 
 impl ForceScale {
+    /// Whether the nominal model says what moves the site; a black box does not.
+    #[must_use]
+    pub fn has_equation(&self) -> bool {
+        !matches!(self.acceleration, Expr::Number(_))
+    }
+
     /// `force` with the sign that makes it work against a motion or displacement to which it is
     /// positive.
     #[must_use]

@@ -156,7 +156,7 @@ fn hint(nearest: &[String]) -> String {
 pub(super) type Places = HashMap<String, Range<usize>>;
 
 impl ModelError {
-    pub(super) fn new(key: impl Into<String>, mistake: Mistake) -> Self {
+    pub(crate) fn new(key: impl Into<String>, mistake: Mistake) -> Self {
         Self { key: key.into(), place: None, expression: None, mistake: Box::new(mistake) }
     }
 

@@ -11,6 +11,7 @@ mod check;
 mod draft;
 mod error;
 mod file;
+mod linear;
 mod print;
 mod rename;
 
@@ -24,6 +25,7 @@ pub use self::{
         Output, Parameter, Reference, Signal, Site, State,
     },
     error::{LoadError, Mistake, ModelError, Place},
+    linear::LinearOptions,
 };
 
 /// A checked [`Draft`], which it shows through `Deref`.

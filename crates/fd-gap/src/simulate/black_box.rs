@@ -147,6 +147,11 @@ impl Simulator for BlackBox {
         std::mem::swap(&mut self.x, &mut self.x_next);
     }
 
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        self.plant.output(&self.x, u, y);
+        true
+    }
+
     fn state(&self) -> &[f64] {
         &self.x
     }

@@ -201,7 +201,7 @@ impl<T: Scalar> EquationSimulator<T> {
                 self.delay(t, substep, DelayLine::correct);
             }
             if substep == 0 {
-                self.measure(t, y);
+                self.measure_at(t, y);
             }
             self.integrate(t, substep);
             self.first = T::zero();
@@ -261,6 +261,17 @@ impl Simulator for EquationSimulator<f64> {
 
     fn step(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [f64]) {
         self.advance(u, u_next, f, y);
+    }
+
+    /// Not with delays or a sampled controller, which remember what they have seen.
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        let inputs = self.system.inputs.len();
+        load(&mut self.u[..inputs], &u[..inputs]);
+        let is_plain = self.lines.is_empty() && self.system.control.is_none();
+        if is_plain {
+            self.measure_at(self.sample as f64 * self.system.timing.ts, y);
+        }
+        is_plain
     }
 
     fn state(&self) -> &[f64] {

@@ -66,6 +66,27 @@ pub enum SimulateError {
         /// Name of the delayed value.
         delay: String,
     },
+    /// A black box that steps at another rate than the log.
+    #[error(
+        "the simulator steps every {own} s and samples come every {ts} s: it must step a whole number of times per sample"
+    )]
+    Rate {
+        /// Time between steps of the simulator, in seconds.
+        own: f64,
+        /// Time between samples, in seconds.
+        ts: f64,
+    },
+    /// A model that is not the shell of this simulator with effects in it.
+    #[error("the model is not that of this shell: it has no {what} `{name}`")]
+    NotThisShell {
+        /// Kind of entry.
+        what: &'static str,
+        /// Name of the entry.
+        name: String,
+    },
+    /// A part of a model is not a correct model.
+    #[error(transparent)]
+    Model(#[from] crate::model::ModelError),
     /// Numbers of values do not match the model.
     #[error("{what}: expected {expected} values, got {found}")]
     Length {

@@ -5,6 +5,8 @@
 //! runs a [`Model`](crate::model::Model) and shows them all; [`BlackBox`] makes a simulator of any
 //! [`Plant`](fd_core::stage::Plant) or linear model.
 //!
+//! What is diagnosed is a [`Nominal`]: equations, or a [`Shell`] around any other simulator.
+//!
 //! Integration is Runge-Kutta of order 4 on an even grid of sub-steps between samples. The length
 //! `h` of a sub-step follows from the fastest eigenvalue of the linearised model, `h |λ| < 0.3`,
 //! unless the model states it. At that bound the relative error of one step is
@@ -22,6 +24,7 @@ mod flat;
 mod jacobian;
 mod linearize;
 mod nominal;
+mod shell;
 mod simulator;
 mod timing;
 
@@ -31,5 +34,6 @@ pub use self::{
     error::SimulateError,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     nominal::Nominal,
+    shell::{Shell, ShellSimulator},
     simulator::{Initial, Outcome, Port, Simulator},
 };

@@ -53,6 +53,17 @@ pub trait Simulator: Debug + Send + Sync {
     /// May panic when the numbers of values are wrong.
     fn step(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [f64]);
 
+    /// Writes the outputs of this sample without moving on, and says whether the simulator can do
+    /// that. A force that depends on what it moves needs it; without, it sees the outputs of the
+    /// sample before.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn measure(&mut self, _u: &[f64], _y: &mut [f64]) -> bool {
+        false
+    }
+
     /// The state now, in the order of [`initial`](Self::initial).
     fn state(&self) -> &[f64];
 

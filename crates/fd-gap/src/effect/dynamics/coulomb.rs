@@ -65,6 +65,7 @@ impl Effect for CoulombFriction {
                     .resist(name, "(f + g*exp(-(v/w)^2))*tanh(v/max(V, K*(f + g)))")
                     .starts([[0.05, 0.1, 0.3], [0.2, 0.3, 0.2], [0.5, 0.5, 0.6]]),
                 dry("load-dependent")
+                    .require(at.site.has_equation(), super::NO_EQUATION)
                     .strength("m", "per_load", "1", 1.0, [0.0, 1.0])
                     .bind("A", at.site.acceleration.clone())
                     .bind("C", at.site.compliance.clone())

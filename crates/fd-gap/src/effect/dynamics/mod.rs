@@ -32,6 +32,9 @@ pub use self::{
 use super::{Effect, ForceScale, Offers, Reason, ReplayScales, SignalScale, Sketch, units::per};
 use crate::model::Model;
 
+/// What effects say that need to know what moves the site.
+const NO_EQUATION: Reason = Reason::Missing("equation of motion");
+
 /// The laws of an effect at every site whose velocity moves in the replay.
 fn each_site<'a>(
     effect: &'a dyn Effect,
@@ -140,10 +143,12 @@ fn moving(signal: Option<&(crate::equation::Expr, SignalScale)>) -> Option<&Sign
     signal.map(|(_, scale)| scale).filter(|scale| scale.moves())
 }
 
-/// The unit that all states in the expression have, `"1"` if there is none.
+/// The unit that all states and inputs in the expression have, `"1"` if there is none.
 fn unit_of(model: &Model, signal: Option<&(crate::equation::Expr, SignalScale)>) -> String {
     let Some((expr, _)) = signal else { return "1".to_owned() };
-    let mut units = model.states.iter().filter(|state| expr.mentions(&state.name));
-    let first = units.next().map_or("1", |state| &state.unit);
-    if units.all(|state| state.unit == first) { first.to_owned() } else { "1".to_owned() }
+    let states = model.states.iter().map(|state| (&state.name, &state.unit));
+    let inputs = model.inputs.iter().map(|input| (&input.name, &input.unit));
+    let mut units = states.chain(inputs).filter(|(name, _)| expr.mentions(name));
+    let first = units.next().map_or("1", |(_, unit)| unit);
+    if units.all(|(_, unit)| unit == first) { first.to_owned() } else { "1".to_owned() }
 }

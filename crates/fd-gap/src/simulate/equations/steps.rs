@@ -11,7 +11,7 @@ use crate::{
 
 impl<T: Scalar> EquationSimulator<T> {
     /// Writes the outputs.
-    pub(super) fn measure(&mut self, t: f64, y: &mut [T]) {
+    pub(super) fn measure_at(&mut self, t: f64, y: &mut [T]) {
         if self.x.iter().any(|value| !value.is_finite()) {
             y.fill(T::from_design(f64::NAN));
             return;

@@ -1,0 +1,259 @@
+//! A simulator in its shell, running.
+
+use std::sync::Arc;
+
+use fd_model::{Channel, SampleTime};
+
+use super::wiring::{Source, Wiring};
+use crate::{
+    equation::{Program, Workspace},
+    model::{Model, Parameter},
+    simulate::{EquationSimulator, Initial, Port, SimulateError, Simulator},
+};
+
+/// Relative error of a ratio of two times that is meant to be whole.
+const ROUNDING: f64 = 1e-9;
+
+/// A simulator with equations around it, which change its inputs, forces, outputs and parameters.
+///
+/// Its parameters are those of the model of the shell, its initial states those of the simulator
+/// inside; states that an effect adds start as the effect says.
+#[derive(Clone, Debug)]
+pub struct ShellSimulator {
+    inside: Box<dyn Simulator>,
+    ts: SampleTime,
+    /// Steps of the simulator inside per sample.
+    steps: usize,
+    parameters: Arc<[Parameter]>,
+    hand_on: Arc<Program>,
+    inputs: Arc<[Mean]>,
+    forces: Arc<[Mean]>,
+    before: Option<Part>,
+    needs_outputs: bool,
+    after: Option<Part>,
+    handed_on: Workspace<f64>,
+    /// Parameters, inputs, forces and outputs of the simulator inside.
+    theta: Vec<f64>,
+    seen: Vec<f64>,
+    pushed: Vec<f64>,
+    raw: Vec<f64>,
+    /// Inputs of the equations: those from outside, then the raw outputs.
+    row: Vec<f64>,
+    /// Outputs between two samples.
+    between: Vec<f64>,
+    has_diverged: bool,
+}
+
+/// Where the mean of a signal over a step comes from, by place.
+#[derive(Clone, Copy, Debug)]
+enum Mean {
+    Zero,
+    Input(usize),
+    Output(usize),
+    Increment(usize),
+}
+
+/// Equations before or after the simulator inside.
+#[derive(Clone, Debug)]
+struct Part {
+    equations: EquationSimulator<f64>,
+    initial: Vec<f64>,
+    /// States at the start of a step.
+    at_start: Vec<f64>,
+    outputs: Vec<f64>,
+}
+
+impl Part {
+    fn new(model: &Model, ts: SampleTime) -> Result<Self, SimulateError> {
+        let mut draft = model.clone().into_draft();
+        // What is inside sees one mean per step of its own, whatever step an effect would like.
+        (draft.sample_time, draft.step) = (ts.seconds(), Some(ts.seconds()));
+        let model = Model::try_from(draft)?;
+        let initial = model.initial();
+        Ok(Self {
+            equations: EquationSimulator::at(&model, ts)?,
+            at_start: initial.clone(),
+            initial,
+            outputs: vec![0.0; model.outputs.len()],
+        })
+    }
+
+    /// Moves on by one step.
+    fn step(&mut self, row: &[f64]) {
+        self.at_start.copy_from_slice(self.equations.state());
+        self.equations.step(row, row, &[], &mut self.outputs);
+    }
+
+    fn mean(&self, mean: Mean, u: &[f64], ts: f64) -> f64 {
+        match mean {
+            Mean::Zero => 0.0,
+            Mean::Input(place) => u[place],
+            Mean::Output(place) => self.outputs[place],
+            Mean::Increment(place) => (self.equations.state()[place] - self.at_start[place]) / ts,
+        }
+    }
+}
+
+impl ShellSimulator {
+    pub(super) fn new(
+        inside: Box<dyn Simulator>,
+        model: &Model,
+        wiring: &Wiring,
+        ts: SampleTime,
+    ) -> Result<Self, SimulateError> {
+        let own = inside.ts();
+        let ratio = ts.seconds() / own.seconds();
+        if ratio.round() < 1.0 || ROUNDING * ratio < (ratio - ratio.round()).abs() {
+            return Err(SimulateError::Rate { own: own.seconds(), ts: ts.seconds() });
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole and at least 1"
+        )]
+        let steps = ratio.round() as usize;
+        let part = |model: &Option<Model>| model.as_ref().map(|m| Part::new(m, own)).transpose();
+        let before = part(&wiring.before)?;
+        let place = |source: &Source| match source {
+            Source::Zero => Ok(Mean::Zero),
+            Source::Input(place) => Ok(Mean::Input(*place)),
+            Source::Output(place) => Ok(Mean::Output(*place)),
+            Source::Increment(name) => {
+                let states = before.iter().flat_map(|part| part.equations.initial());
+                let place = states.into_iter().position(|state| state.channel.name == *name);
+                let missing =
+                    || SimulateError::NotThisShell { what: "integral", name: name.clone() };
+                place.map(Mean::Increment).ok_or_else(missing)
+            }
+        };
+        let inputs = wiring.inputs.iter().map(place).collect::<Result<_, _>>()?;
+        let forces = wiring.forces.iter().map(place).collect::<Result<_, _>>()?;
+        let zeros = |n: usize| vec![0.0; n];
+        let (nu, ny) = (inside.inputs().len(), inside.outputs().len());
+        Ok(Self {
+            ts,
+            steps,
+            parameters: model.parameters.clone().into(),
+            handed_on: wiring.parameters.workspace(),
+            hand_on: Arc::new(wiring.parameters.clone()),
+            inputs,
+            forces,
+            before,
+            needs_outputs: wiring.needs_outputs,
+            after: part(&wiring.after)?,
+            theta: zeros(inside.parameters().len()),
+            seen: zeros(nu),
+            pushed: zeros(inside.ports().len()),
+            raw: zeros(ny),
+            row: zeros(nu + ny),
+            between: zeros(ny),
+            has_diverged: false,
+            inside,
+        })
+    }
+
+    /// One step of the simulator inside; `false` when it diverges.
+    fn move_on(&mut self, u: &[f64], f: &[f64], y: &mut [f64]) -> bool {
+        let nu = self.seen.len();
+        self.row[..nu].copy_from_slice(u);
+        match &mut self.before {
+            None => {
+                self.seen.copy_from_slice(u);
+                self.pushed.fill(0.0);
+            }
+            Some(before) => {
+                if self.needs_outputs {
+                    // Where this is not possible, the outputs of the step before are still there.
+                    self.inside.measure(u, &mut self.raw);
+                    self.row[nu..].copy_from_slice(&self.raw);
+                }
+                before.step(&self.row);
+                let ts = self.ts.seconds() / self.steps as f64;
+                for (seen, mean) in self.seen.iter_mut().zip(&*self.inputs) {
+                    *seen = before.mean(*mean, u, ts);
+                }
+                for (pushed, mean) in self.pushed.iter_mut().zip(&*self.forces) {
+                    *pushed = before.mean(*mean, u, ts);
+                }
+            }
+        }
+        self.pushed.iter_mut().zip(f).for_each(|(pushed, f)| *pushed += f);
+        self.inside.step(&self.seen, &self.seen, &self.pushed, &mut self.raw);
+        if self.raw.iter().any(|value| !value.is_finite()) {
+            y.fill(f64::NAN);
+            return false;
+        }
+        match &mut self.after {
+            None => y.copy_from_slice(&self.raw),
+            Some(after) => {
+                self.row[nu..].copy_from_slice(&self.raw);
+                after.step(&self.row);
+                y.copy_from_slice(&after.outputs);
+            }
+        }
+        true
+    }
+}
+
+impl Simulator for ShellSimulator {
+    fn ts(&self) -> SampleTime {
+        self.ts
+    }
+
+    fn inputs(&self) -> &[Channel] {
+        self.inside.inputs()
+    }
+
+    fn outputs(&self) -> &[Channel] {
+        self.inside.outputs()
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn initial(&self) -> &[Initial] {
+        self.inside.initial()
+    }
+
+    fn ports(&self) -> &[Port] {
+        self.inside.ports()
+    }
+
+    fn start(&mut self, theta: &[f64], x0: &[f64], first: u64) {
+        self.handed_on.slow_mut()[..theta.len()].copy_from_slice(theta);
+        self.hand_on.prepare(&mut self.handed_on);
+        self.hand_on.run(&mut self.handed_on, &mut self.theta);
+        let first = first * self.steps as u64;
+        self.inside.start(&self.theta, x0, first);
+        for part in self.before.iter_mut().chain(&mut self.after) {
+            part.equations.restart(theta, &part.initial, first);
+        }
+        self.raw.fill(0.0);
+        self.row.fill(0.0);
+        self.has_diverged = false;
+    }
+
+    fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+        if self.has_diverged {
+            y.fill(f64::NAN);
+            return;
+        }
+        let is_fine = self.move_on(u, f, y);
+        self.has_diverged = !is_fine;
+        let mut between = std::mem::take(&mut self.between);
+        for _ in 1..self.steps {
+            // A divergence between two samples shows at the second one.
+            self.has_diverged = self.has_diverged || !self.move_on(u, f, &mut between);
+        }
+        self.between = between;
+    }
+
+    fn state(&self) -> &[f64] {
+        self.inside.state()
+    }
+
+    fn boxed(&self) -> Box<dyn Simulator> {
+        Box::new(self.clone())
+    }
+}
