@@ -109,10 +109,22 @@ impl Log {
         Self { u, y, samples, ..*self }
     }
 
-    /// Inputs of a sample; the last one is held.
-    pub(crate) fn input(&self, sample: usize) -> &[f64] {
+    /// Inputs of a sample, in the order and the units of the simulator; the last one is held.
+    #[must_use]
+    pub fn input(&self, sample: usize) -> &[f64] {
         let sample = sample.min(self.samples - 1);
         &self.u[sample * self.nu..(sample + 1) * self.nu]
+    }
+
+    /// Measured outputs of a sample, in the order and the units of the simulator; NaN where there
+    /// is none.
+    ///
+    /// # Panics
+    ///
+    /// Panics when there is no such sample.
+    #[must_use]
+    pub fn output(&self, sample: usize) -> &[f64] {
+        &self.y[sample * self.ny..(sample + 1) * self.ny]
     }
 
     /// Number of measured values.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use fdiag::gap::{HorizonChoice, Named};
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
@@ -41,7 +42,24 @@ pub(crate) enum Command {
     /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
     /// both. The healthy logs are for training and for the alarm threshold.
     Compensate(CompensateArgs),
+    /// Say which unmodelled effect separates a simulator from logs of the real system
+    ///
+    /// Reads a model with equations as text (docs/model-equations.md) and logs of the real thing
+    /// (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
+    /// effect at every place of the model, and says where the gap lies, which effect causes it and
+    /// how sure that is, how far the gap shrinks on data that no fit has seen, and what experiment
+    /// would settle what this log cannot. Writes report.html, report.json and patched.toml, the
+    /// simulator with the cause in it. How to read the answer: docs/gap.md.
+    #[command(after_help = GAP_HELP)]
+    Gap(Box<GapArgs>),
 }
+
+const GAP_HELP: &str = "\
+Examples:
+  fdiag gap --model cart.toml --log monday.csv
+  fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
+  fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
+  fdiag gap --model cart.toml --log monday.csv --exclude delay@force --calibrate 5";
 
 #[derive(Debug, Default, Args)]
 pub(crate) struct EngineArgs {
@@ -94,6 +112,65 @@ pub(crate) struct CompensateArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct GapArgs {
+    /// Model file of the simulator (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: PathBuf,
+    /// Log of the real system (CSV), several times for several runs
+    #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
+    pub(crate) logs: Vec<PathBuf>,
+    /// Column map of the logs (TOML); channels that it does not name are found by name
+    #[arg(long, value_name = "FILE")]
+    pub(crate) columns: Option<PathBuf>,
+    /// Log that no fit sees, to say how far the gap shrinks; several times for several
+    #[arg(long, value_name = "FILE", conflicts_with = "split")]
+    pub(crate) held_out: Vec<PathBuf>,
+    /// Share of each log that is fitted to; its end is held out [default: 0.67 without --held-out]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(crate) split: Option<f64>,
+    /// How long simulations run without seeing the outputs: `free` through the whole log, a number
+    /// of seconds, or `auto`, which follows from how long the model remembers its initial state
+    #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
+    pub(crate) horizon: HorizonChoice,
+    /// Effect that is not tried: a label or a mechanism, also at one place (delay@u); several times
+    #[arg(long, value_name = "EFFECT[@PLACE]")]
+    pub(crate) exclude: Vec<String>,
+    /// Effect that is tried, no others; named as for --exclude
+    #[arg(long, value_name = "EFFECT[@PLACE]")]
+    pub(crate) only: Vec<String>,
+    /// How well a parameter is known, relative to its value, instead of what the model says;
+    /// 0 for exactly
+    #[arg(long, value_name = "NAME=SHARE")]
+    pub(crate) tolerance: Vec<Named>,
+    /// Standard deviation of the noise of an output, in its unit, instead of what the model says
+    #[arg(long, value_name = "OUTPUT=SIGMA")]
+    pub(crate) noise: Vec<Named>,
+    /// Time between samples, in seconds, to which logs are resampled; without it the median of the
+    /// first log
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) resample: Option<f64>,
+    /// Longest hole of a log that is bridged, in seconds; without it five samples
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) longest_hole: Option<f64>,
+    /// Leave out rows whose time is not later than that of the row before, instead of refusing
+    /// the log
+    #[arg(long)]
+    pub(crate) drop_disorder: bool,
+    /// Diagnose simulated logs of known cause as well, N of each, to see what such logs can tell
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) calibrate: Option<u32>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Print the model that would be diagnosed, with all its places for effects, and stop
+    #[arg(long)]
+    pub(crate) print_model: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct OutputArgs {
     /// Directory for the report; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "fdiag-report")]
@@ -118,5 +195,13 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
         Ok(_) => Err("expected a number between 0 and 1, both excluded".to_owned()),
         Err(error) => Err(format!("expected a number between 0 and 1: {error}")),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if 0.0 < number && number.is_finite() => Ok(number),
+        _ => Err("expected a number above 0".to_owned()),
     }
 }

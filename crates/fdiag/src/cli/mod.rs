@@ -4,6 +4,7 @@ mod args;
 mod compensate;
 mod engine;
 mod failure;
+mod gap;
 mod output;
 mod progress;
 mod toml_file;
@@ -20,6 +21,7 @@ pub(crate) fn run() -> ExitCode {
         None => engine::run(&EngineArgs::default()),
         Some(Command::Engine(args)) => engine::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
+        Some(Command::Gap(args)) => gap::run(&args),
     };
     match result {
         Ok(code) => code,

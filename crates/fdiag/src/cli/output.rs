@@ -6,9 +6,11 @@ use std::{
     path::Path,
 };
 
-use fdiag::report::{Page, Table};
+use fdiag::{
+    model::file::write_atomically,
+    report::{Page, Table},
+};
 use serde::Serialize;
-use tempfile::NamedTempFile;
 
 use super::{args::OutputArgs, failure::Failure};
 
@@ -46,11 +48,8 @@ impl<'a> Output<'a> {
     /// Writes a file as a whole: it appears complete or not at all.
     pub(crate) fn write(&self, name: &str, content: &str) -> Result<(), Failure> {
         let path = self.directory.join(name);
-        let fail = |e: std::io::Error| Failure::output(&path, e);
-        let mut file = NamedTempFile::new_in(self.directory).map_err(fail)?;
-        file.write_all(content.as_bytes()).map_err(fail)?;
-        let file = file.persist(&path).map_err(|e| fail(e.error))?;
-        readable(&file).map_err(fail)
+        write_atomically(&path, |out| out.write_all(content.as_bytes()))
+            .map_err(|e| Failure::output(&path, e))
     }
 
     /// Writes the page and its data, then prints tables or JSON.
@@ -91,17 +90,5 @@ fn print_tables(out: &mut impl Write, headline: &str, tables: &[Table]) -> std::
     for table in tables {
         writeln!(out, "\n{}", table.to_text(DEFAULT_WIDTH))?;
     }
-    Ok(())
-}
-
-/// Temporary files are private; reports are for everyone who may read the directory.
-#[cfg(unix)]
-fn readable(file: &fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable(_file: &fs::File) -> std::io::Result<()> {
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Reports: pictures as SVG, tables as text, and pages as self-contained HTML.
 
+mod bars;
 mod decimate;
 mod figure;
 mod page;
@@ -7,6 +8,7 @@ mod picture;
 mod table;
 
 pub use self::{
+    bars::{Bar, Bars, Shares},
     decimate::decimate,
     figure::figure,
     page::Page,

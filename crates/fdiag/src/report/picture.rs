@@ -102,6 +102,22 @@ impl Picture {
         Ok(svg.replacen(&size, "", 1))
     }
 
+    /// Names and CSS colours of the lines that have a name, in order.
+    #[must_use]
+    pub fn legend(&self) -> Vec<(String, String)> {
+        let colours = COLOURS.iter().cycle();
+        let named = self.lines.iter().zip(colours).filter(|(line, _)| !line.name.is_empty());
+        named.map(|(line, RGBColor(r, g, b))| (line.name.clone(), format!("rgb({r},{g},{b})"))).collect()
+    }
+
+    /// The same picture, of which the legend stands elsewhere.
+    #[must_use]
+    pub fn without_legend(&self) -> Self {
+        let mut picture = self.clone();
+        picture.lines.iter_mut().for_each(|line| line.name.clear());
+        picture
+    }
+
     fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), String> {
         let (x, y) = (self.range(self.log_x, |p| p.0), self.range(self.log_y, |p| p.1));
         let (lx, ly) = ((x.0..x.1).log_scale(), (y.0..y.1).log_scale());

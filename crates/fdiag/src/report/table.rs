@@ -34,6 +34,14 @@ impl Table {
         self.rows.push(row.into_iter().map(Into::into).collect());
     }
 
+    /// Whether a column has words in it, and not only numbers.
+    pub(super) fn is_text(&self, column: usize) -> bool {
+        let is_number = |cell: &String| {
+            cell.is_empty() || cell == "-" || cell.starts_with(|c: char| "+-<>(".contains(c) || c.is_ascii_digit())
+        };
+        !self.rows.iter().filter_map(|row| row.get(column)).all(is_number)
+    }
+
     /// The table as text of at most `width` columns; all but the first column are set right.
     #[must_use]
     pub fn to_text(&self, width: u16) -> String {

@@ -1,0 +1,87 @@
+//! Findings about the logs, under the names of their files.
+
+use fd_gap::{
+    diagnose::Diagnosis,
+    quality::{Defect, Finding, Severity},
+};
+
+use super::{
+    data::{Data, Pace},
+    report::FindingReport,
+};
+
+/// Steps of a file may differ from that of the model by this part before it is worth a note.
+const SAME_PACE: f64 = 1e-3;
+
+/// Findings of a diagnosis and of the time bases, the worst first.
+pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, model_ts: f64) -> Vec<FindingReport> {
+    let files: Vec<String> = data.parts.iter().map(|p| file_name(&p.file)).collect();
+    let mut all: Vec<(Severity, FindingReport)> = diagnosis
+        .findings
+        .iter()
+        .map(|finding| (finding.severity(), report(finding, &files)))
+        .collect();
+    let note = |kind, file: &str, text| FindingReport {
+        severity: "note",
+        kind,
+        file: file.to_owned(),
+        channel: "time".to_owned(),
+        text,
+    };
+    for (part, file) in data.parts.iter().zip(&files).filter(|(p, _)| p.samples[0] == 0) {
+        let base = &part.time_base;
+        if !base.gaps.is_empty() {
+            let text = format!("{} holes are too long to be bridged", base.gaps.len());
+            all.push((Severity::Note, note("missing", file, text)));
+        }
+        if !base.even && data.pace == Pace::FirstLog {
+            let text = format!(
+                "steps are uneven (jitter {:.2e} s): resampled to {:.4e} s",
+                base.jitter_s, base.step_s
+            );
+            all.push((Severity::Note, note("uneven", file, text)));
+        }
+    }
+    let ts = data.ts().map_or(model_ts, fd_model::SampleTime::seconds);
+    if SAME_PACE * model_ts < (ts - model_ts).abs() {
+        let text = format!(
+            "samples are {ts:.4e} s apart, the model says {model_ts:.4e} s: it is simulated at the \
+             pace of the log"
+        );
+        all.push((Severity::Note, note("pace", files.first().map_or("", String::as_str), text)));
+    }
+    all.sort_by_key(|(severity, _)| std::cmp::Reverse(*severity));
+    all.into_iter().map(|(_, finding)| finding).collect()
+}
+
+/// The last part of a path, which is what people call a file.
+pub(super) fn file_name(path: &std::path::Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+fn report(finding: &Finding, files: &[String]) -> FindingReport {
+    let prefix = format!("log {}, `{}`: ", finding.log, finding.channel);
+    let text = finding.to_string();
+    FindingReport {
+        severity: match finding.severity() {
+            Severity::Serious => "serious",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        },
+        kind: match finding.defect {
+            Defect::Quantised { .. } => "quantised",
+            Defect::Clipped { .. } => "clipped",
+            Defect::Constant => "constant",
+            Defect::NotExcited => "not-excited",
+            Defect::Missing { .. } => "missing",
+            Defect::SlowSampling { .. } => "slow-sampling",
+            Defect::Feedback { .. } => "feedback",
+            Defect::WrongUnit { .. } => "wrong-unit",
+            Defect::Swapped { .. } => "swapped",
+            _ => "other",
+        },
+        file: files.get(finding.log - 1).cloned().unwrap_or_default(),
+        channel: finding.channel.clone(),
+        text: text.strip_prefix(&prefix).unwrap_or(&text).to_owned(),
+    }
+}
