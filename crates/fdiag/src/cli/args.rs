@@ -41,6 +41,14 @@ pub(crate) enum Command {
     /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
     /// both. The healthy logs are for training and for the alarm threshold.
     Compensate(CompensateArgs),
+    /// Test the gap diagnosis on cases whose cause it does not know
+    ///
+    /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without
+    /// it, `score` opens the truth and counts. See docs/blind.md.
+    Blind {
+        #[command(subcommand)]
+        command: super::blind::BlindCommand,
+    },
 }
 
 #[derive(Debug, Default, Args)]
