@@ -30,6 +30,8 @@ pub struct Answer {
     /// Root mean square of the training residual of each output, parameters refitted, with the
     /// answer, and that of the noise floor; in the unit of the output.
     pub gaps: [Vec<f64>; 3],
+    /// What the diagnosis took for the noise of each output, in its unit.
+    pub sigma: Vec<f64>,
     /// Share of the gap left after a refit of the parameters that the answer closes on held-out
     /// data.
     pub closed: Option<Share>,

@@ -54,6 +54,7 @@ pub(super) fn answer(
         tied: diagnosis.tied.clone(),
         together: Vec::new(),
         gaps: [&diagnosis.refit_gap, after, &diagnosis.floor].map(|gaps| physical(gaps)),
+        sigma: diagnosis.sigma.clone(),
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: Vec::new(),
         patched: patched(&diagnosis, &candidates).map(|model| model.to_string()),

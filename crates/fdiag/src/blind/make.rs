@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     draw::draw,
     error::BlindError,
-    oracle::{Oracle, null, oracle},
+    oracle::{Oracle, centred, null, oracle},
     random::Random,
     seal::SealKey,
     truth::{CaseKind, Scene, Truth},
@@ -100,10 +100,11 @@ fn one(
         log.ok_or_else(|| BlindError::content(case.as_ref(), "the plant diverges"))
     };
     let (train, held_out, clean) = (log(0, true)?, log(1, true)?, log(0, false)?);
+    let at_truth = centred(&model, &truth.parameters, &scene.initial(0))?;
     let seen = if order.full_oracle {
-        oracle(&model, &clean)?
+        oracle(&at_truth, &clean)?
     } else {
-        Oracle { nothing: null(&model, &clean)?.minimum.cost, ..Oracle::default() }
+        Oracle { nothing: null(&at_truth, &clean)?.minimum.cost, ..Oracle::default() }
     };
     drop(scene);
     truth.oracle = Some(seen);

@@ -19,6 +19,7 @@ mod plants;
 mod random;
 mod run;
 mod scales;
+mod score;
 mod seal;
 mod simulate;
 mod strength;
@@ -33,6 +34,7 @@ pub use self::{
     make::{Order, make},
     oracle::{Oracle, Rival},
     run::{Progress, progress, run},
+    score::{Bin, Calibration, Rate, Score, Verdict, score, score_open},
     seal::SealKey,
     truth::{CaseKind, Effect, Truth},
 };

@@ -8,7 +8,7 @@ use fd_gap::{
         FitError, Horizon, LeastSquares, Minimum, NullFit, Plan, Problem, Projection, Search,
         Variable, Weights, minimise, null_fit,
     },
-    model::Model,
+    model::{LoadError, Model},
     simulate::EquationSimulator,
 };
 use fd_model::Record;
@@ -69,6 +69,23 @@ pub(super) fn null(model: &Model, log: &Record) -> Result<NullFit, BlindError> {
     let plan = Arc::new(Plan::new(&simulator, std::slice::from_ref(log), Horizon::FreeRun)?);
     let sigma = model.outputs.iter().map(|output| output.noise.unwrap_or(1.0)).collect();
     Ok(null_fit(&plan, &simulator, &Weights::white(sigma))?)
+}
+
+/// The model with real parameters and initial states for nominal ones: distances are measured from
+/// where the truth is, as the tie test of the diagnosis does.
+pub(super) fn centred(model: &Model, parameters: &[f64], x0: &[f64]) -> Result<Model, BlindError> {
+    let mut draft = model.clone().into_draft();
+    for (parameter, value) in draft.parameters.iter_mut().zip(parameters) {
+        parameter.tolerance *= (parameter.value / value).abs();
+        parameter.value = *value;
+    }
+    for (state, value) in draft.states.iter_mut().zip(x0) {
+        state.initial = *value;
+    }
+    Model::try_from(draft).map_err(|error| {
+        let file = "the model at the truth".to_owned();
+        BlindError::Model { error: Box::new(LoadError::Model { file, error }) }
+    })
 }
 
 /// Looks for everything in the library that explains a noise-free log.

@@ -9,6 +9,10 @@ use super::{
 const STEP: f64 = 0.05;
 /// Standard deviation of a nuisance in tolerances, as a diagnosis takes it.
 const PRIOR: f64 = 0.67;
+/// Half width of the box of a nuisance, in its standard deviations.
+const BOX: f64 = 2.0 / PRIOR;
+/// Sweeps over the nuisances.
+const SWEEPS: usize = 300;
 /// Halvings of the interval in which a strength is sought.
 const HALVINGS: usize = 8;
 
@@ -18,8 +22,8 @@ pub(super) struct Yardstick<'a> {
     x0: Vec<f64>,
     base: Vec<f64>,
     slopes: Vec<Vec<f64>>,
-    /// Cholesky factor of `I + JᵀJ`, lower.
-    factor: Vec<Vec<f64>>,
+    /// `I + JᵀJ`: the prior, and the slopes in units of the noise.
+    normal: Vec<Vec<f64>>,
     sigma: Vec<f64>,
 }
 
@@ -56,8 +60,12 @@ impl<'a> Yardstick<'a> {
                 slope(&truth.parameters, &moved)?;
             }
         }
-        let factor = cholesky(&slopes);
-        Ok(Some(Self { scene, x0, base, slopes, factor, sigma }))
+        let entry = |i: usize, j: usize| {
+            dot(&slopes[i], &slopes[j]) + if i == j { 1.0 } else { 0.0 }
+        };
+        let n = slopes.len();
+        let normal = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+        Ok(Some(Self { scene, x0, base, slopes, normal, sigma }))
     }
 
     /// Squares of the noise that an effect leaves; infinite when the simulation diverges.
@@ -69,13 +77,17 @@ impl<'a> Yardstick<'a> {
         let pairs = y.iter().zip(&self.base).enumerate();
         let d: Vec<f64> = pairs.map(|(k, (y, base))| (y - base) / self.sigma[k % ny]).collect();
         let b: Vec<f64> = self.slopes.iter().map(|slope| dot(slope, &d)).collect();
-        // |d|² − bᵀ (I + JᵀJ)⁻¹ b, with one triangular solution.
-        let mut w = b;
-        for i in 0..w.len() {
-            let known: f64 = (0..i).map(|j| self.factor[i][j] * w[j]).sum();
-            w[i] = (w[i] - known) / self.factor[i][i];
+        // Least |d − J z|² + |z|² in the box, coordinate by coordinate.
+        let mut z = vec![0.0_f64; b.len()];
+        for _ in 0..SWEEPS {
+            for i in 0..z.len() {
+                let row = &self.normal[i];
+                let free = b[i] - dot(row, &z) + row[i] * z[i];
+                z[i] = (free / row[i]).clamp(-BOX, BOX);
+            }
         }
-        Ok((dot(&d, &d) - dot(&w, &w)).max(0.0))
+        let bent: f64 = self.normal.iter().zip(&z).map(|(row, z_i)| z_i * dot(row, &z)).sum();
+        Ok((dot(&d, &d) - 2.0 * dot(&b, &z) + bent).max(0.0))
     }
 
     /// Sets the strength of an effect so that it leaves about so many squares of the noise, within
@@ -111,17 +123,4 @@ impl<'a> Yardstick<'a> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn cholesky(slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = slopes.len();
-    let mut l = vec![vec![0.0; n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let known: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-            let entry = dot(&slopes[i], &slopes[j]) + if i == j { 1.0 } else { 0.0 } - known;
-            l[i][j] = if i == j { entry.max(1e-12).sqrt() } else { entry / l[j][j] };
-        }
-    }
-    l
 }

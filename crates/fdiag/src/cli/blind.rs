@@ -1,11 +1,15 @@
 //! `fdiag blind`: the blind test of the gap diagnosis.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::{Args, Subcommand};
-use fdiag::blind::{BlindError, CaseKind, Order, SealKey, make, progress, run};
+use fdiag::blind::{BlindError, CaseKind, Order, SealKey, make, progress, run, score};
 
-use super::{failure::Failure, progress::bar};
+use super::{args::OutputArgs, failure::Failure, output::Output, progress::bar};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BlindCommand {
@@ -13,6 +17,8 @@ pub(crate) enum BlindCommand {
     Make(MakeArgs),
     /// Diagnose all cases that have no answer yet
     Run(RunArgs),
+    /// Open the truth and count what was right
+    Score(ScoreArgs),
 }
 
 #[derive(Debug, Args)]
@@ -66,10 +72,26 @@ pub(crate) struct RunArgs {
     threads: usize,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct ScoreArgs {
+    /// Directory of cases and answers
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+    /// Directory of the truth [default: the one of the cases with `-truth` added]
+    #[arg(long, value_name = "DIR")]
+    truth: Option<PathBuf>,
+    /// Write the tables as Markdown, too
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
 pub(crate) fn run_command(command: &BlindCommand) -> Result<ExitCode, Failure> {
     match command {
         BlindCommand::Make(args) => make_cases(args),
         BlindCommand::Run(args) => run_cases(args),
+        BlindCommand::Score(args) => score_cases(args),
     }
 }
 
@@ -88,12 +110,7 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
         samples: args.samples,
         full_oracle: !args.quick_oracle,
     };
-    let beside = || {
-        let mut name = args.out.clone().into_os_string();
-        name.push("-truth");
-        PathBuf::from(name)
-    };
-    let truth = args.truth.clone().unwrap_or_else(beside);
+    let truth = args.truth.clone().unwrap_or_else(|| beside(&args.out));
     let key = SealKey::random().map_err(refusal)?;
     let progress = bar(total as u64, "cases");
     let made = pool(args.threads)?
@@ -114,6 +131,32 @@ fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     println!("{} cases are answered in {}", before.cases, args.directory.display());
     Ok(ExitCode::SUCCESS)
+}
+
+fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
+    let output = Output::prepare(&args.output)?;
+    let truth = args.truth.clone().unwrap_or_else(|| beside(&args.directory));
+    let before = progress(&args.directory).map_err(refusal)?;
+    let bar = bar(before.cases as u64, "cases");
+    let score = pool(args.output.threads)?
+        .install(|| score(&args.directory, &truth, || bar.inc(1)))
+        .map_err(refusal)?;
+    bar.finish_and_clear();
+    if let Some(file) = &args.markdown {
+        fs::write(file, score.markdown()).map_err(|e| Failure::output(file, e))?;
+    }
+    let json = serde_json::to_string_pretty(&score).map_err(Failure::analysis)?;
+    output.write("score.json", &json)?;
+    let page = score.page().map_err(Failure::analysis)?;
+    output.finish(&score.headline(), &score.tables(), &page, &score)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Where the truth of cases is unless somebody says otherwise.
+fn beside(cases: &Path) -> PathBuf {
+    let mut name = cases.to_owned().into_os_string();
+    name.push("-truth");
+    PathBuf::from(name)
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
