@@ -8,7 +8,7 @@ use super::{baselines::Baselines, error::BlindError};
 
 /// What a diagnosis said of a case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Answer {
     /// Name of the case.
     pub case: String,

@@ -177,7 +177,7 @@ fn pick(
 }
 
 /// Where a law can be at work: places, each with the other end where there is one.
-fn places(scene: &Scene<'_>, law: &Law) -> Vec<(usize, Option<usize>)> {
+pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<(usize, Option<usize>)> {
     let (model, scales) = (scene.model, &scene.scales);
     let alone = |n: usize| (0..n).map(|i| (i, None)).collect::<Vec<_>>();
     let pairs = |n: usize| {

@@ -25,6 +25,9 @@ mod simulate;
 mod strength;
 mod truth;
 
+#[cfg(test)]
+mod tests;
+
 pub use self::{
     answer::{Answer, Named, Share, read_answers},
     baselines::{Baseline, Baselines},

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::error::BlindError;
 
 /// Squares of the noise below which two explanations are one.
-pub const SEPARATED: f64 = 9.0;
+pub(super) const SEPARATED: f64 = 9.0;
 
 /// Starts of a law that are fitted.
 const STARTS: usize = 2;

@@ -98,8 +98,8 @@ fn statics() -> Vec<Law> {
             let limit = (1.0 - s.strength) * s.input().peak;
             input(move |a| a.u.clamp(-limit, limit))
         }),
-        law("input-saturation", "soft", curve, Matched, [5e-3, 0.7], |s| {
-            let (limit, n) = ((1.0 - s.strength) * s.input().peak, s.shape(1, 3.0, 10.0));
+        law("input-saturation", "soft", curve, Matched, [0.2, 1.6], |s| {
+            let (limit, n) = (s.input().peak / s.strength, s.shape(1, 3.0, 10.0));
             input(move |a| a.u / (1.0 + (a.u / limit).abs().powf(n)).powf(1.0 / n))
         }),
         law("input-saturation", "tanh", curve, Matched, [0.05, 1.6], |s| {
