@@ -4,6 +4,7 @@
 //! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), its two uses - the engine
 //! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]).
 
+pub mod blind;
 pub mod engine;
 pub mod gap;
 pub mod logs;
@@ -13,6 +14,7 @@ pub mod spec;
 
 pub use fd_compensate as compensate;
 pub use fd_core as core;
+pub use fd_gap as gap;
 pub use fd_ident as ident;
 pub use fd_jetengine as jetengine;
 pub use fd_model as model;

@@ -1,9 +1,5 @@
 //! `fdiag gap` as a user meets it: what it says, writes and refuses.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a failure here is a failed test"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use std::{
     collections::BTreeSet,
@@ -176,8 +172,14 @@ fn the_patched_model_closes_the_gap() {
     let second: Value = serde_json::from_str(&desk.read("again/report.json")).unwrap();
     assert_eq!(second["verdict"], "no-gap");
     for (a, b) in [
-        (&first["how_far"][0]["outputs"][0]["after"], &second["how_far"][0]["outputs"][0]["before"]),
-        (&first["location"]["channels"][0]["after"]["value"], &second["location"]["channels"][0]["before"]["value"]),
+        (
+            &first["how_far"][0]["outputs"][0]["after"],
+            &second["how_far"][0]["outputs"][0]["before"],
+        ),
+        (
+            &first["location"]["channels"][0]["after"]["value"],
+            &second["location"]["channels"][0]["before"]["value"],
+        ),
     ] {
         let (Some(a), Some(b)) = (a.as_f64(), b.as_f64()) else {
             assert!(a.is_null() && b.is_null());
@@ -291,12 +293,24 @@ fn wrong_logs_are_refused() {
     spoiled(&|desk| desk.put("monday.csv", ""), 3, &["monday.csv", "empty file"]);
     spoiled(&header("time [s]", "when"), 3, &["expected a column `time`", "when"]);
     spoiled(
-        &|desk| desk.spoil("monday.csv", |k, row| if k == 9 { row[0] = "0.05".into() }),
+        &|desk| {
+            desk.spoil("monday.csv", |k, row| {
+                if k == 9 {
+                    row[0] = "0.05".into()
+                }
+            })
+        },
         3,
         &["column `time [s]`", "row 11", "after 0.08 s", "found 0.05 s"],
     );
     spoiled(
-        &|desk| desk.spoil("monday.csv", |k, row| if k == 3 { row[2] = "abc".into() }),
+        &|desk| {
+            desk.spoil("monday.csv", |k, row| {
+                if k == 3 {
+                    row[2] = "abc".into()
+                }
+            })
+        },
         3,
         &["row 5", "finite number", "`abc`"],
     );
@@ -313,7 +327,13 @@ fn wrong_logs_are_refused() {
         &["10 s apart", "0.01 s", "unit = \"ms\""],
     );
     spoiled(
-        &|desk| desk.spoil("monday.csv", |k, row| if 5 < k { row.clear() }),
+        &|desk| {
+            desk.spoil("monday.csv", |k, row| {
+                if 5 < k {
+                    row.clear()
+                }
+            })
+        },
         4,
         &["monday.csv"],
     );
@@ -347,7 +367,11 @@ fn uneven_and_missing_samples_are_reported() {
         .collect();
     assert!(kinds.contains(&"missing") && kinds.contains(&"uneven"), "{kinds:?}");
     // Disorder is dropped when the user says so.
-    desk.spoil("monday.csv", |k, row| if k == 9 { row[0] = "0.05".into() });
+    desk.spoil("monday.csv", |k, row| {
+        if k == 9 {
+            row[0] = "0.05".into()
+        }
+    });
     let output = desk.gap(&[&FEW[..], &["--drop-disorder"]].concat());
     assert!(output.status.success(), "{output:?}");
     assert_eq!(desk.report()["input"]["logs"][0]["left_out"], 1);

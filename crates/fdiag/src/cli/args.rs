@@ -52,6 +52,14 @@ pub(crate) enum Command {
     /// simulator with the cause in it. How to read the answer: docs/gap.md.
     #[command(after_help = GAP_HELP)]
     Gap(Box<GapArgs>),
+    /// Test the gap diagnosis on cases whose cause it does not know
+    ///
+    /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without
+    /// it, `score` opens the truth and counts. See docs/blind.md.
+    Blind {
+        #[command(subcommand)]
+        command: super::blind::BlindCommand,
+    },
 }
 
 const GAP_HELP: &str = "\

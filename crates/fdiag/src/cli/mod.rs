@@ -1,6 +1,7 @@
 //! The commands of `fdiag`.
 
 mod args;
+mod blind;
 mod compensate;
 mod engine;
 mod failure;
@@ -22,6 +23,7 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Engine(args)) => engine::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
+        Some(Command::Blind { command }) => blind::run_command(&command),
     };
     match result {
         Ok(code) => code,

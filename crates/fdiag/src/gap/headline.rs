@@ -47,9 +47,10 @@ pub(super) fn spoiled(report: &Report) -> Option<&FindingReport> {
 }
 
 fn no_gap(report: &Report) -> String {
-    let moved = report.parameters.iter().max_by(|a, b| {
-        a.deviation_sd.abs().total_cmp(&b.deviation_sd.abs())
-    });
+    let moved = report
+        .parameters
+        .iter()
+        .max_by(|a, b| a.deviation_sd.abs().total_cmp(&b.deviation_sd.abs()));
     let moved = moved.filter(|p| 0.5 < p.deviation_sd.abs()).map_or_else(String::new, |p| {
         let relative = 100.0 * (p.refitted / p.nominal - 1.0);
         format!(" (most of all `{}`, by {relative:+.1} %)", p.name)
@@ -74,8 +75,10 @@ fn cause(report: &Report) -> String {
 
 fn tied(report: &Report) -> String {
     let tied: Vec<&CauseReport> = report.causes.iter().filter(|cause| cause.is_tied).collect();
-    let names: Vec<String> =
-        tied.iter().map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength))).collect();
+    let names: Vec<String> = tied
+        .iter()
+        .map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength)))
+        .collect();
     let together: f64 = tied.iter().map(|cause| cause.probability).sum();
     format!(
         "{} (together {}): this log cannot tell which; {}.",
@@ -88,8 +91,9 @@ fn tied(report: &Report) -> String {
 fn pair(report: &Report) -> String {
     let names = |pair: &PairReport| {
         let each = pair.causes.iter();
-        let names: Vec<String> =
-            each.map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength))).collect();
+        let names: Vec<String> = each
+            .map(|cause| format!("{}{}", cause.name, in_parentheses(&cause.strength)))
+            .collect();
         list(&names, "and")
     };
     let tied: Vec<String> = report.pairs.iter().filter(|pair| pair.is_tied).map(names).collect();
@@ -137,9 +141,8 @@ fn none_of_these(report: &Report) -> String {
 
 fn unclear(report: &Report) -> String {
     let first = report.causes.iter().take(NAMED);
-    let names: Vec<String> = first
-        .map(|cause| format!("{} ({})", cause.name, p(cause.probability)))
-        .collect();
+    let names: Vec<String> =
+        first.map(|cause| format!("{} ({})", cause.name, p(cause.probability))).collect();
     let group = report.groups.first().filter(|group| {
         report.causes.first().is_some_and(|c| c.probability + 0.1 < group.probability)
     });
@@ -178,7 +181,9 @@ fn closes(report: &Report, adding: &str) -> String {
 pub(super) fn mostly(spectra: &[SpectrumReport]) -> String {
     let excess = |spectrum: &SpectrumReport| -> Vec<f64> {
         let bands = spectrum.bands.iter();
-        bands.map(|b| if b.is_above_floor_after { (b.after - b.floor).max(0.0) } else { 0.0 }).collect()
+        bands
+            .map(|b| if b.is_above_floor_after { (b.after - b.floor).max(0.0) } else { 0.0 })
+            .collect()
     };
     let total = |spectrum: &SpectrumReport| excess(spectrum).iter().sum::<f64>();
     let Some(worst) = spectra.iter().max_by(|a, b| total(a).total_cmp(&total(b))) else {
@@ -188,7 +193,8 @@ pub(super) fn mostly(spectra: &[SpectrumReport]) -> String {
     let n = excess.len();
     // The narrowest run of bands that has most of it.
     let runs = (0..n).flat_map(|from| (from + 1..=n).map(move |to| (from, to)));
-    let has_most = |(from, to): &(usize, usize)| MOSTLY * all <= excess[*from..*to].iter().sum::<f64>();
+    let has_most =
+        |(from, to): &(usize, usize)| MOSTLY * all <= excess[*from..*to].iter().sum::<f64>();
     let narrowest = runs.filter(has_most).min_by_key(|(from, to)| to - from);
     let Some((from, to)) = narrowest.filter(|_| 0.0 < all) else { return String::new() };
     if NARROW * (n as f64) < (to - from) as f64 {
@@ -198,7 +204,9 @@ pub(super) fn mostly(spectra: &[SpectrumReport]) -> String {
     let output = if 1 < spectra.len() { format!(" in {}", worst.output) } else { String::new() };
     match (from, to) {
         (0, to) => format!(", mostly below {} Hz{output}", hz(worst.bands[to - 1].high_hz)),
-        (from, to) if to == n => format!(", mostly above {} Hz{output}", hz(worst.bands[from].low_hz)),
+        (from, to) if to == n => {
+            format!(", mostly above {} Hz{output}", hz(worst.bands[from].low_hz))
+        }
         (from, to) => format!(
             ", mostly between {} and {} Hz{output}",
             hz(worst.bands[from].low_hz),

@@ -71,10 +71,8 @@ fn read(path: &Path) -> Result<Model, GapError> {
         Some("equations") | None => {
             Ok(text.parse().map_err(|error| LoadError::Model { file, error })?)
         }
-        Some(found) => Err(GapError::Kind {
-            file: path.to_owned(),
-            found: found.to_owned(),
-            expected: KINDS,
-        }),
+        Some(found) => {
+            Err(GapError::Kind { file: path.to_owned(), found: found.to_owned(), expected: KINDS })
+        }
     }
 }

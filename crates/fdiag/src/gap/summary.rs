@@ -77,10 +77,7 @@ pub(super) fn summary(parts: Parts<'_>) -> Report {
         not_tested: not_tested(diagnosis),
         files: files(parts.models),
         settings: settings(&parts),
-        work: WorkReport {
-            causes: diagnosis.causes.len(),
-            simulations: diagnosis.simulations,
-        },
+        work: WorkReport { causes: diagnosis.causes.len(), simulations: diagnosis.simulations },
         timing: TimingReport::default(),
         law: parts.law,
     };

@@ -12,11 +12,13 @@ use serde::Serialize;
 
 pub use self::{
     answer::{CauseReport, GroupReport, PairReport, ParameterReport, SideReport, SiteReport},
-    further::{AdviceReport, CalibrationReport, CeilingReport, CompensationReport, TriedExperiment},
+    further::{
+        AdviceReport, CalibrationReport, CeilingReport, CompensationReport, TriedExperiment,
+    },
     input::{FindingReport, InputReport, LogReport, NoiseReport, NuisanceReport, SettingsReport},
     place::{
-        BandReport, BinReport, ChannelReport, LawReport, PlaceReport, RegionReport,
-        SizeReport, SpectrumReport, StretchReport, TimesReport, WhereReport,
+        BandReport, BinReport, ChannelReport, LawReport, PlaceReport, RegionReport, SizeReport,
+        SpectrumReport, StretchReport, TimesReport, WhereReport,
     },
     shrink::{ClosedReport, HorizonReport, OutputGap},
 };

@@ -1,10 +1,6 @@
 //! How far the gap shrinks on held-out data.
 
-use fd_gap::{
-    diagnose::HeldOut,
-    fit::Horizon,
-    shrink::Closed,
-};
+use fd_gap::{diagnose::HeldOut, fit::Horizon, shrink::Closed};
 use fd_model::Channel;
 use serde::Serialize;
 

@@ -1,0 +1,233 @@
+//! The laws that are injected into the plants: our own, not those of the library of the diagnosis.
+//!
+//! *Matched* laws are what a law of the library describes (but dry friction sticks, delays are
+//! exact, hysteresis is a differential equation). *Mismatched* laws belong under a label of the
+//! library and are none of its laws. *Withheld* laws belong under no label at all.
+
+mod force;
+mod input;
+mod sensor;
+mod withheld;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    random::Random,
+    scales::{Scales, Signal, SiteScale},
+};
+
+/// Where a law comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// The library has such a law.
+    Matched,
+    /// The library has the label, but not this law.
+    Mismatch,
+    /// The library has no such label.
+    Withheld,
+}
+
+/// What a law acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// An input of the plant.
+    Input,
+    /// A site for forces.
+    Force,
+    /// A parameter of the plant.
+    Parameter,
+    /// An output.
+    Output,
+}
+
+/// What a site must offer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Needs {
+    Nothing,
+    Velocity,
+    Position,
+    Motion,
+    /// A velocity that changes its sign.
+    Reversal,
+    /// A position without velocity: what fills up.
+    Level,
+    /// A position in radians.
+    Angle,
+    /// Another input, state or output.
+    Partner,
+    /// What corrupts the measurement and not the simulation.
+    Measurement,
+}
+
+/// A law.
+#[derive(Clone, Copy)]
+pub(super) struct Law {
+    pub(super) label: &'static str,
+    pub(super) name: &'static str,
+    pub(super) family: &'static str,
+    pub(super) place: Place,
+    pub(super) origin: Origin,
+    pub(super) needs: Needs,
+    /// Least and largest strength, dimensionless.
+    pub(super) range: [f64; 2],
+    build: fn(&Setting<'_>) -> Mechanism,
+}
+
+/// All that a law needs to know to be built.
+pub(super) struct Setting<'a> {
+    pub(super) strength: f64,
+    /// Uniform draws in `0..1` for shapes.
+    pub(super) shape: [f64; 3],
+    pub(super) index: usize,
+    pub(super) partner: usize,
+    pub(super) scales: &'a Scales,
+    pub(super) seed: u64,
+}
+
+impl Setting<'_> {
+    fn sign(&self) -> f64 {
+        if self.shape[0] < 0.5 { -1.0 } else { 1.0 }
+    }
+
+    /// A shape between two values; the first one is also what [`Setting::sign`] uses.
+    fn shape(&self, i: usize, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.shape[i]
+    }
+
+    fn input(&self) -> &Signal {
+        &self.scales.inputs[self.index]
+    }
+
+    fn output(&self) -> &Signal {
+        &self.scales.outputs[self.index]
+    }
+
+    fn site(&self) -> &SiteScale {
+        &self.scales.sites[self.index]
+    }
+
+    /// Spread of the velocity or, where there is none, of the position.
+    fn velocity(&self) -> f64 {
+        self.site().velocity.as_ref().map_or(1.0, |signal| signal.std)
+    }
+
+    fn position(&self) -> f64 {
+        self.site()
+            .position
+            .as_ref()
+            .map_or_else(|| self.velocity() * 10.0 * self.scales.ts, |signal| signal.std)
+    }
+
+    fn random(&self) -> Random {
+        Random::new(self.seed)
+    }
+}
+
+/// What arrives at an input.
+pub(super) struct Arriving<'a> {
+    pub(super) u: f64,
+    pub(super) all: &'a [f64],
+    pub(super) t: f64,
+    pub(super) h: f64,
+}
+
+/// What a sensor measures.
+pub(super) struct Measured<'a> {
+    pub(super) y: f64,
+    pub(super) all: &'a [f64],
+    pub(super) t: f64,
+    pub(super) h: f64,
+}
+
+/// What is at a site.
+#[derive(Clone, Copy)]
+pub(super) struct Site<'a> {
+    pub(super) x: f64,
+    pub(super) v: f64,
+    /// Acceleration without the force, and per force.
+    pub(super) a: f64,
+    pub(super) c: f64,
+    pub(super) t: f64,
+    pub(super) states: &'a [f64],
+}
+
+impl Site<'_> {
+    /// A force against a motion to which `force` is positive.
+    fn against(&self, force: f64) -> f64 {
+        -force.copysign(force * self.c)
+    }
+}
+
+type InputLaw = Box<dyn FnMut(&Arriving<'_>) -> f64 + Send>;
+type SensorLaw = Box<dyn FnMut(&Measured<'_>) -> f64 + Send>;
+type CorruptLaw = Box<dyn FnMut(f64, f64, f64) -> f64 + Send>;
+type ForceLaw = Box<dyn Fn(&Site<'_>, &[f64]) -> f64 + Send>;
+type StateLaw = Box<dyn Fn(&Site<'_>, &[f64], &mut [f64]) + Send>;
+type LevelLaw = Box<dyn FnMut(&Site<'_>, f64) -> [f64; 2] + Send>;
+type FactorLaw = Box<dyn Fn(f64) -> f64 + Send>;
+
+/// A law at work.
+pub(super) enum Mechanism {
+    /// Changes an input, once per integration step.
+    Input(InputLaw),
+    /// A force, with states of its own.
+    Force {
+        states: usize,
+        /// Whether it has to know the acceleration.
+        accelerated: bool,
+        force: ForceLaw,
+        rates: StateLaw,
+    },
+    /// A force, constant during a step.
+    HeldForce(Box<dyn FnMut(&Site<'_>, f64) -> f64 + Send>),
+    /// Dry friction: what stops the site within a step, at most so much against positive and
+    /// negative motion.
+    Stick(LevelLaw),
+    /// A store that cannot rise above a brim; the share reaches the partner.
+    Brim { brim: f64, share: f64 },
+    /// A wall at both ends that gives back a share of the velocity.
+    Wall { low: f64, high: f64, restitution: f64 },
+    /// Changes what an output shows, once per integration step.
+    Sensor(SensorLaw),
+    /// Changes a sample after noise was added: from value, noise and its standard deviation.
+    Corrupt(CorruptLaw),
+    /// A factor of a parameter over time.
+    Factor(FactorLaw),
+}
+
+impl Law {
+    pub(super) fn at(&self, setting: &Setting<'_>) -> Mechanism {
+        (self.build)(setting)
+    }
+}
+
+/// All laws.
+pub(super) fn catalogue() -> Vec<Law> {
+    let mut all = input::laws();
+    all.extend(force::laws());
+    all.extend(sensor::laws());
+    all.extend(withheld::laws());
+    all
+}
+
+/// A value from before, and the grid on which it was.
+#[derive(Default)]
+struct History {
+    values: Vec<f64>,
+}
+
+impl History {
+    /// Adds a value and returns that of `late` steps ago, interpolated; before the beginning it is
+    /// the first one.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    fn after(&mut self, value: f64, late: f64) -> f64 {
+        self.values.push(value);
+        let newest = self.values.len() - 1;
+        let (whole, part) = (late.max(0.0).floor(), late.max(0.0).fract());
+        let at = |back: usize| self.values[newest.saturating_sub(back)];
+        let back = whole as usize;
+        (1.0 - part) * at(back) + part * at(back + 1)
+    }
+}

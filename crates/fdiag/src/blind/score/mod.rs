@@ -1,0 +1,210 @@
+//! `fdiag blind score`.
+
+mod judge;
+mod report;
+mod statistics;
+
+use std::{fs, path::Path};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+pub use self::{
+    judge::Verdict,
+    statistics::{Bin, Calibration, Rate},
+};
+use self::{judge::judge, statistics::quantile};
+use super::{
+    answer::{Answer, read_answers},
+    error::BlindError,
+    make::{KEY, sealed_file},
+    run::{ANSWERS, cases},
+    seal::SealKey,
+    truth::Truth,
+};
+
+/// Share of wrong abstentions at which "none of these" is counted.
+const FALSE_ABSTENTION: f64 = 0.03;
+/// Share of the cases for which precision is counted.
+const ANSWERED: f64 = 0.6;
+/// Probability from which an answer counts as sure.
+const SURE: f64 = 0.9;
+
+/// All that came out of a blind test.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Version of this format.
+    pub version: u32,
+    /// Cases with a truth and an answer.
+    pub cases: usize,
+    /// Cases without an answer.
+    pub unanswered: usize,
+    /// Diagnoses that failed.
+    pub failed: usize,
+    /// Single effects that leave no trace, of all single effects.
+    pub invisible: Rate,
+    /// The first cause is right, or not to be told from the truth, on visible single effects.
+    pub top: Rate,
+    /// The first cause has the very label and site.
+    pub strict_top: Rate,
+    /// The same for white and for coloured noise.
+    pub top_by_noise: [Rate; 2],
+    /// Precision of the most sure three fifths of the answers with one cause.
+    pub precision: Rate,
+    /// Share of answers with one cause and a probability above 0.9, and their precision.
+    pub sure: [Rate; 2],
+    /// Cases without a gap blamed with a probability above one half: white, coloured noise.
+    pub blamed: [Rate; 2],
+    /// Withheld classes that nothing mimics, told at 3 % false abstention.
+    pub withheld: Rate,
+    /// The same, by the decision of the diagnosis itself, and its false abstentions.
+    pub withheld_own: [Rate; 2],
+    /// Withheld effects that a single effect of the library mimics.
+    pub mimicked: Rate,
+    /// Calibration of the group posterior: matched laws, mismatched laws.
+    pub group: [Calibration; 2],
+    /// Calibration of the label posterior: matched laws, mismatched laws.
+    pub label: [Calibration; 2],
+    /// Law mismatch: label, mechanism and place, side.
+    pub mismatch: [Rate; 3],
+    /// Single effects: mechanism and place, side.
+    pub place: [Rate; 2],
+    /// Two effects: both, at least one, noise floor reached.
+    pub pairs: [Rate; 3],
+    /// Median share of the held-out gap after the parameter refit that the named effect closes, on
+    /// visible single effects.
+    pub closed: f64,
+    /// Intervals that contain the real share.
+    pub coverage: Rate,
+    /// Median and 90 % quantile of the time of a diagnosis, in seconds.
+    pub seconds: [f64; 2],
+    /// Named rightly by the refit, by the sparse regression.
+    pub baseline_top: [Rate; 2],
+    /// Median share closed by refit, black box, sparse regression.
+    pub baseline_closed: [f64; 3],
+    /// Case by case.
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Opens all truths, checks that they are those that were committed to, and scores the answers;
+/// `done` is called after each case.
+///
+/// # Errors
+///
+/// Returns an error when a file cannot be read or a truth does not match its commitment.
+pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<Score, BlindError> {
+    let file = truths.join(KEY);
+    let key = fs::read_to_string(&file).map_err(BlindError::file(&file))?;
+    let key = SealKey::parse(&key)
+        .ok_or_else(|| BlindError::content(&file, "expected 64 hexadecimal digits"))?;
+    let answers = read_answers(&directory.join(ANSWERS))?;
+    let cases = cases(directory)?;
+    let judged: Result<Vec<Option<Verdict>>, BlindError> = cases
+        .par_iter()
+        .map(|case| {
+            let file = sealed_file(truths, &case.name);
+            let sealed = fs::read(&file).map_err(BlindError::file(&file))?;
+            let text = key.open(&case.name, &sealed, &case.commitment()?)?;
+            let truth: Truth =
+                serde_json::from_str(&text).map_err(|e| BlindError::content(&file, e))?;
+            let answer = answers.iter().find(|answer| answer.case == case.name);
+            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose()?;
+            done();
+            Ok(verdict)
+        })
+        .collect();
+    let judged = judged?;
+    let unanswered = judged.iter().filter(|verdict| verdict.is_none()).count();
+    Ok(summarise(judged.into_iter().flatten().collect(), unanswered))
+}
+
+/// Scores answers next to truths that lie open, without refits: what is not exact is wrong unless
+/// the oracle of the truth has it among its ties.
+///
+/// # Errors
+///
+/// Never, as nothing is read.
+pub fn score_open(pairs: &[(Truth, Answer)]) -> Result<Score, BlindError> {
+    let verdicts: Result<Vec<Verdict>, BlindError> =
+        pairs.iter().map(|(truth, answer)| judge(None, truth, answer)).collect();
+    Ok(summarise(verdicts?, 0))
+}
+
+fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
+    let of = |kind: &str| -> Vec<&Verdict> { verdicts.iter().filter(|v| v.kind == kind).collect() };
+    let visible = |kind: &str| -> Vec<&Verdict> {
+        of(kind).into_iter().filter(|verdict| verdict.is_visible).collect()
+    };
+    let (all_singles, singles, mismatch) = (of("single"), visible("single"), visible("mismatch"));
+    let pairs = visible("pair");
+    let withheld = visible("withheld");
+    let strange: Vec<&Verdict> = withheld.iter().copied().filter(|v| !v.is_mimicked).collect();
+    let only = |all: &[&Verdict], coloured: bool| -> Vec<Verdict> {
+        all.iter().filter(|v| v.coloured == coloured).map(|v| (*v).clone()).collect()
+    };
+
+    let mut alone: Vec<&Verdict> = singles.iter().copied().filter(|v| v.is_alone).collect();
+    alone.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    let wanted = (ANSWERED * singles.len() as f64).round() as usize;
+    let most_sure = &alone[..wanted.min(alone.len())];
+    let is_sure = |v: &&Verdict| SURE < v.probability && !v.says_none;
+    let sure: Vec<&Verdict> = alone.iter().copied().filter(is_sure).collect();
+
+    let known: Vec<f64> = singles.iter().map(|v| v.none_score).collect();
+    let threshold = quantile(&known, 1.0 - FALSE_ABSTENTION);
+    let calibration = |all: &[&Verdict], group: bool| {
+        let said = all.iter().filter(|v| v.blamed > 0.5);
+        let pairs: Vec<(f64, bool)> = said
+            .map(|v| {
+                if group {
+                    (v.group_probability, v.is_group_right)
+                } else {
+                    (v.probability, v.is_right)
+                }
+            })
+            .collect();
+        Calibration::of(&pairs)
+    };
+    let none = of("none");
+    let covered: Vec<bool> = verdicts.iter().filter_map(|v| v.is_covered).collect();
+    let times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
+    let median = |values: Vec<f64>| quantile(&values, 0.5);
+    let closed_by =
+        |i: usize| median(singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
+    Score {
+        version: 1,
+        cases: verdicts.len(),
+        unanswered,
+        failed: verdicts.iter().filter(|v| v.error.is_some()).count(),
+        invisible: Rate::of(&all_singles, |v| !v.is_visible),
+        top: Rate::of(&singles, |v| v.is_right),
+        strict_top: Rate::of(&singles, |v| v.is_exact),
+        top_by_noise: [false, true].map(|c| Rate::of(&only(&singles, c), |v| v.is_right)),
+        precision: Rate::of(most_sure, |v| v.is_right),
+        sure: [Rate::new(sure.len(), singles.len()), Rate::of(&sure, |v| v.is_right)],
+        blamed: [false, true].map(|c| Rate::of(&only(&none, c), |v| 0.5 < v.blamed)),
+        withheld: Rate::of(&strange, |v| threshold < v.none_score),
+        withheld_own: [Rate::of(&strange, |v| v.says_none), Rate::of(&singles, |v| v.says_none)],
+        mimicked: Rate::of(&withheld, |v| v.is_mimicked),
+        group: [calibration(&singles, true), calibration(&mismatch, true)],
+        label: [calibration(&singles, false), calibration(&mismatch, false)],
+        mismatch: [
+            Rate::of(&mismatch, |v| v.is_right),
+            Rate::of(&mismatch, |v| v.is_group_right),
+            Rate::of(&mismatch, |v| v.is_side_right),
+        ],
+        place: [Rate::of(&singles, |v| v.is_group_right), Rate::of(&singles, |v| v.is_side_right)],
+        pairs: [
+            Rate::of(&pairs, |v| v.is_pair_exact),
+            Rate::of(&pairs, |v| v.is_half_exact),
+            Rate::of(&pairs, |v| v.is_floor_reached),
+        ],
+        closed: median(singles.iter().filter_map(|v| v.closed).collect()),
+        coverage: Rate::of(&covered, |covered| *covered),
+        seconds: [median(times.clone()), quantile(&times, 0.9)],
+        baseline_top: [0, 1].map(|i| Rate::of(&singles, |v| v.baseline_right[i])),
+        baseline_closed: [0, 1, 2].map(closed_by),
+        verdicts,
+    }
+}
