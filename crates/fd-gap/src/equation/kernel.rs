@@ -139,12 +139,7 @@ impl<S: Simd> Registers<S> {
     }
 
     #[inline(always)]
-    fn map<const N: usize>(
-        self,
-        to: &mut Lanes<N>,
-        a: &Lanes<N>,
-        f: impl Fn(S::f64s) -> S::f64s,
-    ) {
+    fn map<const N: usize>(self, to: &mut Lanes<N>, a: &Lanes<N>, f: impl Fn(S::f64s) -> S::f64s) {
         let (to, _) = S::as_mut_simd_f64s(&mut to.0);
         let (a, _) = S::as_simd_f64s(&a.0);
         for i in 0..N / S::F64_LANES {
@@ -187,77 +182,143 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| simd.add_f64s(a, b));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| simd.add_f64s(a, b),
+        );
     }
 
     #[inline(always)]
     fn sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| simd.sub_f64s(a, b));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| simd.sub_f64s(a, b),
+        );
     }
 
     #[inline(always)]
     fn mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| simd.mul_f64s(a, b));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| simd.mul_f64s(a, b),
+        );
     }
 
     #[inline(always)]
     fn div(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| simd.div_f64s(a, b));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| simd.div_f64s(a, b),
+        );
     }
 
     #[inline(always)]
     fn mul_add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.add_f64s(simd.mul_f64s(a, b), c));
+        self.zip3(
+            to,
+            [a, b, c],
+            #[inline(always)]
+            |a, b, c| simd.add_f64s(simd.mul_f64s(a, b), c),
+        );
     }
 
     #[inline(always)]
     fn mul_sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.sub_f64s(simd.mul_f64s(a, b), c));
+        self.zip3(
+            to,
+            [a, b, c],
+            #[inline(always)]
+            |a, b, c| simd.sub_f64s(simd.mul_f64s(a, b), c),
+        );
     }
 
     #[inline(always)]
     fn sub_mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| simd.sub_f64s(c, simd.mul_f64s(a, b)));
+        self.zip3(
+            to,
+            [a, b, c],
+            #[inline(always)]
+            |a, b, c| simd.sub_f64s(c, simd.mul_f64s(a, b)),
+        );
     }
 
     #[inline(always)]
     fn neg(self, to: &mut Lanes<N>, a: &Lanes<N>) {
         let simd = self.0;
         let minus = simd.splat_f64s(-1.0);
-        self.map(to, a, #[inline(always)] |a| simd.mul_f64s(a, minus));
+        self.map(
+            to,
+            a,
+            #[inline(always)]
+            |a| simd.mul_f64s(a, minus),
+        );
     }
 
     #[inline(always)]
     fn sqrt(self, to: &mut Lanes<N>, a: &Lanes<N>) {
         let simd = self.0;
-        self.map(to, a, #[inline(always)] |a| simd.sqrt_f64s(a));
+        self.map(
+            to,
+            a,
+            #[inline(always)]
+            |a| simd.sqrt_f64s(a),
+        );
     }
 
     #[inline(always)]
     fn smaller(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| self.pick(simd.less_than_f64s(b, a), b, a));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| self.pick(simd.less_than_f64s(b, a), b, a),
+        );
     }
 
     #[inline(always)]
     fn larger(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(to, a, b, #[inline(always)] |a, b| self.pick(simd.less_than_f64s(a, b), b, a));
+        self.zip(
+            to,
+            a,
+            b,
+            #[inline(always)]
+            |a, b| self.pick(simd.less_than_f64s(a, b), b, a),
+        );
     }
 
     #[inline(always)]
     fn clamp(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| {
-            let above = self.pick(simd.less_than_f64s(a, b), b, a);
-            self.pick(simd.less_than_f64s(c, above), c, above)
-        });
+        self.zip3(
+            to,
+            [a, b, c],
+            #[inline(always)]
+            |a, b, c| {
+                let above = self.pick(simd.less_than_f64s(a, b), b, a);
+                self.pick(simd.less_than_f64s(c, above), c, above)
+            },
+        );
     }
 
     #[inline(always)]
@@ -288,7 +349,12 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     fn select(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
         let zero = simd.splat_f64s(0.0);
-        self.zip3(to, [a, b, c], #[inline(always)] |a, b, c| self.pick(simd.less_than_f64s(zero, a), b, c));
+        self.zip3(
+            to,
+            [a, b, c],
+            #[inline(always)]
+            |a, b, c| self.pick(simd.less_than_f64s(zero, a), b, c),
+        );
     }
 }
 

@@ -383,9 +383,8 @@ impl LeastSquares for Problem {
                 Linearization { r, slopes }
             }));
         }
-        let back = |(p, i): &(usize, usize)| {
-            self.moved(&places[*p], columns.start + i, -steps[*p][*i])
-        };
+        let back =
+            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
         let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
         for ((p, i), trial) in again.into_iter().zip(self.compare(&batch)) {
             if let (Some(there), Some(trial)) = (&mut all[p], trial) {

@@ -122,7 +122,7 @@ impl<V: Value> Engine<V> {
 
     /// A lane in which one state is not finite is NaN from then on.
     fn spoil(&mut self) {
-                for lane in 0..V::LANES {
+        for lane in 0..V::LANES {
             if self.x.iter().any(|value| !is_finite(value.lane(lane))) {
                 let nan = V::Lane::from_design(f64::NAN);
                 self.x.iter_mut().for_each(|value| value.set_lane(lane, nan));
@@ -140,4 +140,3 @@ fn load<V: Value>(to: &mut [V], from: &[f64]) {
     to.fill(V::constant(0.0));
     to.iter_mut().zip(from).for_each(|(to, from)| *to = V::constant(*from));
 }
-

@@ -18,9 +18,8 @@ impl EquationSimulator<f64> {
                 one_by_one(self, first, u, some);
             } else {
                 let system = &self.engine.system;
-                let lanes = self.lanes.get_or_insert_with(|| {
-                    Box::new(Engine::new(Arc::clone(system)))
-                });
+                let lanes =
+                    self.lanes.get_or_insert_with(|| Box::new(Engine::new(Arc::clone(system))));
                 run(lanes, first, u, some);
             }
         }

@@ -2,7 +2,10 @@
 
 use fd_core::Scalar;
 
-use super::{engine::{Engine, is_finite}, system::System};
+use super::{
+    engine::{Engine, is_finite},
+    system::System,
+};
 use crate::{
     equation::{Kernel, Value, Work, Workspace},
     model::Hold,
@@ -16,7 +19,8 @@ impl<V: Value> Engine<V> {
         self.system.outputs.run(&mut self.outputs, y);
         for x in &self.x {
             for y in &mut *y {
-                *y = y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
+                *y =
+                    y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
             }
         }
     }
