@@ -7,7 +7,7 @@ use crate::{
     effect::{Candidate, EffectParameter},
     fit::{
         FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
-        Weights, minimise,
+        Weights, minimise, minimise_all,
     },
     model::Model,
     simulate::Nominal,
@@ -85,10 +85,11 @@ impl<'a> Trial<'a> {
 
     /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz.
     pub(super) fn screen(&mut self, null: &NullFit, projection: &Projection<'_>, lines: &[f64]) {
-        let mut r = vec![0.0; self.problem.layout().residuals()];
-        for start in self.starts(lines) {
-            let z = self.problem.place(&null.minimum.z, &start);
-            if self.problem.residuals(&z, &mut r) {
+        let starts = self.starts(lines);
+        let place = |start: &Vec<f64>| self.problem.place(&null.minimum.z, start);
+        let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
+        for (start, r) in starts.into_iter().zip(self.problem.residuals_of_all(&places)) {
+            if let Some(r) = r {
                 let score = projection.score(&r, self.amplitudes(&start));
                 self.scored.push((score, start));
             }
@@ -120,16 +121,16 @@ impl<'a> Trial<'a> {
     pub(super) fn short_fits(&mut self, null: &NullFit, most: f64) {
         let top = self.gain();
         let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
-        for (score, start) in self.scored.clone().into_iter().take(fits) {
-            if score.gain < HOPEFUL * top {
-                break;
-            }
-            let smallest = SMALLEST_AMPLITUDE.copysign(score.amplitude);
-            let amplitude =
-                if score.amplitude.abs() < SMALLEST_AMPLITUDE { smallest } else { score.amplitude };
-            let values = self.scaled(&start, amplitude);
-            self.short_fit(null, &values);
-        }
+        let hopeful = self.scored.iter().take(fits);
+        let starts: Vec<Vec<f64>> = hopeful
+            .take_while(|(score, _)| HOPEFUL * top <= score.gain)
+            .map(|(score, start)| {
+                let smallest = SMALLEST_AMPLITUDE.copysign(score.amplitude);
+                let is_small = score.amplitude.abs() < SMALLEST_AMPLITUDE;
+                self.scaled(start, if is_small { smallest } else { score.amplitude })
+            })
+            .collect();
+        self.short_fit(null, &starts);
         if self.best.is_none() {
             self.fall_back(null);
         }
@@ -159,21 +160,21 @@ impl<'a> Trial<'a> {
         value.collect()
     }
 
-    /// A few iterations with the slopes of the nuisances as they are without the effect.
-    pub(super) fn short_fit(&mut self, null: &NullFit, values: &[f64]) {
-        let z = self.problem.place(&null.minimum.z, values);
+    /// A few iterations from each start, with the slopes of the nuisances as they are without the
+    /// effect.
+    pub(super) fn short_fit(&mut self, null: &NullFit, starts: &[Vec<f64>]) {
+        let place = |values: &Vec<f64>| self.problem.place(&null.minimum.z, values);
+        let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
         let shared = self.problem.plan().nuisances().len();
         let mut slopes = null.minimum.slopes.clone();
         let rows = self.problem.layout().residuals();
         let new = vec![vec![0.0; rows]; self.strengths.len()];
         slopes.splice(shared..shared, new);
         let search = Search { frozen: shared, ..SHORT };
-        let minimum = if shared == 0 {
-            minimise(&mut self.problem, &z, None, SHORT)
-        } else {
-            minimise(&mut self.problem, &z, Some(&slopes), search)
-        };
-        self.keep(minimum);
+        let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
+        for minimum in minimise_all(&mut self.problem, &places, known, search) {
+            self.keep(minimum);
+        }
     }
 
     fn keep(&mut self, minimum: Option<Minimum>) {
@@ -188,15 +189,11 @@ impl<'a> Trial<'a> {
     pub(super) fn full_fit(&mut self, null: &NullFit) {
         self.is_final = true;
         if let Some(best) = self.best.take() {
+            // From the same place, so never worse, and with all slopes.
             let minimum = minimise(&mut self.problem, &best.z, None, Search::default());
-            self.best = Some(best);
-            self.keep(minimum);
+            self.best = minimum.or(Some(best));
         }
         self.fall_back(null);
-        if let Some(best) = &mut self.best {
-            let columns = 0..self.problem.layout().shared + self.problem.layout().own;
-            self.problem.slopes(&best.z, &best.r, columns, &mut best.slopes);
-        }
     }
 
     /// Starts where the effect is absent, if that is better.
@@ -252,7 +249,7 @@ impl<'a> Trial<'a> {
     /// A short fit from other values; says whether it is better than what was known.
     pub(super) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
         let before = self.cost();
-        self.short_fit(null, values);
+        self.short_fit(null, &[values.to_vec()]);
         self.cost() < before
     }
 

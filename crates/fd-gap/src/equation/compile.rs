@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::{
     evaluate::whole_exponent,
     expr::{Binary, Cond, Expr},
+    fuse::fuse,
     order::{Cycle, in_order_of_use},
     program::{Instruction, Operation, Program},
     table::Table,
@@ -80,7 +81,7 @@ impl Program {
 
 /// Where a value will be, before the number of constants is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-enum Place {
+pub(super) enum Place {
     Slow(usize),
     Fast(usize),
     Constant(usize),
@@ -91,12 +92,12 @@ enum Place {
 }
 
 impl Place {
-    fn is_slow(self) -> bool {
+    pub(super) fn is_slow(self) -> bool {
         !matches!(self, Self::Fast(_) | Self::Result(_, false))
     }
 }
 
-type Key = (Operation, [Place; 3]);
+pub(super) type Key = (Operation, [Place; 3]);
 
 struct Compiler<'a> {
     scope: &'a Scope,
@@ -249,7 +250,7 @@ impl<'a> Compiler<'a> {
             tables: self.scope.tables.iter().map(|(_, table)| table.clone()).collect(),
             constants: self.constants,
         };
-        for ((operation, operands), place) in self.instructions {
+        for ((operation, operands), place) in fuse(self.instructions, results) {
             let [a, b, c] = operands.map(slot);
             let instruction = Instruction { operation, to: slot(place), a, b, c };
             if place.is_slow() { &mut program.prologue } else { &mut program.body }

@@ -22,6 +22,9 @@ mod differentiate;
 mod error;
 mod evaluate;
 mod expr;
+mod fuse;
+mod interpret;
+mod kernel;
 mod nearest;
 mod order;
 mod parse;
@@ -30,6 +33,7 @@ mod program;
 mod simplify;
 mod table;
 mod token;
+mod value;
 mod walk;
 
 pub use self::{
@@ -41,5 +45,10 @@ pub use self::{
     program::{Program, Workspace},
     table::{Outside, Table, TableError},
     token::{RESERVED, is_name, locate},
+    value::{Lanes, Value},
 };
-pub(crate) use self::{order::in_order_of_use, parse::MAX_DEPTH};
+pub(crate) use self::{
+    kernel::{Kernel, Work},
+    order::in_order_of_use,
+    parse::MAX_DEPTH,
+};

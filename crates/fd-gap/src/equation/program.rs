@@ -1,11 +1,11 @@
 //! Bytecode: a list of instructions on numbered slots.
 
-use fd_core::Scalar;
-
 use super::{
-    evaluate,
     expr::{Binary, Comparison, Lookup, Unary},
+    interpret::interpret,
+    kernel::{Kernel, Work},
     table::Table,
+    value::Value,
 };
 
 /// A set of expressions, compiled.
@@ -46,8 +46,8 @@ pub struct Program {
 
 /// The slots of a running [`Program`].
 #[derive(Clone, Debug)]
-pub struct Workspace<T> {
-    slots: Vec<T>,
+pub struct Workspace<V> {
+    slots: Vec<V>,
     slow: usize,
     fast: usize,
 }
@@ -68,6 +68,12 @@ pub(super) enum Operation {
     Sub,
     Mul,
     Div,
+    /// Slot `a` times slot `b`, plus slot `c`; rounded in between, as are the next two.
+    MulAdd,
+    /// Slot `a` times slot `b`, less slot `c`.
+    MulSub,
+    /// Slot `c` less slot `a` times slot `b`.
+    SubMul,
     Unary(Unary),
     Binary(Binary),
     /// Slot `a` to a literal power.
@@ -83,14 +89,14 @@ pub(super) enum Operation {
     Lookup(Lookup),
 }
 
-impl<T> Workspace<T> {
+impl<V> Workspace<V> {
     /// Slow inputs, in the order of [`Scope::slow`](super::Scope::slow).
-    pub fn slow_mut(&mut self) -> &mut [T] {
+    pub fn slow_mut(&mut self) -> &mut [V] {
         &mut self.slots[..self.slow]
     }
 
     /// Fast inputs, in the order of [`Scope::fast`](super::Scope::fast).
-    pub fn fast_mut(&mut self) -> &mut [T] {
+    pub fn fast_mut(&mut self) -> &mut [V] {
         &mut self.slots[self.slow..self.slow + self.fast]
     }
 }
@@ -98,18 +104,18 @@ impl<T> Workspace<T> {
 impl Program {
     /// Slots for one run at a time, with all inputs zero. Allocates.
     #[must_use]
-    pub fn workspace<T: Scalar>(&self) -> Workspace<T> {
-        let mut slots = vec![T::zero(); self.slots];
+    pub fn workspace<V: Value>(&self) -> Workspace<V> {
+        let mut slots = vec![V::constant(0.0); self.slots];
         let first = self.slow + self.fast;
         for (slot, value) in slots[first..].iter_mut().zip(&self.constants) {
-            *slot = T::from_design(*value);
+            *slot = V::constant(*value);
         }
         Workspace { slots, slow: self.slow, fast: self.fast }
     }
 
     /// Computes what depends on slow inputs alone, to be called whenever they have changed.
-    pub fn prepare<T: Scalar>(&self, workspace: &mut Workspace<T>) {
-        self.execute(&self.prologue, &mut workspace.slots);
+    pub fn prepare<V: Value>(&self, workspace: &mut Workspace<V>) {
+        V::vectorized(Prepare { program: self, workspace });
     }
 
     /// Computes the rest and writes the values of the expressions. Allocates nothing.
@@ -117,8 +123,19 @@ impl Program {
     /// # Panics
     ///
     /// Panics when the workspace belongs to another program.
-    pub fn run<T: Scalar>(&self, workspace: &mut Workspace<T>, results: &mut [T]) {
-        self.execute(&self.body, &mut workspace.slots);
+    pub fn run<V: Value>(&self, workspace: &mut Workspace<V>, results: &mut [V]) {
+        V::vectorized(Run { program: self, workspace, results });
+    }
+
+    /// As [`Program::run`], within other work with the same kernel.
+    #[inline(always)]
+    pub(crate) fn run_with<V: Value>(
+        &self,
+        kernel: impl Kernel<V>,
+        workspace: &mut Workspace<V>,
+        results: &mut [V],
+    ) {
+        interpret(kernel, &self.body, &self.tables, &mut workspace.slots);
         for (result, slot) in results.iter_mut().zip(&self.results) {
             *result = workspace.slots[*slot as usize];
         }
@@ -135,32 +152,30 @@ impl Program {
     pub fn instructions(&self) -> usize {
         self.body.len()
     }
+}
 
-    fn execute<T: Scalar>(&self, instructions: &[Instruction], slots: &mut [T]) {
-        let truth = |holds: bool| if holds { T::one() } else { T::zero() };
-        for instruction in instructions {
-            let a = slots[instruction.a as usize];
-            let b = || slots[instruction.b as usize];
-            let c = || slots[instruction.c as usize];
-            let value = match instruction.operation {
-                Operation::Add => a + b(),
-                Operation::Sub => a - b(),
-                Operation::Mul | Operation::And => a * b(),
-                Operation::Div => a / b(),
-                Operation::Unary(function) => evaluate::unary(function, a),
-                Operation::Binary(function) => evaluate::binary(function, a, b()),
-                Operation::Power(exponent) => evaluate::power(a, exponent),
-                Operation::Clamp => evaluate::clamp(a, b(), c()),
-                Operation::Compare(comparison) => truth(evaluate::compare(comparison, a, b())),
-                Operation::Or => truth(T::zero() < a + b()),
-                Operation::Not => T::one() - a,
-                Operation::Select if T::zero() < a => b(),
-                Operation::Select => c(),
-                Operation::Lookup(kind) => {
-                    evaluate::lookup(kind, &self.tables[instruction.b as usize], a)
-                }
-            };
-            slots[instruction.to as usize] = value;
-        }
+struct Prepare<'a, V> {
+    program: &'a Program,
+    workspace: &'a mut Workspace<V>,
+}
+
+impl<V: Value> Work<V> for Prepare<'_, V> {
+    #[inline(always)]
+    fn run(self, kernel: impl Kernel<V>) {
+        let Program { prologue, tables, .. } = self.program;
+        interpret(kernel, prologue, tables, &mut self.workspace.slots);
+    }
+}
+
+struct Run<'a, V> {
+    program: &'a Program,
+    workspace: &'a mut Workspace<V>,
+    results: &'a mut [V],
+}
+
+impl<V: Value> Work<V> for Run<'_, V> {
+    #[inline(always)]
+    fn run(self, kernel: impl Kernel<V>) {
+        self.program.run_with(kernel, self.workspace, self.results);
     }
 }

@@ -49,8 +49,51 @@ pub trait LeastSquares {
     /// Writes the residuals; returns `false` when they are not finite.
     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool;
 
+    /// Residuals at several places; `None` where they are not finite. A problem that can look at
+    /// several places at once overrides this.
+    fn residuals_of_all(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        let rows = self.layout().residuals();
+        let mut all = Vec::with_capacity(places.len());
+        for z in places {
+            let mut r = vec![0.0; rows];
+            all.push(self.residuals(z, &mut r).then_some(r));
+        }
+        all
+    }
+
     /// Writes the slopes of the residuals `r` at `z`: one column per shared unknown from
     /// `columns.start` on, then one per own unknown, in which each segment has its own slope.
     /// Column numbers run over both kinds.
     fn slopes(&mut self, z: &[f64], r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]);
+
+    /// Residuals and slopes of some columns at several places; `None` where the residuals are not
+    /// finite. A problem that can look at several places at once overrides this.
+    fn linearize(
+        &mut self,
+        places: &[Vec<f64>],
+        columns: Range<usize>,
+    ) -> Vec<Option<Linearization>> {
+        let rows = self.layout().residuals();
+        let mut all = Vec::with_capacity(places.len());
+        for z in places {
+            let mut r = vec![0.0; rows];
+            let is_finite = self.residuals(z, &mut r);
+            all.push(is_finite.then(|| {
+                let mut slopes = vec![vec![0.0; rows]; columns.end];
+                self.slopes(z, &r, columns.clone(), &mut slopes);
+                slopes.drain(..columns.start);
+                Linearization { r, slopes }
+            }));
+        }
+        all
+    }
+}
+
+/// Residuals at a place and how they change there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linearization {
+    /// Residuals.
+    pub r: Vec<f64>,
+    /// Slopes, column by column, of the columns that were asked for.
+    pub slopes: Vec<Vec<f64>>,
 }

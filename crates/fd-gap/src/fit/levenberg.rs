@@ -1,8 +1,10 @@
 //! Levenberg's and Marquardt's method in a box.
 
+use std::ops::Range;
+
 use super::{
     arrow::Arrow,
-    layout::{Layout, LeastSquares},
+    layout::{Layout, LeastSquares, Linearization},
 };
 
 /// How long to search, and what to leave as it is.
@@ -29,6 +31,8 @@ impl Default for Search {
 
 /// Damping at the beginning, as a fraction of the diagonal of the normal equations.
 const DAMPING: f64 = 1e-3;
+/// Damping that is as good as none.
+const LOWEST_DAMPING: f64 = 1e-9;
 /// Damping at which a search gives up.
 const HIGHEST_DAMPING: f64 = 1e8;
 /// Part of the way to the edge of the box that counts as being there.
@@ -45,15 +49,10 @@ pub struct Minimum {
     pub prior_cost: f64,
     /// Residuals.
     pub r: Vec<f64>,
-    /// Slopes, column by column, at the last place at which they were computed.
+    /// Slopes, column by column, at this place; frozen ones at the place where they were computed.
     pub slopes: Vec<Vec<f64>>,
     /// Whether the search ended because it could not get lower.
     pub converged: bool,
-}
-
-fn cost(problem: &dyn LeastSquares, z: &[f64], r: &[f64]) -> [f64; 2] {
-    let prior = problem.prior().iter().zip(z).map(|([m, p], z)| p * (z - m).powi(2)).sum::<f64>();
-    [r.iter().map(|r| r * r).sum::<f64>() + prior, prior]
 }
 
 /// Minimises a sum of squares within its box, from `z` on. Where residuals are not finite the
@@ -74,76 +73,188 @@ pub fn minimise(
     slopes: Option<&[Vec<f64>]>,
     search: Search,
 ) -> Option<Minimum> {
-    let layout: Layout = problem.layout().clone();
-    assert_eq!(z.len(), layout.unknowns(), "one start per unknown");
-    let bounds = problem.bounds().to_vec();
-    let z: Vec<f64> = z.iter().zip(&bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect();
-    let mut r = vec![0.0; layout.residuals()];
-    if !problem.residuals(&z, &mut r) {
-        return None;
-    }
-    let [total, prior_cost] = cost(problem, &z, &r);
-    let columns = layout.shared + layout.own;
-    let mut known = slopes.is_some();
-    let slopes = slopes.map_or_else(|| vec![vec![0.0; r.len()]; columns], <[Vec<f64>]>::to_vec);
-    let mut at = Minimum { z, cost: total, prior_cost, r, slopes, converged: false };
-    let mut trial = at.r.clone();
-    let mut damping = DAMPING;
+    minimise_all(problem, &[z.to_vec()], slopes, search).pop().flatten()
+}
 
-    for _ in 0..search.iterations {
-        let refresh = if search.own_only {
-            layout.shared..columns
-        } else if known && 0 < search.frozen {
-            search.frozen..layout.shared
-        } else {
-            0..columns
-        };
-        problem.slopes(&at.z, &at.r, refresh, &mut at.slopes);
-        known = true;
-        let mut equations = Arrow::new(&layout, &at.slopes, &at.r, problem.prior(), &at.z, 1.0);
-        for (i, [low, high]) in bounds.iter().enumerate() {
-            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
-            let is_held = search.own_only && i < layout.shared
-                || at.z[i] <= low + edge && 0.0 <= slope
-                || high - edge <= at.z[i] && slope <= 0.0;
-            if is_held || *equations.diagonal_mut(i) <= 0.0 {
-                equations.fix(i);
+/// As [`minimise`], from several places, with the results that each would have alone. All searches
+/// ask for their next residuals and slopes at once ([`LeastSquares::linearize`]): slopes at a place
+/// that turns out worse are thrown away, but where several simulations run side by side they cost
+/// little.
+///
+/// # Panics
+///
+/// Panics when a place does not have one value per unknown.
+#[must_use]
+pub fn minimise_all(
+    problem: &mut dyn LeastSquares,
+    starts: &[Vec<f64>],
+    slopes: Option<&[Vec<f64>]>,
+    search: Search,
+) -> Vec<Option<Minimum>> {
+    let setting = Setting {
+        layout: problem.layout().clone(),
+        bounds: problem.bounds().to_vec(),
+        prior: problem.prior().to_vec(),
+        search,
+    };
+    let Layout { shared, own, .. } = setting.layout;
+    let refreshed = match search {
+        Search { own_only: true, .. } => shared..shared + own,
+        Search { frozen: 0, .. } => 0..shared + own,
+        Search { frozen, .. } => frozen.min(shared)..shared,
+    };
+    // What stays frozen is computed once, unless it was given.
+    let is_known = slopes.is_some() || search.own_only;
+    let first = if is_known { refreshed.clone() } else { 0..shared + own };
+    let starts: Vec<Vec<f64>> = starts.iter().map(|z| setting.inside(z)).collect();
+    let mut descents: Vec<Option<Descent<'_>>> = problem
+        .linearize(&starts, first.clone())
+        .into_iter()
+        .zip(starts)
+        .map(|(there, z)| Some(Descent::new(&setting, z, there?, first.clone(), slopes)))
+        .collect();
+    loop {
+        let (mut places, mut active) = (Vec::new(), Vec::new());
+        for descent in descents.iter_mut().flatten() {
+            if let Some(place) = descent.next_place() {
+                places.push(place);
+                active.push(descent);
             }
         }
-        let before = at.cost;
-        while damping < HIGHEST_DAMPING {
+        if places.is_empty() {
+            break;
+        }
+        let found = problem.linearize(&places, refreshed.clone());
+        for ((descent, z), there) in active.into_iter().zip(places).zip(found) {
+            descent.look_at(z, there, refreshed.start);
+        }
+    }
+    descents.into_iter().map(|descent| descent.map(|descent| descent.at)).collect()
+}
+
+/// What all searches of a problem have in common.
+struct Setting {
+    layout: Layout,
+    bounds: Vec<[f64; 2]>,
+    prior: Vec<[f64; 2]>,
+    search: Search,
+}
+
+impl Setting {
+    fn inside(&self, z: &[f64]) -> Vec<f64> {
+        assert_eq!(z.len(), self.layout.unknowns(), "one start per unknown");
+        z.iter().zip(&self.bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect()
+    }
+
+    /// Sum of squares, and the part of the prior.
+    fn cost(&self, z: &[f64], r: &[f64]) -> [f64; 2] {
+        let prior = self.prior.iter().zip(z).map(|([m, p], z)| p * (z - m).powi(2)).sum::<f64>();
+        [r.iter().map(|r| r * r).sum::<f64>() + prior, prior]
+    }
+
+    /// A gain that is not worth another step.
+    fn negligible(&self, cost: f64) -> f64 {
+        self.search.absolute + self.search.relative * cost
+    }
+}
+
+/// A search on its way down. It says where it wants to look next, and is told what is there.
+struct Descent<'a> {
+    setting: &'a Setting,
+    at: Minimum,
+    damping: f64,
+    /// Normal equations at this place, with held unknowns taken out.
+    equations: Option<Arrow>,
+    /// By how much the next step should lower the cost, twice.
+    predicted: f64,
+    iterations: usize,
+}
+
+impl<'a> Descent<'a> {
+    fn new(
+        setting: &'a Setting,
+        z: Vec<f64>,
+        there: Linearization,
+        columns: Range<usize>,
+        known: Option<&[Vec<f64>]>,
+    ) -> Self {
+        let [cost, prior_cost] = setting.cost(&z, &there.r);
+        let rows = there.r.len();
+        let all = setting.layout.shared + setting.layout.own;
+        let mut slopes = known.map_or_else(|| vec![vec![0.0; rows]; all], <[Vec<f64>]>::to_vec);
+        slopes.splice(columns, there.slopes);
+        let at = Minimum { z, cost, prior_cost, r: there.r, slopes, converged: false };
+        Self { setting, at, damping: DAMPING, equations: None, predicted: 0.0, iterations: 0 }
+    }
+
+    /// Where to look next; `None` at the end.
+    fn next_place(&mut self) -> Option<Vec<f64>> {
+        let is_over = self.at.converged || self.iterations == self.setting.search.iterations;
+        if is_over || HIGHEST_DAMPING <= self.damping {
+            return None;
+        }
+        let equations = match self.equations.take() {
+            Some(equations) => equations,
+            None => self.linear_equations(),
+        };
+        let mut next = None;
+        while next.is_none() && self.damping < HIGHEST_DAMPING {
             let mut damped = equations.clone();
-            for i in 0..at.z.len() {
-                *damped.diagonal_mut(i) *= 1.0 + damping;
+            for i in 0..self.at.z.len() {
+                *damped.diagonal_mut(i) *= 1.0 + self.damping;
             }
             let Some(factor) = damped.factor() else {
-                damping *= 10.0;
+                self.damping *= 10.0;
                 continue;
             };
             let mut step = equations.gradient.clone();
             factor.solve(&mut step);
-            let moved = at.z.iter().zip(&step).zip(&bounds);
-            let next: Vec<f64> =
-                moved.map(|((z, step), [low, high])| (z - step).clamp(*low, *high)).collect();
-            let predicted: f64 = step.iter().zip(&equations.gradient).map(|(a, b)| a * b).sum();
-            if problem.residuals(&next, &mut trial) {
-                let [total, prior_cost] = cost(problem, &next, &trial);
-                if total < at.cost {
-                    (at.z, at.cost, at.prior_cost) = (next, total, prior_cost);
-                    std::mem::swap(&mut at.r, &mut trial);
-                    damping = (damping / 10.0).max(1e-9);
-                    break;
-                }
-            }
-            if predicted < search.absolute + search.relative * at.cost {
-                break;
-            }
-            damping *= 10.0;
+            let pairs = step.iter().zip(&equations.gradient);
+            self.predicted = pairs.map(|(a, b)| a * b).sum();
+            let moved: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, step)| z - step).collect();
+            next = Some(self.setting.inside(&moved));
         }
-        if before - at.cost <= search.absolute + search.relative * at.cost {
-            at.converged = damping < HIGHEST_DAMPING;
-            break;
+        self.equations = Some(equations);
+        next
+    }
+
+    fn linear_equations(&self) -> Arrow {
+        let Setting { layout, bounds, prior, search } = self.setting;
+        let Minimum { z, r, slopes, .. } = &self.at;
+        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
+        for (i, [low, high]) in bounds.iter().enumerate() {
+            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
+            let is_held = search.own_only && i < layout.shared
+                || z[i] <= low + edge && 0.0 <= slope
+                || high - edge <= z[i] && slope <= 0.0;
+            if is_held || *equations.diagonal_mut(i) <= 0.0 {
+                equations.fix(i);
+            }
+        }
+        equations
+    }
+
+    /// Goes there if it is lower, and shortens the step if not.
+    fn look_at(&mut self, z: Vec<f64>, there: Option<Linearization>, first_column: usize) {
+        if let Some(there) = there {
+            let [cost, prior_cost] = self.setting.cost(&z, &there.r);
+            if cost < self.at.cost {
+                let gain = self.at.cost - cost;
+                let columns = first_column..first_column + there.slopes.len();
+                self.at.slopes.splice(columns, there.slopes);
+                (self.at.z, self.at.r) = (z, there.r);
+                (self.at.cost, self.at.prior_cost) = (cost, prior_cost);
+                self.at.converged = gain <= self.setting.negligible(cost);
+                self.damping = (self.damping / 10.0).max(LOWEST_DAMPING);
+                self.equations = None;
+                self.iterations += 1;
+                return;
+            }
+        }
+        if self.predicted < self.setting.negligible(self.at.cost) {
+            self.at.converged = true;
+        } else {
+            self.damping *= 10.0;
         }
     }
-    Some(at)
 }

@@ -27,8 +27,8 @@ mod weights;
 pub(crate) use self::arrow::Arrow;
 pub use self::{
     error::FitError,
-    layout::{Layout, LeastSquares},
-    levenberg::{Minimum, Search, minimise},
+    layout::{Layout, LeastSquares, Linearization},
+    levenberg::{Minimum, Search, minimise, minimise_all},
     log::Log,
     null::{NullFit, null_fit},
     plan::{Horizon, Plan, Segment},

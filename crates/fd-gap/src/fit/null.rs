@@ -57,7 +57,5 @@ pub fn null_fit(
             best = other;
         }
     }
-    let columns = 0..problem.layout().shared + problem.layout().own;
-    problem.slopes(&best.z, &best.r, columns, &mut best.slopes);
     Ok(NullFit { problem, minimum: best })
 }

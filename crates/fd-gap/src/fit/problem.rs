@@ -4,13 +4,13 @@ use std::{ops::Range, sync::Arc};
 
 use super::{
     error::FitError,
-    layout::{Layout, LeastSquares},
+    layout::{Layout, LeastSquares, Linearization},
     levenberg::Minimum,
-    plan::Plan,
+    plan::{Plan, Segment},
     variable::Variable,
     weights::Weights,
 };
-use crate::simulate::Simulator;
+use crate::simulate::{Outcome, Run, Simulator};
 
 /// Step of a forward difference in a nuisance, in scales. Rounding errors of a simulation are
 /// below 1e-12 of its values, and a nuisance moves outputs by up to 1e3 sigma per scale.
@@ -28,16 +28,15 @@ pub struct Problem {
     layout: Layout,
     bounds: Vec<[f64; 2]>,
     prior: Vec<[f64; 2]>,
-    /// Nominal parameters of the simulator, and those of the trial.
+    /// Nominal parameters of the simulator.
     theta: Vec<f64>,
-    x0: Vec<f64>,
+    /// Nominal initial states.
     initial: Vec<f64>,
     /// Where shared unknowns are among the parameters, and own ones among the states.
     shared_places: Vec<usize>,
     own_places: Vec<usize>,
-    y: Vec<f64>,
-    error: Vec<f64>,
-    trial: Vec<f64>,
+    /// Length of the longest segment.
+    longest: usize,
     simulations: usize,
 }
 
@@ -82,13 +81,10 @@ impl Problem {
             bounds: variables().map(Variable::range).collect(),
             prior: variables().map(|variable| [0.0, variable.precision()]).collect(),
             theta: simulator.parameters().iter().map(|p| p.value).collect(),
-            x0: initial.clone(),
             initial,
             shared_places,
             own_places,
-            y: vec![0.0; longest * ny],
-            error: vec![0.0; longest],
-            trial: vec![0.0; end],
+            longest,
             simulations: 0,
             plan,
             simulator,
@@ -162,72 +158,121 @@ impl Problem {
         variables.zip(self.nuisances(z)).map(|(variable, z)| variable.value(z)).collect()
     }
 
-    /// Simulates a segment into `self.y`; `false` when it diverges.
-    fn simulate(&mut self, s: usize, z: &[f64]) -> bool {
-        let segment = self.plan.segments[s];
-        let log = &self.plan.logs[segment.log];
+    /// Parameters of the simulator.
+    fn parameters(&self, z: &[f64]) -> Vec<f64> {
+        let mut theta = self.theta.clone();
         let variables = self.plan.shared.iter().chain(&self.effects);
         for ((variable, &place), z) in variables.zip(&self.shared_places).zip(z) {
-            self.theta[place] = variable.value(*z);
+            theta[place] = variable.value(*z);
         }
-        self.x0.copy_from_slice(&self.initial);
-        let own = &z[self.layout.first_own(s)..];
-        for ((variable, &place), z) in self.plan.own[s].iter().zip(&self.own_places).zip(own) {
-            self.x0[place] = variable.value(*z);
-        }
-        self.simulator.start(&self.theta, &self.x0, segment.from as u64);
-        for (row, k) in self.y.chunks_exact_mut(log.ny).zip(segment.from..segment.to) {
-            self.simulator.step(log.input(k), log.input(k + 1), &[], row);
-            if row.iter().any(|value| !value.is_finite()) {
-                return false;
-            }
-        }
-        true
+        theta
     }
 
-    /// Weighted residuals, and before them, if wanted, the errors in units of sigma.
-    fn compare(&mut self, z: &[f64], r: &mut [f64], mut raw: Option<&mut [f64]>) -> bool {
-        self.simulations += 1;
-        for s in 0..self.layout.segments.len() {
-            if !self.simulate(s, z) {
-                return false;
+    /// Simulates a segment at several places side by side, and says of each whether its outputs
+    /// are finite.
+    fn simulate(&mut self, s: usize, places: &[&[f64]], y: &mut [Vec<f64>]) -> Vec<bool> {
+        let Segment { log, from, to } = self.plan.segments[s];
+        let log = &self.plan.logs[log];
+        let settings: Vec<_> =
+            places.iter().map(|z| [self.parameters(z), self.start_of(s, z)]).collect();
+        let pairs = settings.iter().zip(y);
+        let mut runs: Vec<Run<'_>> = pairs
+            .map(|([theta, x0], y)| Run::new(theta, x0, &mut y[..(to - from) * log.ny]))
+            .collect();
+        // The input after the segment, for simulators that interpolate.
+        let u = &log.u[from * log.nu..(to + 1).min(log.samples) * log.nu];
+        self.simulator.simulate_many(from as u64, u, &mut runs);
+        runs.iter().map(|run| run.outcome == Outcome::Complete).collect()
+    }
+
+    /// Weighted residuals of a segment, and before them, if wanted, the errors in units of sigma.
+    fn weigh(&self, s: usize, y: &[f64], r: &mut [f64], mut raw: Option<&mut [f64]>) {
+        let Segment { log, from, to } = self.plan.segments[s];
+        let log = &self.plan.logs[log];
+        let rows = self.layout.segments[s].clone();
+        let mut error = vec![0.0; to - from];
+        for c in 0..log.ny {
+            let measured = log.y[from * log.ny..].iter().skip(c).step_by(log.ny);
+            let simulated = y.iter().skip(c).step_by(log.ny);
+            let sigma = self.weights.sigma[c];
+            for ((e, y), m) in error.iter_mut().zip(simulated).zip(measured) {
+                *e = (y - m) / sigma;
             }
-            let segment = self.plan.segments[s];
-            let log = &self.plan.logs[segment.log];
-            let length = segment.to - segment.from;
-            let rows = self.layout.segments[s].clone();
-            for c in 0..log.ny {
-                let measured = log.y[segment.from * log.ny..].iter().skip(c).step_by(log.ny);
-                let simulated = self.y.iter().skip(c).step_by(log.ny);
-                let sigma = self.weights.sigma[c];
-                let error = &mut self.error[..length];
-                for ((e, y), m) in error.iter_mut().zip(simulated).zip(measured) {
-                    *e = (y - m) / sigma;
+            let rows = rows.start + c * error.len()..rows.start + (c + 1) * error.len();
+            if let Some(raw) = raw.as_deref_mut() {
+                raw[rows.clone()].copy_from_slice(&error);
+            }
+            self.weights.colour[c].whiten(&error, &mut r[rows]);
+        }
+    }
+
+    /// Weighted residuals at several places, simulated side by side; `None` where they are not
+    /// finite.
+    fn compare(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        self.simulations += places.len();
+        let ny = self.weights.sigma.len();
+        let mut y = vec![vec![0.0; self.longest * ny]; places.len()];
+        let mut all = vec![Some(vec![0.0; self.layout.residuals()]); places.len()];
+        for s in 0..self.layout.segments.len() {
+            let is_finite = |i: &usize| all[*i].is_some();
+            let left: Vec<usize> = (0..places.len()).filter(is_finite).collect();
+            let now: Vec<&[f64]> = left.iter().map(|&i| places[i].as_slice()).collect();
+            let complete = self.simulate(s, &now, &mut y[..left.len()]);
+            for ((i, is_complete), y) in left.into_iter().zip(complete).zip(&y) {
+                match &mut all[i] {
+                    Some(r) if is_complete => self.weigh(s, y, r, None),
+                    diverged => *diverged = None,
                 }
-                let rows = rows.start + c * length..rows.start + (c + 1) * length;
-                if let Some(raw) = raw.as_deref_mut() {
-                    raw[rows.clone()].copy_from_slice(error);
-                }
-                self.weights.colour[c].whiten(error, &mut r[rows]);
             }
         }
-        r.iter().all(|value| value.is_finite())
+        for r in &mut all {
+            r.take_if(|r| !r.iter().all(|value| value.is_finite()));
+        }
+        all
+    }
+
+    /// The step of a difference: forward, unless that leaves the box.
+    fn step(&self, z: &[f64], column: usize) -> f64 {
+        let is_effect = (self.plan.shared.len()..self.layout.shared).contains(&column);
+        let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
+        let is_inside = |i: usize| z[i] + size <= self.bounds[i][1];
+        if self.unknowns(column).all(is_inside) { size } else { -size }
+    }
+
+    /// The unknowns of a column: those of all segments at once, for an own unknown moves nothing
+    /// but its own segment.
+    fn unknowns(&self, column: usize) -> impl Iterator<Item = usize> + use<> {
+        let Layout { shared, own, .. } = self.layout;
+        let count = if column < shared { 1 } else { self.layout.segments.len() };
+        (0..count).map(move |s| column + s * own)
+    }
+
+    fn moved(&self, z: &[f64], column: usize, step: f64) -> Vec<f64> {
+        let mut moved = z.to_vec();
+        for i in self.unknowns(column) {
+            moved[i] = z[i] + step;
+        }
+        moved
     }
 
     /// Errors (simulated less measured) in units of sigma, not whitened, NaN where nothing was
     /// measured: per output, one signal per segment. `None` when a simulation diverges.
     #[must_use]
     pub fn errors(&mut self, z: &[f64]) -> Option<Vec<Vec<Vec<f64>>>> {
+        self.simulations += 1;
         let mut r = vec![0.0; self.layout.residuals()];
         let mut raw = r.clone();
-        self.compare(z, &mut r, Some(&mut raw)).then(|| {
-            let ny = self.weights.sigma.len();
-            let rows = |c: usize, rows: &Range<usize>| {
-                let length = rows.len() / ny;
-                raw[rows.start + c * length..rows.start + (c + 1) * length].to_vec()
-            };
-            (0..ny).map(|c| self.layout.segments.iter().map(|s| rows(c, s)).collect()).collect()
-        })
+        for s in 0..self.layout.segments.len() {
+            let y = self.segment_outputs(s, z)?;
+            self.weigh(s, &y, &mut r, Some(&mut raw));
+        }
+        let ny = self.weights.sigma.len();
+        let rows = |c: usize, rows: &Range<usize>| {
+            let length = rows.len() / ny;
+            raw[rows.start + c * length..rows.start + (c + 1) * length].to_vec()
+        };
+        let signals = |c: usize| self.layout.segments.iter().map(|s| rows(c, s)).collect();
+        r.iter().all(|value| value.is_finite()).then(|| (0..ny).map(signals).collect())
     }
 
     /// The logs of the plan with simulated outputs in place of the measured ones; holes stay.
@@ -235,13 +280,10 @@ impl Problem {
     pub fn simulated(&mut self, z: &[f64]) -> Option<Vec<super::Log>> {
         let mut logs = self.plan.logs.clone();
         for s in 0..self.layout.segments.len() {
-            if !self.simulate(s, z) {
-                return None;
-            }
-            let segment = self.plan.segments[s];
-            let log = &mut logs[segment.log];
-            let measured = log.y[segment.from * log.ny..segment.to * log.ny].iter_mut();
-            for (m, y) in measured.zip(&self.y) {
+            let y = self.segment_outputs(s, z)?;
+            let Segment { log, from, to } = self.plan.segments[s];
+            let log = &mut logs[log];
+            for (m, y) in log.y[from * log.ny..to * log.ny].iter_mut().zip(&y) {
                 if m.is_finite() {
                     *m = *y;
                 }
@@ -253,19 +295,21 @@ impl Problem {
     /// Simulated outputs of each log of the plan, row by row; `None` when a simulation diverges.
     #[must_use]
     pub fn outputs(&mut self, z: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let logs = &self.plan.logs;
-        let mut outputs: Vec<Vec<f64>> =
-            logs.iter().map(|log| vec![f64::NAN; log.y.len()]).collect();
+        let logs = self.plan.logs.iter();
+        let mut outputs: Vec<Vec<f64>> = logs.map(|log| vec![f64::NAN; log.y.len()]).collect();
         for s in 0..self.layout.segments.len() {
-            if !self.simulate(s, z) {
-                return None;
-            }
-            let segment = self.plan.segments[s];
-            let ny = self.plan.logs[segment.log].ny;
-            let (from, to) = (segment.from * ny, segment.to * ny);
-            outputs[segment.log][from..to].copy_from_slice(&self.y[..to - from]);
+            let y = self.segment_outputs(s, z)?;
+            let Segment { log, from, .. } = self.plan.segments[s];
+            let first = from * self.plan.logs[log].ny;
+            outputs[log][first..first + y.len()].copy_from_slice(&y);
         }
         Some(outputs)
+    }
+
+    /// Simulated outputs of a segment; `None` when it diverges.
+    fn segment_outputs(&mut self, s: usize, z: &[f64]) -> Option<Vec<f64>> {
+        let mut y = [vec![0.0; self.layout.segments[s].len()]];
+        self.simulate(s, &[z], &mut y)[0].then(|| std::mem::take(&mut y[0]))
     }
 
     /// The state at the start of a segment, in the order of the simulator.
@@ -313,42 +357,69 @@ impl LeastSquares for Problem {
     }
 
     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
-        self.compare(z, r, None)
+        let found = self.compare(&[z.to_vec()]).pop().flatten();
+        if let Some(found) = &found {
+            r.copy_from_slice(found);
+        }
+        found.is_some()
     }
 
-    fn slopes(&mut self, z: &[f64], r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
-        let shared = self.layout.shared;
-        let mut moved = z.to_vec();
-        let mut trial = std::mem::take(&mut self.trial);
-        for column in columns {
-            let is_effect = (self.plan.shared.len()..shared).contains(&column);
-            let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
-            let places: Vec<usize> = if column < shared {
-                vec![column]
-            } else {
-                // All segments at once: an own unknown moves nothing but its own segment.
-                let segments = 0..self.layout.segments.len();
-                segments.map(|s| self.layout.first_own(s) + column - shared).collect()
-            };
-            let slope = &mut slopes[column];
-            slope.fill(0.0);
-            // The other direction if this one leaves the box or the simulator does not like it.
-            let is_inside = places.iter().all(|&i| z[i] + size <= self.bounds[i][1]);
-            let order = if is_inside { [size, -size] } else { [-size, size] };
-            for step in order {
-                for &i in &places {
-                    moved[i] = z[i] + step;
-                }
-                if self.compare(&moved, &mut trial, None) {
-                    let differences = trial.iter().zip(r).map(|(t, r)| (t - r) / step);
-                    slope.iter_mut().zip(differences).for_each(|(slope, d)| *slope = d);
-                    break;
-                }
-            }
-            for &i in &places {
-                moved[i] = z[i];
+    fn residuals_of_all(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        self.compare(places)
+    }
+
+    fn slopes(&mut self, z: &[f64], _r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
+        let mut found = self.linearize(&[z.to_vec()], columns.clone());
+        if let Some(there) = found.pop().flatten() {
+            slopes[columns].iter_mut().zip(there.slopes).for_each(|(to, slope)| *to = slope);
+        }
+    }
+
+    fn linearize(
+        &mut self,
+        places: &[Vec<f64>],
+        columns: Range<usize>,
+    ) -> Vec<Option<Linearization>> {
+        let steps: Vec<Vec<f64>> =
+            places.iter().map(|z| columns.clone().map(|c| self.step(z, c)).collect()).collect();
+        let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
+        for (z, steps) in places.iter().zip(&steps) {
+            batch.push(z.clone());
+            batch.extend(columns.clone().zip(steps).map(|(c, step)| self.moved(z, c, *step)));
+        }
+        let mut found = self.compare(&batch).into_iter();
+        let mut all = Vec::with_capacity(places.len());
+        // Where the simulator does not like this direction, the other one is tried.
+        let mut again: Vec<(usize, usize)> = Vec::new();
+        for (p, steps) in steps.iter().enumerate() {
+            let r = found.next().flatten();
+            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
+            all.push(r.map(|r| {
+                let slope = |(i, trial): (usize, Option<Vec<f64>>)| match trial {
+                    Some(trial) => difference(trial, &r, steps[i]),
+                    None => {
+                        again.push((p, i));
+                        vec![0.0; r.len()]
+                    }
+                };
+                let slopes = trials.into_iter().enumerate().map(slope).collect();
+                Linearization { r, slopes }
+            }));
+        }
+        let back =
+            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
+        let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
+        for ((p, i), trial) in again.into_iter().zip(self.compare(&batch)) {
+            if let (Some(there), Some(trial)) = (&mut all[p], trial) {
+                there.slopes[i] = difference(trial, &there.r, -steps[p][i]);
             }
         }
-        self.trial = trial;
+        all
     }
+}
+
+/// The slope from `r` to what was found a step away.
+fn difference(mut trial: Vec<f64>, r: &[f64], step: f64) -> Vec<f64> {
+    trial.iter_mut().zip(r).for_each(|(trial, r)| *trial = (*trial - r) / step);
+    trial
 }

@@ -2,56 +2,61 @@
 
 use fd_core::Scalar;
 
+use crate::equation::Value;
+
 /// Longest delay, in integration steps; a longer one is cut.
 const LONGEST: f64 = 1_048_576.0;
 
 /// A ring of the values that an expression had at the starts of integration steps.
 #[derive(Clone, Debug)]
-pub(super) struct DelayLine<T> {
-    past: Vec<T>,
+pub(super) struct DelayLine<V> {
+    past: Vec<V>,
     /// Place of the value of this step.
     now: usize,
-    /// Whole steps of the delay.
-    whole: usize,
+    /// Whole steps of the delay of each lane.
+    whole: Vec<usize>,
     /// What is left, as a fraction of a step.
-    fraction: T,
+    fraction: V,
     /// Number of values so far.
     age: u64,
 }
 
-impl<T: Scalar> DelayLine<T> {
+impl<V: Value> DelayLine<V> {
     pub(super) fn new() -> Self {
-        Self { past: Vec::new(), now: 0, whole: 0, fraction: T::zero(), age: 0 }
+        let (whole, fraction) = (vec![0; V::LANES], V::constant(0.0));
+        Self { past: Vec::new(), now: 0, whole, fraction, age: 0 }
     }
 
     /// Forgets the past and sets the delay, in integration steps. Allocates only for a delay that
     /// is longer than any before.
-    pub(super) fn start(&mut self, steps: T) {
-        let whole = steps.to_report().clamp(0.0, LONGEST).floor();
-        self.fraction = steps - T::from_design(whole);
-        if whole >= LONGEST {
-            self.fraction = T::zero();
+    pub(super) fn start(&mut self, steps: V) {
+        for (lane, to) in self.whole.iter_mut().enumerate() {
+            let steps = steps.lane(lane);
+            let whole = steps.to_report().clamp(0.0, LONGEST).floor();
+            let is_cut = whole >= LONGEST;
+            let left = steps - Scalar::from_design(whole);
+            self.fraction.set_lane(lane, if is_cut { Scalar::from_design(0.0) } else { left });
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "clamped; NaN is 0"
+            )]
+            let whole = whole as usize;
+            *to = whole;
+            self.past.resize(self.past.len().max(whole + 2), V::constant(0.0));
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped; NaN is 0"
-        )]
-        let whole = whole as usize;
-        self.whole = whole;
-        self.past.resize(self.past.len().max(whole + 2), T::zero());
         self.age = 0;
     }
 
     /// Moves on to the next step, at the start of which the expression has this value.
-    pub(super) fn push(&mut self, value: T) {
-        self.now = (self.now + 1) % self.past.len();
+    pub(super) fn push(&mut self, value: V) {
+        self.now = if self.now + 1 < self.past.len() { self.now + 1 } else { 0 };
         self.age += 1;
         self.correct(value);
     }
 
     /// Replaces the value of this step.
-    pub(super) fn correct(&mut self, value: T) {
+    pub(super) fn correct(&mut self, value: V) {
         if self.age == 1 {
             // Before the run, nothing moved.
             self.past.fill(value);
@@ -61,9 +66,17 @@ impl<T: Scalar> DelayLine<T> {
     }
 
     /// The delayed value, mean over this step.
-    pub(super) fn value(&self) -> T {
-        let ago = |steps: usize| self.past[(self.now + self.past.len() - steps) % self.past.len()];
-        let (newer, older) = (ago(self.whole), ago(self.whole + 1));
-        newer + (older - newer) * self.fraction
+    pub(super) fn value(&self) -> V {
+        // At most as many steps ago as the ring is long.
+        let ago = |steps: usize| {
+            let wrapped = if steps <= self.now { 0 } else { self.past.len() };
+            &self.past[self.now + wrapped - steps]
+        };
+        let (mut newer, mut older) = (V::constant(0.0), V::constant(0.0));
+        for (lane, whole) in self.whole.iter().enumerate() {
+            newer.set_lane(lane, ago(*whole).lane(lane));
+            older.set_lane(lane, ago(*whole + 1).lane(lane));
+        }
+        newer.zip3(older, self.fraction, |newer, older, f| newer + (older - newer) * f)
     }
 }

@@ -1,5 +1,7 @@
 //! A model file, running.
 
+mod engine;
+mod lanes;
 mod steps;
 mod system;
 
@@ -8,14 +10,13 @@ use std::sync::Arc;
 use fd_core::Scalar;
 use fd_model::{Channel, SampleTime};
 
-use self::system::System;
+use self::{engine::Engine, lanes::WIDTH, system::System};
 use super::{
-    delay_line::DelayLine,
     error::SimulateError,
-    simulator::{Initial, Outcome, Port, Simulator, drive},
+    simulator::{Initial, Outcome, Port, Run, Simulator, drive},
 };
 use crate::{
-    equation::{Program, Workspace},
+    equation::Lanes,
     model::{Model, Parameter},
     patch::open_ports,
 };
@@ -48,27 +49,9 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct EquationSimulator<T: Scalar = f64> {
-    system: Arc<System>,
-    rates: Workspace<T>,
-    updates: Workspace<T>,
-    outputs: Workspace<T>,
-    control: Option<Workspace<T>>,
-    x: Vec<T>,
-    u: Vec<T>,
-    u_next: Vec<T>,
-    /// Signals of a sampled controller, then delayed values.
-    held: Vec<T>,
-    lines: Vec<DelayLine<T>>,
-    delays: Vec<Workspace<T>>,
-    delay_times: Workspace<T>,
-    /// 1 in the first integration step of a run.
-    first: T,
-    /// The four slopes of Runge-Kutta.
-    k: [Vec<T>; 4],
-    /// Results of update laws and of the controller, until they are stored.
-    updated: Vec<T>,
-    /// Sample number.
-    sample: u64,
+    engine: Engine<T>,
+    /// Several runs side by side, once they have been asked for.
+    lanes: Option<Box<Engine<Lanes<WIDTH>>>>,
 }
 
 impl<T: Scalar> EquationSimulator<T> {
@@ -105,7 +88,7 @@ impl<T: Scalar> EquationSimulator<T> {
     /// step is short enough.
     #[must_use]
     pub fn refined(&self, factor: usize) -> Self {
-        let mut system = (*self.system).clone();
+        let mut system = (*self.engine.system).clone();
         system.timing = system.timing.refined(factor);
         Self::of(system)
     }
@@ -113,32 +96,11 @@ impl<T: Scalar> EquationSimulator<T> {
     /// Integration steps per sample.
     #[must_use]
     pub fn substeps(&self) -> usize {
-        self.system.timing.substeps
+        self.engine.system.timing.substeps
     }
 
     fn of(system: System) -> Self {
-        let zeros = |n: usize| vec![T::zero(); n];
-        let (nx, nu) = (system.nx, system.inputs.len() + system.ports.len());
-        let signals = system.control.as_ref().map_or(0, |control| control.signals);
-        let acts = system.control.as_ref().map_or(0, |control| control.program.results());
-        Self {
-            rates: system.rates.workspace(),
-            updates: system.updates.workspace(),
-            outputs: system.outputs.workspace(),
-            control: system.control.as_ref().map(|control| control.program.workspace()),
-            x: zeros(nx),
-            u: zeros(nu),
-            u_next: zeros(nu),
-            held: zeros(signals + system.delays.len()),
-            lines: system.delays.iter().map(|_| DelayLine::new()).collect(),
-            delays: system.delays.iter().map(Program::workspace).collect(),
-            delay_times: system.delay_times.workspace(),
-            first: T::one(),
-            k: [zeros(nx), zeros(nx), zeros(nx), zeros(nx)],
-            updated: zeros(nx.max(acts).max(system.delays.len())),
-            sample: 0,
-            system: Arc::new(system),
-        }
+        Self { engine: Engine::new(Arc::new(system)), lanes: None }
     }
 
     /// As [`Simulator::start`], for any scalar.
@@ -147,33 +109,7 @@ impl<T: Scalar> EquationSimulator<T> {
     ///
     /// Panics when the numbers of values are wrong.
     pub fn restart(&mut self, theta: &[T], x0: &[T], first: u64) {
-        let system = &*self.system;
-        let h = T::from_design(system.timing.h());
-        let prepare = |program: &Program, workspace: &mut Workspace<T>| {
-            let slow = workspace.slow_mut();
-            slow[..theta.len()].copy_from_slice(theta);
-            slow[theta.len()] = h;
-            program.prepare(workspace);
-        };
-        prepare(&system.rates, &mut self.rates);
-        prepare(&system.updates, &mut self.updates);
-        prepare(&system.outputs, &mut self.outputs);
-        if let (Some(control), Some(workspace)) = (&system.control, &mut self.control) {
-            prepare(&control.program, workspace);
-        }
-        prepare(&system.delay_times, &mut self.delay_times);
-        for (program, workspace) in system.delays.iter().zip(&mut self.delays) {
-            prepare(program, workspace);
-        }
-        let times = &mut self.updated[..self.lines.len()];
-        system.delay_times.run(&mut self.delay_times, times);
-        for (line, time) in self.lines.iter_mut().zip(times) {
-            line.start(*time / h);
-        }
-        self.x.copy_from_slice(x0);
-        self.first = T::one();
-        self.held.fill(T::zero());
-        self.sample = first;
+        self.engine.restart(theta, x0, first);
     }
 
     /// As [`Simulator::step`], for any scalar.
@@ -182,34 +118,7 @@ impl<T: Scalar> EquationSimulator<T> {
     ///
     /// Panics when the numbers of values are wrong.
     pub fn advance(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [T]) {
-        let inputs = self.system.inputs.len();
-        load(&mut self.u[..inputs], &u[..inputs]);
-        load(&mut self.u_next[..inputs], &u_next[..inputs]);
-        load(&mut self.u[inputs..], f);
-        load(&mut self.u_next[inputs..], f);
-
-        let timing = self.system.timing;
-        let h = timing.h();
-        for substep in 0..timing.substeps {
-            let number = self.sample * timing.substeps as u64 + substep as u64;
-            let t = self.sample as f64 * timing.ts + substep as f64 * h;
-            self.delay(t, substep, DelayLine::push);
-            let acts = timing.control_period != 0 && number.is_multiple_of(timing.control_period);
-            if acts || T::zero() < self.first {
-                self.act(t, substep, acts);
-                // The new signals may be delayed on their way.
-                self.delay(t, substep, DelayLine::correct);
-            }
-            if substep == 0 {
-                self.measure(t, y);
-            }
-            self.integrate(t, substep);
-            self.first = T::zero();
-        }
-        self.sample += 1;
-        if self.x.iter().any(|value| !value.is_finite()) {
-            self.x.fill(T::from_design(f64::NAN));
-        }
+        self.engine.advance(u, u_next, f, y);
     }
 
     /// As [`Simulator::simulate`], for any scalar.
@@ -218,41 +127,35 @@ impl<T: Scalar> EquationSimulator<T> {
     ///
     /// Panics when the numbers of values are wrong.
     pub fn run(&mut self, theta: &[T], x0: &[T], u: &[f64], y: &mut [T]) -> Outcome {
-        let (nu, ny) = (self.system.inputs.len(), self.system.channels.len());
+        let (nu, ny) = (self.engine.system.inputs.len(), self.engine.system.channels.len());
         self.restart(theta, x0, 0);
         drive(nu, ny, u, y, |now, next, row| self.advance(now, next, &[], row))
     }
 }
 
-/// `from` may be shorter than `to`, which is then zero at the end: no forces are zero forces.
-fn load<T: Scalar>(to: &mut [T], from: &[f64]) {
-    to.fill(T::zero());
-    to.iter_mut().zip(from).for_each(|(to, from)| *to = T::from_design(*from));
-}
-
 impl Simulator for EquationSimulator<f64> {
     fn ts(&self) -> SampleTime {
-        self.system.ts
+        self.engine.system.ts
     }
 
     fn inputs(&self) -> &[Channel] {
-        &self.system.inputs
+        &self.engine.system.inputs
     }
 
     fn outputs(&self) -> &[Channel] {
-        &self.system.channels
+        &self.engine.system.channels
     }
 
     fn parameters(&self) -> &[Parameter] {
-        &self.system.parameters
+        &self.engine.system.parameters
     }
 
     fn initial(&self) -> &[Initial] {
-        &self.system.initial
+        &self.engine.system.initial
     }
 
     fn ports(&self) -> &[Port] {
-        &self.system.ports
+        &self.engine.system.ports
     }
 
     fn start(&mut self, theta: &[f64], x0: &[f64], first: u64) {
@@ -264,7 +167,7 @@ impl Simulator for EquationSimulator<f64> {
     }
 
     fn state(&self) -> &[f64] {
-        &self.x
+        &self.engine.x
     }
 
     fn go_on_from(&mut self, x: &[f64]) -> bool {
@@ -278,5 +181,9 @@ impl Simulator for EquationSimulator<f64> {
 
     fn simulate(&mut self, theta: &[f64], x0: &[f64], u: &[f64], y: &mut [f64]) -> Outcome {
         self.run(theta, x0, u, y)
+    }
+
+    fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+        self.run_in_lanes(first, u, runs);
     }
 }

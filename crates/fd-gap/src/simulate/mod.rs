@@ -31,5 +31,5 @@ pub use self::{
     error::SimulateError,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     nominal::Nominal,
-    simulator::{Initial, Outcome, Port, Simulator},
+    simulator::{Initial, Outcome, Port, Run, Simulator},
 };

@@ -80,6 +80,89 @@ pub trait Simulator: Debug + Send + Sync {
         self.start(theta, x0, 0);
         drive(nu, ny, u, y, |now, next, row| self.step(now, next, &[], row))
     }
+
+    /// Runs several times through the same inputs `u`, row by row one sample after another from
+    /// sample number `first` on, without forces. Each run has parameters and an initial state of
+    /// its own, and its results are to the bit those of a run alone.
+    ///
+    /// The number of samples is that of the outputs, the same for all runs. When `u` has a row
+    /// more, that is the input after the last sample; else the last one is held.
+    ///
+    /// A simulator that can do better than one run after the other overrides this.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+        one_by_one(self, first, u, runs);
+    }
+}
+
+/// One of several runs through the same inputs.
+#[derive(Debug)]
+pub struct Run<'a> {
+    /// Parameters, in the order of [`Simulator::parameters`].
+    pub theta: &'a [f64],
+    /// Initial state, in the order of [`Simulator::initial`].
+    pub x0: &'a [f64],
+    /// Outputs, row by row, to be written; after a divergence the rest is NaN.
+    pub y: &'a mut [f64],
+    /// How the run ended.
+    pub outcome: Outcome,
+}
+
+impl<'a> Run<'a> {
+    /// A run that is still to be made.
+    #[must_use]
+    pub fn new(theta: &'a [f64], x0: &'a [f64], y: &'a mut [f64]) -> Self {
+        Self { theta, x0, y, outcome: Outcome::Complete }
+    }
+
+    /// Looks at the outputs of sample `k`, of which there are `ny`; says whether the run goes on.
+    pub(super) fn check(&mut self, k: usize, ny: usize) -> bool {
+        if self.outcome != Outcome::Complete {
+            return false;
+        }
+        if self.y[k * ny..(k + 1) * ny].iter().any(|value| !value.is_finite()) {
+            self.outcome = Outcome::Diverged { sample: k };
+        }
+        self.outcome == Outcome::Complete
+    }
+
+    /// Makes the outputs NaN from the divergence on.
+    pub(super) fn finish(&mut self, ny: usize) {
+        if let Outcome::Diverged { sample } = self.outcome {
+            self.y[sample * ny..].fill(f64::NAN);
+        }
+    }
+}
+
+/// The rows of inputs that a run sees, sample by sample, with the row after it.
+pub(super) fn rows<'a>(u: &'a [f64], nu: usize) -> impl Fn(usize) -> [&'a [f64]; 2] {
+    let last = (u.len() / nu.max(1)).max(1) - 1;
+    move |k| [k, (k + 1).min(last)].map(|k| &u[k * nu..(k + 1) * nu])
+}
+
+/// One run after the other.
+pub(super) fn one_by_one<S: Simulator + ?Sized>(
+    simulator: &mut S,
+    first: u64,
+    u: &[f64],
+    runs: &mut [Run<'_>],
+) {
+    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
+    let inputs = rows(u, nu);
+    for run in runs {
+        simulator.start(run.theta, run.x0, first);
+        for k in 0..run.y.len() / ny {
+            let [now, next] = inputs(k);
+            simulator.step(now, next, &[], &mut run.y[k * ny..(k + 1) * ny]);
+            if !run.check(k, ny) {
+                break;
+            }
+        }
+        run.finish(ny);
+    }
 }
 
 /// Steps through all samples, until one is not finite.

@@ -1,0 +1,142 @@
+//! What a running model consists of, for one run or for several in lanes.
+
+use std::sync::Arc;
+
+use fd_core::Scalar;
+
+use super::{super::delay_line::DelayLine, system::System};
+use crate::equation::{Program, Value, Workspace};
+
+/// A running model.
+#[derive(Clone, Debug)]
+pub(super) struct Engine<V> {
+    pub(super) system: Arc<System>,
+    pub(super) rates: Workspace<V>,
+    pub(super) updates: Workspace<V>,
+    pub(super) outputs: Workspace<V>,
+    pub(super) control: Option<Workspace<V>>,
+    pub(super) x: Vec<V>,
+    pub(super) u: Vec<V>,
+    pub(super) u_next: Vec<V>,
+    /// Signals of a sampled controller, then delayed values.
+    pub(super) held: Vec<V>,
+    pub(super) lines: Vec<DelayLine<V>>,
+    pub(super) delays: Vec<Workspace<V>>,
+    pub(super) delay_times: Workspace<V>,
+    /// Whether this is the first integration step of a run.
+    pub(super) is_first: bool,
+    /// The four slopes of Runge-Kutta.
+    pub(super) k: [Vec<V>; 4],
+    /// Results of update laws and of the controller, until they are stored.
+    pub(super) updated: Vec<V>,
+    /// Sample number.
+    pub(super) sample: u64,
+}
+
+impl<V: Value> Engine<V> {
+    pub(super) fn new(system: Arc<System>) -> Self {
+        let zeros = |n: usize| vec![V::constant(0.0); n];
+        let (nx, nu) = (system.nx, system.inputs.len() + system.ports.len());
+        let signals = system.control.as_ref().map_or(0, |control| control.signals);
+        let acts = system.control.as_ref().map_or(0, |control| control.program.results());
+        Self {
+            rates: system.rates.workspace(),
+            updates: system.updates.workspace(),
+            outputs: system.outputs.workspace(),
+            control: system.control.as_ref().map(|control| control.program.workspace()),
+            x: zeros(nx),
+            u: zeros(nu),
+            u_next: zeros(nu),
+            held: zeros(signals + system.delays.len()),
+            lines: system.delays.iter().map(|_| DelayLine::new()).collect(),
+            delays: system.delays.iter().map(Program::workspace).collect(),
+            delay_times: system.delay_times.workspace(),
+            is_first: true,
+            k: [zeros(nx), zeros(nx), zeros(nx), zeros(nx)],
+            updated: zeros(nx.max(acts).max(system.delays.len())),
+            sample: 0,
+            system,
+        }
+    }
+
+    /// Starts a run at a sample.
+    pub(super) fn restart(&mut self, theta: &[V], x0: &[V], first: u64) {
+        let system = &*self.system;
+        let h = V::constant(system.timing.h());
+        let prepare = |program: &Program, workspace: &mut Workspace<V>| {
+            let slow = workspace.slow_mut();
+            slow[..theta.len()].copy_from_slice(theta);
+            slow[theta.len()] = h;
+            program.prepare(workspace);
+        };
+        prepare(&system.rates, &mut self.rates);
+        prepare(&system.updates, &mut self.updates);
+        prepare(&system.outputs, &mut self.outputs);
+        if let (Some(control), Some(workspace)) = (&system.control, &mut self.control) {
+            prepare(&control.program, workspace);
+        }
+        prepare(&system.delay_times, &mut self.delay_times);
+        for (program, workspace) in system.delays.iter().zip(&mut self.delays) {
+            prepare(program, workspace);
+        }
+        let times = &mut self.updated[..self.lines.len()];
+        system.delay_times.run(&mut self.delay_times, times);
+        for (line, time) in self.lines.iter_mut().zip(times) {
+            line.start(time.zip(h, |time, h| time / h));
+        }
+        self.x.copy_from_slice(x0);
+        self.is_first = true;
+        self.held.fill(V::constant(0.0));
+        self.sample = first;
+    }
+
+    /// Writes the outputs of a sample and moves on to the next.
+    pub(super) fn advance(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [V]) {
+        let inputs = self.system.inputs.len();
+        load(&mut self.u[..inputs], &u[..inputs]);
+        load(&mut self.u_next[..inputs], &u_next[..inputs]);
+        load(&mut self.u[inputs..], f);
+        load(&mut self.u_next[inputs..], f);
+
+        let timing = self.system.timing;
+        let h = timing.h();
+        for substep in 0..timing.substeps {
+            let number = self.sample * timing.substeps as u64 + substep as u64;
+            let t = self.sample as f64 * timing.ts + substep as f64 * h;
+            self.delay(t, substep, DelayLine::push);
+            let acts = timing.control_period != 0 && number.is_multiple_of(timing.control_period);
+            if acts || self.is_first {
+                self.act(t, substep, acts);
+                // The new signals may be delayed on their way.
+                self.delay(t, substep, DelayLine::correct);
+            }
+            if substep == 0 {
+                self.measure(t, y);
+            }
+            self.integrate(t, substep);
+            self.is_first = false;
+        }
+        self.sample += 1;
+        self.spoil();
+    }
+
+    /// A lane in which one state is not finite is NaN from then on.
+    fn spoil(&mut self) {
+        for lane in 0..V::LANES {
+            if self.x.iter().any(|value| !is_finite(value.lane(lane))) {
+                let nan = V::Lane::from_design(f64::NAN);
+                self.x.iter_mut().for_each(|value| value.set_lane(lane, nan));
+            }
+        }
+    }
+}
+
+pub(super) fn is_finite<T: Scalar>(value: T) -> bool {
+    value.is_finite()
+}
+
+/// `from` may be shorter than `to`, which is then zero at the end: no forces are zero forces.
+fn load<V: Value>(to: &mut [V], from: &[f64]) {
+    to.fill(V::constant(0.0));
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = V::constant(*from));
+}

@@ -1,0 +1,62 @@
+//! Several runs side by side.
+
+use std::sync::Arc;
+
+use super::{EquationSimulator, engine::Engine};
+use crate::{
+    equation::{Lanes, Value},
+    simulate::simulator::{Run, one_by_one, rows},
+};
+
+/// Runs side by side.
+pub(super) const WIDTH: usize = 8;
+
+impl EquationSimulator<f64> {
+    pub(super) fn run_in_lanes(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+        for some in runs.chunks_mut(WIDTH) {
+            if some.len() == 1 {
+                one_by_one(self, first, u, some);
+            } else {
+                let system = &self.engine.system;
+                let lanes =
+                    self.lanes.get_or_insert_with(|| Box::new(Engine::new(Arc::clone(system))));
+                run(lanes, first, u, some);
+            }
+        }
+    }
+}
+
+/// Runs as many at once as there are lanes, or fewer.
+fn run(engine: &mut Engine<Lanes<WIDTH>>, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+    let Some(one) = runs.first() else { return };
+    let (nu, ny) = (engine.system.inputs.len(), engine.system.channels.len());
+    let (samples, inputs) = (one.y.len() / ny, rows(u, nu));
+    // A lane that nobody needs does what the first one does.
+    let gather = |values: fn(&Run<'_>, usize) -> f64, i: usize| {
+        let mut all = Lanes::splat(values(one, i));
+        for (lane, run) in runs.iter().enumerate() {
+            all.set_lane(lane, values(run, i));
+        }
+        all
+    };
+    let theta: Vec<_> = (0..one.theta.len()).map(|i| gather(|run, i| run.theta[i], i)).collect();
+    let x0: Vec<_> = (0..one.x0.len()).map(|i| gather(|run, i| run.x0[i], i)).collect();
+    engine.restart(&theta, &x0, first);
+    let mut row = vec![Lanes::splat(0.0); ny];
+    for k in 0..samples {
+        let [now, next] = inputs(k);
+        engine.advance(now, next, &[], &mut row);
+        let mut is_over = true;
+        for (lane, run) in runs.iter_mut().enumerate() {
+            let values = &mut run.y[k * ny..(k + 1) * ny];
+            values.iter_mut().zip(&row).for_each(|(y, row)| *y = row.0[lane]);
+            is_over &= !run.check(k, ny);
+        }
+        if is_over {
+            break;
+        }
+    }
+    for run in runs {
+        run.finish(ny);
+    }
+}
