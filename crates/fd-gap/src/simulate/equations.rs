@@ -171,7 +171,7 @@ impl Simulator for EquationSimulator<f64> {
     }
 
     fn go_on_from(&mut self, x: &[f64]) -> bool {
-        self.x.copy_from_slice(x);
+        self.engine.x.copy_from_slice(x);
         true
     }
 
