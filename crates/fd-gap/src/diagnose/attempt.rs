@@ -23,9 +23,21 @@ use crate::{
 };
 
 /// Errors within this many times the noise may be noise of another colour.
-pub(super) const REACHED: f64 = 2.0;
+const REACHED: f64 = 2.0;
+/// Errors above this many times the noise leave room for a second effect, which must be looked for
+/// before the noise gets a colour that hides it.
+const NEAR: f64 = 1.15;
 /// Log-likelihood that something else could gain from which second causes are tried.
 const SOMETHING: f64 = 3.0;
+
+/// How deep to look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Depth {
+    /// Single causes with white noise: what a wrong model leaves is no noise.
+    Singles,
+    /// Pairs, and noise with a colour.
+    All,
+}
 
 /// Everything that was fitted and weighed.
 #[derive(Debug)]
@@ -86,6 +98,7 @@ impl<'a> Attempt<'a> {
         case: &Case<'_>,
         offers: &'a Offered,
         horizon: Horizon,
+        depth: Depth,
         settings: &Settings,
         monitor: &dyn Monitor,
     ) -> Result<Self, FitError> {
@@ -103,7 +116,7 @@ impl<'a> Attempt<'a> {
         let mut left = found.best_errors().ok_or(FitError::Diverged)?;
         let mut duos = Vec::new();
         let mut weighing = None;
-        let is_near = noise.reach(&left) <= REACHED;
+        let is_near = depth == Depth::Singles || noise.reach(&left) <= NEAR;
         if !is_near {
             let white = Weighing::of(&mut found, &model, &noise, &offers.observed)?;
             duos = seek(&found, &white);
@@ -112,8 +125,9 @@ impl<'a> Attempt<'a> {
             }
             weighing = Some(white);
         }
-        let is_coloured =
-            noise.reach(&left) <= REACHED && found.colour(&left, &noise, settings.finalists)?;
+        let is_coloured = depth == Depth::All
+            && noise.reach(&left) <= REACHED
+            && found.colour(&left, &noise, settings.finalists)?;
         let weighing = match weighing.filter(|_| !is_coloured) {
             Some(white) => white,
             None => Weighing::of(&mut found, &model, &noise, &offers.observed)?,
@@ -125,7 +139,7 @@ impl<'a> Attempt<'a> {
             |answer: &Answer| answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured);
         let mut left = rest(&best);
         let is_open = left.is_unexplained || SOMETHING < left.leftover.gain();
-        if is_near && is_open || !is_near && is_coloured {
+        if depth == Depth::All && (is_near && is_open || !is_near && is_coloured) {
             duos = seek(&found, &weighing);
         }
         if let Some(answer) = duos.first().and_then(Duo::answer)

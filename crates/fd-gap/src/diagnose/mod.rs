@@ -33,7 +33,7 @@ mod trial;
 
 use self::{
     answer::Answer,
-    attempt::{Attempt, Weighing},
+    attempt::{Attempt, Depth, Weighing},
     explain::nominal_explanation,
     held_out::compare,
     judge::{Judgement, judge, verdict},
@@ -100,7 +100,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, FitError> {
     let mut offers = Offered::of(case.suspects);
     let mut not_tested = std::mem::take(&mut offers.refused);
-    let mut attempt = Attempt::new(case, &offers, settings.horizon, settings, monitor)?;
+    let mut attempt = Attempt::new(case, &offers, settings.horizon, Depth::All, settings, monitor)?;
     let simulator = attempt.weighing.base.simulator().boxed();
     let held_out: Result<Vec<Log>, _> =
         case.held_out.iter().enumerate().map(|(i, r)| Log::new(r, &*simulator, i + 1)).collect();
@@ -202,7 +202,7 @@ fn by_forecasts<'a>(
     let windows = misfit::windows(&report_horizons);
     let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
     if is_free && misfit::is_lost(&attempt.found.null) {
-        *attempt = Attempt::new(case, offers, windows, settings, monitor)?;
+        *attempt = Attempt::new(case, offers, windows, Depth::Singles, settings, monitor)?;
     }
     let Attempt { noise, found, weighing, best, rest, duos, .. } = attempt;
     duos.clear();

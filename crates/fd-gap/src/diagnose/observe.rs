@@ -12,7 +12,7 @@ use crate::{
 /// A grid above this many times the noise is a matter of the sensor, not of the file.
 const COARSE: f64 = 0.5;
 /// What it says for a grid that values lie on it at all, as a logarithm of the evidence.
-const ON_GRID: f64 = 5.0;
+const ON_GRID: f64 = 10.0;
 
 /// What a cause makes of the errors of a simulation.
 #[derive(Clone, Debug)]

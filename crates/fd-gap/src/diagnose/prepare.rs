@@ -7,10 +7,10 @@ use fd_model::{Record, SampleTime};
 use super::case::Case;
 use crate::{
     evidence::NoisePrior,
-    fit::{FitError, Horizon, NullFit, Plan, Problem, Weights, null_fit},
+    fit::{FitError, Horizon, Log, NullFit, Plan, Problem, Weights, null_fit},
     model::Model,
-    quality::{Finding, grid_step, inspect, noise_floor, robust_third_difference_floor},
-    shrink::gap_per_output,
+    quality::{Defect, Finding, grid_step, inspect, noise_floor, robust_third_difference_floor},
+    shrink::{dominant_time_constant, gap_per_output},
     simulate::{EquationSimulator, Simulator},
 };
 
@@ -105,9 +105,8 @@ pub(super) fn with_step(model: &Model, step: f64) -> Model {
 
 /// An output in all logs, one after the other, with a hole between them.
 fn measured(plan: &Plan, output: usize) -> Vec<f64> {
-    let column = |log: &crate::fit::Log| -> Vec<f64> {
-        log.y.iter().skip(output).step_by(log.ny).copied().collect()
-    };
+    let column =
+        |log: &Log| -> Vec<f64> { log.y.iter().skip(output).step_by(log.ny).copied().collect() };
     plan.logs.iter().map(column).collect::<Vec<_>>().join(&f64::NAN)
 }
 
@@ -162,6 +161,19 @@ pub(super) fn inspect_all(
         };
         let left: Vec<Vec<f64>> = errors.iter().map(left).collect();
         findings.extend(inspect(log, null.simulator(), stated, Some(&left), i + 1)?);
+        findings.extend(short(null.simulator(), &null.plan().logs[i], i + 1));
     }
     Ok(findings)
+}
+
+/// A log that ends before the plant has forgotten where it started.
+fn short(simulator: &dyn Simulator, log: &Log, number: usize) -> Option<Finding> {
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let ts = simulator.ts().seconds();
+    let memory = ts * dominant_time_constant(simulator, &theta, &x0, log)?;
+    let seconds = ts * log.samples() as f64;
+    let channel = simulator.outputs().first()?.name.clone();
+    let defect = Defect::Short { seconds, memory };
+    (seconds < memory).then_some(Finding { log: number, channel, defect })
 }

@@ -158,18 +158,14 @@ impl Problem {
         variables.zip(self.nuisances(z)).map(|(variable, z)| variable.value(z)).collect()
     }
 
-    /// Parameters and initial states of the simulator in a segment.
-    fn setting(&self, s: usize, z: &[f64]) -> [Vec<f64>; 2] {
-        let (mut theta, mut x0) = (self.theta.clone(), self.initial.clone());
+    /// Parameters of the simulator.
+    fn parameters(&self, z: &[f64]) -> Vec<f64> {
+        let mut theta = self.theta.clone();
         let variables = self.plan.shared.iter().chain(&self.effects);
         for ((variable, &place), z) in variables.zip(&self.shared_places).zip(z) {
             theta[place] = variable.value(*z);
         }
-        let own = &z[self.layout.first_own(s)..];
-        for ((variable, &place), z) in self.plan.own[s].iter().zip(&self.own_places).zip(own) {
-            x0[place] = variable.value(*z);
-        }
-        [theta, x0]
+        theta
     }
 
     /// Simulates a segment at several places side by side, and says of each whether its outputs
@@ -177,7 +173,8 @@ impl Problem {
     fn simulate(&mut self, s: usize, places: &[&[f64]], y: &mut [Vec<f64>]) -> Vec<bool> {
         let Segment { log, from, to } = self.plan.segments[s];
         let log = &self.plan.logs[log];
-        let settings: Vec<_> = places.iter().map(|z| self.setting(s, z)).collect();
+        let settings: Vec<_> =
+            places.iter().map(|z| [self.parameters(z), self.start_of(s, z)]).collect();
         let pairs = settings.iter().zip(y);
         let mut runs: Vec<Run<'_>> = pairs
             .map(|([theta, x0], y)| Run::new(theta, x0, &mut y[..(to - from) * log.ny]))
@@ -266,7 +263,7 @@ impl Problem {
         let mut r = vec![0.0; self.layout.residuals()];
         let mut raw = r.clone();
         for s in 0..self.layout.segments.len() {
-            let y = self.outputs_of(s, z)?;
+            let y = self.segment_outputs(s, z)?;
             self.weigh(s, &y, &mut r, Some(&mut raw));
         }
         let ny = self.weights.sigma.len();
@@ -283,7 +280,7 @@ impl Problem {
     pub fn simulated(&mut self, z: &[f64]) -> Option<Vec<super::Log>> {
         let mut logs = self.plan.logs.clone();
         for s in 0..self.layout.segments.len() {
-            let y = self.outputs_of(s, z)?;
+            let y = self.segment_outputs(s, z)?;
             let Segment { log, from, to } = self.plan.segments[s];
             let log = &mut logs[log];
             for (m, y) in log.y[from * log.ny..to * log.ny].iter_mut().zip(&y) {
@@ -298,16 +295,21 @@ impl Problem {
     /// Simulated outputs of each log of the plan, row by row; `None` when a simulation diverges.
     #[must_use]
     pub fn outputs(&mut self, z: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let logs = &self.plan.logs;
-        let mut outputs: Vec<Vec<f64>> =
-            logs.iter().map(|log| vec![f64::NAN; log.y.len()]).collect();
+        let logs = self.plan.logs.iter();
+        let mut outputs: Vec<Vec<f64>> = logs.map(|log| vec![f64::NAN; log.y.len()]).collect();
         for s in 0..self.layout.segments.len() {
-            let simulated = self.outputs_of(s, z)?;
-            let segment = self.plan.segments[s];
-            let ny = self.plan.logs[segment.log].ny;
-            outputs[segment.log][segment.from * ny..segment.to * ny].copy_from_slice(&simulated);
+            let y = self.segment_outputs(s, z)?;
+            let Segment { log, from, .. } = self.plan.segments[s];
+            let first = from * self.plan.logs[log].ny;
+            outputs[log][first..first + y.len()].copy_from_slice(&y);
         }
         Some(outputs)
+    }
+
+    /// Simulated outputs of a segment; `None` when it diverges.
+    fn segment_outputs(&mut self, s: usize, z: &[f64]) -> Option<Vec<f64>> {
+        let mut y = [vec![0.0; self.layout.segments[s].len()]];
+        self.simulate(s, &[z], &mut y)[0].then(|| std::mem::take(&mut y[0]))
     }
 
     /// The state at the start of a segment, in the order of the simulator.
@@ -320,12 +322,6 @@ impl Problem {
             x0[place] = variable.value(*z);
         }
         x0
-    }
-
-    /// Simulated outputs of a segment; `None` when it diverges.
-    fn outputs_of(&mut self, s: usize, z: &[f64]) -> Option<Vec<f64>> {
-        let mut y = [vec![0.0; self.layout.segments[s].len()]];
-        self.simulate(s, &[z], &mut y)[0].then(|| std::mem::take(&mut y[0]))
     }
 
     /// Standard deviation of each parameter of the effect, in its unit, when noise is `scale`

@@ -56,6 +56,13 @@ pub enum Defect {
         /// By this power of ten.
         factor: f64,
     },
+    /// The log is shorter than the memory of the plant.
+    Short {
+        /// Length of the log, in seconds.
+        seconds: f64,
+        /// Slowest time constant of the plant, in seconds.
+        memory: f64,
+    },
     /// Two columns fit the simulation better when they are swapped.
     Swapped {
         /// The other one.
@@ -83,6 +90,7 @@ impl Finding {
             Defect::Clipped { .. }
             | Defect::SlowSampling { .. }
             | Defect::Feedback { .. }
+            | Defect::Short { .. }
             | Defect::Constant => Severity::Warning,
             Defect::NotExcited | Defect::WrongUnit { .. } | Defect::Swapped { .. } => {
                 Severity::Serious
@@ -118,6 +126,11 @@ impl fmt::Display for Finding {
             Defect::WrongUnit { factor } => write!(
                 f,
                 "multiplied by {factor} the channel would fit the simulation: check its unit"
+            ),
+            Defect::Short { seconds, memory } => write!(
+                f,
+                "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): what is slow \
+                 cannot be told from where it started"
             ),
             Defect::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")

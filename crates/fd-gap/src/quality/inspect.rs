@@ -3,6 +3,7 @@
 use super::{
     channel::defects,
     finding::{Defect, Finding},
+    inputs::input_defects,
 };
 use crate::{
     fit::{FitError, Log},
@@ -44,6 +45,9 @@ pub fn inspect(
         for defect in defects(&signal, None, true) {
             add(&channel.name, defect);
         }
+    }
+    for (i, defect) in input_defects(simulator, &log) {
+        add(&simulator.inputs()[i].name, defect);
     }
     let column = |values: &[f64], c: usize| -> Vec<f64> {
         values.iter().skip(c).step_by(log.ny).copied().collect()
@@ -92,7 +96,7 @@ pub fn inspect(
 }
 
 /// `1 − Σ(m − s)²/Σ(m² + s²)` about the means: 1 for equal signals, 0 for unrelated ones.
-fn agreement(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn agreement(a: &[f64], b: &[f64]) -> f64 {
     let pairs: Vec<(f64, f64)> =
         a.iter().zip(b).filter(|(a, b)| (**a - **b).is_finite()).map(|(a, b)| (*a, *b)).collect();
     let n = pairs.len().max(1) as f64;

@@ -4,6 +4,7 @@ mod autoregression;
 mod channel;
 mod distribution;
 mod finding;
+mod inputs;
 mod inspect;
 mod noise_floor;
 mod pattern;

@@ -1,0 +1,51 @@
+//! Inputs in a wrong unit, and swapped inputs: tried out in the simulation.
+
+use super::{finding::Defect, inspect::agreement};
+use crate::{fit::Log, simulate::Simulator};
+
+/// By how much the outputs, all together, must agree better when inputs are changed.
+const BETTER: f64 = 0.5;
+/// How well each output must agree then, on average.
+const GOOD: f64 = 0.8;
+/// Factors of a wrong unit.
+const FACTORS: [f64; 2] = [1e-3, 1e3];
+
+/// What inputs of the log would make the nominal simulation agree with it, by place of the input.
+pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize, Defect)> {
+    let mut simulator = simulator.boxed();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let names: Vec<String> = simulator.inputs().iter().map(|input| input.name.clone()).collect();
+    let mut y = vec![0.0; log.y.len()];
+    let mut total = |u: &[f64]| -> f64 {
+        // What diverges is NaN, and agrees with nothing.
+        let _ = simulator.simulate(&theta, &x0, u, &mut y);
+        let column = |values: &[f64], c: usize| -> Vec<f64> {
+            values.iter().skip(c).step_by(log.ny).copied().collect()
+        };
+        (0..log.ny).map(|c| agreement(&column(&log.y, c), &column(&y, c))).sum()
+    };
+    let as_it_is = total(&log.u);
+    let mut good = |u: &[f64]| {
+        let changed = total(u);
+        as_it_is + BETTER < changed && GOOD * (log.ny as f64) < changed
+    };
+    let mut found = Vec::new();
+    for i in 0..log.nu {
+        for factor in FACTORS {
+            let mut u = log.u.clone();
+            u.iter_mut().skip(i).step_by(log.nu).for_each(|u| *u *= factor);
+            if good(&u) {
+                found.push((i, Defect::WrongUnit { factor }));
+            }
+        }
+        for j in i + 1..log.nu {
+            let mut u = log.u.clone();
+            u.chunks_exact_mut(log.nu).for_each(|row| row.swap(i, j));
+            if good(&u) {
+                found.push((i, Defect::Swapped { with: names[j].clone() }));
+            }
+        }
+    }
+    found
+}
