@@ -91,7 +91,8 @@ pub(super) fn search<'a>(
         found.null = recoloured;
         found.is_coloured = true;
         let null = &found.null;
-        found.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights));
+        let least = found.trials.iter().map(Trial::cost).fold(f64::INFINITY, f64::min);
+        found.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights, least));
         finish(&mut found.trials, null, settings.finalists);
     }
     Ok(found)
