@@ -52,7 +52,7 @@ fn simulations(c: &mut Criterion) {
 }
 
 fn sensitivities(c: &mut Criterion) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let model = Model::load(&root.join("pendulum.toml")).unwrap();
     let mut simulator = EquationSimulator::<DualSVec64<6>>::new(&model).unwrap();
     let u = [1.0; 1000];

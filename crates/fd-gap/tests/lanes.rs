@@ -117,7 +117,9 @@ proptest! {
             .map(|i| {
                 let mut theta = candidate.model.nominal();
                 theta[nominal..].copy_from_slice(&candidate.starts[i % candidate.starts.len()]);
-                theta.iter_mut().for_each(|p| *p *= 1.0 + spread * i as f64 / 20.0);
+                for p in &mut theta {
+                    *p *= 1.0 + spread * i as f64 / 20.0;
+                }
                 theta
             })
             .collect();

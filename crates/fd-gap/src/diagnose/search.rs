@@ -109,7 +109,8 @@ impl Found<'_> {
             self.null =
                 null_fit(self.null.problem.plan(), self.null.problem.simulator(), &weights)?;
             let null = &self.null;
-            self.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights));
+            let least = self.trials.iter().map(Trial::cost).fold(f64::INFINITY, f64::min);
+            self.trials.par_iter_mut().for_each(|trial| trial.recolour(null, &weights, least));
             finish(&mut self.trials, null, finalists);
         }
         Ok(self.is_coloured)

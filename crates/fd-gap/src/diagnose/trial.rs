@@ -18,6 +18,11 @@ const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
 const SHORT: Search =
     Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, own_only: false };
+/// A fit to the end: what is left is a hundredth of a nat.
+const FULL: Search =
+    Search { iterations: 30, absolute: 1e-2, relative: 1e-6, frozen: 0, own_only: false };
+/// A short fit with all slopes.
+const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Largest amplitude that a score test may ask for: laws are not linear.
 const AMPLITUDE: f64 = 4.0;
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -27,6 +32,13 @@ const HOPEFUL: f64 = 0.5;
 
 /// A candidate whose gain is below this part of the best of all gets one short fit.
 const PROMISING: f64 = 0.2;
+
+/// A candidate whose gain is below this part of the best of all gets one iteration of it.
+const HOPELESS: f64 = 0.02;
+/// A gain that is hopeless must also be so much less than the best, in sums of squares.
+const FAR_BELOW: f64 = 200.0;
+/// A candidate whose sum of squares is above this multiple of the best is out of reach.
+const OUT_OF_REACH: f64 = 1.2;
 
 /// A candidate with its fit.
 #[derive(Debug)]
@@ -122,7 +134,7 @@ impl<'a> Trial<'a> {
         let top = self.gain();
         let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
         let hopeful = self.scored.iter().take(fits);
-        let starts: Vec<Vec<f64>> = hopeful
+        let mut starts: Vec<Vec<f64>> = hopeful
             .take_while(|(score, _)| HOPEFUL * top <= score.gain)
             .map(|(score, start)| {
                 let smallest = SMALLEST_AMPLITUDE.copysign(score.amplitude);
@@ -130,7 +142,13 @@ impl<'a> Trial<'a> {
                 self.scaled(start, if is_small { smallest } else { score.amplitude })
             })
             .collect();
-        self.short_fit(null, &starts);
+        let is_hopeless = top < HOPELESS * most && top < most - FAR_BELOW;
+        let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
+        if is_hopeless {
+            // So that one step is never worse than none.
+            starts.push(self.neutral());
+        }
+        self.short_fit(null, &starts, search);
         if self.best.is_none() {
             self.fall_back(null);
         }
@@ -162,7 +180,7 @@ impl<'a> Trial<'a> {
 
     /// A few iterations from each start, with the slopes of the nuisances as they are without the
     /// effect.
-    pub(super) fn short_fit(&mut self, null: &NullFit, starts: &[Vec<f64>]) {
+    pub(super) fn short_fit(&mut self, null: &NullFit, starts: &[Vec<f64>], search: Search) {
         let place = |values: &Vec<f64>| self.problem.place(&null.minimum.z, values);
         let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
         let shared = self.problem.plan().nuisances().len();
@@ -170,7 +188,7 @@ impl<'a> Trial<'a> {
         let rows = self.problem.layout().residuals();
         let new = vec![vec![0.0; rows]; self.strengths.len()];
         slopes.splice(shared..shared, new);
-        let search = Search { frozen: shared, ..SHORT };
+        let search = Search { frozen: shared, ..search };
         let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
         for minimum in minimise_all(&mut self.problem, &places, known, search) {
             self.keep(minimum);
@@ -190,7 +208,7 @@ impl<'a> Trial<'a> {
         self.is_final = true;
         if let Some(best) = self.best.take() {
             // From the same place, so never worse, and with all slopes.
-            let minimum = minimise(&mut self.problem, &best.z, None, Search::default());
+            let minimum = minimise(&mut self.problem, &best.z, None, FULL);
             self.best = minimum.or(Some(best));
         }
         self.fall_back(null);
@@ -201,18 +219,22 @@ impl<'a> Trial<'a> {
         if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
             return;
         }
-        let parameters = self.candidate.parameters.iter();
-        let neutral: Vec<f64> = parameters.map(|p| p.neutral.clamp(p.low, p.high)).collect();
-        let z = self.problem.place(&null.minimum.z, &neutral);
-        let minimum = minimise(&mut self.problem, &z, None, Search::default());
-        self.keep(minimum);
+        self.short_fit(null, &[self.neutral()], SHORT);
     }
 
-    /// Goes on from the same place with noise of another colour.
-    pub(super) fn recolour(&mut self, null: &NullFit, weights: &Weights) {
+    /// The effect is absent.
+    fn neutral(&self) -> Vec<f64> {
+        self.candidate.parameters.iter().map(|p| p.neutral.clamp(p.low, p.high)).collect()
+    }
+
+    /// Goes on from the same place with noise of another colour; a candidate that is out of reach
+    /// of the `best` sum of squares stays there.
+    pub(super) fn recolour(&mut self, null: &NullFit, weights: &Weights, best: f64) {
+        let iterations = if OUT_OF_REACH * best < self.cost() { 0 } else { AGAIN.iterations };
         self.problem.set_weights(weights.clone());
         let Some(best) = self.best.take() else { return };
-        let minimum = minimise(&mut self.problem, &best.z, None, SHORT_ALL);
+        let search = Search { iterations, ..AGAIN };
+        let minimum = minimise(&mut self.problem, &best.z, None, search);
         self.keep(minimum);
         self.fall_back(null);
     }
@@ -249,7 +271,7 @@ impl<'a> Trial<'a> {
     /// A short fit from other values; says whether it is better than what was known.
     pub(super) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
         let before = self.cost();
-        self.short_fit(null, &[values.to_vec()]);
+        self.short_fit(null, &[values.to_vec()], SHORT);
         self.cost() < before
     }
 
@@ -257,6 +279,3 @@ impl<'a> Trial<'a> {
         self.best.as_ref().map_or(f64::INFINITY, |best| best.cost)
     }
 }
-
-/// A short fit with all slopes.
-const SHORT_ALL: Search = Search { iterations: 2, frozen: 0, ..SHORT };

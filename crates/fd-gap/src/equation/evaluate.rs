@@ -13,7 +13,7 @@ use super::{
 /// Largest literal exponent that is computed by multiplication.
 const MAX_WHOLE_EXPONENT: f64 = 64.0;
 
-#[inline(always)]
+#[inline]
 pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
     match function {
         Unary::Neg => -x,
@@ -41,7 +41,7 @@ pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
     }
 }
 
-#[inline(always)]
+#[inline]
 pub(super) fn binary<T: Scalar>(operator: Binary, a: T, b: T) -> T {
     match operator {
         Binary::Add => a + b,
@@ -56,22 +56,22 @@ pub(super) fn binary<T: Scalar>(operator: Binary, a: T, b: T) -> T {
 }
 
 /// The first one when they are equal or cannot be compared.
-#[inline(always)]
+#[inline]
 fn smaller<T: Scalar>(a: T, b: T) -> T {
     if b < a { b } else { a }
 }
 
-#[inline(always)]
+#[inline]
 fn larger<T: Scalar>(a: T, b: T) -> T {
     if a < b { b } else { a }
 }
 
-#[inline(always)]
+#[inline]
 pub(super) fn clamp<T: Scalar>(x: T, low: T, high: T) -> T {
     smaller(larger(x, low), high)
 }
 
-#[inline(always)]
+#[inline]
 pub(super) fn compare<T: Scalar>(comparison: Comparison, a: T, b: T) -> bool {
     match comparison {
         Comparison::Less => a < b,
@@ -92,7 +92,7 @@ pub(super) fn whole_exponent(exponent: &Expr) -> Option<i32> {
 }
 
 /// `base^exponent` by squaring, the same on every machine.
-#[inline(always)]
+#[inline]
 pub(super) fn power<T: Scalar>(base: T, exponent: i32) -> T {
     if exponent == 2 {
         return base * base;

@@ -1,4 +1,8 @@
 //! The loop that runs bytecode.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
 use super::{
     evaluate,
@@ -34,7 +38,7 @@ pub(super) fn interpret<V: Value>(
             Operation::Unary(Unary::Sqrt) => kernel.sqrt(to, slot(a)),
             Operation::Unary(function) => *to = unary(function, *slot(a)),
             Operation::Binary(Binary::Min) => kernel.smaller(to, slot(a), slot(b)),
-            Operation::Binary(Binary::Max) => kernel.larger(to, slot(a), slot(b)),
+            Operation::Or | Operation::Binary(Binary::Max) => kernel.larger(to, slot(a), slot(b)),
             Operation::Binary(function) => {
                 *to = slot(a).zip(*slot(b), |a, b| evaluate::binary(function, a, b));
             }
@@ -42,7 +46,6 @@ pub(super) fn interpret<V: Value>(
             Operation::Power(exponent) => *to = slot(a).map(|a| evaluate::power(a, exponent)),
             Operation::Clamp => kernel.clamp(to, slot(a), slot(b), slot(c)),
             Operation::Compare(comparison) => kernel.compare(comparison, to, slot(a), slot(b)),
-            Operation::Or => kernel.larger(to, slot(a), slot(b)),
             Operation::Not => kernel.sub(to, &V::constant(1.0), slot(a)),
             Operation::Select => kernel.select(to, slot(a), slot(b), slot(c)),
             Operation::Lookup(kind) => {

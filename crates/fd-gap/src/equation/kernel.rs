@@ -1,4 +1,8 @@
 //! Arithmetic on values, with the registers of the machine.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
 use std::marker::PhantomData;
 
@@ -139,7 +143,7 @@ impl<S: Simd> Registers<S> {
     }
 
     #[inline(always)]
-    fn map<const N: usize>(self, to: &mut Lanes<N>, a: &Lanes<N>, f: impl Fn(S::f64s) -> S::f64s) {
+    fn map<const N: usize>(to: &mut Lanes<N>, a: &Lanes<N>, f: impl Fn(S::f64s) -> S::f64s) {
         let (to, _) = S::as_mut_simd_f64s(&mut to.0);
         let (a, _) = S::as_simd_f64s(&a.0);
         for i in 0..N / S::F64_LANES {
@@ -149,7 +153,6 @@ impl<S: Simd> Registers<S> {
 
     #[inline(always)]
     fn zip<const N: usize>(
-        self,
         to: &mut Lanes<N>,
         a: &Lanes<N>,
         b: &Lanes<N>,
@@ -164,7 +167,6 @@ impl<S: Simd> Registers<S> {
 
     #[inline(always)]
     fn zip3<const N: usize>(
-        self,
         to: &mut Lanes<N>,
         [a, b, c]: [&Lanes<N>; 3],
         f: impl Fn(S::f64s, S::f64s, S::f64s) -> S::f64s,
@@ -182,7 +184,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -194,7 +196,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -206,7 +208,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -218,7 +220,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn div(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -230,7 +232,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn mul_add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(
+        Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
@@ -241,7 +243,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn mul_sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(
+        Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
@@ -252,7 +254,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn sub_mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(
+        Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
@@ -264,7 +266,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     fn neg(self, to: &mut Lanes<N>, a: &Lanes<N>) {
         let simd = self.0;
         let minus = simd.splat_f64s(-1.0);
-        self.map(
+        Self::map(
             to,
             a,
             #[inline(always)]
@@ -275,7 +277,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn sqrt(self, to: &mut Lanes<N>, a: &Lanes<N>) {
         let simd = self.0;
-        self.map(
+        Self::map(
             to,
             a,
             #[inline(always)]
@@ -286,7 +288,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn smaller(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -298,7 +300,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn larger(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
         let simd = self.0;
-        self.zip(
+        Self::zip(
             to,
             a,
             b,
@@ -310,7 +312,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     #[inline(always)]
     fn clamp(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
-        self.zip3(
+        Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
@@ -327,7 +329,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
         let (yes, no) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
         macro_rules! holds {
             ($method:ident, $a:expr, $b:expr) => {
-                self.zip(
+                Self::zip(
                     to,
                     $a,
                     $b,
@@ -349,7 +351,7 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
     fn select(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
         let simd = self.0;
         let zero = simd.splat_f64s(0.0);
-        self.zip3(
+        Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]

@@ -1,4 +1,8 @@
 //! Bytecode: a list of instructions on numbered slots.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
 use super::{
     expr::{Binary, Comparison, Lookup, Unary},

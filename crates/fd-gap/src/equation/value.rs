@@ -1,4 +1,8 @@
 //! What a slot of the bytecode holds: one number, or several side by side.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
 use std::{fmt::Debug, marker::PhantomData, sync::OnceLock};
 
@@ -28,12 +32,15 @@ pub trait Value: Copy + Debug + Send + Sync + 'static {
     fn set_lane(&mut self, lane: usize, value: Self::Lane);
 
     /// A function of each lane.
+    #[must_use]
     fn map(self, f: impl Fn(Self::Lane) -> Self::Lane) -> Self;
 
     /// A function of each lane of two values.
+    #[must_use]
     fn zip(self, b: Self, f: impl Fn(Self::Lane, Self::Lane) -> Self::Lane) -> Self;
 
     /// A function of each lane of three values.
+    #[must_use]
     fn zip3(
         self,
         b: Self,

@@ -2,6 +2,22 @@
 
 use super::{cholesky::Cholesky, layout::Layout};
 
+/// Sums that are added up side by side in a scalar product, so that none waits for another.
+const SUMS: usize = 8;
+
+/// The scalar product of two signals of the same length.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let (a, b) = (a.chunks_exact(SUMS), b.chunks_exact(SUMS));
+    let rest = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum::<f64>();
+    for (a, b) in a.zip(b) {
+        for i in 0..SUMS {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
 /// `H = JᵀJ + P` and `g = Jᵀr + P(z − m)`, block by block.
 ///
 /// Normal equations square the condition of `J`; the prior of the nuisances bounds it, and
@@ -42,10 +58,7 @@ impl Arrow {
         };
         let square = weight * weight;
         for (s, rows) in layout.segments.iter().enumerate() {
-            let dot = |a: &[f64], b: &[f64]| -> f64 {
-                let pairs = a[rows.clone()].iter().zip(&b[rows.clone()]);
-                square * pairs.map(|(a, b)| a * b).sum::<f64>()
-            };
+            let dot = |a: &[f64], b: &[f64]| square * dot(&a[rows.clone()], &b[rows.clone()]);
             for i in 0..ns + no {
                 let place = if i < ns { i } else { layout.first_own(s) + i - ns };
                 arrow.gradient[place] += dot(&slopes[i], r);

@@ -165,8 +165,6 @@ struct Descent<'a> {
     damping: f64,
     /// Normal equations at this place, with held unknowns taken out.
     equations: Option<Arrow>,
-    /// By how much the next step should lower the cost, twice.
-    predicted: f64,
     iterations: usize,
 }
 
@@ -184,7 +182,7 @@ impl<'a> Descent<'a> {
         let mut slopes = known.map_or_else(|| vec![vec![0.0; rows]; all], <[Vec<f64>]>::to_vec);
         slopes.splice(columns, there.slopes);
         let at = Minimum { z, cost, prior_cost, r: there.r, slopes, converged: false };
-        Self { setting, at, damping: DAMPING, equations: None, predicted: 0.0, iterations: 0 }
+        Self { setting, at, damping: DAMPING, equations: None, iterations: 0 }
     }
 
     /// Where to look next; `None` at the end.
@@ -209,8 +207,11 @@ impl<'a> Descent<'a> {
             };
             let mut step = equations.gradient.clone();
             factor.solve(&mut step);
-            let pairs = step.iter().zip(&equations.gradient);
-            self.predicted = pairs.map(|(a, b)| a * b).sum();
+            let predicted: f64 = step.iter().zip(&equations.gradient).map(|(a, b)| a * b).sum();
+            if predicted < self.setting.negligible(self.at.cost) {
+                self.at.converged = true;
+                return None;
+            }
             let moved: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, step)| z - step).collect();
             next = Some(self.setting.inside(&moved));
         }
@@ -251,10 +252,6 @@ impl<'a> Descent<'a> {
                 return;
             }
         }
-        if self.predicted < self.setting.negligible(self.at.cost) {
-            self.at.converged = true;
-        } else {
-            self.damping *= 10.0;
-        }
+        self.damping *= 10.0;
     }
 }

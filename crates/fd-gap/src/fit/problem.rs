@@ -202,7 +202,14 @@ impl Problem {
             if let Some(raw) = raw.as_deref_mut() {
                 raw[rows.clone()].copy_from_slice(&error);
             }
-            self.weights.colour[c].whiten(&error, &mut r[rows]);
+            let colour = &self.weights.colour[c];
+            if colour.order() == 0 {
+                // White already: only holes have to be filled.
+                let seen = error.iter().map(|e| if e.is_finite() { *e } else { 0.0 });
+                r[rows].iter_mut().zip(seen).for_each(|(r, e)| *r = e);
+            } else {
+                colour.whiten(&error, &mut r[rows]);
+            }
         }
     }
 
@@ -395,12 +402,12 @@ impl LeastSquares for Problem {
             let r = found.next().flatten();
             let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
             all.push(r.map(|r| {
-                let slope = |(i, trial): (usize, Option<Vec<f64>>)| match trial {
-                    Some(trial) => difference(trial, &r, steps[i]),
-                    None => {
+                let slope = |(i, trial): (usize, Option<Vec<f64>>)| {
+                    let Some(trial) = trial else {
                         again.push((p, i));
-                        vec![0.0; r.len()]
-                    }
+                        return vec![0.0; r.len()];
+                    };
+                    difference(trial, &r, steps[i])
                 };
                 let slopes = trials.into_iter().enumerate().map(slope).collect();
                 Linearization { r, slopes }

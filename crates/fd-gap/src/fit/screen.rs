@@ -1,7 +1,7 @@
 //! How much a change of the outputs could explain, whatever the nuisances.
 
 use super::{
-    arrow::{Arrow, Factor},
+    arrow::{Arrow, Factor, dot},
     layout::{Layout, LeastSquares},
     levenberg::Minimum,
 };
@@ -60,12 +60,10 @@ impl<'a> Projection<'a> {
             for (i, slope) in self.minimum.slopes.iter().enumerate() {
                 let shared = self.layout.shared;
                 let place = if i < shared { i } else { self.layout.first_own(s) + i - shared };
-                let pairs = slope[rows.clone()].iter().zip(&change[rows.clone()]);
-                seen[place] += pairs.map(|(a, b)| a * b).sum::<f64>();
+                seen[place] += dot(&slope[rows.clone()], &change[rows.clone()]);
             }
         }
         self.factor.forward(&mut seen);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let all = dot(&change, &change);
         let left = all - dot(&seen, &seen);
         if left <= INVISIBLE * all {

@@ -10,13 +10,12 @@ use std::sync::Arc;
 use fd_core::Scalar;
 use fd_model::{Channel, SampleTime};
 
-use self::{engine::Engine, lanes::WIDTH, system::System};
+use self::{engine::Engine, lanes::Many, system::System};
 use super::{
     error::SimulateError,
     simulator::{Initial, Outcome, Port, Run, Simulator, drive},
 };
 use crate::{
-    equation::Lanes,
     model::{Model, Parameter},
     patch::open_ports,
 };
@@ -50,8 +49,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct EquationSimulator<T: Scalar = f64> {
     engine: Engine<T>,
-    /// Several runs side by side, once they have been asked for.
-    lanes: Option<Box<Engine<Lanes<WIDTH>>>>,
+    /// Several runs side by side.
+    many: Many,
 }
 
 impl<T: Scalar> EquationSimulator<T> {
@@ -100,7 +99,7 @@ impl<T: Scalar> EquationSimulator<T> {
     }
 
     fn of(system: System) -> Self {
-        Self { engine: Engine::new(Arc::new(system)), lanes: None }
+        Self { engine: Engine::new(Arc::new(system)), many: Many::default() }
     }
 
     /// As [`Simulator::start`], for any scalar.

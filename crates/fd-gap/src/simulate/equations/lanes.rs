@@ -2,32 +2,50 @@
 
 use std::sync::Arc;
 
-use super::{EquationSimulator, engine::Engine};
+use super::{EquationSimulator, engine::Engine, system::System};
 use crate::{
     equation::{Lanes, Value},
     simulate::simulator::{Run, one_by_one, rows},
 };
 
-/// Runs side by side.
-pub(super) const WIDTH: usize = 8;
+/// Most runs side by side.
+const WIDE: usize = 8;
+/// Runs side by side when there are no more than that.
+const NARROW: usize = 4;
+
+/// Engines for several runs, each made when it is needed first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Many {
+    wide: Option<Box<Engine<Lanes<WIDE>>>>,
+    narrow: Option<Box<Engine<Lanes<NARROW>>>>,
+}
 
 impl EquationSimulator<f64> {
     pub(super) fn run_in_lanes(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
-        for some in runs.chunks_mut(WIDTH) {
+        for some in runs.chunks_mut(WIDE) {
             if some.len() == 1 {
                 one_by_one(self, first, u, some);
+                continue;
+            }
+            let (system, many) = (&self.engine.system, &mut self.many);
+            if some.len() <= NARROW {
+                run(engine(&mut many.narrow, system), first, u, some);
             } else {
-                let system = &self.engine.system;
-                let lanes =
-                    self.lanes.get_or_insert_with(|| Box::new(Engine::new(Arc::clone(system))));
-                run(lanes, first, u, some);
+                run(engine(&mut many.wide, system), first, u, some);
             }
         }
     }
 }
 
+fn engine<'a, V: Value>(
+    place: &'a mut Option<Box<Engine<V>>>,
+    system: &Arc<System>,
+) -> &'a mut Engine<V> {
+    place.get_or_insert_with(|| Box::new(Engine::new(Arc::clone(system))))
+}
+
 /// Runs as many at once as there are lanes, or fewer.
-fn run(engine: &mut Engine<Lanes<WIDTH>>, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+fn run<const N: usize>(engine: &mut Engine<Lanes<N>>, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
     let Some(one) = runs.first() else { return };
     let (nu, ny) = (engine.system.inputs.len(), engine.system.channels.len());
     let (samples, inputs) = (one.y.len() / ny, rows(u, nu));
