@@ -77,16 +77,16 @@ impl KnownNoise {
 
     /// As [`reach`](Self::reach), per output, with whether its noise is stated.
     fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<(f64, bool)> {
-        let of =
-            |((signals, gap), (stated, sigma)): ((&Vec<Vec<f64>>, f64), (&Option<f64>, &f64))| {
-                let floor = match stated {
-                    Some(stated) => (stated / sigma).max(1.0),
-                    None => noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0),
-                };
-                (gap / floor, stated.is_some())
+        let gaps = gap_per_output(errors);
+        let of = |c: usize| {
+            let stated = self.stated[c];
+            let floor = match stated {
+                Some(stated) => (stated / self.sigma[c]).max(1.0),
+                None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
             };
-        let outputs = errors.iter().zip(gap_per_output(errors));
-        outputs.zip(self.stated.iter().zip(&self.sigma)).map(of).collect()
+            (gaps[c] / floor, stated.is_some())
+        };
+        (0..errors.len()).map(of).collect()
     }
 }
 
