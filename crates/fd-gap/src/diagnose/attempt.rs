@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Errors within this many times the noise may be noise of another colour.
-const REACHED: f64 = 2.0;
+pub(super) const REACHED: f64 = 2.0;
 /// Errors above this many times the noise leave room for a second effect, which must be looked for
 /// before the noise gets a colour that hides it.
 const NEAR: f64 = 1.15;

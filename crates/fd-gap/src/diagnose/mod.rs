@@ -58,9 +58,6 @@ use crate::{
     shrink::Rules,
 };
 
-/// Times the noise that the best explanation leaves from which likelihoods are no use.
-const FAR: f64 = 5.0;
-
 /// Diagnoses the gap between a model and logs of the real system.
 ///
 /// ```
@@ -107,7 +104,7 @@ pub fn diagnose(
     let held_out = held_out?;
 
     monitor.begin(Stage::Judge, 2);
-    let is_far = FAR < attempt.noise.reach(&attempt.best.errors);
+    let is_far = attempt.noise.is_far(&attempt.best.errors);
     let Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons } = if is_far {
         by_forecasts(case, &offers, &mut attempt, &held_out, settings, monitor)?
     } else {

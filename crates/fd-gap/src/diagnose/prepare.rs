@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fd_model::{Record, SampleTime};
 
-use super::case::Case;
+use super::{attempt::REACHED, case::Case};
 use crate::{
     evidence::NoisePrior,
     fit::{FitError, Horizon, Log, NullFit, Plan, Problem, Weights, null_fit},
@@ -23,6 +23,9 @@ const RAISED: f64 = 4.0;
 const NOISE_SPREAD: [f64; 2] = [0.15, 0.5];
 /// A grid above this many times the noise colours it: errors of rounding are no noise of a filter.
 const COARSE: f64 = 1.0;
+
+/// Times the stated noise that the best explanation leaves from which likelihoods are no use.
+const FAR: f64 = 5.0;
 
 /// What a diagnosis begins with.
 #[derive(Debug)]
@@ -61,16 +64,29 @@ impl KnownNoise {
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
     /// stated, how many times their own floor.
     pub(super) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        let of =
-            |((signals, gap), (stated, sigma)): ((&Vec<Vec<f64>>, f64), (&Option<f64>, &f64))| {
-                let floor = match stated {
-                    Some(stated) => (stated / sigma).max(1.0),
-                    None => noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0),
-                };
-                gap / floor
+        self.reaches(errors).into_iter().map(|(reach, _)| reach).fold(0.0, f64::max)
+    }
+
+    /// Whether errors (in sigma) are so far above the noise that likelihoods are no use. Nobody
+    /// promises that there is noise as small as an estimated floor, and to reach it nearly is no
+    /// success: there, forecasts are better judges.
+    pub(super) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
+        let limit = |is_stated| if is_stated { FAR } else { REACHED };
+        self.reaches(errors).into_iter().any(|(reach, is_stated)| limit(is_stated) < reach)
+    }
+
+    /// As [`reach`](Self::reach), per output, with whether its noise is stated.
+    fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<(f64, bool)> {
+        let gaps = gap_per_output(errors);
+        let of = |c: usize| {
+            let stated = self.stated[c];
+            let floor = match stated {
+                Some(stated) => (stated / self.sigma[c]).max(1.0),
+                None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
             };
-        let outputs = errors.iter().zip(gap_per_output(errors));
-        outputs.zip(self.stated.iter().zip(&self.sigma)).map(of).fold(0.0, f64::max)
+            (gaps[c] / floor, stated.is_some())
+        };
+        (0..errors.len()).map(of).collect()
     }
 }
 

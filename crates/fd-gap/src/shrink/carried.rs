@@ -59,7 +59,9 @@ impl Carried {
         let is_same = memories.iter().all(|(start, memory)| {
             let other = others[start].state();
             let effects = memory.state().iter().zip(other).zip(&of_effect);
-            effects.filter(|(_, is_of_effect)| **is_of_effect).all(|((a, b), _)| a == b)
+            effects
+                .filter(|(_, is_of_effect)| **is_of_effect)
+                .all(|((a, b), _)| a.to_bits() == b.to_bits())
         });
         is_same.then(|| Self { inner, memories: Arc::new(memories), of_effect })
     }

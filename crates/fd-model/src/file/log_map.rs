@@ -164,9 +164,7 @@ impl RowRule {
     /// Whether a row with this number belongs to the log.
     pub(super) fn admits(&self, number: f64) -> bool {
         // NaN is neither equal, nor at least, nor below.
-        #[expect(clippy::float_cmp, reason = "both are read from text: equal means written alike")]
-        let is_wanted = self.equals.is_none_or(|wanted| number == wanted);
-        is_wanted
+        self.equals.is_none_or(|wanted| (wanted..=wanted).contains(&number))
             && self.from.is_none_or(|least| least <= number)
             && self.until.is_none_or(|end| number < end)
             && !number.is_nan()
