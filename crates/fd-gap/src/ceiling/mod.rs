@@ -48,6 +48,37 @@ struct Trained {
 /// Learns compensations from the training logs and scores them on the held-out ones; `None` without
 /// held-out logs, or when a simulation diverges.
 ///
+/// ```
+/// use fd_gap::{
+///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
+///     ceiling::ceiling,
+/// };
+/// # use fd_model::{Channel, Record};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "lag"
+/// # sample_time = 0.1
+/// # inputs = { u = { unit = "V" } }
+/// # outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// # parameters = { T = { unit = "s", value = 1.0 } }
+/// # states = { x = { unit = "V", initial = 0.0, derivative = "(u - x)/T" } }
+/// # "#.parse()?;
+/// # let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// # let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13).sin();
+/// # let x = |k: u32| 1.0 - (-0.1 * f64::from(k)).exp();
+/// # let rows = (0..100).map(|k| ([1.0], [x(k) + noise(k)]));
+/// # let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, model.sample_time()?)?;
+/// let (logs, held_out) = ([log.clone()], [log]);
+/// let suspects: Vec<Candidate> = Vec::new();
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+/// let settings = Settings::default();
+/// let diagnosis = diagnose(&case, &settings, &())?;
+/// let found = ceiling(&case, &diagnosis, &settings)?.unwrap();
+/// assert!(found.nonlinear.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
