@@ -15,6 +15,7 @@ mod result;
 use fd_ident::{
     arx::{ArxFit, ArxModel, ArxOrders, Projection, Start as ArxStart},
     least_squares::{Deficient, LeastSquares},
+    refine::Sriv,
 };
 use fd_model::{Channel, Record};
 
@@ -27,8 +28,12 @@ use crate::{
     simulate::Simulator,
 };
 
-/// Orders `[na, nb]` of the linear equation that are tried.
+/// Orders `[na, nb]` of the linear equation that are tried, by least squares …
 const LINEAR: [[usize; 2]; 7] = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [0, 20], [0, 60]];
+/// … and, with instruments against the noise, by [`Sriv`].
+const REFINED: [[usize; 2]; 4] = [[1, 2], [2, 3], [3, 4], [4, 5]];
+/// Rounds of the refinement.
+const ROUNDS: usize = 10;
 /// Feedback and ridge of the nonlinear one.
 const NONLINEAR: [(usize, f64); 6] =
     [(0, 1e-1), (0, 1e-2), (0, 1e-4), (2, 1e-1), (2, 1e-2), (2, 1e-4)];
@@ -191,10 +196,22 @@ fn record(log: &Trained, residual: Vec<f64>, ts: fd_model::SampleTime) -> Option
     Record::new(inputs, outputs, log.log.u.clone(), residual, ts).ok()
 }
 
-fn fit_linear(records: &[Record], [na, nb]: [usize; 2]) -> Option<ArxModel> {
-    let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
-    let fit = ArxFit::new(ArxOrders::new(na, nb, 0).with_offset()).with_solver(solver);
-    let model = fit.fit(records).ok()?.model;
+/// Orders and method of a linear equation.
+#[derive(Clone, Copy, Debug)]
+struct Kind {
+    orders: [usize; 2],
+    is_refined: bool,
+}
+
+fn fit_linear(records: &[Record], kind: Kind) -> Option<ArxModel> {
+    let [na, nb] = kind.orders;
+    let orders = ArxOrders::new(na, nb, 0).with_offset();
+    let model = if kind.is_refined {
+        Sriv::new(orders).with_rounds(ROUNDS).fit(records).ok()?.estimate.model
+    } else {
+        let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
+        ArxFit::new(orders).with_solver(solver).fit(records).ok()?.model
+    };
     Some(model.projected(Projection::Shrink, RADIUS).ok()?.0)
 }
 
@@ -215,16 +232,16 @@ fn linear(
     ny: usize,
     ts: fd_model::SampleTime,
 ) -> Option<([usize; 2], Vec<ArxModel>)> {
-    let fit = |orders: [usize; 2], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
+    let fit = |kind: Kind, residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let of_output = |c: usize| {
             let records: Option<Vec<Record>> =
                 training.iter().map(|log| record(log, residual(log, c), ts)).collect();
-            fit_linear(&records?, orders)
+            fit_linear(&records?, kind)
         };
         (0..ny).map(of_output).collect::<Option<Vec<ArxModel>>>()
     };
-    let loss = |orders: [usize; 2]| -> Option<f64> {
-        let models = fit(orders, &|log, c| part(&log.residual[c], true))?;
+    let loss = |kind: Kind| -> Option<f64> {
+        let models = fit(kind, &|log, c| part(&log.residual[c], true))?;
         let mut sums = [0.0; 2];
         for log in training {
             for (c, model) in models.iter().enumerate() {
@@ -235,9 +252,12 @@ fn linear(
         }
         Some(sums[0] / sums[1])
     };
-    let scored = LINEAR.into_iter().filter_map(|orders| Some((loss(orders)?, orders)));
-    let (_, orders) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((orders, fit(orders, &|log, c| log.residual[c].clone())?))
+    let plain = LINEAR.map(|orders| Kind { orders, is_refined: false });
+    let refined = REFINED.map(|orders| Kind { orders, is_refined: true });
+    let kinds = plain.into_iter().chain(refined);
+    let scored = kinds.filter_map(|kind| Some((loss(kind)?, kind)));
+    let (_, kind) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((kind.orders, fit(kind, &|log, c| log.residual[c].clone())?))
 }
 
 /// A nonlinear equation per output, with the feedback and ridge that forecast the last third of the
