@@ -240,13 +240,12 @@ fn linear(
         };
         (0..ny).map(of_output).collect::<Option<Vec<ArxModel>>>()
     };
-    let loss = |kind: Kind| -> Option<f64> {
-        let models = fit(kind, &|log, c| part(&log.residual[c], true))?;
+    let loss = |models: &[ArxModel], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let mut sums = [0.0; 2];
         for log in training {
             for (c, model) in models.iter().enumerate() {
                 let bias = simulate_linear(model, log, c, ts)?;
-                let [sum, n] = mean_square(&part(&log.residual[c], false), &bias);
+                let [sum, n] = mean_square(&residual(log, c), &bias);
                 sums = [sums[0] + sum, sums[1] + n];
             }
         }
@@ -254,10 +253,17 @@ fn linear(
     };
     let plain = LINEAR.map(|orders| Kind { orders, is_refined: false });
     let refined = REFINED.map(|orders| Kind { orders, is_refined: true });
-    let kinds = plain.into_iter().chain(refined);
-    let scored = kinds.filter_map(|kind| Some((loss(kind)?, kind)));
-    let (_, kind) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((kind.orders, fit(kind, &|log, c| log.residual[c].clone())?))
+    let scored = plain.into_iter().chain(refined).filter_map(|kind| {
+        let models = fit(kind, &|log, c| part(&log.residual[c], true))?;
+        Some((loss(&models, &|log, c| part(&log.residual[c], false))?, kind, models))
+    });
+    let (_, kind, models) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // A fit to all of the training need not be better in free run than that to a part of it.
+    let all = |log: &Trained, c: usize| log.residual[c].clone();
+    let whole = fit(kind, &all).and_then(|whole| Some((loss(&whole, &all)?, whole)));
+    let known = loss(&models, &all)?;
+    let models = whole.filter(|(loss, _)| *loss < known).map_or(models, |(_, whole)| whole);
+    Some((kind.orders, models))
 }
 
 /// A nonlinear equation per output, with the feedback and ridge that forecast the last third of the
