@@ -101,3 +101,21 @@ fn a_black_box_removes_a_part_of_friction_and_nothing_of_noise() {
     let diagnosis = diagnose(&case, &settings, &()).unwrap();
     assert_eq!(ceiling(&case, &diagnosis, &settings).unwrap(), None);
 }
+
+#[test]
+fn a_linear_black_box_removes_a_linear_gap() {
+    let model = example("mass_spring_damper");
+    let mut patch = Patch::of(&model);
+    patch.wrap_input("force", "seen", expr("1.4*force")).unwrap();
+    let truth = patch.finish().unwrap();
+    let reality = Reality { samples: 1500, ..reality(8.0, 3) };
+    let [log, held_out] = [1, 2].map(|seed| record(&truth, reality, seed));
+    let case = Case { nominal: &model, suspects: &Vec::new(), logs: &[log], held_out: &[held_out] };
+    let settings = Settings::default();
+    let diagnosis = diagnose(&case, &settings, &()).unwrap();
+    let found = ceiling(&case, &diagnosis, &settings).unwrap().unwrap();
+    println!("{} {found:?}", found.statement);
+    let closed = found.linear.unwrap().closed.unwrap();
+    // The gap is linear, of higher order than the equation, and the training is noisy.
+    assert!(0.7 < closed.fraction, "{closed:?}");
+}

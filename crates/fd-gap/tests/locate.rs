@@ -147,13 +147,13 @@ fn a_push_is_found_in_time() {
 #[test]
 fn noise_makes_few_claims() {
     let (mut bands, mut regions, mut times) = (0, 0, 0);
-    let cases = 40;
+    let cases = 24;
     for seed in 0..cases {
         let name = if seed % 2 == 0 { "mass_spring_damper" } else { "dc_drive" };
         let amplitude = if seed % 2 == 0 { 10.0 } else { 20.0 };
         let colour = if seed % 4 < 2 { 0.0 } else { 0.6 };
         let model = example(name);
-        let reality = Reality { colour, samples: 500, ..reality(amplitude, 300 + seed) };
+        let reality = Reality { colour, samples: 400, ..reality(amplitude, 300 + seed) };
         let log = record(&model, reality, 1);
         let case = Case { nominal: &model, suspects: &Vec::new(), logs: &[log], held_out: &[] };
         let diagnosis = diagnose(&case, &Settings::default(), &()).unwrap();
@@ -173,8 +173,8 @@ fn noise_makes_few_claims() {
         times += u32::from(time);
     }
     println!("{bands} {regions} {times} of {cases}");
-    // 5 % of 40 are 2; six or more come by chance in 1.4 % (binomial).
-    assert!(bands <= 5 && regions <= 5 && times <= 5);
+    // At 5 %, five or more of 24 come by chance in 0.6 % (binomial).
+    assert!(bands <= 4 && regions <= 4 && times <= 4);
 }
 
 #[test]
@@ -218,4 +218,42 @@ fn names_order_and_units_do_not_matter() {
         places.map(|p| [p.probability, p.free.as_ref().unwrap().share].map(f64::to_bits)).collect()
     };
     assert_eq!(bits(&plain), bits(&same));
+}
+
+/// Controllers, several inputs, overflow, unstable plants: everything has a finite answer.
+#[test]
+fn every_example_can_be_located() {
+    let names = [
+        ("cart_pole", 1.0),
+        ("dc_drive_closed_loop", 100.0),
+        ("pendulum", 0.5),
+        ("tanks", 1e-4),
+        ("two_input", 1.0),
+        ("two_mass_drive", 1.0),
+    ];
+    for (name, amplitude) in names {
+        let model = example(name);
+        let log = record(&model, Reality { samples: 400, ..reality(amplitude, 4) }, 1);
+        let settings =
+            Settings { horizon: Horizon::Windows { samples: 50 }, ..Settings::default() };
+        let case = Case { nominal: &model, suspects: &Vec::new(), logs: &[log], held_out: &[] };
+        let diagnosis = diagnose(&case, &settings, &()).unwrap();
+        let begin = Instant::now();
+        let location = locate(&case, &diagnosis).unwrap();
+        println!("{name}: {:?}", begin.elapsed());
+        assert_eq!(location.channels.len(), model.outputs.len());
+        for place in &location.places {
+            println!("  {}", place.statement);
+            let free = place.free.as_ref();
+            assert!(free.is_none_or(|f| (0.0..=1.0).contains(&f.share) && f.rms.is_finite()));
+        }
+        for spectrum in &location.spectra {
+            let sum: f64 = spectrum.bands.iter().map(|band| band.refit).sum();
+            let c = model.outputs.iter().position(|o| o.name == spectrum.output).unwrap();
+            // The window weighs samples differently, so that a gap that is not stationary (windows
+            // end in larger errors than they begin with) has not exactly its mean square.
+            let square = diagnosis.refit.gap[c].powi(2);
+            assert!((sum - square).abs() < 0.25 * square, "{} {sum} {square}", spectrum.output);
+        }
+    }
 }

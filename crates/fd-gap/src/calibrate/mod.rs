@@ -35,6 +35,37 @@ const OUTSIDE: f64 = 0.1;
 /// the settings settles the answer, whatever the number of threads. The monitor sees one stage,
 /// [`Stage::Judge`], with a piece per replica.
 ///
+/// ```
+/// use fd_gap::{
+///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
+///     calibrate::self_calibrate,
+/// };
+/// # use fd_model::{Channel, Record};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "lag"
+/// # sample_time = 0.1
+/// # inputs = { u = { unit = "V" } }
+/// # outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// # parameters = { T = { unit = "s", value = 1.0 } }
+/// # states = { x = { unit = "V", initial = 0.0, derivative = "(u - x)/T" } }
+/// # "#.parse()?;
+/// # let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// # let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13).sin();
+/// # let x = |k: u32| 1.0 - (-0.1 * f64::from(k)).exp();
+/// # let rows = (0..100).map(|k| ([1.0], [x(k) + noise(k)]));
+/// # let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, model.sample_time()?)?;
+/// let (logs, held_out) = ([log.clone()], [log]);
+/// let suspects: Vec<Candidate> = Vec::new();
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+/// let settings = Settings::default();
+/// let diagnosis = diagnose(&case, &settings, &())?;
+/// let confusion = self_calibrate(&case, &diagnosis, &settings, 4, &())?;
+/// assert_eq!(confusion.counts, [[4, 0, 0]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
@@ -99,7 +130,7 @@ fn confusion(
     let n = outcomes.len().max(1) as f64;
     let right = outcomes.iter().filter(|o| o.row == o.column).count() as f64;
     let top = |o: &Outcome| o.answers.top(settings.temperature);
-    let temperature = best_temperature(outcomes);
+    let temperature = best_temperature(outcomes, settings.temperature);
     let mut scores: Vec<f64> = outcomes.iter().map(|o| o.answers.of_truth(temperature)).collect();
     scores.sort_by(f64::total_cmp);
     // The k-th smallest of n, k = ⌊(n + 1) 10 %⌋: a new one is below it in at most 10 %.

@@ -111,3 +111,32 @@ fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
     let (a, b) = (random.random::<f64>(), random.random::<f64>());
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coloured_noise_has_the_colour_that_was_found() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut w = vec![0.0; 5000];
+        for k in 2..w.len() {
+            w[k] = 1.2 * w[k - 1] - 0.5 * w[k - 2] + normal(&mut random);
+        }
+        let colour = Autoregression::fit(&[&w], HIGHEST_ORDER);
+        let (past, spread) = coefficients(&colour);
+        // Standard errors are about sqrt((1 - 0.5²)/5000) = 0.012.
+        assert!((past[0] - 1.2).abs() < 0.05 && (past[1] + 0.5).abs() < 0.05, "{past:?}");
+        // Noise made of given innovations is whitened back to them.
+        let e: Vec<f64> = (0..50).map(|_| normal(&mut random)).collect();
+        let mut made = w[..20].to_vec();
+        for e in &e {
+            let predicted: f64 = past.iter().zip(made.iter().rev()).map(|(a, w)| a * w).sum();
+            made.push(predicted + spread * e);
+        }
+        let mut whitened = vec![0.0; made.len()];
+        colour.whiten(&made, &mut whitened);
+        // A few products of rounding 1e-16 each, divided by the spread.
+        assert!(e.iter().zip(&whitened[20..]).all(|(a, b)| (a - b).abs() < 1e-12 / spread));
+    }
+}

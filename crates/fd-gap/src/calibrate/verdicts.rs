@@ -7,6 +7,8 @@ use crate::{
 
 /// Least probability that counts in a logarithm.
 const SMALLEST: f64 = 1e-6;
+/// Standard deviation of the logarithm of the temperature, before any replica.
+const TEMPERATURE_SPREAD: f64 = 0.7;
 /// Temperatures that are tried: `0.2 · 1.1ⁱ`.
 const TEMPERATURES: i32 = 50;
 
@@ -17,9 +19,17 @@ pub(super) struct Outcome {
     pub(super) row: usize,
     /// Column of the answer.
     pub(super) column: usize,
-    /// Answers: "no gap" first, then causes, the tied ones as one. Which of them is the truth, and
-    /// the evidence in each.
     pub(super) answers: Answers,
+}
+
+/// The truth among the answers.
+#[derive(Clone, Copy, Debug)]
+enum True {
+    NoGap,
+    /// A cause, by place.
+    Cause(usize),
+    /// A cause that was not tried.
+    Unknown,
 }
 
 /// Answers of a diagnosis with their evidence.
@@ -29,8 +39,7 @@ pub(super) struct Answers {
     evidence: Vec<f64>,
     /// Places of the tied causes, which count as one answer.
     tied: Vec<usize>,
-    /// Place of the truth; `None` is "no gap".
-    truth: Option<Option<usize>>,
+    truth: True,
 }
 
 /// Whether two causes are the same effect at the same place.
@@ -46,7 +55,7 @@ impl Answers {
             no_gap,
             evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
             tied: diagnosis.tied.clone(),
-            truth: truth.map_or(Some(None), |truth| place(truth).map(Some)),
+            truth: truth.map_or(True::NoGap, |t| place(t).map_or(True::Unknown, True::Cause)),
         }
     }
 
@@ -68,10 +77,10 @@ impl Answers {
     pub(super) fn of_truth(&self, temperature: f64) -> f64 {
         let (no_gap, tied, others) = self.probabilities(temperature);
         match self.truth {
-            None => 0.0,
-            Some(None) => no_gap,
-            Some(Some(place)) if self.tied.contains(&place) => tied,
-            Some(Some(place)) => others
+            True::Unknown => 0.0,
+            True::NoGap => no_gap,
+            True::Cause(place) if self.tied.contains(&place) => tied,
+            True::Cause(place) => others
                 .iter()
                 .find(|(i, _)| *i == place)
                 .map_or(0.0, |(_, probability)| *probability),
@@ -114,29 +123,31 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     let answered = match diagnosis.verdict {
         Verdict::NoGap => return 0,
         Verdict::Cause => diagnosis.causes.get(..1),
-        Verdict::Tied => diagnosis.causes.get(..diagnosis.causes.len()),
+        Verdict::Tied => Some(diagnosis.causes.as_slice()),
         Verdict::Pair => return other,
         Verdict::NoneOfThese | Verdict::Unclear => return none,
     };
     let tied = answered.unwrap_or_default().iter().enumerate();
     let tied: Vec<&Cause> =
         tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
-    let is_answered = |truth: &Option<&Cause>| {
+    let is_answered = |truth: Option<&Cause>| {
         truth.is_some_and(|truth| tied.iter().any(|answer| is_same(answer, truth)))
     };
-    if is_answered(&truths[row]) {
+    if is_answered(truths[row]) {
         return row;
     }
-    truths.iter().position(is_answered).unwrap_or(other)
+    truths.iter().position(|truth| is_answered(*truth)).unwrap_or(other)
 }
 
-/// The temperature with the least mean `−ln p` of the truth.
-pub(super) fn best_temperature(outcomes: &[Outcome]) -> f64 {
+/// The temperature with the least sum of `−ln p` of the truth, with a prior for its logarithm about
+/// the present one: where all answers are right, colder would always be better.
+pub(super) fn best_temperature(outcomes: &[Outcome], present: f64) -> f64 {
     let loss = |temperature: f64| -> f64 {
         let p = outcomes.iter().map(|o| o.answers.of_truth(temperature).max(SMALLEST));
-        -p.map(f64::ln).sum::<f64>()
+        let prior = 0.5 * ((temperature / present).ln() / TEMPERATURE_SPREAD).powi(2);
+        prior - p.map(f64::ln).sum::<f64>()
     };
     let temperatures = (0..TEMPERATURES).map(|i| 0.2 * 1.1_f64.powi(i));
     let best = temperatures.map(|t| (loss(t), t)).min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or(1.0, |(_, temperature)| temperature)
+    best.map_or(present, |(_, temperature)| temperature)
 }

@@ -2,7 +2,7 @@
 //!
 //! The residual of the refitted model in free run is learned from the training logs, as a linear
 //! difference equation of the inputs (the bias model of Patton & Chen 1992, eq. 14) and as a small
-//! nonlinear one of inputs and simulated outputs, and subtracted from the residual of held-out logs,
+//! nonlinear one of inputs and simulated states and outputs, and subtracted from the residual of held-out logs,
 //! both in free run: no measured residual of the held-out logs is used. Orders are chosen on the
 //! last third of the training logs.
 //!
@@ -15,6 +15,7 @@ mod result;
 use fd_ident::{
     arx::{ArxFit, ArxModel, ArxOrders, Projection, Start as ArxStart},
     least_squares::{Deficient, LeastSquares},
+    refine::Sriv,
 };
 use fd_model::{Channel, Record};
 
@@ -27,8 +28,12 @@ use crate::{
     simulate::Simulator,
 };
 
-/// Orders `[na, nb]` of the linear equation that are tried.
+/// Orders `[na, nb]` of the linear equation that are tried, by least squares …
 const LINEAR: [[usize; 2]; 7] = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [0, 20], [0, 60]];
+/// … and, with instruments against the noise, by [`Sriv`].
+const REFINED: [[usize; 2]; 4] = [[1, 2], [2, 3], [3, 4], [4, 5]];
+/// Rounds of the refinement.
+const ROUNDS: usize = 10;
 /// Feedback and ridge of the nonlinear one.
 const NONLINEAR: [(usize, f64); 6] =
     [(0, 1e-1), (0, 1e-2), (0, 1e-4), (2, 1e-1), (2, 1e-2), (2, 1e-4)];
@@ -38,7 +43,7 @@ const RADIUS: f64 = 0.98;
 /// A log with the residual of the refitted model.
 struct Trained {
     log: Log,
-    /// Simulated outputs of the refitted model, column by column.
+    /// Simulated states and outputs of the refitted model, column by column.
     simulated: Vec<Vec<f64>>,
     /// Measured less simulated, in sigma, output by output; NaN in the first quarter, from which
     /// the initial state was estimated.
@@ -47,6 +52,37 @@ struct Trained {
 
 /// Learns compensations from the training logs and scores them on the held-out ones; `None` without
 /// held-out logs, or when a simulation diverges.
+///
+/// ```
+/// use fd_gap::{
+///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
+///     ceiling::ceiling,
+/// };
+/// # use fd_model::{Channel, Record};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "lag"
+/// # sample_time = 0.1
+/// # inputs = { u = { unit = "V" } }
+/// # outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// # parameters = { T = { unit = "s", value = 1.0 } }
+/// # states = { x = { unit = "V", initial = 0.0, derivative = "(u - x)/T" } }
+/// # "#.parse()?;
+/// # let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// # let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13).sin();
+/// # let x = |k: u32| 1.0 - (-0.1 * f64::from(k)).exp();
+/// # let rows = (0..100).map(|k| ([1.0], [x(k) + noise(k)]));
+/// # let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, model.sample_time()?)?;
+/// let (logs, held_out) = ([log.clone()], [log]);
+/// let suspects: Vec<Candidate> = Vec::new();
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+/// let settings = Settings::default();
+/// let diagnosis = diagnose(&case, &settings, &())?;
+/// let found = ceiling(&case, &diagnosis, &settings)?.unwrap();
+/// assert!(found.nonlinear.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -118,20 +154,25 @@ fn prepare(
     let x0: Vec<f64> = refit.initial().iter().map(|state| state.value).collect();
     let mut all = Vec::new();
     for (l, log) in logs.into_iter().enumerate() {
-        let mut y = vec![0.0; log.samples * log.ny];
-        refit.simulate(&theta, &x0, &log.u, &mut y);
-        if y.iter().any(|v| !v.is_finite()) {
+        let mut simulated: Vec<Vec<f64>> = vec![Vec::new(); x0.len() + log.ny];
+        let mut y = vec![0.0; log.ny];
+        refit.start(&theta, &x0, 0);
+        for k in 0..log.samples {
+            let (states, outputs) = simulated.split_at_mut(x0.len());
+            states.iter_mut().zip(refit.state()).for_each(|(column, x)| column.push(*x));
+            refit.step(log.input(k), log.input(k + 1), &[], &mut y);
+            outputs.iter_mut().zip(&y).for_each(|(column, y)| column.push(*y));
+        }
+        if simulated.iter().flatten().any(|v| !v.is_finite()) {
             return Ok(None);
         }
-        let column = |c: usize| y.iter().skip(c).step_by(log.ny).copied().collect();
-        let simulated = (0..log.ny).map(column).collect();
         let residual = errors.iter().map(|e| e[l].iter().map(|v| -v).collect()).collect();
         all.push(Trained { log, simulated, residual });
     }
     Ok(Some(all))
 }
 
-/// Inputs and simulated outputs.
+/// Inputs, simulated states and outputs.
 fn drivers(log: &Trained) -> Vec<Vec<f64>> {
     let input = |i: usize| log.log.u.iter().skip(i).step_by(log.log.nu).copied().collect();
     (0..log.log.nu).map(input).chain(log.simulated.iter().cloned()).collect()
@@ -155,10 +196,22 @@ fn record(log: &Trained, residual: Vec<f64>, ts: fd_model::SampleTime) -> Option
     Record::new(inputs, outputs, log.log.u.clone(), residual, ts).ok()
 }
 
-fn fit_linear(records: &[Record], [na, nb]: [usize; 2]) -> Option<ArxModel> {
-    let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
-    let fit = ArxFit::new(ArxOrders::new(na, nb, 0).with_offset()).with_solver(solver);
-    let model = fit.fit(records).ok()?.model;
+/// Orders and method of a linear equation.
+#[derive(Clone, Copy, Debug)]
+struct Kind {
+    orders: [usize; 2],
+    is_refined: bool,
+}
+
+fn fit_linear(records: &[Record], kind: Kind) -> Option<ArxModel> {
+    let [na, nb] = kind.orders;
+    let orders = ArxOrders::new(na, nb, 0).with_offset();
+    let model = if kind.is_refined {
+        Sriv::new(orders).with_rounds(ROUNDS).fit(records).ok()?.estimate.model
+    } else {
+        let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
+        ArxFit::new(orders).with_solver(solver).fit(records).ok()?.model
+    };
     Some(model.projected(Projection::Shrink, RADIUS).ok()?.0)
 }
 
@@ -179,29 +232,38 @@ fn linear(
     ny: usize,
     ts: fd_model::SampleTime,
 ) -> Option<([usize; 2], Vec<ArxModel>)> {
-    let fit = |orders: [usize; 2], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
+    let fit = |kind: Kind, residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let of_output = |c: usize| {
             let records: Option<Vec<Record>> =
                 training.iter().map(|log| record(log, residual(log, c), ts)).collect();
-            fit_linear(&records?, orders)
+            fit_linear(&records?, kind)
         };
         (0..ny).map(of_output).collect::<Option<Vec<ArxModel>>>()
     };
-    let loss = |orders: [usize; 2]| -> Option<f64> {
-        let models = fit(orders, &|log, c| part(&log.residual[c], true))?;
+    let loss = |models: &[ArxModel], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let mut sums = [0.0; 2];
         for log in training {
             for (c, model) in models.iter().enumerate() {
                 let bias = simulate_linear(model, log, c, ts)?;
-                let [sum, n] = mean_square(&part(&log.residual[c], false), &bias);
+                let [sum, n] = mean_square(&residual(log, c), &bias);
                 sums = [sums[0] + sum, sums[1] + n];
             }
         }
         Some(sums[0] / sums[1])
     };
-    let scored = LINEAR.into_iter().filter_map(|orders| Some((loss(orders)?, orders)));
-    let (_, orders) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((orders, fit(orders, &|log, c| log.residual[c].clone())?))
+    let plain = LINEAR.map(|orders| Kind { orders, is_refined: false });
+    let refined = REFINED.map(|orders| Kind { orders, is_refined: true });
+    let scored = plain.into_iter().chain(refined).filter_map(|kind| {
+        let models = fit(kind, &|log, c| part(&log.residual[c], true))?;
+        Some((loss(&models, &|log, c| part(&log.residual[c], false))?, kind, models))
+    });
+    let (_, kind, models) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // A fit to all of the training need not be better in free run than that to a part of it.
+    let all = |log: &Trained, c: usize| log.residual[c].clone();
+    let whole = fit(kind, &all).and_then(|whole| Some((loss(&whole, &all)?, whole)));
+    let known = loss(&models, &all)?;
+    let models = whole.filter(|(loss, _)| *loss < known).map_or(models, |(_, whole)| whole);
+    Some((kind.orders, models))
 }
 
 /// A nonlinear equation per output, with the feedback and ridge that forecast the last third of the

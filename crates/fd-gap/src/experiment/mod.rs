@@ -43,6 +43,37 @@ const FASTER: u32 = 4;
 /// The experiment of least effort that would separate the leading cause from those that are tied
 /// with it, or else from its rivals.
 ///
+/// ```
+/// use fd_gap::{
+///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
+///     experiment::{Reach, next},
+/// };
+/// # use fd_model::{Channel, Record};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "lag"
+/// # sample_time = 0.1
+/// # inputs = { u = { unit = "V" } }
+/// # outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// # parameters = { T = { unit = "s", value = 1.0 } }
+/// # states = { x = { unit = "V", initial = 0.0, derivative = "(u - x)/T" } }
+/// # "#.parse()?;
+/// # let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// # let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13).sin();
+/// # let x = |k: u32| 1.0 - (-0.1 * f64::from(k)).exp();
+/// # let rows = (0..100).map(|k| ([1.0], [x(k) + noise(k)]));
+/// # let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, model.sample_time()?)?;
+/// let (logs, held_out) = ([log.clone()], [log]);
+/// let suspects: Vec<Candidate> = Vec::new();
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+/// let settings = Settings::default();
+/// let diagnosis = diagnose(&case, &settings, &())?;
+/// let advice = next(&case, &diagnosis, &Reach::default())?;
+/// assert_eq!(advice.statement, "there is nothing to separate");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
@@ -87,8 +118,9 @@ pub fn next(case: &Case<'_>, diagnosis: &Diagnosis, reach: &Reach) -> Result<Adv
     let mut tried = try_all(other_inputs(&bench, reach));
     // The most separating input, and the one that needs no change, with more to see.
     let mut base: Vec<(Excitation, Vec<f64>)> = Vec::new();
-    for excitation in tried.first().into_iter().chain(tried.iter().find(|t| is_logged(t))) {
-        let Experiment { excitation, u, .. } = &excitation.experiment;
+    let logged = tried.iter().find(|t| t.experiment.excitation == Excitation::Logged);
+    for separation in tried.first().into_iter().chain(logged) {
+        let Experiment { excitation, u, .. } = &separation.experiment;
         if base.iter().all(|(known, _)| known != excitation) {
             base.push((*excitation, u.clone()));
         }
@@ -170,10 +202,6 @@ fn other_inputs(bench: &Bench, reach: &Reach) -> Vec<Experiment> {
 fn range(logs: &[Log], input: usize) -> [f64; 2] {
     let values = logs.iter().flat_map(|log| log.u.iter().skip(input).step_by(log.nu));
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
-}
-
-fn is_logged(tried: &&Separation) -> bool {
-    tried.experiment.excitation == Excitation::Logged
 }
 
 /// States that no output shows as they are, with a noise that is as large against their motion as

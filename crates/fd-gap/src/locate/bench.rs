@@ -86,24 +86,27 @@ impl Bench {
             self.logs.iter().map(|log| vec![f64::NAN; log.samples * width]).collect()
         };
         let (mut outputs, mut states) = (fresh(ny), fresh(nx));
+        let (mut now, mut next) = (vec![0.0; places.len()], vec![0.0; places.len()]);
         for (segment, start) in self.segments.iter().zip(starts) {
             let log = &self.logs[segment.log];
-            let row = |k: usize| -> Vec<f64> {
+            let write = |k: usize, row: &mut [f64]| {
                 let k = k.min(log.samples - 1);
                 let added = extra.get(segment.log).map_or(0.0, |extra| extra[k]);
-                places.iter().map(|place| place.map_or(added, |i| log.input(k)[i])).collect()
+                for (value, place) in row.iter_mut().zip(&places) {
+                    *value = place.map_or(added, |i| log.input(k)[i]);
+                }
             };
             simulator.start(theta, &start.state, segment.from as u64);
-            let mut now = row(segment.from);
+            write(segment.from, &mut now);
             for k in segment.from..segment.to {
-                let next = row(k + 1);
+                write(k + 1, &mut next);
                 states[segment.log][k * nx..(k + 1) * nx].copy_from_slice(simulator.state());
                 let y = &mut outputs[segment.log][k * ny..(k + 1) * ny];
                 simulator.step(&now, &next, &[], y);
                 if y.iter().any(|value| !value.is_finite()) {
                     return None;
                 }
-                now = next;
+                std::mem::swap(&mut now, &mut next);
             }
         }
         Some((outputs, states))

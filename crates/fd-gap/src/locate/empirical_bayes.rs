@@ -20,7 +20,7 @@ pub(super) struct Regression {
 }
 
 /// `r = N z + J f + e` with unit noise `e`, `z` of the given prior precisions (about zero), and
-/// `f ~ N(0, s²)` with the `s` of the most evidence (MacKay 1992; type II maximum likelihood).
+/// `f ~ N(0, s²)` with the `s` of the most evidence (`MacKay` 1992; type II maximum likelihood).
 ///
 /// With `z` integrated out, `M = JᵀJ − JᵀN G⁻¹ NᵀJ = V Λ Vᵀ` and `β = Vᵀ(Jᵀr − JᵀN G⁻¹ Nᵀr)`,
 /// `ln Z(s) = ½ Σ [s² βᵢ²/(1 + s² λᵢ) − ln(1 + s² λᵢ)]`.

@@ -97,6 +97,11 @@ impl<'a> Probe<'a> {
         self.bench.stack(&differences, self.floor)
     }
 
+    /// The change of the outputs per standard deviation, of a step of a finite difference.
+    fn slope(&self, base: &Rows, moved: &Rows) -> Vec<f64> {
+        self.change(base, moved).into_iter().map(|change| change / STEP).collect()
+    }
+
     /// Slopes of uncertain parameters and initial states, with the precisions of their priors.
     fn nuisance_columns(&self, diagnosis: &Diagnosis) -> Option<Vec<(Column, f64)>> {
         let nominal = self.case.nominal.model();
@@ -118,8 +123,7 @@ impl<'a> Probe<'a> {
             moved[place] += STEP * variable.scale;
             let run = self.bench.run(&mut *simulator, &moved, self.starts, &Vec::new());
             let Some((outputs, _)) = run else { continue };
-            let mut slope = self.change(&base.0, &outputs);
-            slope.iter_mut().for_each(|v| *v /= STEP);
+            let slope = self.slope(&base.0, &outputs);
             columns.push((Column::of(&slope, whole.clone()), variable.precision()));
         }
         let initial = simulator.initial().to_vec();
@@ -135,11 +139,12 @@ impl<'a> Probe<'a> {
                 break;
             }
             let mut starts = self.starts.to_vec();
-            starts.iter_mut().for_each(|start| start.state[i] += STEP * scale);
+            for start in &mut starts {
+                start.state[i] += STEP * scale;
+            }
             let run = self.bench.run(&mut *simulator, &theta, &starts, &Vec::new());
             let Some((outputs, _)) = run else { continue };
-            let mut slope = self.change(&base.0, &outputs);
-            slope.iter_mut().for_each(|v| *v /= STEP);
+            let slope = self.slope(&base.0, &outputs);
             for rows in self.bench.row_ranges() {
                 columns.push((Column::of(&slope, rows), precision));
             }

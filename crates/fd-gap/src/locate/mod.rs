@@ -35,10 +35,43 @@ use self::{
 };
 use crate::{
     diagnose::{Case, Diagnosis},
+    equation::Expr,
     fit::FitError,
+    model::{Model, Output},
 };
 
 /// Says where the gap lies that a diagnosis has found.
+///
+/// ```
+/// use fd_gap::{
+///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
+///     locate::locate,
+/// };
+/// # use fd_model::{Channel, Record};
+/// # let model: Model = r#"
+/// # version = 1
+/// # kind = "equations"
+/// # name = "lag"
+/// # sample_time = 0.1
+/// # inputs = { u = { unit = "V" } }
+/// # outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// # parameters = { T = { unit = "s", value = 1.0 } }
+/// # states = { x = { unit = "V", initial = 0.0, derivative = "(u - x)/T" } }
+/// # "#.parse()?;
+/// # let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// # let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13).sin();
+/// # let x = |k: u32| 1.0 - (-0.1 * f64::from(k)).exp();
+/// # let rows = (0..100).map(|k| ([1.0], [x(k) + noise(k)]));
+/// # let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, model.sample_time()?)?;
+/// let (logs, held_out) = ([log.clone()], [log]);
+/// let suspects: Vec<Candidate> = Vec::new();
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+/// let settings = Settings::default();
+/// let diagnosis = diagnose(&case, &settings, &())?;
+/// let location = locate(&case, &diagnosis)?;
+/// assert!(location.channels[0].statement.starts_with("y: no gap"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -50,16 +83,51 @@ pub fn locate(case: &Case<'_>, diagnosis: &Diagnosis) -> Result<Location, FitErr
     let probe = Probe::new(case, diagnosis, &bench, &before);
     let model = case.nominal.model();
     let places = places::places(model, diagnosis, &probe);
-    let mut refit = case.nominal.patched(&diagnosis.refit.model, bench.simulator.ts())?;
-    let theta = settled(&*refit);
-    let run = bench.run(&mut *refit, &theta, &diagnosis.refit.starts, &Vec::new());
-    let (outputs, states) = run.ok_or(FitError::Diverged)?;
+    let motion = motion(case, diagnosis, &bench)?;
     Ok(Location {
         channels: channels::channels(&bench, diagnosis),
         sides: places::sides(diagnosis, &places),
         spectra: spectrum::spectra(&bench, diagnosis, &before, &after),
-        regions: regions::regions(&bench, model, &places, (&outputs, &states), &before),
+        regions: regions::regions(&bench, &motion, &places, &before),
         times: times::times(&bench, diagnosis, &before, &after),
         places,
     })
+}
+
+/// The signals of the refitted model: inputs are in the logs.
+#[derive(Debug)]
+struct Motion {
+    /// Outputs, then velocities of the sites, row by row.
+    outputs: bench::Rows,
+    /// Name of the site and unit of each velocity, if it is that of a state.
+    velocities: Vec<(String, String)>,
+    states: bench::Rows,
+}
+
+/// Runs the refitted model with sensors of the velocities at all sites, or without them when such a
+/// model cannot be simulated.
+fn motion(case: &Case<'_>, diagnosis: &Diagnosis, bench: &Bench) -> Result<Motion, FitError> {
+    let refit = &diagnosis.refit;
+    let mut draft = refit.model.clone().into_draft();
+    let mut velocities = Vec::new();
+    for site in &refit.model.sites {
+        let Some(value) = &site.velocity else { continue };
+        let name = draft.fresh_name("site_velocity");
+        let state = refit.model.states.iter().find(|s| *value == Expr::name(&s.name));
+        let unit = state.map_or_else(String::new, |state| state.unit.clone());
+        velocities.push((site.name.clone(), unit.clone()));
+        draft.outputs.push(Output { name, unit, value: value.clone(), noise: None });
+    }
+    let ts = bench.simulator.ts();
+    let shown = Model::try_from(draft).ok().and_then(|m| case.nominal.patched(&m, ts).ok());
+    let mut simulator = if let Some(simulator) = shown {
+        simulator
+    } else {
+        velocities.clear();
+        case.nominal.patched(&refit.model, ts)?
+    };
+    let theta = settled(&*simulator);
+    let run = bench.run(&mut *simulator, &theta, &refit.starts, &Vec::new());
+    let (outputs, states) = run.ok_or(FitError::Diverged)?;
+    Ok(Motion { outputs, velocities, states })
 }

@@ -15,6 +15,10 @@ use crate::{
 
 /// Probability from which a place is named.
 const NAMED: f64 = 0.5;
+/// Probability below which nothing is said of it.
+const NEGLIGIBLE: f64 = 0.005;
+/// Evidence from which a free signal counts, in nats.
+pub(super) const EVIDENT: f64 = 3.0;
 
 pub(super) fn places(
     model: &Model,
@@ -162,16 +166,21 @@ pub(crate) fn name(site: &SiteRef) -> String {
 
 fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>) -> String {
     let name = name(site);
-    let verdict = if NAMED < probability { "the cause is here" } else { "the cause may be here" };
-    let said = format!("{name}: {verdict} with probability {probability:.2}");
+    let said = if probability < NEGLIGIBLE {
+        format!("{name}: no cause that was tried is here")
+    } else if NAMED < probability {
+        format!("{name}: the cause is here with probability {probability:.2}")
+    } else {
+        format!("{name}: the cause may be here, with probability {probability:.2}")
+    };
     match free {
-        Some(free) if 0.0 < free.log_evidence => format!(
+        Some(free) if EVIDENT < free.log_evidence => format!(
             "{said}; a free signal of {} {} here would explain {:.0} % of the gap",
             super::channels::Short(free.rms),
             free.unit,
             100.0 * free.share
         ),
-        Some(_) => format!("{said}; a free signal here would explain nothing"),
+        Some(_) => format!("{said}; a free signal here would explain nothing significant"),
         None => format!("{said}; a free signal cannot be added here, or is not seen"),
     }
 }

@@ -4,12 +4,12 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{
+    Motion,
     bench::{Bench, Rows},
     channels::Short,
-    places::name,
+    places::{EVIDENT, name},
     result::{Bin, PlaceEvidence, Region, RegionOf, RegionOn},
 };
-use crate::{equation::Expr, model::Model};
 
 /// Bins of a signal.
 const BINS: usize = 8;
@@ -25,8 +25,6 @@ const FALSE_CLAIMS: f64 = 0.05;
 const MATTERS: f64 = 0.05;
 /// How much better many bins must be than two to be preferred to them.
 const SIMPLER: f64 = 1.1;
-/// Evidence from which a free signal is looked at, in nats.
-const EVIDENT: f64 = 3.0;
 const SEED: u64 = 0x5_EED5;
 
 /// A signal on all samples, log after log, with what it is.
@@ -47,12 +45,11 @@ struct Target {
 /// Dependences of the residuals, and of the free signal at the most probable place, on all signals.
 pub(super) fn regions(
     bench: &Bench,
-    model: &Model,
+    motion: &Motion,
     places: &[PlaceEvidence],
-    (outputs, states): (&Rows, &Rows),
     residuals: &[Rows],
 ) -> Vec<Region> {
-    let axes = axes(bench, model, outputs, states);
+    let axes = axes(bench, motion);
     let mut targets: Vec<Target> = (residuals.iter().zip(bench.simulator.outputs()))
         .map(|(rows, output)| Target {
             of: RegionOf::Residual(output.name.clone()),
@@ -116,7 +113,7 @@ fn missing_signal(places: &[PlaceEvidence]) -> Option<(crate::effect::SiteRef, V
 }
 
 /// Inputs, states, outputs and directions that move.
-fn axes(bench: &Bench, model: &Model, outputs: &Rows, states: &Rows) -> Vec<Axis> {
+fn axes(bench: &Bench, motion: &Motion) -> Vec<Axis> {
     let column = |rows: &Rows, i: usize, width: usize| -> Vec<f64> {
         rows.iter().flat_map(|rows| rows.iter().skip(i).step_by(width).copied()).collect()
     };
@@ -129,30 +126,26 @@ fn axes(bench: &Bench, model: &Model, outputs: &Rows, states: &Rows) -> Vec<Axis
         axes.extend(Axis::of(RegionOn::Input(name.clone()), unit, &values));
         axes.extend(Axis::of(RegionOn::InputAmplitude(name), unit, &magnitude(&values)));
     }
+    let width = bench.ny() + motion.velocities.len();
     let mut known: Vec<Vec<f64>> = Vec::new();
     let initial = bench.simulator.initial();
     for (i, state) in initial.iter().enumerate() {
-        let values = column(states, i, initial.len());
+        let values = column(&motion.states, i, initial.len());
         let (name, unit) = (state.channel.name.clone(), &state.channel.unit);
         axes.extend(Axis::of(RegionOn::State(name.clone()), unit, &values));
         axes.extend(Axis::of(RegionOn::StateAmplitude(name), unit, &magnitude(&values)));
         known.push(values);
     }
     for (i, channel) in bench.simulator.outputs().iter().enumerate() {
-        let values = column(outputs, i, bench.ny());
+        let values = column(&motion.outputs, i, width);
         // An output that shows a state is that state.
         if !known.iter().any(|state| is_same(state, &values)) {
             axes.extend(Axis::of(RegionOn::Output(channel.name.clone()), &channel.unit, &values));
         }
     }
-    for site in &model.sites {
-        let state = site.velocity.as_ref().and_then(|velocity| {
-            let is_it = |name: &str| *velocity == Expr::name(name);
-            initial.iter().position(|state| is_it(&state.channel.name))
-        });
-        if let Some(i) = state {
-            axes.extend(Axis::direction(&site.name, &initial[i].channel.unit, &known[i]));
-        }
+    for (i, (site, unit)) in motion.velocities.iter().enumerate() {
+        let velocity = column(&motion.outputs, bench.ny() + i, width);
+        axes.extend(Axis::direction(site, unit, &velocity));
     }
     axes
 }

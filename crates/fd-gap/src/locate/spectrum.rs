@@ -47,7 +47,7 @@ pub(super) fn spectra(
         let floor = Floor::new(&colour, diagnosis.floor[c].powi(2), bench.ts());
         let refit = Power::of(&before[c], &edges, bench.ts(), &floor);
         let left = Power::of(&after[c], &edges, bench.ts(), &floor);
-        let excess = |b: usize| (refit.power[b] - refit.floor[b]).max(0.0);
+        let excess = |b: usize| (refit.signal[b] - refit.floor[b]).max(0.0);
         let total: f64 = (0..BANDS).map(excess).sum();
         let coherence: Vec<Vec<Option<f64>>> = (0..bench.simulator.inputs().len())
             .map(|i| coherence(bench, &before[c], i, &edges))
@@ -55,8 +55,8 @@ pub(super) fn spectra(
         let band = |b: usize| Band {
             low_hz: if b == 0 { 0.0 } else { edges[b - 1] },
             high_hz: edges[b],
-            refit: refit.power[b],
-            after: left.power[b],
+            refit: refit.signal[b],
+            after: left.signal[b],
             floor: refit.floor[b],
             share: if 0.0 < total { excess(b) / total } else { 0.0 },
             is_above_floor: refit.is_above(b, alpha),
@@ -117,7 +117,7 @@ impl Floor {
 
 /// Power per band, of a signal and of the floor, and how many lines made it.
 struct Power {
-    power: [f64; BANDS],
+    signal: [f64; BANDS],
     floor: [f64; BANDS],
     lines: [f64; BANDS],
 }
@@ -127,7 +127,7 @@ impl Power {
     /// band).
     fn of(signals: &Rows, edges: &[f64; BANDS], ts: f64, floor: &Floor) -> Self {
         let mut planner = RealFftPlanner::<f64>::new();
-        let mut all = Self { power: [0.0; BANDS], floor: [0.0; BANDS], lines: [0.0; BANDS] };
+        let mut all = Self { signal: [0.0; BANDS], floor: [0.0; BANDS], lines: [0.0; BANDS] };
         let total = signals.iter().flatten().filter(|v| v.is_finite()).count() as f64;
         for signal in signals {
             let n = signal.len();
@@ -146,13 +146,13 @@ impl Power {
             // The share of this log in the mean square, spread over its lines.
             let weight = count / total;
             let share = weight * 2.0 / (n as f64 * energy);
-            all.power[0] += weight * mean * mean;
+            all.signal[0] += weight * mean * mean;
             for (k, line) in lines.iter().enumerate().skip(1) {
                 let frequency = k as f64 / (n as f64 * ts);
                 let b = band_of(frequency, edges);
                 // Half of the line at half the sample rate belongs to the other side.
                 let part = if 2 * k == n { 0.5 } else { 1.0 };
-                all.power[b] += part * share * line.norm_sqr();
+                all.signal[b] += part * share * line.norm_sqr();
                 all.floor[b] += part * share * energy * floor.at(frequency);
                 all.lines[b] += part;
             }
@@ -165,7 +165,7 @@ impl Power {
         let freedom = (2.0 * self.lines[band] * INDEPENDENT).max(1.0);
         let Ok(distribution) = ChiSquared::new(freedom) else { return false };
         let limit = distribution.inverse_cdf(1.0 - alpha) / freedom;
-        limit.max(MATTERS) * self.floor[band] < self.power[band]
+        limit.max(MATTERS) * self.floor[band] < self.signal[band]
     }
 }
 
