@@ -5,6 +5,7 @@
 //! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]).
 
 pub mod engine;
+pub mod gap;
 pub mod logs;
 pub mod report;
 pub mod road;

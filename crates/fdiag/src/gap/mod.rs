@@ -1,0 +1,3 @@
+//! Diagnosis of the sim-to-real gap.
+
+pub mod engine_plant;
