@@ -102,7 +102,9 @@ pub fn engine_log(
         let off = SCATTER * tolerance * random.random_range(-1.0..1.0);
         health.set(parameter, health.get(parameter) + off);
     };
-    HealthParameter::MODULES.into_iter().for_each(|p| scatter(p, known.module_tolerance));
+    for module in HealthParameter::MODULES {
+        scatter(module, known.module_tolerance);
+    }
     scatter(HealthParameter::HeatingValue, known.fuel_tolerance);
     if let EngineCause::Health(parameter, shift) = cause {
         health = health.shifted(parameter, shift);
