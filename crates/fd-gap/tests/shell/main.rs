@@ -7,6 +7,7 @@
     reason = "tests panic to fail, compare numbers that are exact, and print what they saw"
 )]
 
+mod allocation;
 mod diagnosis;
 mod laws;
 mod pendulum;

@@ -1,5 +1,10 @@
 //! A driven pendulum as a black box, and the real one with something that the black box lacks.
 
+use std::sync::{
+    Arc,
+    atomic::{AtomicUsize, Ordering},
+};
+
 use fd_gap::{
     model::Parameter,
     simulate::{Initial, Port, Shell, Simulator},
@@ -27,6 +32,9 @@ pub(crate) struct Pendulum {
     x: [f64; 2],
     /// Whether outputs can be had without a step.
     measures: bool,
+    /// Below this inertia it does not run, and how often that was tried.
+    least_inertia: f64,
+    refused: Arc<AtomicUsize>,
 }
 
 impl Pendulum {
@@ -52,6 +60,8 @@ impl Pendulum {
             theta: THETA,
             x: [0.0; 2],
             measures: true,
+            least_inertia: f64::NEG_INFINITY,
+            refused: Arc::default(),
         }
     }
 
@@ -60,10 +70,13 @@ impl Pendulum {
         self
     }
 
-    /// Lets fits try inertias from -20 % to 220 %.
-    pub(crate) fn loosen(&mut self) {
+    /// Lets fits try inertias from -20 % to 220 %, but does not run below `least`; returns how
+    /// often that was tried.
+    pub(crate) fn loosen(&mut self, least: f64) -> Arc<AtomicUsize> {
         self.parameters[0].tolerance = 0.6;
         self.parameters[0].bounds = Some([-1.0, 1.0]);
+        self.least_inertia = least;
+        Arc::clone(&self.refused)
     }
 
     fn rates(&self, x: [f64; 2], torque: f64) -> [f64; 2] {
@@ -100,6 +113,10 @@ impl Simulator for Pendulum {
     fn start(&mut self, theta: &[f64], x0: &[f64], _first: u64) {
         self.theta.copy_from_slice(theta);
         self.x.copy_from_slice(x0);
+        if theta[0] < self.least_inertia {
+            self.x = [f64::NAN; 2];
+            self.refused.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {

@@ -4,6 +4,7 @@
 //! that came out into one [`Report`], from which sentence, tables, pictures and JSON are made.
 
 mod data;
+pub mod engine_plant;
 mod error;
 mod findings;
 mod headline;

@@ -1,0 +1,220 @@
+//! The nonlinear engine with one withheld cause against the linear and the nominal simulator.
+//!
+//! The full table of `docs/results/gap-engine.md`:
+//! `cargo test -p fdiag --test gap_engine -- --ignored --nocapture`
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests panic to fail, and print what they saw"
+)]
+
+use std::{collections::BTreeMap, time::Instant};
+
+use fd_gap::{
+    diagnose::Diagnosis,
+    effect::{Effect, input::InputLag, sensor},
+    simulate::{Nominal, Outcome, Simulator},
+};
+use fd_jetengine::engine17::{Engine17, Health, HealthParameter, Parameters};
+use fd_model::SampleTime;
+use fdiag::gap::engine_plant::{
+    Answer, BLEED_LEAK, EngineCause, EngineKnowledge, EngineSimulator, HEAT_SOAK,
+    MODULE_EFFICIENCY, diagnose_engine, engine_effects, engine_log, simulator,
+};
+
+/// Samples every 40 ms, simulated in steps of 6.7 ms.
+fn known() -> EngineKnowledge {
+    EngineKnowledge {
+        step: 0.04 / 6.0,
+        ..EngineKnowledge::at(0.712, SampleTime::new(0.04).unwrap())
+    }
+}
+
+/// A part of the library, small enough for the gate.
+fn few() -> Vec<Box<dyn Effect>> {
+    vec![
+        Box::new(MODULE_EFFICIENCY),
+        Box::new(BLEED_LEAK),
+        Box::new(HEAT_SOAK),
+        Box::new(InputLag),
+        Box::new(sensor::SensorBias),
+    ]
+}
+
+fn find(
+    known: &EngineKnowledge,
+    is_linear: bool,
+    effects: Vec<Box<dyn Effect>>,
+    cause: EngineCause,
+    samples: usize,
+    seed: u64,
+) -> (Answer, Diagnosis) {
+    let log = engine_log(known, cause, samples, seed).unwrap();
+    let nominal = simulator(known, is_linear).unwrap();
+    let begin = Instant::now();
+    let diagnosis = diagnose_engine(&*nominal, effects, &log).unwrap();
+    let answer = Answer::of(&diagnosis, cause);
+    let kind = if is_linear { "linear" } else { "nonlinear" };
+    let first = &diagnosis.causes[0];
+    let strength = &first.parameters[0];
+    println!(
+        "| {} {} | {} | {kind} | {answer:?} | {:?} | {} {} ({}) | {:.3} | {:.4} ± {:.4} | {:.2} | {:.2} | {} |",
+        cause.name().0,
+        cause.name().1,
+        cause.strength(),
+        diagnosis.verdict,
+        first.label,
+        first.site.name().unwrap_or_default(),
+        first.law,
+        first.probability,
+        strength.value,
+        strength.standard_error,
+        worst(&diagnosis.refit.gap),
+        worst(&diagnosis.best.gap),
+        diagnosis.tied.len(),
+    );
+    println!(
+        "    {} simulations, {} causes, {:.1?}",
+        diagnosis.simulations,
+        diagnosis.causes.len(),
+        begin.elapsed()
+    );
+    (answer, diagnosis)
+}
+
+fn worst(gap: &[f64]) -> f64 {
+    gap.iter().copied().fold(0.0, f64::max)
+}
+
+#[test]
+fn the_simulator_is_the_engine() {
+    let known = known();
+    let engine = Engine17::new(&Parameters::default()).unwrap();
+    let mut simulator = EngineSimulator::new(&known).unwrap();
+    let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let fuel: Vec<f64> = vec![0.712; 50];
+    let mut y = vec![0.0; 250];
+    for parameter in HealthParameter::ALL {
+        let mut theta = nominal.clone();
+        let place = simulator.parameters().iter().position(|p| p.name == parameter.name()).unwrap();
+        theta[place] += 0.01;
+        // It settles where the engine in that health does, and stays there.
+        let outcome = simulator.simulate(&theta, &[0.0; 19], &fuel, &mut y);
+        assert_eq!(outcome, Outcome::Complete);
+        let health = Health::default().shifted(parameter, 0.01);
+        let settled = engine.clone().with_health(health).trim(0.712).unwrap().outputs();
+        for row in y.chunks(5) {
+            for (y, settled) in row.iter().zip(settled) {
+                // Trims leave rates of 1e-9 per second.
+                assert!((y / settled - 1.0).abs() < 1e-8, "{parameter:?}: {y} {settled}");
+            }
+        }
+    }
+    // Surge is a divergence, not a panic, and over when the simulator starts again.
+    let slam = vec![2.5; 50];
+    assert!(matches!(
+        simulator.simulate(&nominal, &[0.0; 19], &slam, &mut y),
+        Outcome::Diverged { .. }
+    ));
+    assert_eq!(simulator.simulate(&nominal, &[0.0; 19], &fuel, &mut y), Outcome::Complete);
+}
+
+#[test]
+fn the_linear_engine_follows_the_nonlinear_one() {
+    let known = known();
+    let (linear, nonlinear) = (simulator(&known, true).unwrap(), simulator(&known, false).unwrap());
+    let u: Vec<f64> = (0..100).map(|k| if k < 25 { 0.712 } else { 0.714 }).collect();
+    let run = |nominal: &dyn Nominal| {
+        let mut simulator = nominal.simulator(known.ts).unwrap();
+        let x0: Vec<f64> = simulator.initial().iter().map(|x| x.value).collect();
+        let mut y = vec![0.0; 500];
+        simulator.simulate(&nominal.model().nominal(), &x0, &u, &mut y);
+        y
+    };
+    let (linear, nonlinear) = (run(&*linear), run(&*nonlinear));
+    for (l, n) in linear.iter().zip(&nonlinear) {
+        // Fuel moves by 0.3 %, of which the second order is 1e-5, and outputs by up to 0.2 %.
+        assert!((l / n - 1.0).abs() < 3e-5, "{l} {n}");
+    }
+}
+
+#[test]
+fn a_worn_compressor_is_named_by_the_nonlinear_simulator() {
+    let cause = EngineCause::Health(HealthParameter::HpcEfficiency, -0.015);
+    let (answer, _) = find(&known(), false, few(), cause, 300, 1);
+    assert!(matches!(answer, Answer::Right | Answer::Tied), "{answer:?}");
+}
+
+#[test]
+fn a_slow_fuel_valve_is_named_by_both() {
+    for is_linear in [true, false] {
+        let (answer, _) = find(&known(), is_linear, few(), EngineCause::FuelLag(0.15), 300, 2);
+        assert!(matches!(answer, Answer::Right | Answer::Tied), "{is_linear}: {answer:?}");
+    }
+}
+
+/// What is withheld, weak and strong.
+fn causes() -> [[EngineCause; 2]; 14] {
+    use HealthParameter as H;
+    let health = |parameter, shifts: [f64; 2]| shifts.map(|x| EngineCause::Health(parameter, x));
+    [
+        health(H::LpcEfficiency, [-0.006, -0.02]),
+        health(H::HpcEfficiency, [-0.006, -0.02]),
+        health(H::HptEfficiency, [-0.006, -0.02]),
+        health(H::LptEfficiency, [-0.006, -0.02]),
+        health(H::HpcFlow, [-0.006, -0.02]),
+        health(H::LptFlow, [0.006, 0.02]),
+        health(H::BleedLeak, [0.004, 0.015]),
+        health(H::NozzleArea, [0.004, 0.015]),
+        [0.15, 0.7].map(|lag| EngineCause::SensorLag(2, lag)),
+        [0.04, 0.1].map(|lag| EngineCause::SensorLag(3, lag)),
+        [0.04, 0.15].map(EngineCause::FuelLag),
+        [0.2, 0.05].map(EngineCause::FuelRateLimit),
+        [0.1, 0.5].map(EngineCause::HeatSoak),
+        [EngineCause::Nothing; 2],
+    ]
+}
+
+/// One part of the table: 16 s of an engine of which the modules are known exactly.
+fn table(is_linear: bool, is_strong: bool) {
+    let begin = Instant::now();
+    let known = EngineKnowledge { module_tolerance: 0.0, ..known() };
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    println!(
+        "| withheld | strength | simulator | answer | verdict | first cause | p | strength | \
+         gap refit | gap best | tied |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    for (i, pair) in causes().into_iter().enumerate() {
+        let cause = pair[usize::from(is_strong)];
+        let seed = 100 + 2 * i as u64 + u64::from(is_strong);
+        let (answer, _) = find(&known, is_linear, engine_effects(), cause, 400, seed);
+        *counts.entry(format!("{answer:?}")).or_default() += 1;
+    }
+    println!("{counts:?} in {:.0?}", begin.elapsed());
+}
+
+#[test]
+#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
+fn table_linear_weak() {
+    table(true, false);
+}
+
+#[test]
+#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
+fn table_linear_strong() {
+    table(true, true);
+}
+
+#[test]
+#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
+fn table_nonlinear_weak() {
+    table(false, false);
+}
+
+#[test]
+#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
+fn table_nonlinear_strong() {
+    table(false, true);
+}
