@@ -99,7 +99,7 @@ fn confusion(
     let n = outcomes.len().max(1) as f64;
     let right = outcomes.iter().filter(|o| o.row == o.column).count() as f64;
     let top = |o: &Outcome| o.answers.top(settings.temperature);
-    let temperature = best_temperature(outcomes);
+    let temperature = best_temperature(outcomes, settings.temperature);
     let mut scores: Vec<f64> = outcomes.iter().map(|o| o.answers.of_truth(temperature)).collect();
     scores.sort_by(f64::total_cmp);
     // The k-th smallest of n, k = ⌊(n + 1) 10 %⌋: a new one is below it in at most 10 %.

@@ -18,7 +18,7 @@ pub struct Confusion {
     /// sure of themselves.
     pub confidence: f64,
     /// Temperature with which the probabilities of the replicas are the most honest (least mean
-    /// `−ln p` of the truth); to be used as [`Settings::temperature`](crate::diagnose::Settings).
+    /// `−ln p` of the truth, with a weak prior about the present one); to be used as [`Settings::temperature`](crate::diagnose::Settings).
     pub temperature: f64,
     /// Answers with at least this probability (at that temperature) make up a set that contains the
     /// truth in 90 % of such logs (split conformal prediction).

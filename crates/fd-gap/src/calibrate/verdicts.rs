@@ -7,6 +7,8 @@ use crate::{
 
 /// Least probability that counts in a logarithm.
 const SMALLEST: f64 = 1e-6;
+/// Standard deviation of the logarithm of the temperature, before any replica.
+const TEMPERATURE_SPREAD: f64 = 0.7;
 /// Temperatures that are tried: `0.2 · 1.1ⁱ`.
 const TEMPERATURES: i32 = 50;
 
@@ -110,7 +112,7 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     let answered = match diagnosis.verdict {
         Verdict::NoGap => return 0,
         Verdict::Cause => diagnosis.causes.get(..1),
-        Verdict::Tied => diagnosis.causes.get(..diagnosis.causes.len()),
+        Verdict::Tied => Some(diagnosis.causes.as_slice()),
         Verdict::Pair => return other,
         Verdict::NoneOfThese | Verdict::Unclear => return none,
     };
@@ -126,13 +128,15 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     truths.iter().position(is_answered).unwrap_or(other)
 }
 
-/// The temperature with the least mean `−ln p` of the truth.
-pub(super) fn best_temperature(outcomes: &[Outcome]) -> f64 {
+/// The temperature with the least sum of `−ln p` of the truth, with a prior for its logarithm about
+/// the present one: where all answers are right, colder would always be better.
+pub(super) fn best_temperature(outcomes: &[Outcome], present: f64) -> f64 {
     let loss = |temperature: f64| -> f64 {
         let p = outcomes.iter().map(|o| o.answers.of_truth(temperature).max(SMALLEST));
-        -p.map(f64::ln).sum::<f64>()
+        let prior = 0.5 * ((temperature / present).ln() / TEMPERATURE_SPREAD).powi(2);
+        prior - p.map(f64::ln).sum::<f64>()
     };
     let temperatures = (0..TEMPERATURES).map(|i| 0.2 * 1.1_f64.powi(i));
     let best = temperatures.map(|t| (loss(t), t)).min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or(1.0, |(_, temperature)| temperature)
+    best.map_or(present, |(_, temperature)| temperature)
 }

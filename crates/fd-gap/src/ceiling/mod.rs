@@ -2,7 +2,7 @@
 //!
 //! The residual of the refitted model in free run is learned from the training logs, as a linear
 //! difference equation of the inputs (the bias model of Patton & Chen 1992, eq. 14) and as a small
-//! nonlinear one of inputs and simulated outputs, and subtracted from the residual of held-out logs,
+//! nonlinear one of inputs and simulated states and outputs, and subtracted from the residual of held-out logs,
 //! both in free run: no measured residual of the held-out logs is used. Orders are chosen on the
 //! last third of the training logs.
 //!
@@ -38,7 +38,7 @@ const RADIUS: f64 = 0.98;
 /// A log with the residual of the refitted model.
 struct Trained {
     log: Log,
-    /// Simulated outputs of the refitted model, column by column.
+    /// Simulated states and outputs of the refitted model, column by column.
     simulated: Vec<Vec<f64>>,
     /// Measured less simulated, in sigma, output by output; NaN in the first quarter, from which
     /// the initial state was estimated.
@@ -118,20 +118,25 @@ fn prepare(
     let x0: Vec<f64> = refit.initial().iter().map(|state| state.value).collect();
     let mut all = Vec::new();
     for (l, log) in logs.into_iter().enumerate() {
-        let mut y = vec![0.0; log.samples * log.ny];
-        refit.simulate(&theta, &x0, &log.u, &mut y);
-        if y.iter().any(|v| !v.is_finite()) {
+        let mut simulated: Vec<Vec<f64>> = vec![Vec::new(); x0.len() + log.ny];
+        let mut y = vec![0.0; log.ny];
+        refit.start(&theta, &x0, 0);
+        for k in 0..log.samples {
+            let (states, outputs) = simulated.split_at_mut(x0.len());
+            states.iter_mut().zip(refit.state()).for_each(|(column, x)| column.push(*x));
+            refit.step(log.input(k), log.input(k + 1), &[], &mut y);
+            outputs.iter_mut().zip(&y).for_each(|(column, y)| column.push(*y));
+        }
+        if simulated.iter().flatten().any(|v| !v.is_finite()) {
             return Ok(None);
         }
-        let column = |c: usize| y.iter().skip(c).step_by(log.ny).copied().collect();
-        let simulated = (0..log.ny).map(column).collect();
         let residual = errors.iter().map(|e| e[l].iter().map(|v| -v).collect()).collect();
         all.push(Trained { log, simulated, residual });
     }
     Ok(Some(all))
 }
 
-/// Inputs and simulated outputs.
+/// Inputs, simulated states and outputs.
 fn drivers(log: &Trained) -> Vec<Vec<f64>> {
     let input = |i: usize| log.log.u.iter().skip(i).step_by(log.log.nu).copied().collect();
     (0..log.log.nu).map(input).chain(log.simulated.iter().cloned()).collect()

@@ -14,6 +14,8 @@ const STAGES: u32 = 10;
 const CLOCK: f64 = 2.0;
 /// Lines of a multisine.
 const LINES: u32 = 8;
+/// Part of an experiment before its input moves: what was before then does not matter.
+const REST: usize = 20;
 /// Samples that a level of the staircase is held.
 const HOLD: [f64; 2] = [10.0, 80.0];
 
@@ -44,7 +46,7 @@ impl Excitation {
     }
 }
 
-/// Inputs row by row, `samples` long; `log` is the longest one, `ranges` those of all logs.
+/// Inputs row by row, `samples` long, which begin where the logged ones do; `log` is the longest one, `ranges` those of all logs.
 pub(super) fn inputs(
     excitation: Excitation,
     log: &Log,
@@ -61,16 +63,21 @@ pub(super) fn inputs(
             let logged = |k: usize| log.input(k)[i];
             if matches!(excitation, Excitation::Logged | Excitation::Larger) {
                 let factor = if excitation == Excitation::Larger { 2.0 } else { 1.0 };
-                let mean = (0..log.samples).map(logged).sum::<f64>() / log.samples as f64;
+                let first = logged(0);
                 let value = |k: usize| {
-                    let value = mean + factor * (logged(k % log.samples) - mean);
+                    let value = first + factor * (logged(k % log.samples) - first);
                     limits.map_or(value, |[low, high]| value.clamp(low, high))
                 };
                 return Ok((0..samples).map(value).collect());
             }
             let shape = shape(excitation, samples, ts, reach.seed + i as u64)?;
             let peak = shape.iter().fold(f64::MIN_POSITIVE, |peak, v| peak.max(v.abs()));
-            Ok(shape.iter().map(|v| middle + half * v / peak).collect())
+            let rest = (samples / REST).max(1);
+            let value = |k: usize| {
+                let moved = k.checked_sub(rest).map(|k| middle + half * shape[k] / peak);
+                moved.unwrap_or(logged(0))
+            };
+            Ok((0..samples).map(value).collect())
         })
         .collect();
     let columns = columns?;

@@ -78,7 +78,7 @@ pub struct Experiment {
 pub enum Excitation {
     /// That of the longest log.
     Logged,
-    /// The same at twice the amplitude, cut off at the limits.
+    /// The same, twice as far from where it begins, cut off at the limits.
     Larger,
     /// A binary sequence between the limits.
     Binary,
