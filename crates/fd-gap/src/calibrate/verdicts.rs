@@ -2,7 +2,7 @@
 
 use crate::{
     diagnose::{Cause, Diagnosis, Verdict},
-    evidence::posterior,
+    evidence::probabilities,
 };
 
 /// Least probability that counts in a logarithm.
@@ -55,11 +55,15 @@ impl Answers {
     /// Probabilities at a temperature: of "no gap", of the tied causes together, of each other cause
     /// with its place.
     pub(super) fn probabilities(&self, temperature: f64) -> (f64, f64, Vec<(usize, f64)>) {
-        let all = posterior(&self.evidence, self.no_gap, temperature);
-        let tied = self.tied.iter().filter_map(|&i| all.causes.get(i)).sum::<f64>().max(0.0);
-        let others = all.causes.iter().copied().enumerate();
+        let prior = (1.0 - self.no_gap) / self.evidence.len().max(1) as f64;
+        let causes = self.evidence.iter().map(|evidence| (*evidence, prior));
+        let answers: Vec<(f64, f64)> = std::iter::once((0.0, self.no_gap)).chain(causes).collect();
+        let all = probabilities(&answers, temperature);
+        let (no_gap, causes) = all.split_first().map_or((1.0, &all[..]), |(p, rest)| (*p, rest));
+        let tied = self.tied.iter().filter_map(|&i| causes.get(i)).sum::<f64>().max(0.0);
+        let others = causes.iter().copied().enumerate();
         let others = others.filter(|(i, _)| !self.tied.contains(i)).collect();
-        (all.no_gap, tied, others)
+        (no_gap, tied, others)
     }
 
     /// Probability of the truth, or of the causes that are tied with it.

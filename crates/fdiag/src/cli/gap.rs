@@ -3,9 +3,7 @@
 use std::{process::ExitCode, time::Instant};
 
 use fdiag::{
-    gap::{
-        GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, TimingReport, model_of,
-    },
+    gap::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, TimingReport, model_of},
     model::Disorder,
 };
 

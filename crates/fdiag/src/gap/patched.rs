@@ -45,8 +45,7 @@ pub(super) fn patched_files(diagnosis: &Diagnosis, data: &Data) -> Vec<PatchedFi
             format!("the model with {with}{doubt}")
         }
     };
-    let mut files =
-        vec![file("patched.toml".to_owned(), content, &logs, &diagnosis.best.model)];
+    let mut files = vec![file("patched.toml".to_owned(), content, &logs, &diagnosis.best.model)];
     if diagnosis.verdict == Verdict::Tied {
         for (i, &place) in diagnosis.tied.iter().enumerate().skip(1) {
             let cause = &diagnosis.causes[place];

@@ -77,7 +77,8 @@ fn zoom(signals: &Signals, n: usize) -> (usize, usize) {
 /// The law over what it depends on, with what the data say without it.
 pub(super) fn law(law: &LawReport) -> Captioned {
     let points = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
-    let data = Line { dots: true, ..Line::new("from the data, without the law", points(&law.data)) };
+    let data =
+        Line { dots: true, ..Line::new("from the data, without the law", points(&law.data)) };
     let curve = Line { dots: !law.is_curve, ..Line::new("fitted law", points(&law.points)) };
     let lines = if law.data.is_empty() { vec![curve] } else { vec![data, curve] };
     let picture = Picture {

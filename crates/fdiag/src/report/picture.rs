@@ -107,7 +107,9 @@ impl Picture {
     pub fn legend(&self) -> Vec<(String, String)> {
         let colours = COLOURS.iter().cycle();
         let named = self.lines.iter().zip(colours).filter(|(line, _)| !line.name.is_empty());
-        named.map(|(line, RGBColor(r, g, b))| (line.name.clone(), format!("rgb({r},{g},{b})"))).collect()
+        named
+            .map(|(line, RGBColor(r, g, b))| (line.name.clone(), format!("rgb({r},{g},{b})")))
+            .collect()
     }
 
     /// The same picture, of which the legend stands elsewhere.

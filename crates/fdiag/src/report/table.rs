@@ -37,7 +37,9 @@ impl Table {
     /// Whether a column has words in it, and not only numbers.
     pub(super) fn is_text(&self, column: usize) -> bool {
         let is_number = |cell: &String| {
-            cell.is_empty() || cell == "-" || cell.starts_with(|c: char| "+-<>(".contains(c) || c.is_ascii_digit())
+            cell.is_empty()
+                || cell == "-"
+                || cell.starts_with(|c: char| "+-<>(".contains(c) || c.is_ascii_digit())
         };
         !self.rows.iter().filter_map(|row| row.get(column)).all(is_number)
     }

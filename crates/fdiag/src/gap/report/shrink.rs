@@ -1,15 +1,11 @@
 //! How far the gap shrinks on held-out data.
 
-use fd_gap::{
-    diagnose::HeldOut,
-    fit::Horizon,
-    shrink::Closed,
-};
+use fd_gap::{diagnose::HeldOut, fit::Horizon, shrink::Closed};
 use fd_model::Channel;
 use serde::Serialize;
 
 /// The gap on held-out data at one horizon.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HorizonReport {
     /// `free-run` or `windows`.
     pub horizon: &'static str,
