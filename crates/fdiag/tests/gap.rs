@@ -105,7 +105,7 @@ fn the_answer_is_one_sentence_and_tables() {
     assert!(output.status.success(), "{output:?}");
     let headline = text.lines().next().unwrap();
     assert!(headline.starts_with("Coulomb friction at rail ("), "{headline}");
-    for part in [" N", "p > 0.9", "held-out data", "% ("] {
+    for part in [" N", ", p ", "held-out data", "% ("] {
         assert!(headline.contains(part), "{headline}");
     }
     for title in ["Mechanism and place", "Cause", "How far, on held-out data"] {
@@ -249,7 +249,7 @@ fn wrong_settings_are_refused() {
         (&["--exclude", "coulom"], 3, &["--exclude", "`coulom`", "`coulomb-friction`"]),
         (&["--only", "friction@shaft"], 3, &["--only", "`shaft`", "`rail`"]),
         (&["--split", "1.5"], 2, &["--split", "between 0 and 1"]),
-        (&["--horizon", "-1"], 2, &["horizon"]),
+        (&["--horizon=-1"], 2, &["--horizon", "number of seconds above 0"]),
         (&["--tolerance", "m"], 2, &["NAME=VALUE"]),
         (&["--split", "0.5", "--held-out", "friday.csv"], 2, &["cannot be used with"]),
     ] {
@@ -264,12 +264,17 @@ fn wrong_models_are_refused() {
     let good = desk.read("model.toml");
     let broken = good.replace("(force - d*v)/m", "(force - d*)/m");
     desk.put("model.toml", &broken);
-    let message = ["model.toml:18:", "states.v.derivative", "^"];
+    let message = ["model.toml:17:61:", "states.v.derivative", "^"];
     refuses(&desk, &desk.gap(&[]), 3, &message);
     desk.put("model.toml", &good.replace("(force - d*v)/m", "(forc - d*v)/m"));
     refuses(&desk, &desk.gap(&[]), 3, &["`forc` is not known", "did you mean `force`?"]);
     desk.put("model.toml", &good.replace("\"equations\"", "\"neural-network\""));
-    refuses(&desk, &desk.gap(&[]), 3, &["model.toml", "`neural-network`", "expected `equations`"]);
+    refuses(
+        &desk,
+        &desk.gap(&[]),
+        3,
+        &["model.toml", "`neural-network`", "expected `equations` or"],
+    );
     desk.put("model.toml", "version = 1\nkind = equations\n");
     refuses(&desk, &desk.gap(&[]), 3, &["model.toml:2:"]);
     desk.put("model.toml", &good.replace("(force - d*v)/m", "(force - d*v + 1e9*v^3)/m"));
@@ -335,7 +340,19 @@ fn wrong_logs_are_refused() {
             })
         },
         4,
-        &["monday.csv"],
+        &["6 measured values", "at least 8"],
+    );
+    // The model forgets with m/d = 0.8 s.
+    spoiled(
+        &|desk| {
+            desk.spoil("monday.csv", |k, row| {
+                if 20 < k {
+                    row.clear()
+                }
+            })
+        },
+        4,
+        &["monday.csv: it lasts 0.21 s", "remembers its initial state for 0.", "--horizon"],
     );
 }
 
@@ -375,6 +392,46 @@ fn uneven_and_missing_samples_are_reported() {
     let output = desk.gap(&[&FEW[..], &["--drop-disorder"]].concat());
     assert!(output.status.success(), "{output:?}");
     assert_eq!(desk.report()["input"]["logs"][0]["left_out"], 1);
+}
+
+/// A linear model has neither parameters with a meaning nor sites: it gets some.
+#[test]
+fn linear_models_are_diagnosed_as_well() {
+    let desk = Desk::new();
+    let head = "version = 1\nkind = \"state-space\"\nname = \"linear cart\"\n";
+    let channels = "[[inputs]]\nname = \"force\"\nunit = \"N\"\n[[states]]\nname = \"v\"\nunit = \
+                    \"m/s\"\n[[outputs]]\nname = \"speed\"\nunit = \"m/s\"\n[matrices]\n";
+    let matrices = "A = [[-1.25]]\nB = [[0.8333]]\nC = [[1.0]]\n";
+    desk.put("model.toml", &format!("{head}{channels}{matrices}"));
+    let output = desk.gap(&["--held-out", "friday.csv"]);
+    assert!(output.status.success(), "{output:?}");
+    let report = desk.report();
+    assert_eq!(
+        (&report["input"]["model"], &report["input"]["sample_time_s"]),
+        (&"linear cart".into(), &0.01.into())
+    );
+    let names: Vec<&str> = report["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|parameter| parameter["name"].as_str().unwrap())
+        .collect();
+    assert!(names.contains(&"time_scale") && names.contains(&"speed_gain"), "{names:?}");
+    assert_eq!(report["groups"][0]["family"], "friction", "{}", report["headline"]);
+    // A sampled model keeps its own pace.
+    let matrices = "A = [[0.97531]]\nB = [[0.016461]]\nC = [[1.0]]\n";
+    desk.put("model.toml", &format!("{head}sample_time = 0.02\n{channels}{matrices}"));
+    assert!(desk.gap(&FEW).status.success());
+    let input = desk.report()["input"].clone();
+    assert_eq!(input["sample_time_s"], 0.02);
+    assert!(input["policy"].as_str().unwrap().contains("pace of the model"), "{input}");
+    // A mistake in it is one of the file.
+    desk.put(
+        "model.toml",
+        &format!("{head}{channels}{}", matrices.replace("[[1.0]]", "[[1.0, 2.0]]")),
+    );
+    fs::remove_dir_all(desk.path("out")).unwrap();
+    refuses(&desk, &desk.gap(&FEW), 3, &["model.toml", "matrices.C"]);
 }
 
 /// A log that is not what it claims to be gets a finding, not a cause.

@@ -19,17 +19,9 @@ pub(super) struct Outcome {
     pub(super) row: usize,
     /// Column of the answer.
     pub(super) column: usize,
+    /// Answers: "no gap" first, then causes, the tied ones as one. Which of them is the truth, and
+    /// the evidence in each.
     pub(super) answers: Answers,
-}
-
-/// The truth among the answers.
-#[derive(Clone, Copy, Debug)]
-enum True {
-    NoGap,
-    /// A cause, by place.
-    Cause(usize),
-    /// A cause that was not tried.
-    Unknown,
 }
 
 /// Answers of a diagnosis with their evidence.
@@ -39,7 +31,8 @@ pub(super) struct Answers {
     evidence: Vec<f64>,
     /// Places of the tied causes, which count as one answer.
     tied: Vec<usize>,
-    truth: True,
+    /// Place of the truth; `None` is "no gap".
+    truth: Option<Option<usize>>,
 }
 
 /// Whether two causes are the same effect at the same place.
@@ -55,18 +48,18 @@ impl Answers {
             no_gap,
             evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
             tied: diagnosis.tied.clone(),
-            truth: truth.map_or(True::NoGap, |t| place(t).map_or(True::Unknown, True::Cause)),
+            truth: truth.map_or(Some(None), |truth| place(truth).map(Some)),
         }
     }
 
     /// Probabilities at a temperature: of "no gap", of the tied causes together, of each other cause
     /// with its place.
     pub(super) fn probabilities(&self, temperature: f64) -> (f64, f64, Vec<(usize, f64)>) {
-        let each = (1.0 - self.no_gap) / self.evidence.len().max(1) as f64;
-        let causes = self.evidence.iter().map(|evidence| (*evidence, each));
+        let prior = (1.0 - self.no_gap) / self.evidence.len().max(1) as f64;
+        let causes = self.evidence.iter().map(|evidence| (*evidence, prior));
         let answers: Vec<(f64, f64)> = std::iter::once((0.0, self.no_gap)).chain(causes).collect();
-        let found = probabilities(&answers, temperature);
-        let (no_gap, causes) = (found[0], &found[1..]);
+        let all = probabilities(&answers, temperature);
+        let (no_gap, causes) = all.split_first().map_or((1.0, &all[..]), |(p, rest)| (*p, rest));
         let tied = self.tied.iter().filter_map(|&i| causes.get(i)).sum::<f64>().max(0.0);
         let others = causes.iter().copied().enumerate();
         let others = others.filter(|(i, _)| !self.tied.contains(i)).collect();
@@ -77,10 +70,10 @@ impl Answers {
     pub(super) fn of_truth(&self, temperature: f64) -> f64 {
         let (no_gap, tied, others) = self.probabilities(temperature);
         match self.truth {
-            True::Unknown => 0.0,
-            True::NoGap => no_gap,
-            True::Cause(place) if self.tied.contains(&place) => tied,
-            True::Cause(place) => others
+            None => 0.0,
+            Some(None) => no_gap,
+            Some(Some(place)) if self.tied.contains(&place) => tied,
+            Some(Some(place)) => others
                 .iter()
                 .find(|(i, _)| *i == place)
                 .map_or(0.0, |(_, probability)| *probability),
@@ -130,13 +123,13 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     let tied = answered.unwrap_or_default().iter().enumerate();
     let tied: Vec<&Cause> =
         tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
-    let is_answered = |truth: Option<&Cause>| {
+    let is_answered = |truth: &Option<&Cause>| {
         truth.is_some_and(|truth| tied.iter().any(|answer| is_same(answer, truth)))
     };
-    if is_answered(truths[row]) {
+    if is_answered(&truths[row]) {
         return row;
     }
-    truths.iter().position(|truth| is_answered(*truth)).unwrap_or(other)
+    truths.iter().position(is_answered).unwrap_or(other)
 }
 
 /// The temperature with the least sum of `−ln p` of the truth, with a prior for its logarithm about

@@ -17,6 +17,11 @@ pub(crate) struct Cli {
 }
 
 const AFTER_HELP: &str = "\
+Which command:
+  fdiag gap         says what the model does not know: where, which effect, how far it matters
+  fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag engine      shows on a simulated jet engine what compensation gains
+
 Exit codes:
   0  done
   1  done, and --fail-on-alarm was given and a log raised an alarm

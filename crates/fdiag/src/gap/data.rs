@@ -2,7 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use fd_gap::{fit::Log, model::Model, simulate::Simulator};
+use fd_gap::{
+    fit::Log,
+    model::{Law, Model},
+    simulate::Simulator,
+};
 use fd_model::{
     Record, SampleTime, TimeBaseReport,
     file::{ColumnMap, LogMap, read_log},
@@ -49,8 +53,8 @@ pub(super) struct Part {
 pub(super) enum Pace {
     /// The user has stated it.
     Stated,
-    /// The controller of the model acts at samples.
-    Controller,
+    /// The model itself is sampled, or its controller is.
+    Model,
     /// The first log.
     FirstLog,
 }
@@ -61,13 +65,13 @@ impl Data {
         let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace };
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
             let log = read_log(path, &map)?;
-            let (expected, found) = (model.sample_time, log.record.ts().seconds());
+            let (expected, found) = (model.sample_time, log.time_base.median_step_s);
             let ratio = (found / expected).max(expected / found);
-            if pace == Pace::FirstLog && ABSURD_PACE < ratio {
+            if pace != Pace::Stated && ABSURD_PACE < ratio {
                 return Err(GapError::Pace { file: path.to_owned(), expected, found });
             }
             // All logs are brought onto the time base of the first, and begin at 0 s.
-            map.resample.sample_time.get_or_insert(found);
+            map.resample.sample_time.get_or_insert(log.record.ts().seconds());
             check(path, &log.record)?;
             Ok((log.record.starting_at(0.0), log.time_base))
         };
@@ -155,12 +159,15 @@ fn map(request: &Request, model: &Model) -> (LogMap, Pace) {
         policy.disorder = request.resample.disorder;
     }
     let controller = model.controller.as_ref().and_then(|controller| controller.sample_time);
-    let pace = match (policy.sample_time.or(map.time.sample_time), controller) {
-        (Some(_), _) => Pace::Stated,
-        (None, Some(_)) => Pace::Controller,
-        (None, None) => Pace::FirstLog,
+    let is_discrete = !model.states.is_empty()
+        && model.states.iter().all(|state| matches!(state.law, Law::Update(_)));
+    let is_stated = policy.sample_time.or(map.time.sample_time).is_some();
+    let pace = match (is_stated, controller.is_some() || is_discrete) {
+        (true, _) => Pace::Stated,
+        (false, true) => Pace::Model,
+        (false, false) => Pace::FirstLog,
     };
-    if pace == Pace::Controller {
+    if pace == Pace::Model {
         policy.sample_time = Some(model.sample_time);
     }
     (map, pace)

@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use fd_gap::{fit::FitError, model::LoadError, simulate::SimulateError};
-use fd_model::{ModelError, file::LogError};
+use fd_model::{
+    ModelError,
+    file::{LogError, ModelFileError},
+};
 use thiserror::Error;
 
 /// A gap cannot be diagnosed.
@@ -13,6 +16,9 @@ pub enum GapError {
     /// The model file is wrong, or a model that was changed as asked.
     #[error(transparent)]
     Model(#[from] LoadError),
+    /// The file of a linear model is wrong.
+    #[error(transparent)]
+    Linear(#[from] ModelFileError),
     /// The model file is of a kind that cannot be diagnosed.
     #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
     Kind {

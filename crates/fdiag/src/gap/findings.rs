@@ -2,19 +2,17 @@
 
 use fd_gap::{
     diagnose::Diagnosis,
+    model::Model,
     quality::{Defect, Finding, Severity},
 };
 
-use super::{
-    data::{Data, Pace},
-    report::FindingReport,
-};
+use super::{data::Data, report::FindingReport, words::four};
 
 /// Steps of a file may differ from that of the model by this part before it is worth a note.
 const SAME_PACE: f64 = 1e-3;
 
 /// Findings of a diagnosis and of the time bases, the worst first.
-pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, model_ts: f64) -> Vec<FindingReport> {
+pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, nominal: &Model) -> Vec<FindingReport> {
     let files: Vec<String> = data.parts.iter().map(|p| file_name(&p.file)).collect();
     let mut all: Vec<(Severity, FindingReport)> = diagnosis
         .findings
@@ -34,24 +32,50 @@ pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, model_ts: f64) -> Vec
             let text = format!("{} holes are too long to be bridged", base.gaps.len());
             all.push((Severity::Note, note("missing", file, text)));
         }
-        if !base.even && data.pace == Pace::FirstLog {
+        if !base.even {
             let text = format!(
-                "steps are uneven (jitter {:.2e} s): resampled to {:.4e} s",
-                base.jitter_s, base.step_s
+                "rows are {} s apart (jitter {} s): resampled to {} s",
+                four(base.median_step_s),
+                four(base.jitter_s),
+                four(base.step_s)
             );
             all.push((Severity::Note, note("uneven", file, text)));
         }
     }
+    let model_ts = nominal.sample_time;
     let ts = data.ts().map_or(model_ts, fd_model::SampleTime::seconds);
     if SAME_PACE * model_ts < (ts - model_ts).abs() {
         let text = format!(
-            "samples are {ts:.4e} s apart, the model says {model_ts:.4e} s: it is simulated at the \
-             pace of the log"
+            "samples are {} s apart, the model says {} s: it is simulated at the pace of the log",
+            four(ts),
+            four(model_ts)
         );
         all.push((Severity::Note, note("pace", files.first().map_or("", String::as_str), text)));
     }
+    if depends_on_time(nominal, &diagnosis.best.model) {
+        let text =
+            "the effect depends on the time since the start of a run, and held-out stretches \
+                    have a start of their own: what it does there may not carry over"
+                .to_owned();
+        let file = files.first().map_or("", String::as_str);
+        all.push((
+            Severity::Warning,
+            FindingReport { severity: "warning", ..note("clock", file, text) },
+        ));
+    }
     all.sort_by_key(|(severity, _)| std::cmp::Reverse(*severity));
     all.into_iter().map(|(_, finding)| finding).collect()
+}
+
+/// Whether what a patch has added mentions the time.
+fn depends_on_time(nominal: &Model, patched: &Model) -> bool {
+    let count = |model: &Model| {
+        let definitions = model.definitions.iter().map(|d| &d.value);
+        let laws = model.all_states().map(|state| state.law.expr());
+        let outputs = model.outputs.iter().map(|output| &output.value);
+        definitions.chain(laws).chain(outputs).filter(|expr| expr.mentions("t")).count()
+    };
+    count(nominal) < count(patched)
 }
 
 /// The last part of a path, which is what people call a file.

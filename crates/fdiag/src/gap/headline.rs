@@ -171,6 +171,9 @@ fn closes(report: &Report, adding: &str) -> String {
     };
     let rest = match 1.0 - closed.fraction {
         rest if rest < 0.005 => String::new(),
+        _ if closed.fraction < 0.0 && report.findings.iter().any(|f| f.kind == "clock") => {
+            ", as it depends on the time since the start of a run".to_owned()
+        }
         _ if closed.fraction < 0.0 => ": the held-out data contradict it".to_owned(),
         rest => format!("; {} remains{}", percent(rest), mostly(&report.location.spectra)),
     };
@@ -222,4 +225,142 @@ fn in_parentheses(text: &str) -> String {
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::report::{
+        BandReport, CeilingReport, ClosedReport, CompensationReport, GroupReport, HorizonReport,
+        NoiseReport, NuisanceReport,
+    };
+
+    fn named(name: &str, strength: &str, probability: f64) -> CauseReport {
+        let (name, strength) = (name.to_owned(), strength.to_owned());
+        CauseReport { name, strength, probability, gap_sigma: 3.25, ..CauseReport::default() }
+    }
+
+    fn closed(fraction: f64, low: f64, high: f64) -> Option<ClosedReport> {
+        Some(ClosedReport { fraction, low, high, block_samples: 50 })
+    }
+
+    /// A report in which Coulomb friction leads, and most of what is left is in the last band.
+    fn report(verdict: &'static str) -> Report {
+        let band = |low_hz, high_hz, after| BandReport {
+            low_hz,
+            high_hz,
+            after,
+            floor: 0.1,
+            is_above_floor_after: 0.1 < after,
+            ..BandReport::default()
+        };
+        let bands = vec![band(0.0, 4.0, 0.12), band(4.0, 12.0, 0.1), band(12.0, 50.0, 0.9)];
+        let spectrum = SpectrumReport { output: "y".into(), bands, statement: String::new() };
+        let mut report = Report {
+            verdict,
+            no_gap: 0.2,
+            none_of_these: 0.93,
+            causes: vec![
+                named("Coulomb friction at joint 2", "0.31 ± 0.02 N m", 0.97),
+                named("delay at input u", "12 ± 1 ms", 0.02),
+            ],
+            how_far: vec![HorizonReport {
+                horizon: "free-run",
+                closed_of_refit: closed(0.92, 0.88, 0.95),
+                ..HorizonReport::default()
+            }],
+            noise: vec![NoiseReport { output: "y".into(), ..NoiseReport::default() }],
+            ..Report::default()
+        };
+        report.location.spectra = vec![spectrum];
+        report
+    }
+
+    #[test]
+    fn a_cause() {
+        assert_eq!(
+            headline(&report("cause")),
+            "Coulomb friction at joint 2 (0.31 ± 0.02 N m), p = 0.97; adding it closes 92 % \
+             (88..95) of the gap that refitted parameters leave on held-out data; 8 % remains, \
+             mostly above 12.0 Hz."
+        );
+    }
+
+    #[test]
+    fn causes_that_are_tied_or_act_together() {
+        let mut tied = report("tied");
+        tied.causes.iter_mut().for_each(|cause| cause.is_tied = true);
+        let text = headline(&tied);
+        let expected = "Coulomb friction at joint 2 (0.31 ± 0.02 N m) or delay at input u (12 ± 1 \
+                        ms) (together p = 0.99): this log cannot tell which; adding the first";
+        assert!(text.starts_with(expected), "{text}");
+        let mut pair = report("pair");
+        let causes = pair.causes.clone();
+        pair.pairs = vec![PairReport { causes, probability: 0.9, ..PairReport::default() }];
+        let text = headline(&pair);
+        let expected = "Two causes together: Coulomb friction at joint 2 (0.31 ± 0.02 N m) and delay \
+                        at input u (12 ± 1 ms), p = 0.90; adding both closes 92 % (88..95)";
+        assert!(text.starts_with(expected), "{text}");
+    }
+
+    #[test]
+    fn none_and_nothing() {
+        let mut none = report("none-of-these");
+        let compensation =
+            CompensationReport { closed: closed(0.6, 0.5, 0.7), ..CompensationReport::default() };
+        none.ceiling =
+            Some(CeilingReport { linear: Some(compensation), ..CeilingReport::default() });
+        assert_eq!(
+            headline(&none),
+            "None of the known effects explains the gap (p = 0.93): the best, Coulomb friction at \
+             joint 2, leaves 3.2 times the noise, mostly above 12.0 Hz; a black-box compensation \
+             could remove 60 % (50..70) of the gap on held-out data."
+        );
+        let mut nothing = report("no-gap");
+        nothing.no_gap = 0.98;
+        nothing.parameters = vec![NuisanceReport {
+            name: "m".into(),
+            nominal: 2.0,
+            refitted: 2.03,
+            deviation_sd: 0.8,
+            ..NuisanceReport::default()
+        }];
+        assert_eq!(
+            headline(&nothing),
+            "No gap: with its parameters refitted within their tolerances (most of all `m`, by +1.5 \
+             %) the model explains the logs down to the noise (p = 0.98)."
+        );
+    }
+
+    #[test]
+    fn unclear_says_what_is_clear() {
+        let mut unclear = report("unclear");
+        unclear.causes[0].probability = 0.4;
+        unclear.groups = vec![GroupReport {
+            name: "friction at joint 2".into(),
+            probability: 0.7,
+            ..GroupReport::default()
+        }];
+        assert_eq!(
+            headline(&unclear),
+            "Unclear: no single cause stands out; candidates are Coulomb friction at joint 2 (p = \
+             0.40) and delay at input u (p = 0.02), and no gap (p = 0.20); friction at joint 2 \
+             altogether has p = 0.70."
+        );
+    }
+
+    #[test]
+    fn a_log_that_is_not_what_it_claims_names_no_cause() {
+        let mut spoiled = report("cause");
+        spoiled.findings = vec![FindingReport {
+            severity: "serious",
+            kind: "swapped",
+            file: "run.csv".into(),
+            channel: "y".into(),
+            text: "the channel looks like `z`".into(),
+        }];
+        let text = headline(&spoiled);
+        assert!(text.starts_with("Check the log first: run.csv, `y`: the channel looks"), "{text}");
+        assert!(!text.contains("friction"), "{text}");
+    }
 }

@@ -4,7 +4,12 @@ use std::{fs, path::Path};
 
 use fd_gap::{
     effect::with_default_sites,
-    model::{Draft, LoadError, Model},
+    fit::FitError,
+    model::{Draft, LinearOptions, LoadError, Model},
+};
+use fd_model::{
+    SampleTime,
+    file::{ColumnMap, LinearModel, LogMap, read_log},
 };
 
 use super::{
@@ -13,7 +18,7 @@ use super::{
 };
 
 /// Kinds of model files that can be diagnosed.
-const KINDS: &str = "`equations`";
+const KINDS: &str = "`equations` or `state-space`";
 
 /// The model that a request diagnoses: that of its file, with the tolerances and the noise of the
 /// request, and a site of forces at every state equation.
@@ -22,7 +27,7 @@ const KINDS: &str = "`equations`";
 ///
 /// Returns what is wrong with the file or a setting.
 pub fn model_of(request: &Request) -> Result<Model, GapError> {
-    let model = read(&request.model)?;
+    let model = read(request)?;
     let mut draft = with_default_sites(&model).into_draft();
     for Named { name, value } in &request.tolerances {
         let known = draft.parameters.iter().map(|p| p.name.clone()).collect();
@@ -60,7 +65,8 @@ fn settled(draft: Draft, file: &Path) -> Result<Model, GapError> {
 }
 
 /// Reads a model file, of which the kind is looked at first.
-fn read(path: &Path) -> Result<Model, GapError> {
+fn read(request: &Request) -> Result<Model, GapError> {
+    let path = &request.model;
     let file = path.display().to_string();
     let text = fs::read_to_string(path)
         .map_err(|error| LoadError::Read { file: file.clone(), message: error.to_string() })?;
@@ -71,8 +77,42 @@ fn read(path: &Path) -> Result<Model, GapError> {
         Some("equations") | None => {
             Ok(text.parse().map_err(|error| LoadError::Model { file, error })?)
         }
+        Some("state-space") => {
+            let linear = LinearModel::parse(&file, &text)?;
+            let ts = linear_pace(request, &linear)?;
+            let model = Model::from_linear(&linear, ts, &LinearOptions::default());
+            Ok(model.map_err(|error| LoadError::Model { file, error })?)
+        }
         Some(found) => {
-            Err(GapError::Kind { file: path.to_owned(), found: found.to_owned(), expected: KINDS })
+            Err(GapError::Kind { file: path.clone(), found: found.to_owned(), expected: KINDS })
         }
     }
+}
+
+/// The time between samples of a linear model: its own, that of the request, or that of the first
+/// log.
+fn linear_pace(request: &Request, linear: &LinearModel) -> Result<SampleTime, GapError> {
+    if let Some(ts) = linear.system.sample_time() {
+        return Ok(ts);
+    }
+    if let Some(seconds) = request.resample.sample_time {
+        return Ok(SampleTime::new(seconds)?);
+    }
+    let mut map = LogMap::for_model(linear);
+    if let Some(columns) = &request.columns {
+        complete(&mut map, columns);
+    }
+    let first = request.logs.first().ok_or(FitError::NoLog)?;
+    Ok(read_log(first, &map)?.record.ts())
+}
+
+/// A map with what the user says put in the place of what follows from the model.
+fn complete(map: &mut LogMap, columns: &LogMap) {
+    let keep = |of: &[ColumnMap], known: &[ColumnMap]| -> Vec<ColumnMap> {
+        let rest = of.iter().filter(|c| !known.iter().any(|k| k.name == c.name));
+        known.iter().chain(rest).cloned().collect()
+    };
+    let (inputs, outputs) =
+        (keep(&map.inputs, &columns.inputs), keep(&map.outputs, &columns.outputs));
+    *map = LogMap { inputs, outputs, ..columns.clone() };
 }

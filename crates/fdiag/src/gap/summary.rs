@@ -19,9 +19,9 @@ use super::{
     patched::PatchedFile,
     report::{
         AdviceReport, CalibrationReport, CauseReport, CeilingReport, FileReport, GroupReport,
-        HorizonReport, InputReport, LawReport, LogReport, NoiseReport, NotTestedReport,
-        NuisanceReport, PairReport, REPORT_VERSION, Report, SettingsReport, SideReport, SiteReport,
-        TimingReport, WhereReport, WorkReport,
+        HorizonReport, InputReport, LawReport, LeftoverReport, LogReport, NoiseReport,
+        NotTestedReport, NuisanceReport, PairReport, REPORT_VERSION, Report, SettingsReport,
+        SideReport, SiteReport, TimingReport, WhereReport, WorkReport,
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request},
     words::percent,
@@ -68,11 +68,16 @@ pub(super) fn summary(parts: Parts<'_>) -> Report {
         next: parts.advice.map(AdviceReport::of),
         calibration: parts.calibration.map(|c| CalibrationReport::of(c, &causes)),
         causes,
-        findings: findings(diagnosis, parts.data, model.sample_time),
+        findings: findings(diagnosis, parts.data, model),
         input: input(&parts),
         noise: noise(model, diagnosis),
         is_unexplained: diagnosis.is_unexplained,
         is_coloured: diagnosis.is_coloured,
+        leftover: LeftoverReport {
+            level: diagnosis.leftover.level,
+            pattern: diagnosis.leftover.pattern,
+            share: diagnosis.leftover.share,
+        },
         parameters: nuisances(model, diagnosis),
         not_tested: not_tested(diagnosis),
         files: files(parts.models),
@@ -126,7 +131,7 @@ fn input(parts: &Parts<'_>) -> InputReport {
     });
     let pace = match data.pace {
         Pace::Stated => "as stated",
-        Pace::Controller => "at the pace of the model, whose controller acts at samples",
+        Pace::Model => "at the pace of the model, which is sampled itself",
         Pace::FirstLog => "at the median pace of the first log",
     };
     InputReport {
@@ -218,6 +223,8 @@ fn settings(parts: &Parts<'_>) -> SettingsReport {
         noise: named(&request.noise),
         finalists: settings.finalists,
         prior_no_gap: settings.no_gap,
+        prior_unknown: settings.unknown,
+        prior_two: settings.two,
         temperature: settings.temperature,
         bayes_factor: settings.bayes_factor,
         bootstrap_replicas: settings.replicas,

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::gap::words;
 
 /// A place in the model.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SiteReport {
     /// `input`, `force`, `state`, `output`, `parameter` or `model`.
     pub kind: &'static str,
@@ -19,7 +19,7 @@ pub struct SiteReport {
 }
 
 /// A mechanism at a place.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct GroupReport {
     /// Mechanism, such as `friction`.
     pub family: &'static str,
@@ -49,7 +49,7 @@ pub struct SideReport {
 }
 
 /// An effect at a site.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CauseReport {
     /// In words, with the place.
     pub name: String,
@@ -83,7 +83,7 @@ pub struct CauseReport {
 }
 
 /// Two causes that act together.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PairReport {
     /// The causes, with the parameters of the joint fit.
     pub causes: Vec<CauseReport>,

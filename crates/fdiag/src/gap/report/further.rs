@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{CauseReport, ClosedReport};
 
 /// What a black-box compensation could remove, whatever the cause.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CeilingReport {
     /// The linear bias model of Patton & Chen (1992), in free run.
     pub linear: Option<CompensationReport>,
@@ -21,7 +21,7 @@ pub struct CeilingReport {
 }
 
 /// A black-box compensation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CompensationReport {
     /// Past values of the bias, and of each input, that it uses.
     pub orders: [usize; 2],

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// What was diagnosed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct InputReport {
     /// Model file.
     pub model_file: String,
@@ -49,7 +49,7 @@ pub struct LogReport {
 }
 
 /// Noise of an output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NoiseReport {
     /// Name of the output.
     pub output: String,
@@ -64,7 +64,7 @@ pub struct NoiseReport {
 }
 
 /// A parameter of the model that was refitted.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NuisanceReport {
     /// Name.
     pub name: String,
@@ -79,12 +79,12 @@ pub struct NuisanceReport {
 }
 
 /// Something that is wrong with a log.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FindingReport {
     /// `serious`, `warning` or `note`.
     pub severity: &'static str,
     /// `wrong-unit`, `swapped`, `not-excited`, `constant`, `clipped`, `quantised`, `missing`,
-    /// `slow-sampling`, `feedback` or `other`.
+    /// `slow-sampling`, `feedback`, `uneven`, `pace`, `clock` or `other`.
     pub kind: &'static str,
     /// The file.
     pub file: String,
@@ -95,7 +95,7 @@ pub struct FindingReport {
 }
 
 /// How the diagnosis was made.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SettingsReport {
     /// Seed of everything random.
     pub seed: u64,
@@ -119,6 +119,10 @@ pub struct SettingsReport {
     pub finalists: usize,
     /// Probability of no gap before the data.
     pub prior_no_gap: f64,
+    /// Probability before the data that a gap has a cause that is not among those tried.
+    pub prior_unknown: f64,
+    /// Probability before the data that a gap has two causes.
+    pub prior_two: f64,
     /// What evidence was divided by.
     pub temperature: f64,
     /// Bayes factor within which causes are rivals.

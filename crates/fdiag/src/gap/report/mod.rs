@@ -27,7 +27,7 @@ pub use self::{
 pub const REPORT_VERSION: u32 = 1;
 
 /// All that a diagnosis says.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Version of this schema.
     pub version: u32,
@@ -73,6 +73,8 @@ pub struct Report {
     pub is_unexplained: bool,
     /// Whether the noise is coloured.
     pub is_coloured: bool,
+    /// Why to doubt that the best explanation is all there is.
+    pub leftover: LeftoverReport,
     /// Parameters of the model as they were refitted with the best explanation.
     pub parameters: Vec<NuisanceReport>,
     /// What could not be tried.
@@ -85,6 +87,17 @@ pub struct Report {
     pub work: WorkReport,
     /// How long it took; the one part that is not the same every time.
     pub timing: TimingReport,
+}
+
+/// What the best explanation leaves, beyond noise of the stated kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct LeftoverReport {
+    /// Gain of the log-likelihood that is left in the level and the colour of residuals.
+    pub level: f64,
+    /// Gain that is left in what inputs, outputs and time still predict.
+    pub pattern: f64,
+    /// Share of the amplitude of the gap of the refitted model that is left.
+    pub share: f64,
 }
 
 /// A candidate that could not be tried.
@@ -110,7 +123,7 @@ pub struct FileReport {
 }
 
 /// How much work it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct WorkReport {
     /// Causes that were ranked.
     pub causes: usize,

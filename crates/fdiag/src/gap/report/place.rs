@@ -74,7 +74,7 @@ pub struct PlaceReport {
 }
 
 /// Power of the gap of an output over frequency, in squares of the noise per sample.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SpectrumReport {
     /// Name of the output.
     pub output: String,
@@ -85,7 +85,7 @@ pub struct SpectrumReport {
 }
 
 /// A frequency band.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BandReport {
     /// Lower end, in Hz.
     pub low_hz: f64,

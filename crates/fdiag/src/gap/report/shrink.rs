@@ -5,7 +5,7 @@ use fd_model::Channel;
 use serde::Serialize;
 
 /// The gap on held-out data at one horizon.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HorizonReport {
     /// `free-run` or `windows`.
     pub horizon: &'static str,

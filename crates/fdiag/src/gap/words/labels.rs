@@ -3,13 +3,12 @@
 use fd_gap::effect::SiteRef;
 
 /// Labels of the library that are more than their dashes turned to spaces.
-const LABELS: [(&str, &str); 14] = [
+const LABELS: [(&str, &str); 13] = [
     ("coulomb-friction", "Coulomb friction"),
     ("drag", "quadratic drag"),
     ("linear-stiffness", "linear stiffness"),
     ("stiffening", "stiffening spring"),
     ("gravity-load", "gravity-like load"),
-    ("mode", "resonant mode"),
     ("end-stop", "end stop"),
     ("input-gain", "gain error"),
     ("sensor-scale", "scale error of the sensor"),
