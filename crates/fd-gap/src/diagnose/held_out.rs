@@ -1,14 +1,10 @@
 //! Gaps on held-out logs, before and after.
 
-use super::{
-    result::{Diagnosis, HeldOut},
-    settings::Settings,
-    trial::Trial,
-};
+use super::{result::HeldOut, settings::Settings, trial::Trial};
 use crate::{
-    fit::{FitError, Log, NullFit, Problem, Variable},
+    fit::{FitError, Horizon, Log, NullFit, Problem, Variable},
     shrink::{Settled, closed, forecast_errors, gap_per_output},
-    simulate::{EquationSimulator, Simulator},
+    simulate::Simulator,
 };
 
 /// Refitted parameters: name, value, deviation from nominal in standard deviations of the prior.
@@ -19,11 +15,11 @@ pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<(String, f64, f64)>
 
 /// One entry per horizon at which nothing diverges.
 pub(super) fn compare(
-    nominal: &EquationSimulator,
+    nominal: &dyn Simulator,
     null: &NullFit,
     leader: Option<&Trial<'_>>,
     logs: &[Log],
-    diagnosis: &Diagnosis,
+    [sigma, floors]: [&[f64]; 2],
     settings: &Settings,
 ) -> Result<Vec<HeldOut>, FitError> {
     let named = |problem: &Problem, z: &[f64]| -> Vec<(String, f64)> {
@@ -39,27 +35,37 @@ pub(super) fn compare(
         effects = trial.problem.effects().iter().cloned().zip(fitted).collect();
     }
     let mut all = Vec::new();
+    if logs.is_empty() {
+        return Ok(all);
+    }
+    let ts = nominal.ts().seconds();
+    let longest = logs.iter().map(Log::samples).max().unwrap_or(0);
     for &horizon in &settings.report_horizons {
         let run = |simulator, nuisances: &[(String, f64)], effects: &[(Variable, f64)]| {
             let settled = Settled { simulator, nuisances, effects };
-            forecast_errors(nominal, settled, logs, horizon, &diagnosis.sigma)
+            forecast_errors(nominal, settled, logs, horizon, sigma)
         };
         let before = run(nominal, &[], &[])?;
         let refit = run(nominal, &refitted, &[])?;
         let after = run(simulator, &values, &effects)?;
         let (Some(before), Some(refit), Some(after)) = (before, refit, after) else { continue };
-        let squares = diagnosis.floor.iter().map(|floor| floor * floor);
-        let floor = f64::sqrt(squares.sum::<f64>() / diagnosis.floor.len() as f64);
+        let squares = floors.iter().map(|floor| floor * floor);
+        let floor = f64::sqrt(squares.sum::<f64>() / floors.len() as f64);
         let physical = |gaps: &[f64]| -> Vec<f64> {
-            gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
+            gaps.iter().zip(sigma).map(|(gap, sigma)| gap * sigma).collect()
         };
         let (replicas, seed) = (settings.replicas, settings.seed);
         all.push(HeldOut {
             horizon,
+            seconds: ts
+                * match horizon {
+                    Horizon::FreeRun => longest,
+                    Horizon::Windows { samples } => samples.min(longest),
+                } as f64,
             nominal: physical(&gap_per_output(&before)),
             refit: physical(&gap_per_output(&refit)),
             after: physical(&gap_per_output(&after)),
-            floor: physical(&diagnosis.floor),
+            floor: physical(floors),
             closed_of_nominal: closed(&before, &after, floor, replicas, seed),
             closed_of_refit: closed(&refit, &after, floor, replicas, seed),
         });

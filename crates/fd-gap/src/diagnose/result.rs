@@ -1,8 +1,9 @@
 //! What a diagnosis says.
 
 use crate::{
-    effect::{Side, SiteRef},
+    effect::{Candidate, NotTestable, Side, SiteRef},
     fit::Horizon,
+    model::Model,
     quality::Finding,
     shrink::Closed,
 };
@@ -10,10 +11,20 @@ use crate::{
 /// The answer to: which effect, how sure, how far does the gap shrink?
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnosis {
+    /// The answer in one word.
+    pub verdict: Verdict,
+    /// What the probabilities rest on.
+    pub regime: Regime,
     /// Probability that the nominal model, with its parameters refitted, explains the log.
     pub no_gap: f64,
-    /// Causes, the most probable first.
+    /// Probability that no cause that was tried, nor a pair of them, is the right one.
+    pub none_of_these: f64,
+    /// Single causes, the most probable first.
     pub causes: Vec<Cause>,
+    /// Mechanisms at places, the most probable first: sums over `causes`.
+    pub groups: Vec<Group>,
+    /// Sides of the plant, the most probable first.
+    pub sides: Vec<(Side, f64)>,
     /// Places in `causes` of the causes that this log cannot tell from the first one, which is the
     /// first of them: refitted to its noise-free simulation they leave less than 9 squares of the
     /// noise.
@@ -21,30 +32,74 @@ pub struct Diagnosis {
     /// Places in `causes` of other causes within the Bayes factor, with the squares of the noise
     /// that a refit leaves.
     pub rivals: Vec<(usize, f64)>,
+    /// Pairs of causes that act together, the best first; empty when none was worth a try.
+    pub pairs: Vec<Pair>,
     /// Noise of each output that residuals are measured in, in its unit.
     pub sigma: Vec<f64>,
-    /// Noise floor of each output below the best cause, in sigma.
+    /// Noise floor of each output below the best explanation, in sigma.
     pub floor: Vec<f64>,
-    /// Root mean square of the training residual of each output, in sigma: parameters refitted.
-    pub refit_gap: Vec<f64>,
-    /// The same with the best cause.
-    pub best_gap: Vec<f64>,
-    /// Whether the best cause leaves clearly more than the floor (`ln` of the ratio above 0.2 in
-    /// some output): the probabilities are then too sure of themselves.
+    /// Whether the best explanation leaves clearly more than the floor (`ln` of the ratio above
+    /// 0.2 in some output).
     pub is_unexplained: bool,
     /// Whether the noise was found to be coloured.
     pub is_coloured: bool,
-    /// Refitted parameters of the model with the best cause: name, value, deviation from nominal
-    /// in standard deviations of the prior.
-    pub nuisances: Vec<(String, f64, f64)>,
+    /// The nominal model as it came.
+    pub nominal: Explanation,
+    /// The nominal model with its parameters refitted.
+    pub refit: Explanation,
+    /// The best explanation: with the cause, or the pair of causes, that the verdict names; that
+    /// of `refit` when there is no gap, and with the first cause when none of them is right.
+    pub best: Explanation,
     /// Held-out gaps, one per horizon that could be computed.
     pub held_out: Vec<HeldOut>,
     /// What is wrong with the logs.
     pub findings: Vec<Finding>,
-    /// Candidates that could not be tried: place, reason.
-    pub not_tested: Vec<(usize, String)>,
+    /// What could not be tried, and why.
+    pub not_tested: Vec<NotTested>,
     /// Simulations of all logs that were made.
     pub simulations: usize,
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The nominal model, with its parameters refitted, explains the logs.
+    NoGap,
+    /// The first of the causes.
+    Cause,
+    /// One of the tied causes: this log cannot tell which.
+    Tied,
+    /// The first of the pairs.
+    Pair,
+    /// There is a gap, and nothing in the library explains it.
+    NoneOfThese,
+    /// There may be a gap, and several causes that could be told apart are about as probable.
+    Unclear,
+}
+
+/// What the probabilities rest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Regime {
+    /// The best explanation reaches the noise: evidence of the likelihood.
+    AtTheFloor,
+    /// Nothing reaches the noise, and likelihoods would be absurdly sure: how often a cause
+    /// forecasts best, on blocks of the logs drawn with replacement.
+    AboveTheFloor,
+}
+
+/// A mechanism at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Mechanism.
+    pub family: &'static str,
+    /// Where it is.
+    pub site: SiteRef,
+    /// Side of the plant.
+    pub side: Side,
+    /// Sum of the probabilities of its causes.
+    pub probability: f64,
+    /// Places of its causes in [`Diagnosis::causes`].
+    pub causes: Vec<usize>,
 }
 
 /// An effect at a site, all of its laws together.
@@ -66,11 +121,22 @@ pub struct Cause {
     pub log_evidence: f64,
     /// Law with the most evidence.
     pub law: &'static str,
-    /// Place of that law among the candidates.
-    pub candidate: usize,
     /// Parameters of that law.
     pub parameters: Vec<Estimate>,
     /// Root mean square of the training residual of that law, in sigma.
+    pub gap: f64,
+    /// The model with that law in it, all values settled.
+    pub model: Model,
+}
+
+/// Two causes that act together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// The causes, with the parameters of the joint fit.
+    pub causes: [Cause; 2],
+    /// Logarithm of the evidence over that of the best single cause.
+    pub log_evidence: f64,
+    /// Root mean square of the training residual, in sigma.
     pub gap: f64,
 }
 
@@ -87,6 +153,63 @@ pub struct Estimate {
     pub standard_error: f64,
     /// Whether it is a strength.
     pub is_strength: bool,
+    /// Whether `1/value` is what a person would call it: a limit that is infinite at zero strength.
+    pub is_reciprocal: bool,
+}
+
+/// A model with all values settled, and what it makes of the training logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// The model, patched where there is an effect; running it from the `starts` gives `outputs` to
+    /// the bit.
+    pub model: Model,
+    /// Refitted parameters of the nominal model: name, value, deviation from nominal in standard
+    /// deviations of the prior.
+    pub nuisances: Vec<(String, f64, f64)>,
+    /// Where runs start.
+    pub starts: Vec<Start>,
+    /// Simulated outputs of each log, row by row.
+    pub outputs: Vec<Vec<f64>>,
+    /// Root mean square of the training residual of each output, in sigma.
+    pub gap: Vec<f64>,
+}
+
+/// The start of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Place of the log among the training logs, from 0.
+    pub log: usize,
+    /// First sample.
+    pub from: usize,
+    /// State there, in the order of the states of the model.
+    pub state: Vec<f64>,
+}
+
+/// A candidate that could not be tried.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotTested {
+    /// Label of the effect.
+    pub label: &'static str,
+    /// The law.
+    pub law: &'static str,
+    /// Where it would be.
+    pub site: SiteRef,
+    /// Why it could not be tried.
+    pub reason: String,
+}
+
+impl NotTested {
+    pub(super) fn of(candidate: &Candidate, reason: String) -> Self {
+        let Candidate { label, law, site, .. } = candidate;
+        Self { label, law, site: site.clone(), reason }
+    }
+}
+
+impl From<&NotTestable> for NotTested {
+    fn from(refusal: &NotTestable) -> Self {
+        let NotTestable { label, law, site, reason } = refusal;
+        Self { label, law, site: site.clone(), reason: reason.to_string() }
+    }
 }
 
 /// The gap on held-out data at one horizon.
@@ -94,11 +217,13 @@ pub struct Estimate {
 pub struct HeldOut {
     /// Horizon.
     pub horizon: Horizon,
+    /// Length of the horizon, in seconds; the longest log for a free run.
+    pub seconds: f64,
     /// Root mean square error of each output with nominal parameters, in its unit.
     pub nominal: Vec<f64>,
     /// With refitted parameters.
     pub refit: Vec<f64>,
-    /// With the best cause.
+    /// With the best explanation.
     pub after: Vec<f64>,
     /// Noise floor.
     pub floor: Vec<f64>,

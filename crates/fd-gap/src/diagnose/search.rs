@@ -4,12 +4,18 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::{settings::Settings, trial::Trial};
+use super::{
+    monitor::{Monitor, Stage},
+    result::NotTested,
+    settings::Settings,
+    trial::Trial,
+};
 use crate::{
     effect::{Candidate, Kind},
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},
     quality::spectral_peaks,
+    simulate::Nominal,
 };
 
 /// Innovation, as a fraction of the noise, below which noise is coloured.
@@ -22,29 +28,37 @@ const LINES: usize = 5;
 pub(super) struct Found<'a> {
     pub(super) null: NullFit,
     pub(super) trials: Vec<Trial<'a>>,
-    pub(super) not_tested: Vec<(usize, String)>,
+    pub(super) not_tested: Vec<NotTested>,
     pub(super) is_coloured: bool,
 }
 
 pub(super) fn search<'a>(
     null: NullFit,
+    nominal: &dyn Nominal,
     candidates: &'a [Candidate],
     spread: &[f64],
     settings: &Settings,
+    monitor: &dyn Monitor,
 ) -> Result<Found<'a>, FitError> {
     let projection = Projection::new(&null.problem, &null.minimum).ok_or(FitError::Diverged)?;
     let lines = lines(&null)?;
-    let tried: Vec<Result<Trial<'a>, (usize, String)>> = candidates
+    monitor.begin(Stage::Screen, candidates.len());
+    let tried: Vec<Result<Trial<'a>, NotTested>> = candidates
         .par_iter()
         .enumerate()
         .map(|(index, candidate)| {
-            if candidate.kind != Kind::Simulation {
-                return Err((index, "effects on the noise itself are not fitted yet".to_owned()));
-            }
-            let mut trial =
-                Trial::new(candidate, index, &null).map_err(|e| (index, e.to_string()))?;
-            trial.screen(&null, &projection, &lines);
-            Ok(trial)
+            let refuse = |reason: String| NotTested::of(candidate, reason);
+            let tried = if candidate.kind == Kind::Simulation {
+                Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()))
+            } else {
+                Err(refuse("effects on the noise itself are not fitted yet".to_owned()))
+            };
+            let screened = tried.map(|mut trial| {
+                trial.screen(&null, &projection, &lines);
+                trial
+            });
+            monitor.advance();
+            screened
         })
         .collect();
     let (mut trials, mut not_tested) = (Vec::new(), Vec::new());
@@ -55,14 +69,18 @@ pub(super) fn search<'a>(
         }
     }
     let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
-    trials.par_iter_mut().for_each(|trial| trial.short_fits(&null, most));
+    monitor.begin(Stage::Fit, trials.len());
+    trials.par_iter_mut().for_each(|trial| {
+        trial.short_fits(&null, most);
+        monitor.advance();
+    });
     trials.retain(|trial| {
         if trial.best.is_none() {
-            not_tested.push((trial.index, "its simulation diverges".to_owned()));
+            let reason = "its simulation diverges".to_owned();
+            not_tested.push(NotTested::of(trial.candidate, reason));
         }
         trial.best.is_some()
     });
-    not_tested.sort_by_key(|(index, _)| *index);
     finish(&mut trials, &null, settings.finalists);
 
     let mut found = Found { null, trials, not_tested, is_coloured: false };

@@ -8,7 +8,7 @@ use crate::{
         FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
         Weights, minimise,
     },
-    simulate::EquationSimulator,
+    simulate::Nominal,
 };
 
 /// Starts of a candidate that get a short fit.
@@ -42,13 +42,14 @@ pub(super) struct Trial<'a> {
 
 impl<'a> Trial<'a> {
     pub(super) fn new(
+        nominal: &dyn Nominal,
         candidate: &'a Candidate,
         index: usize,
         null: &NullFit,
     ) -> Result<Self, FitError> {
         let plan = Arc::clone(null.problem.plan());
         let ts = null.problem.simulator().ts();
-        let simulator = EquationSimulator::<f64>::at(&candidate.model, ts)?;
+        let simulator = nominal.patched(&candidate.model, ts)?;
         let variable = |p: &EffectParameter| Variable {
             name: p.name.clone(),
             unit: p.unit.clone(),
@@ -60,7 +61,7 @@ impl<'a> Trial<'a> {
         };
         let effects = candidate.parameters.iter().map(variable).collect();
         let weights = null.problem.weights().clone();
-        let problem = Problem::new(plan, Box::new(simulator), effects, weights)?;
+        let problem = Problem::new(plan, simulator, effects, weights)?;
         let neutral = |p: &EffectParameter| p.is_strength.then_some(p.neutral);
         let strengths = candidate.parameters.iter().map(neutral).collect();
         Ok(Self { candidate, index, problem, strengths, best: None, scored: Vec::new() })

@@ -17,6 +17,7 @@ pub mod map;
 mod scales;
 pub mod sensor;
 mod sketch;
+mod suspects;
 mod units;
 
 pub use self::{
@@ -26,6 +27,7 @@ pub use self::{
     default_sites::with_default_sites,
     scales::{ForceScale, ReplayScales, SignalScale},
     sketch::Sketch,
+    suspects::{EverySite, Suspects},
 };
 
 use crate::model::Model;

@@ -250,6 +250,36 @@ impl Problem {
         Some(logs)
     }
 
+    /// Simulated outputs of each log of the plan, row by row; `None` when a simulation diverges.
+    #[must_use]
+    pub fn outputs(&mut self, z: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let logs = &self.plan.logs;
+        let mut outputs: Vec<Vec<f64>> =
+            logs.iter().map(|log| vec![f64::NAN; log.y.len()]).collect();
+        for s in 0..self.layout.segments.len() {
+            if !self.simulate(s, z) {
+                return None;
+            }
+            let segment = self.plan.segments[s];
+            let ny = self.plan.logs[segment.log].ny;
+            let (from, to) = (segment.from * ny, segment.to * ny);
+            outputs[segment.log][from..to].copy_from_slice(&self.y[..to - from]);
+        }
+        Some(outputs)
+    }
+
+    /// The state at the start of a segment, in the order of the simulator.
+    #[must_use]
+    pub fn start_of(&self, segment: usize, z: &[f64]) -> Vec<f64> {
+        let mut x0 = self.initial.clone();
+        let own = &z[self.layout.first_own(segment)..];
+        for ((variable, &place), z) in self.plan.own[segment].iter().zip(&self.own_places).zip(own)
+        {
+            x0[place] = variable.value(*z);
+        }
+        x0
+    }
+
     /// Standard deviation of each parameter of the effect, in its unit, when noise is `scale`
     /// times as large as the weights say.
     #[must_use]

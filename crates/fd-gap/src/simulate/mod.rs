@@ -21,6 +21,7 @@ mod error;
 mod flat;
 mod jacobian;
 mod linearize;
+mod nominal;
 mod simulator;
 mod timing;
 
@@ -29,5 +30,6 @@ pub use self::{
     equations::EquationSimulator,
     error::SimulateError,
     linearize::{OperatingPoint, linearize, linearize_discrete},
+    nominal::Nominal,
     simulator::{Initial, Outcome, Port, Simulator},
 };

@@ -1,0 +1,18 @@
+//! What is diagnosed.
+
+use fd_model::Record;
+
+use crate::{effect::Suspects, simulate::Nominal};
+
+/// What is diagnosed: a simulator, what it may lack, and logs of the real thing.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// The simulator.
+    pub nominal: &'a dyn Nominal,
+    /// What is tried.
+    pub suspects: &'a dyn Suspects,
+    /// Logs that models are fitted to, all of one sample time.
+    pub logs: &'a [Record],
+    /// Logs that no fit sees.
+    pub held_out: &'a [Record],
+}

@@ -1,0 +1,30 @@
+//! How far a diagnosis has come.
+
+/// Is told how far a diagnosis has come, from several threads.
+pub trait Monitor: Sync {
+    /// A stage of so many pieces of work begins.
+    fn begin(&self, stage: Stage, pieces: usize);
+
+    /// A piece of it is done.
+    fn advance(&self);
+}
+
+/// A stage of a diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Every candidate is scored.
+    Screen,
+    /// Promising candidates are fitted.
+    Fit,
+    /// Second causes are fitted beside first ones.
+    Pairs,
+    /// Rivals are refitted to each other, and held-out logs are forecast.
+    Judge,
+}
+
+/// Nobody is told.
+impl Monitor for () {
+    fn begin(&self, _stage: Stage, _pieces: usize) {}
+
+    fn advance(&self) {}
+}
