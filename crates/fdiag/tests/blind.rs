@@ -150,7 +150,8 @@ fn answer(no_gap: f64, causes: &[(&str, &str, &str, f64)]) -> Answer {
         probability: *probability,
     };
     let causes = causes.iter().map(named).collect();
-    Answer { case: "c".to_owned(), no_gap, causes, tied: vec![0], ..Answer::default() }
+    let (case, verdict) = ("c".to_owned(), "cause".to_owned());
+    Answer { case, verdict, no_gap, causes, tied: vec![0], ..Answer::default() }
 }
 
 #[test]

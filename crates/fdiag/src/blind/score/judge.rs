@@ -175,7 +175,7 @@ pub(super) fn judge(
         blamed: answer.blamed(),
         none_score: answer.none_score,
         says_none: answer.says_none,
-        is_alone: first.is_some() && answer.tied.len() < 2 && answer.together.len() < 2,
+        is_alone: first.is_some() && answer.verdict == "cause",
         closed: answer.closed.map(|share| share.fraction),
         seconds: answer.seconds,
         error: answer.error.clone(),
