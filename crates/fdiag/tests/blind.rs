@@ -144,7 +144,7 @@ fn answer(no_gap: f64, causes: &[(&str, &str, &str, f64)]) -> Answer {
         label: (*label).to_owned(),
         law: "law".to_owned(),
         family: (*family).to_owned(),
-        side: "dynamics".to_owned(),
+        side: if label.starts_with("sensor") { "output" } else { "dynamics" }.to_owned(),
         site: (*site).to_owned(),
         partner: None,
         probability: *probability,

@@ -75,7 +75,7 @@ pub(super) fn all(
         held_out_log,
         null,
     };
-    let before = bench.held_out_errors(&bench.nominal, &bench.refit)?;
+    let before = bench.held_out_errors(&bench.nominal, &bench.nominal, &bench.refit)?;
     let Some(before) = before else { return Ok(Baselines::default()) };
     bench.before = before;
     Ok(Baselines {
@@ -92,15 +92,17 @@ fn parameters(null: &NullFit) -> Vec<(String, f64)> {
 }
 
 impl Bench<'_> {
-    /// Errors of forecasts of the held-out run, in sigma.
+    /// Errors of forecasts of the held-out run, in sigma; `values` are within the tolerances of
+    /// `nominal`.
     fn held_out_errors(
         &self,
+        nominal: &dyn Simulator,
         simulator: &dyn Simulator,
         values: &[(String, f64)],
     ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
         let settled = Settled { simulator, nuisances: values, effects: &[] };
         let logs = std::slice::from_ref(&self.held_out_log);
-        forecast_errors(&self.nominal, settled, logs, Horizon::FreeRun, &self.sigma)
+        forecast_errors(nominal, settled, logs, Horizon::FreeRun, &self.sigma)
     }
 
     /// The share of the gap above the stated noise that is closed.

@@ -72,7 +72,7 @@ pub(super) fn sparse(bench: &Bench<'_>) -> Result<Baseline, BlindError> {
     });
     let after = match &patched {
         Some(simulator) if !equations.is_empty() => {
-            bench.held_out_errors(simulator, &bench.refit)?
+            bench.held_out_errors(&bench.nominal, simulator, &bench.refit)?
         }
         _ => Some(bench.before.clone()),
     };
