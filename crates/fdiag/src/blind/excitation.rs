@@ -24,14 +24,8 @@ pub enum Shape {
 
 impl Shape {
     /// All shapes.
-    pub const ALL: [Self; 6] = [
-        Self::Prbs,
-        Self::Multisine,
-        Self::Chirp,
-        Self::Steps,
-        Self::Staircase,
-        Self::SlowRandom,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Prbs, Self::Multisine, Self::Chirp, Self::Steps, Self::Staircase, Self::SlowRandom];
 }
 
 /// Range and band of the excitation of one external input.

@@ -134,7 +134,9 @@ pub(super) fn distance_of(
     let projection = projection(&null)?;
     let mut least = null.minimum.cost;
     for candidate in candidates(model, log)?.iter().filter(|candidate| wanted(candidate)) {
-        let Ok(Some((mut problem, minimum))) = short(candidate, &null, &projection) else { continue };
+        let Ok(Some((mut problem, minimum))) = short(candidate, &null, &projection) else {
+            continue;
+        };
         least = least.min(minimum.cost);
         if let Some(better) = minimise(&mut problem, &minimum.z, None, Search::default()) {
             least = least.min(better.cost);

@@ -79,9 +79,8 @@ impl Observer for Recorder {
 impl Recorder {
     pub(super) fn scales(&self, ts: f64) -> Scales {
         let all = |signals: &[Vec<f64>]| signals.iter().map(|s| Signal::of(s)).collect();
-        let optional = |values: &Vec<f64>| {
-            values.iter().all(|v| v.is_finite()).then(|| Signal::of(values))
-        };
+        let optional =
+            |values: &Vec<f64>| values.iter().all(|v| v.is_finite()).then(|| Signal::of(values));
         let site = |[x, v, a, c]: &[Vec<f64>; 4]| {
             let acceleration = Signal::of(a).std;
             SiteScale {

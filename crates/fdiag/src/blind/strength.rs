@@ -60,9 +60,8 @@ impl<'a> Yardstick<'a> {
                 slope(&truth.parameters, &moved)?;
             }
         }
-        let entry = |i: usize, j: usize| {
-            dot(&slopes[i], &slopes[j]) + if i == j { 1.0 } else { 0.0 }
-        };
+        let entry =
+            |i: usize, j: usize| dot(&slopes[i], &slopes[j]) + if i == j { 1.0 } else { 0.0 };
         let n = slopes.len();
         let normal = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
         Ok(Some(Self { scene, x0, base, slopes, normal, sigma }))

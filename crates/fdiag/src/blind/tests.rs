@@ -46,9 +46,11 @@ fn plants_are_those_of_their_model_files() {
         let u = scene.excitation(0);
         let _ = Simulator::simulate(&mut simulator, &model.nominal(), &all_x0, &u, &mut theirs);
         let ny = model.outputs.len();
-        let worst = own.iter().zip(&theirs).enumerate().map(|(k, (a, b))| {
-            (a - b).abs() / model.outputs[k % ny].noise.unwrap()
-        });
+        let worst = own
+            .iter()
+            .zip(&theirs)
+            .enumerate()
+            .map(|(k, (a, b))| (a - b).abs() / model.outputs[k % ny].noise.unwrap());
         let worst = worst.fold(0.0, f64::max);
         // Both integrate with order 4; the engine has 17 states and its model three modes.
         let allowed = if plant.name == "engine17" { 1.0 } else { 0.05 };

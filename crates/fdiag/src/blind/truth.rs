@@ -161,9 +161,7 @@ impl<'a> Scene<'a> {
     pub(super) fn initial(&self, run: u64) -> Vec<f64> {
         let random = &mut Random::named(self.truth.seed, &format!("initial/{run}"));
         let states = self.model.states.iter();
-        states
-            .map(|s| s.initial + s.tolerance.unwrap_or(0.0) * random.uniform(-1.0, 1.0))
-            .collect()
+        states.map(|s| s.initial + s.tolerance.unwrap_or(0.0) * random.uniform(-1.0, 1.0)).collect()
     }
 
     /// Noise of a run, row by row.

@@ -104,12 +104,8 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
         (CaseKind::Mismatch, args.mismatch),
     ];
     let total: usize = counts.iter().map(|(_, n)| n).sum();
-    let order = Order {
-        seed: args.seed,
-        counts,
-        samples: args.samples,
-        full_oracle: !args.quick_oracle,
-    };
+    let order =
+        Order { seed: args.seed, counts, samples: args.samples, full_oracle: !args.quick_oracle };
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.out));
     let key = SealKey::random().map_err(refusal)?;
     let progress = bar(total as u64, "cases");

@@ -66,6 +66,7 @@ fn compensated(bench: &Bench<'_>) -> Result<Option<Vec<Vec<Vec<f64>>>>, BlindErr
 }
 
 fn fitted(record: &Record, order: usize) -> Option<ArxModel> {
-    let estimate = ArxFit::new(ArxOrders::new(order, order, 0).with_offset()).fit(&[record]).ok()?;
+    let estimate =
+        ArxFit::new(ArxOrders::new(order, order, 0).with_offset()).fit(&[record]).ok()?;
     Some(estimate.model)
 }

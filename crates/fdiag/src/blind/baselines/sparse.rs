@@ -1,4 +1,4 @@
-//! Sparse regression on residual rates, as SINDy does (Brunton, Proctor & Kutz 2016): what the rates
+//! Sparse regression on residual rates, as `SINDy` does (Brunton, Proctor & Kutz 2016): what the rates
 //! of the states lack is a sum of few terms of a library, by least squares with sequential
 //! thresholds.
 //!
@@ -6,7 +6,12 @@
 //! measured positions, and the rest comes from the simulation. The residual rate is what a
 //! simulation over one sample lacks from there.
 
-use fd_gap::{equation::Expr, model::{Law, Model}, patch::Patch, simulate::{EquationSimulator, Simulator}};
+use fd_gap::{
+    equation::Expr,
+    model::{Law, Model},
+    patch::Patch,
+    simulate::{EquationSimulator, Simulator},
+};
 
 use super::{Baseline, Bench};
 use crate::blind::error::BlindError;
@@ -67,9 +72,10 @@ pub(super) fn sparse(bench: &Bench<'_>) -> Result<Baseline, BlindError> {
             }
         }
     }
-    let patched = patch.finish().ok().and_then(|model| {
-        EquationSimulator::<f64>::at(&model, bench.train.ts()).ok()
-    });
+    let patched = patch
+        .finish()
+        .ok()
+        .and_then(|model| EquationSimulator::<f64>::at(&model, bench.train.ts()).ok());
     let after = match &patched {
         Some(simulator) if !equations.is_empty() => {
             bench.held_out_errors(&bench.nominal, simulator, &bench.refit)?
@@ -111,9 +117,9 @@ fn states(bench: &Bench<'_>) -> Option<States> {
     let ts = bench.train.ts().seconds();
     for (j, state) in model.states.iter().enumerate() {
         let shows = |name: &str| model.outputs.iter().position(|o| o.value == Expr::name(name));
-        let integral = model.states.iter().find(|other| {
-            matches!(&other.law, Law::Derivative(law) if *law == Expr::name(&state.name))
-        });
+        let integral = model.states.iter().find(
+            |other| matches!(&other.law, Law::Derivative(law) if *law == Expr::name(&state.name)),
+        );
         let found = match (shows(&state.name), integral.and_then(|s| shows(&s.name))) {
             (Some(output), _) => Some((output, false)),
             (None, Some(output)) => Some((output, true)),
@@ -137,11 +143,12 @@ fn parabolas(signal: &[f64], ts: f64) -> Vec<(f64, f64)> {
     let fit = |k: usize| {
         let middle = k.clamp(HALF, n.saturating_sub(HALF + 1).max(HALF));
         let (mut s, mut sum) = ([0.0; 5], [0.0; 3]);
-        for i in middle.saturating_sub(HALF)..(middle + HALF + 1).min(n) {
+        let (from, to) = (middle.saturating_sub(HALF), (middle + HALF + 1).min(n));
+        for (i, value) in signal.iter().enumerate().take(to).skip(from) {
             let d = i as f64 - middle as f64;
             let powers = [1.0, d, d * d, d * d * d, d * d * d * d];
             s.iter_mut().zip(powers).for_each(|(s, p)| *s += p);
-            sum.iter_mut().zip(powers).for_each(|(sum, p)| *sum += p * signal[i]);
+            sum.iter_mut().zip(powers).for_each(|(sum, p)| *sum += p * value);
         }
         // Odd sums vanish on the even grid.
         let determinant = s[0] * s[4] - s[2] * s[2];
@@ -247,11 +254,8 @@ fn choose(
         })
         .collect();
     let sizes: Vec<f64> = columns.iter().map(|c| rms(c).max(1e-300)).collect();
-    let unit: Vec<Vec<f64>> = columns
-        .iter()
-        .zip(&sizes)
-        .map(|(c, size)| c.iter().map(|v| v / size).collect())
-        .collect();
+    let unit: Vec<Vec<f64>> =
+        columns.iter().zip(&sizes).map(|(c, size)| c.iter().map(|v| v / size).collect()).collect();
     // The ends of the smoothing are left out.
     let (from, to) = (HALF, rate.len() - HALF);
     let cut = to - (to - from) / 3;

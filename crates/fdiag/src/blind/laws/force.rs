@@ -48,7 +48,7 @@ fn unit_force(s: &Setting<'_>) -> f64 {
     s.strength * s.site().force
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn friction() -> Vec<Law> {
     use Needs::{Reversal, Velocity};
     use Origin::{Matched, Mismatch};
@@ -103,12 +103,14 @@ fn friction() -> Vec<Law> {
         }),
         law("drag", "one-way", rubs, (Mismatch, Reversal), [2e-3, 1.0], |s| {
             let (c, sign) = (unit_force(s) / s.velocity().powi(2), s.sign());
-            force(move |at| at.against(c * at.v * at.v.abs() * if sign * at.v > 0.0 { 1.6 } else { 0.4 }))
+            force(move |at| {
+                at.against(c * at.v * at.v.abs() * if sign * at.v > 0.0 { 1.6 } else { 0.4 })
+            })
         }),
     ]
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn springs_and_loads() -> Vec<Law> {
     use Needs::{Angle, Nothing, Position};
     use Origin::{Matched, Mismatch};
@@ -175,10 +177,17 @@ fn springs_and_loads() -> Vec<Law> {
             let (f, w, phase) = wave(s);
             force(move |at| f * (2.0 * ((w * at.t + phase) / std::f64::consts::TAU).fract() - 1.0))
         }),
-        law("periodic-force", "swinging-frequency", "load", (Mismatch, Nothing), [2e-3, 1.0], |s| {
-            let ((f, w, phase), duration) = (wave(s), s.scales.duration);
-            force(move |at| f * (w * at.t * (1.0 + 0.1 * at.t / duration) + phase).sin())
-        }),
+        law(
+            "periodic-force",
+            "swinging-frequency",
+            "load",
+            (Mismatch, Nothing),
+            [2e-3, 1.0],
+            |s| {
+                let ((f, w, phase), duration) = (wave(s), s.scales.duration);
+                force(move |at| f * (w * at.t * (1.0 + 0.1 * at.t / duration) + phase).sin())
+            },
+        ),
         Law {
             needs: Needs::Partner,
             ..law("state-coupling", "linear", "coupling", (Matched, Nothing), [3e-3, 0.8], |s| {
@@ -200,10 +209,18 @@ fn springs_and_loads() -> Vec<Law> {
         },
         Law {
             place: Place::Parameter,
-            ..law("parameter-error", "relative", "parameter", (Matched, Nothing), [0.05, 1.2], |s| {
-                let factor = if s.sign() < 0.0 { 1.0 / (1.0 + s.strength) } else { 1.0 + s.strength };
-                Mechanism::Factor(Box::new(move |_| factor))
-            })
+            ..law(
+                "parameter-error",
+                "relative",
+                "parameter",
+                (Matched, Nothing),
+                [0.05, 1.2],
+                |s| {
+                    let factor =
+                        if s.sign() < 0.0 { 1.0 / (1.0 + s.strength) } else { 1.0 + s.strength };
+                    Mechanism::Factor(Box::new(move |_| factor))
+                },
+            )
         },
     ]
 }
@@ -216,7 +233,7 @@ fn wave(s: &Setting<'_>) -> (f64, f64, f64) {
     (unit_force(s), turn * frequency, turn * s.shape[2])
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn memories_and_limits() -> Vec<Law> {
     use Needs::{Level, Motion, Reversal};
     use Origin::{Matched, Mismatch};
@@ -262,12 +279,22 @@ fn memories_and_limits() -> Vec<Law> {
                 move |at, z, dz| dz[0] = (at.v - at.v.abs() * z[0] / level(at.v)) / length,
             )
         }),
-        law("resonant-mode", "appendage", "resonance", (Matched, Needs::Velocity), [3e-3, 0.8], |s| {
-            appendage(s, 0.0)
-        }),
-        law("resonant-mode", "hardening", "resonance", (Mismatch, Needs::Velocity), [3e-3, 0.8], |s| {
-            appendage(s, 1.0)
-        }),
+        law(
+            "resonant-mode",
+            "appendage",
+            "resonance",
+            (Matched, Needs::Velocity),
+            [3e-3, 0.8],
+            |s| appendage(s, 0.0),
+        ),
+        law(
+            "resonant-mode",
+            "hardening",
+            "resonance",
+            (Mismatch, Needs::Velocity),
+            [3e-3, 0.8],
+            |s| appendage(s, 1.0),
+        ),
         law("end-stop", "both", bound, (Matched, Motion), [5e-3, 0.6], |s| {
             let (middle, reach, k) = stop(s);
             force(move |at| {
@@ -283,8 +310,9 @@ fn memories_and_limits() -> Vec<Law> {
             let (middle, reach, _) = stop(s);
             Mechanism::Wall { low: middle - reach, high: middle + reach, restitution: 0.4 }
         }),
-        law("overflow", "lost", bound, (Matched, Level), [5e-3, 0.6], |s| {
-            Mechanism::Brim { brim: brim(s), share: 0.0 }
+        law("overflow", "lost", bound, (Matched, Level), [5e-3, 0.6], |s| Mechanism::Brim {
+            brim: brim(s),
+            share: 0.0,
         }),
         law("overflow", "weir", bound, (Mismatch, Level), [5e-3, 0.6], |s| {
             let (brim, f) = (brim(s), 4.0 * s.site().force);

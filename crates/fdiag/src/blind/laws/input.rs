@@ -50,7 +50,7 @@ pub(super) fn laws() -> Vec<Law> {
     all
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn statics() -> Vec<Law> {
     use Origin::{Matched, Mismatch};
     let (gain, offset) = ("actuator-gain", "actuator-offset");
@@ -147,7 +147,7 @@ fn statics() -> Vec<Law> {
     ]
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn dynamics() -> Vec<Law> {
     use Origin::{Matched, Mismatch};
     let (dynamic, curve) = ("actuator-dynamics", "actuator-nonlinearity");
@@ -159,7 +159,9 @@ fn dynamics() -> Vec<Law> {
         law("input-backlash", "many-plays", curve, Mismatch, [2e-3, 0.6], |s| {
             let w = s.strength * s.input().peak;
             let mut plays = [0.3, 0.7, 1.2, 1.8].map(|share| (share, Play(None)));
-            input(move |a| plays.iter_mut().map(|(k, play)| play.step(a.u, *k * w)).sum::<f64>() / 4.0)
+            input(move |a| {
+                plays.iter_mut().map(|(k, play)| play.step(a.u, *k * w)).sum::<f64>() / 4.0
+            })
         }),
         law("input-delay", "pure", dynamic, Matched, [0.03, 12.0], |s| {
             let (late, mut past) = (s.strength * s.scales.ts, History::default());
@@ -189,7 +191,8 @@ fn dynamics() -> Vec<Law> {
             })
         }),
         law("input-lag", "two-speeds", dynamic, Mismatch, [0.05, 10.0], |s| {
-            let (up, down) = (s.strength * s.scales.ts, s.strength * s.scales.ts * s.shape(1, 0.2, 0.5));
+            let (up, down) =
+                (s.strength * s.scales.ts, s.strength * s.scales.ts * s.shape(1, 0.2, 0.5));
             let mut lag = Lag::new();
             input(move |a| {
                 let rises = lag.0.is_some_and(|b| b < a.u);

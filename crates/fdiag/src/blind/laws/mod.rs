@@ -114,10 +114,10 @@ impl Setting<'_> {
     }
 
     fn position(&self) -> f64 {
-        self.site().position.as_ref().map_or_else(
-            || self.velocity() * 10.0 * self.scales.ts,
-            |signal| signal.std,
-        )
+        self.site()
+            .position
+            .as_ref()
+            .map_or_else(|| self.velocity() * 10.0 * self.scales.ts, |signal| signal.std)
     }
 
     fn random(&self) -> Random {

@@ -26,6 +26,7 @@ const REDUCIBLE: f64 = 0.02;
 const REACHED: f64 = 1.1;
 
 /// One answer next to its truth.
+#[allow(clippy::struct_excessive_bools, reason = "each is a question of its own")]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// Name of the case.
@@ -95,9 +96,7 @@ pub struct Verdict {
 /// Mechanisms that a catch-all map at a site stands for.
 fn families_of_map(named: &Named) -> &'static [&'static str] {
     match (named.label.as_str(), named.law.as_str()) {
-        ("input-map", "of-input") => {
-            &["actuator-gain", "actuator-offset", "actuator-nonlinearity"]
-        }
+        ("input-map", "of-input") => &["actuator-gain", "actuator-offset", "actuator-nonlinearity"],
         ("force-map", "of-velocity") => &["friction"],
         ("force-map", "of-position") => &["stiffness", "load", "limit"],
         ("force-map", "of-time") => &["load"],
@@ -186,13 +185,11 @@ pub(super) fn judge(
         verdict.group_probability = group.map(|cause| cause.probability).sum();
     }
     if let (Some(effect), Some(first)) = (effect, first) {
-        verdict.is_exact =
-            is_exact(effect, &first.label, &first.site, first.partner.as_deref());
+        verdict.is_exact = is_exact(effect, &first.label, &first.site, first.partner.as_deref());
         verdict.is_side_right = side(effect) == first.side;
         verdict.is_group_right = verdict.is_exact || is_group(effect, first);
-        let is_tie = |r: &&crate::blind::oracle::Rival| {
-            r.label == first.label && r.site == first.site
-        };
+        let is_tie =
+            |r: &&crate::blind::oracle::Rival| r.label == first.label && r.site == first.site;
         let mut is_right = verdict.is_exact || oracle.ties.iter().any(|rival| is_tie(&rival));
         let is_single = matches!(truth.kind, CaseKind::Single | CaseKind::Mismatch);
         if let (Some(case), false, true, true) =
@@ -265,9 +262,8 @@ fn look_closer(
     }
     let Ok(patched) = patched.parse::<Model>() else { return Ok(()) };
     verdict.really_closed = really_closed(truth, &model, &patched, answer, &noise)?;
-    verdict.is_covered = verdict
-        .really_closed
-        .map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
+    verdict.is_covered =
+        verdict.really_closed.map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
     Ok(())
 }
 

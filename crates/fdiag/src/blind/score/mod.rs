@@ -92,11 +92,7 @@ pub struct Score {
 /// # Errors
 ///
 /// Returns an error when a file cannot be read or a truth does not match its commitment.
-pub fn score(
-    directory: &Path,
-    truths: &Path,
-    done: impl Fn() + Sync,
-) -> Result<Score, BlindError> {
+pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<Score, BlindError> {
     let file = truths.join(KEY);
     let key = fs::read_to_string(&file).map_err(BlindError::file(&file))?;
     let key = SealKey::parse(&key)
@@ -174,7 +170,8 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     let covered: Vec<bool> = verdicts.iter().filter_map(|v| v.is_covered).collect();
     let times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
     let median = |values: Vec<f64>| quantile(&values, 0.5);
-    let closed_by = |i: usize| median(singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
+    let closed_by =
+        |i: usize| median(singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
     Score {
         version: 1,
         cases: verdicts.len(),
@@ -188,10 +185,7 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
         sure: [Rate::new(sure.len(), singles.len()), Rate::of(&sure, |v| v.is_right)],
         blamed: [false, true].map(|c| Rate::of(&only(&none, c), |v| 0.5 < v.blamed)),
         withheld: Rate::of(&strange, |v| threshold < v.none_score),
-        withheld_own: [
-            Rate::of(&strange, |v| v.says_none),
-            Rate::of(&singles, |v| v.says_none),
-        ],
+        withheld_own: [Rate::of(&strange, |v| v.says_none), Rate::of(&singles, |v| v.says_none)],
         mimicked: Rate::of(&withheld, |v| v.is_mimicked),
         group: [calibration(&singles, true), calibration(&mismatch, true)],
         label: [calibration(&singles, false), calibration(&mismatch, false)],
@@ -200,10 +194,7 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
             Rate::of(&mismatch, |v| v.is_group_right),
             Rate::of(&mismatch, |v| v.is_side_right),
         ],
-        place: [
-            Rate::of(&singles, |v| v.is_group_right),
-            Rate::of(&singles, |v| v.is_side_right),
-        ],
+        place: [Rate::of(&singles, |v| v.is_group_right), Rate::of(&singles, |v| v.is_side_right)],
         pairs: [
             Rate::of(&pairs, |v| v.is_pair_exact),
             Rate::of(&pairs, |v| v.is_half_exact),

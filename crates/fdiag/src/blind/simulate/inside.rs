@@ -94,9 +94,8 @@ impl Run<'_> {
             rates
         };
         let s: Vec<f64> = self.x.iter().chain(&self.z).copied().collect();
-        let moved = |k: &[f64], h: f64| -> Vec<f64> {
-            s.iter().zip(k).map(|(s, k)| s + h * k).collect()
-        };
+        let moved =
+            |k: &[f64], h: f64| -> Vec<f64> { s.iter().zip(k).map(|(s, k)| s + h * k).collect() };
         let begun = self.t;
         let k_1 = slope(self, &s);
         self.t = begun + 0.5 * h;
