@@ -144,13 +144,14 @@ fn answer(no_gap: f64, causes: &[(&str, &str, &str, f64)]) -> Answer {
         label: (*label).to_owned(),
         law: "law".to_owned(),
         family: (*family).to_owned(),
-        side: "dynamics".to_owned(),
+        side: if label.starts_with("sensor") { "output" } else { "dynamics" }.to_owned(),
         site: (*site).to_owned(),
         partner: None,
         probability: *probability,
     };
     let causes = causes.iter().map(named).collect();
-    Answer { case: "c".to_owned(), no_gap, causes, tied: vec![0], ..Answer::default() }
+    let (case, verdict) = ("c".to_owned(), "cause".to_owned());
+    Answer { case, verdict, no_gap, causes, tied: vec![0], ..Answer::default() }
 }
 
 #[test]

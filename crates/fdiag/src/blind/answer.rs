@@ -14,6 +14,8 @@ pub struct Answer {
     pub case: String,
     /// Why there is no diagnosis, if there is none.
     pub error: Option<String>,
+    /// The answer in one word: `no gap`, `cause`, `tied`, `pair`, `none of these`, `unclear`.
+    pub verdict: String,
     /// Probability of no gap.
     pub no_gap: f64,
     /// How much speaks for none of the known causes; larger is more. A threshold on it is for who

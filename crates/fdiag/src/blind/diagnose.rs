@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use fd_gap::{
-    diagnose::{Cause, Diagnosis, Settings, diagnose},
-    effect::{Candidate, ReplayScales, Side, library, offers, with_default_sites},
-    model::{Draft, Model},
+    diagnose::{self, Cause, Settings, Verdict, diagnose},
+    effect::{EverySite, ReplayScales, Side, Suspects, library, with_default_sites},
+    model::Model,
 };
 use fd_model::Record;
 
@@ -16,10 +16,12 @@ use super::{
 
 /// Causes that are kept in an answer.
 const KEPT: usize = 20;
+/// Weight of what is left above the floor, against the probability of "none of these".
+const TIE_BREAK: f64 = 1e-3;
 
 /// Diagnoses a case as a user would.
 pub(super) fn answer(
-    case: &str,
+    name: &str,
     model: &Model,
     train: &Record,
     held_out: &Record,
@@ -28,40 +30,55 @@ pub(super) fn answer(
     let model = with_default_sites(model);
     let u: Vec<f64> = (0..train.len()).flat_map(|k| train.u(k).to_vec()).collect();
     let scales = ReplayScales::of(&model, train.ts(), &u, train.len())?;
-    let candidates: Vec<Candidate> =
-        offers(&library(), &model, &scales).into_iter().flatten().collect();
+    let suspects = EverySite::new(library(), &model, scales);
+    let candidates = suspects.alone().iter().flatten().count();
     let (logs, held_out) = (std::slice::from_ref(train), std::slice::from_ref(held_out));
-    let diagnosis = diagnose(&model, &candidates, logs, held_out, &Settings::default())?;
+    let case = diagnose::Case { nominal: &model, suspects: &suspects, logs, held_out };
+    let diagnosis = diagnose(&case, &Settings::default(), &())?;
     let seconds = begun.elapsed().as_secs_f64();
 
-    let ratio = |gap: &[f64]| {
-        let pairs = gap.iter().zip(&diagnosis.floor);
-        pairs.map(|(gap, floor)| (gap / floor).ln()).fold(0.0, f64::max)
-    };
-    let has_gap = diagnosis.no_gap < 0.5;
-    let after = if has_gap { &diagnosis.best_gap } else { &diagnosis.refit_gap };
+    let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
+    let together = match (diagnosis.verdict, diagnosis.pairs.first()) {
+        (Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
+        _ => Vec::new(),
+    };
+    let refit = diagnosis.refit.nuisances.iter().map(|(name, value, _)| (name.clone(), *value));
     let closed = diagnosis.held_out.first().and_then(|held_out| held_out.closed_of_refit);
     Ok(Answer {
-        case: case.to_owned(),
+        case: name.to_owned(),
         error: None,
+        verdict: verdict(diagnosis.verdict).to_owned(),
         no_gap: diagnosis.no_gap,
-        none_score: ratio(after),
-        says_none: diagnosis.is_unexplained,
+        // Its probability; what is left above the floor breaks ties.
+        none_score: diagnosis.none_of_these + TIE_BREAK * above.fold(0.0, f64::max),
+        says_none: diagnosis.verdict == Verdict::NoneOfThese,
         causes: diagnosis.causes.iter().take(KEPT).map(named).collect(),
         tied: diagnosis.tied.clone(),
-        together: Vec::new(),
-        gaps: [&diagnosis.refit_gap, after, &diagnosis.floor].map(|gaps| physical(gaps)),
+        together,
+        gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
+            .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
-        refit: Vec::new(),
-        patched: patched(&diagnosis, &candidates).map(|model| model.to_string()),
+        refit: refit.collect(),
+        patched: Some(diagnosis.best.model.to_string()),
         seconds,
-        candidates: candidates.len() - diagnosis.not_tested.len(),
+        candidates,
         baselines: None,
     })
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NoGap => "no gap",
+        Verdict::Cause => "cause",
+        Verdict::Tied => "tied",
+        Verdict::Pair => "pair",
+        Verdict::NoneOfThese => "none of these",
+        Verdict::Unclear => "unclear",
+    }
 }
 
 fn named(cause: &Cause) -> Named {
@@ -79,18 +96,4 @@ fn named(cause: &Cause) -> Named {
         partner: cause.partner.as_ref().and_then(|p| p.name()).map(str::to_owned),
         probability: cause.probability,
     }
-}
-
-/// The model with the first cause in it, and all parameters as they were fitted.
-fn patched(diagnosis: &Diagnosis, candidates: &[Candidate]) -> Option<Model> {
-    let cause = diagnosis.causes.first()?;
-    let mut draft: Draft = candidates.get(cause.candidate)?.model.clone().into_draft();
-    let effect = cause.parameters.iter().map(|p| (&p.name, p.value));
-    let nuisances = diagnosis.nuisances.iter().map(|(name, value, _)| (name, *value));
-    for (name, value) in effect.chain(nuisances) {
-        if let Some(parameter) = draft.parameters.iter_mut().find(|p| p.name == *name) {
-            parameter.value = value;
-        }
-    }
-    Model::try_from(draft).ok()
 }

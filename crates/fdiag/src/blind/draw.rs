@@ -132,7 +132,7 @@ fn pick(
     random: &mut Random,
     suits: impl Fn(&Law) -> bool,
 ) -> Option<(Effect, Law)> {
-    let all: Vec<(Law, Vec<(usize, Option<usize>)>)> = catalogue()
+    let all: Vec<(Law, Vec<Spot>)> = catalogue()
         .into_iter()
         .filter(|law| suits(law))
         .map(|law| (law, places(scene, &law)))
@@ -176,8 +176,11 @@ fn pick(
     Some((effect, *law))
 }
 
+/// A place, and the other end where there is one.
+type Spot = (usize, Option<usize>);
+
 /// Where a law can be at work: places, each with the other end where there is one.
-pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<(usize, Option<usize>)> {
+pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<Spot> {
     let (model, scales) = (scene.model, &scene.scales);
     let alone = |n: usize| (0..n).map(|i| (i, None)).collect::<Vec<_>>();
     let pairs = |n: usize| {
@@ -229,7 +232,7 @@ pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<(usize, Option<usize>)
                 !enters && !own.into_iter().any(|expr| expr.mentions(state))
             };
             let states = || model.states.iter().enumerate();
-            let with = |(i, _): &(usize, Option<usize>)| {
+            let with = |(i, _): &Spot| {
                 let i = *i;
                 let found = states().filter(move |(_, state)| other(i, &state.name));
                 found.map(move |(j, _)| (i, Some(j))).collect::<Vec<_>>()

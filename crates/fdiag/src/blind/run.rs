@@ -67,8 +67,9 @@ impl Case {
         let model = self.model()?;
         let (train, held_out) = (self.log(&model, "train.csv")?, self.log(&model, "held_out.csv")?);
         let mut answer = answer(&self.name, &model, &train, &held_out)?;
-        let (refit, baselines) = baselines::all(&model, &train, &held_out, with_baselines)?;
-        (answer.refit, answer.baselines) = (refit, baselines);
+        if with_baselines {
+            answer.baselines = Some(baselines::all(&model, &train, &held_out)?);
+        }
         Ok(answer)
     }
 }

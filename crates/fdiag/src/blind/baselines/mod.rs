@@ -55,42 +55,34 @@ struct Bench<'a> {
     before: Vec<Vec<Vec<f64>>>,
 }
 
-/// The parameters of the null fit, and what the other methods say.
+/// What the simpler methods say.
 pub(super) fn all(
     model: &Model,
     train: &Record,
     held_out: &Record,
-    with_baselines: bool,
-) -> Result<(Vec<(String, f64)>, Option<Baselines>), BlindError> {
+) -> Result<Baselines, BlindError> {
     let null = null(model, train)?;
-    let refit = parameters(&null);
-    if !with_baselines {
-        return Ok((refit, None));
-    }
     let nominal = EquationSimulator::<f64>::at(model, train.ts())?;
     let held_out_log = Log::new(held_out, &nominal, 1)?;
-    let sigma: Vec<f64> = model.outputs.iter().map(|o| o.noise.unwrap_or(1.0)).collect();
     let mut bench = Bench {
         before: Vec::new(),
-        refit: refit.clone(),
+        refit: parameters(&null),
+        sigma: model.outputs.iter().map(|o| o.noise.unwrap_or(1.0)).collect(),
         model,
         nominal,
         train,
         held_out,
         held_out_log,
         null,
-        sigma,
     };
-    let Some(before) = bench.held_out_errors(&bench.nominal, &bench.refit)? else {
-        return Ok((refit, Some(Baselines::default())));
-    };
+    let before = bench.held_out_errors(&bench.nominal, &bench.nominal, &bench.refit)?;
+    let Some(before) = before else { return Ok(Baselines::default()) };
     bench.before = before;
-    let baselines = Baselines {
+    Ok(Baselines {
         refit: refit::refit(&bench)?,
         black_box: black_box::black_box(&bench)?,
         sparse: sparse::sparse(&bench)?,
-    };
-    Ok((refit, Some(baselines)))
+    })
 }
 
 /// Values of the parameters of a null fit, by name.
@@ -100,15 +92,17 @@ fn parameters(null: &NullFit) -> Vec<(String, f64)> {
 }
 
 impl Bench<'_> {
-    /// Errors of forecasts of the held-out run, in sigma.
+    /// Errors of forecasts of the held-out run, in sigma; `values` are within the tolerances of
+    /// `nominal`.
     fn held_out_errors(
         &self,
+        nominal: &dyn Simulator,
         simulator: &dyn Simulator,
         values: &[(String, f64)],
     ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
         let settled = Settled { simulator, nuisances: values, effects: &[] };
         let logs = std::slice::from_ref(&self.held_out_log);
-        forecast_errors(&self.nominal, settled, logs, Horizon::FreeRun, &self.sigma)
+        forecast_errors(nominal, settled, logs, Horizon::FreeRun, &self.sigma)
     }
 
     /// The share of the gap above the stated noise that is closed.

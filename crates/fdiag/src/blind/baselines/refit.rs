@@ -38,6 +38,6 @@ pub(super) fn refit(bench: &Bench<'_>) -> Result<Baseline, BlindError> {
     let named = farthest
         .filter(|(_, tolerances)| BLAMED < *tolerances)
         .map(|(name, _)| ("parameter-error".to_owned(), name));
-    let after = bench.held_out_errors(&simulator, &values)?;
+    let after = bench.held_out_errors(&simulator, &simulator, &values)?;
     Ok(Baseline { named, closed: after.and_then(|after| bench.closed(&after)) })
 }

@@ -1,4 +1,4 @@
-//! Sparse regression on residual rates, as SINDy does (Brunton, Proctor & Kutz 2016): what the rates
+//! Sparse regression on residual rates, as `SINDy` does (Brunton, Proctor & Kutz 2016): what the rates
 //! of the states lack is a sum of few terms of a library, by least squares with sequential
 //! thresholds.
 //!
@@ -78,7 +78,7 @@ pub(super) fn sparse(bench: &Bench<'_>) -> Result<Baseline, BlindError> {
         .and_then(|model| EquationSimulator::<f64>::at(&model, bench.train.ts()).ok());
     let after = match &patched {
         Some(simulator) if !equations.is_empty() => {
-            bench.held_out_errors(simulator, &bench.refit)?
+            bench.held_out_errors(&bench.nominal, simulator, &bench.refit)?
         }
         _ => Some(bench.before.clone()),
     };
@@ -143,11 +143,12 @@ fn parabolas(signal: &[f64], ts: f64) -> Vec<(f64, f64)> {
     let fit = |k: usize| {
         let middle = k.clamp(HALF, n.saturating_sub(HALF + 1).max(HALF));
         let (mut s, mut sum) = ([0.0; 5], [0.0; 3]);
-        for i in middle.saturating_sub(HALF)..(middle + HALF + 1).min(n) {
+        let (from, to) = (middle.saturating_sub(HALF), (middle + HALF + 1).min(n));
+        for (i, value) in signal.iter().enumerate().take(to).skip(from) {
             let d = i as f64 - middle as f64;
             let powers = [1.0, d, d * d, d * d * d, d * d * d * d];
             s.iter_mut().zip(powers).for_each(|(s, p)| *s += p);
-            sum.iter_mut().zip(powers).for_each(|(sum, p)| *sum += p * signal[i]);
+            sum.iter_mut().zip(powers).for_each(|(sum, p)| *sum += p * value);
         }
         // Odd sums vanish on the even grid.
         let determinant = s[0] * s[4] - s[2] * s[2];

@@ -48,7 +48,7 @@ fn unit_force(s: &Setting<'_>) -> f64 {
     s.strength * s.site().force
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn friction() -> Vec<Law> {
     use Needs::{Reversal, Velocity};
     use Origin::{Matched, Mismatch};
@@ -110,7 +110,7 @@ fn friction() -> Vec<Law> {
     ]
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn springs_and_loads() -> Vec<Law> {
     use Needs::{Angle, Nothing, Position};
     use Origin::{Matched, Mismatch};
@@ -233,7 +233,7 @@ fn wave(s: &Setting<'_>) -> (f64, f64, f64) {
     (unit_force(s), turn * frequency, turn * s.shape[2])
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn memories_and_limits() -> Vec<Law> {
     use Needs::{Level, Motion, Reversal};
     use Origin::{Matched, Mismatch};

@@ -50,7 +50,7 @@ pub(super) fn laws() -> Vec<Law> {
     all
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn statics() -> Vec<Law> {
     use Origin::{Matched, Mismatch};
     let (gain, offset) = ("actuator-gain", "actuator-offset");
@@ -147,7 +147,7 @@ fn statics() -> Vec<Law> {
     ]
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 fn dynamics() -> Vec<Law> {
     use Origin::{Matched, Mismatch};
     let (dynamic, curve) = ("actuator-dynamics", "actuator-nonlinearity");

@@ -165,6 +165,7 @@ type SensorLaw = Box<dyn FnMut(&Measured<'_>) -> f64 + Send>;
 type CorruptLaw = Box<dyn FnMut(f64, f64, f64) -> f64 + Send>;
 type ForceLaw = Box<dyn Fn(&Site<'_>, &[f64]) -> f64 + Send>;
 type StateLaw = Box<dyn Fn(&Site<'_>, &[f64], &mut [f64]) + Send>;
+type HeldLaw = Box<dyn FnMut(&Site<'_>, f64) -> f64 + Send>;
 type LevelLaw = Box<dyn FnMut(&Site<'_>, f64) -> [f64; 2] + Send>;
 type FactorLaw = Box<dyn Fn(f64) -> f64 + Send>;
 
@@ -181,7 +182,7 @@ pub(super) enum Mechanism {
         rates: StateLaw,
     },
     /// A force, constant during a step.
-    HeldForce(Box<dyn FnMut(&Site<'_>, f64) -> f64 + Send>),
+    HeldForce(HeldLaw),
     /// Dry friction: what stops the site within a step, at most so much against positive and
     /// negative motion.
     Stick(LevelLaw),

@@ -28,7 +28,7 @@ const fn measurement(
     Law { needs: Needs::Measurement, ..law }
 }
 
-#[expect(clippy::too_many_lines, reason = "a table of laws")]
+#[allow(clippy::too_many_lines, reason = "a table of laws")]
 pub(super) fn laws() -> Vec<Law> {
     use Origin::{Matched, Mismatch};
     let (offset, curve, dynamic) = ("sensor-offset", "sensor-nonlinearity", "sensor-dynamics");

@@ -38,13 +38,16 @@ pub(super) trait Physics: Send {
     }
 }
 
+/// Makes a plant with its parameters set.
+type Build = fn(&[f64]) -> Result<Box<dyn Physics>, BlindError>;
+
 /// A kind of plant.
 #[derive(Clone, Copy)]
 pub(super) struct Plant {
     pub(super) name: &'static str,
     /// Text of the nominal model, or a function that makes it.
     model: fn() -> Result<Model, BlindError>,
-    physics: fn(&[f64]) -> Result<Box<dyn Physics>, BlindError>,
+    physics: Build,
     /// One per external input.
     pub(super) drives: &'static [Drive],
     /// Whether the controller, if there is one, sees the noise that is logged.

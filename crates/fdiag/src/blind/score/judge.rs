@@ -26,6 +26,7 @@ const REDUCIBLE: f64 = 0.02;
 const REACHED: f64 = 1.1;
 
 /// One answer next to its truth.
+#[allow(clippy::struct_excessive_bools, reason = "each is a question of its own")]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// Name of the case.
@@ -173,7 +174,7 @@ pub(super) fn judge(
         blamed: answer.blamed(),
         none_score: answer.none_score,
         says_none: answer.says_none,
-        is_alone: first.is_some() && answer.tied.len() < 2 && answer.together.len() < 2,
+        is_alone: first.is_some() && answer.verdict == "cause",
         closed: answer.closed.map(|share| share.fraction),
         seconds: answer.seconds,
         error: answer.error.clone(),
