@@ -159,7 +159,9 @@ pub(super) fn weigh(
         let left = (1.0 - no_gap).max(0.0);
         none_of_these = confidence(1.0, 1.0) * left;
         let factor = (left - none_of_these) / named.max(f64::MIN_POSITIVE);
-        causes.iter_mut().for_each(|(_, cause)| cause.probability *= factor);
+        for (_, cause) in causes.iter_mut() {
+            cause.probability *= factor;
+        }
     }
     Ok(Judgement { no_gap, none_of_these })
 }
@@ -167,7 +169,9 @@ pub(super) fn weigh(
 /// Sets probabilities from the shares of wins on held-out logs and on those of the fit, of as many
 /// causes. A mechanism at a place is believed as a whole, and its causes share that.
 fn believe(causes: &mut [(Option<usize>, Cause)], wins: &[[f64; 2]]) {
-    causes.iter_mut().for_each(|(_, cause)| cause.probability = 0.0);
+    for (_, cause) in causes.iter_mut() {
+        cause.probability = 0.0;
+    }
     let all: Vec<Cause> = causes[..wins.len()].iter().map(|(_, cause)| cause.clone()).collect();
     for Group { causes: members, .. } in groups(&all) {
         let sum = |value: &dyn Fn([f64; 2]) -> f64| -> f64 {

@@ -61,16 +61,15 @@ impl KnownNoise {
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
     /// stated, how many times their own floor.
     pub(super) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        let of =
-            |((signals, gap), (stated, sigma)): ((&Vec<Vec<f64>>, f64), (&Option<f64>, &f64))| {
-                let floor = match stated {
-                    Some(stated) => (stated / sigma).max(1.0),
-                    None => noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0),
-                };
-                gap / floor
+        let gaps = gap_per_output(errors).into_iter().enumerate();
+        let times = gaps.map(|(c, gap)| {
+            let floor = match self.stated[c] {
+                Some(stated) => (stated / self.sigma[c]).max(1.0),
+                None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
             };
-        let outputs = errors.iter().zip(gap_per_output(errors));
-        outputs.zip(self.stated.iter().zip(&self.sigma)).map(of).fold(0.0, f64::max)
+            gap / floor
+        });
+        times.fold(0.0, f64::max)
     }
 }
 
