@@ -120,7 +120,13 @@ fn of_a_pair() {
     let (value, time) = (expr("force"), fd_gap::equation::Expr::Number(0.03));
     patch.add_delay(fd_gap::model::Delay { name: "late".into(), value, time });
     let logs = [record(&patch.finish().unwrap(), reality(10.0, 9), 1)];
-    let diagnosis = diagnosis(&model, &logs, Horizon::FreeRun, &FEW);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| diagnosis(&model, &logs, Horizon::FreeRun, &FEW))
+    };
+    let diagnosis = on(1);
+    // Not `==`: NaN would differ from itself.
+    assert_eq!(format!("{diagnosis:?}"), format!("{:?}", on(3)));
     assert_eq!(diagnosis.verdict, Verdict::Pair);
     let pair = &diagnosis.pairs[0];
     let mut labels = pair.causes.each_ref().map(|cause| cause.label);

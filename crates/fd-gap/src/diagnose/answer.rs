@@ -83,15 +83,15 @@ impl Answer {
         is_coloured: bool,
     ) -> Rest {
         let gaps = [refit.explanation.gap.as_slice(), self.explanation.gap.as_slice()];
-        let of =
-            |(((signals, stated), sigma), gap): (((&Vec<Vec<f64>>, &Option<f64>), &f64), &f64)| {
-                let stated = stated.map(|stated| stated / sigma);
-                let floor = noise_floor(&signals.join(&f64::NAN), stated).unwrap_or(1.0);
+        let floor: Vec<f64> = (0..gaps[1].len())
+            .map(|c| {
+                let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);
+                let floor = noise_floor(&self.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
                 // Slow noise of the stated size is noise, whatever its innovation.
-                stated.filter(|_| is_coloured).map_or(floor, |stated| floor.max(gap.min(stated)))
-            };
-        let outputs = self.errors.iter().zip(&noise.stated).zip(&noise.sigma).zip(gaps[1]);
-        let floor: Vec<f64> = outputs.map(of).collect();
+                let slow = stated.filter(|_| is_coloured).map(|stated| gaps[1][c].min(stated));
+                slow.map_or(floor, |slow| floor.max(slow))
+            })
+            .collect();
         let is_unexplained =
             gaps[1].iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
         let outputs = &self.explanation.outputs;

@@ -3,10 +3,15 @@
 //! 1. The nuisances are fitted alone ([`null_fit`](crate::fit::null_fit)).
 //! 2. Every candidate is scored at every start by what it could explain besides the nuisances,
 //!    and fitted a little from the best three.
-//! 3. The best causes (effect and site, all their laws) are fitted to the end.
-//! 4. If what the best one leaves has a colour, everything is fitted again with whitened errors.
-//! 5. Evidence, pooled over the laws of a cause; probabilities; what the log cannot separate.
-//! 6. Forecasts of held-out logs, without and with the best cause.
+//! 3. The best causes (effect and site, all their laws) are fitted to the end; the integration step
+//!    is halved until their outputs do not depend on it.
+//! 4. If the best one leaves more than noise, second causes are tried beside the first ones.
+//! 5. If what is left then has a colour, everything is fitted again with whitened errors.
+//! 6. Evidence, pooled over the laws of a cause; effects of the measurement, which change the
+//!    likelihood and not the simulation, compete; what the log cannot separate; probabilities, that
+//!    of "none of these" among them, from what the best explanation leaves.
+//! 7. Where nothing comes near the noise, forecasts judge instead of evidence.
+//! 8. Forecasts of held-out logs, without and with the best explanation.
 //!
 //! Candidates are spread over threads; the answer does not depend on their number.
 

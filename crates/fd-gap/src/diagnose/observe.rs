@@ -6,13 +6,18 @@ use super::{prepare::KnownNoise, result::Estimate};
 use crate::{
     effect::{Candidate, Kind, Observation, SiteRef},
     evidence::{DECADES, NoisePrior, likelihood},
-    quality::{interval_log_likelihood, outlier_mixture},
+    quality::{Autoregression, interval_log_likelihood, outlier_mixture},
 };
 
 /// A grid above this many times the noise is a matter of the sensor, not of the file.
 const COARSE: f64 = 0.5;
 /// What it says for a grid that values lie on it at all, as a logarithm of the evidence.
 const ON_GRID: f64 = 10.0;
+
+/// Highest order of an autoregression of what may be stronger noise …
+const HIGHEST_ORDER: usize = 12;
+/// … and least innovation with which it is white.
+const WHITE: f64 = 0.95;
 
 /// What a cause makes of the errors of a simulation.
 #[derive(Clone, Debug)]
@@ -132,6 +137,11 @@ fn outliers(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
 
 /// Noise of any size above the stated one: gain, what comes on top of it, its standard error.
 fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
+    // What is stronger and slow is another effect, not noise.
+    let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
+    if Autoregression::fit(&slices, HIGHEST_ORDER).innovation() < WHITE {
+        return None;
+    }
     let free = NoisePrior { spread: 1e3, ..prior };
     let (free, held) = (gaussian(signals, free), gaussian(signals, prior));
     let scale = *free.scale.first()?;

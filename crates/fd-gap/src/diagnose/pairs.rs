@@ -137,7 +137,9 @@ fn beside(
         place += 1;
         place <= HOPEFUL || is_single(trial)
     });
-    trials.iter_mut().for_each(|trial| trial.short_fits(&base, most));
+    for trial in &mut trials {
+        trial.short_fits(&base, most);
+    }
     trials.sort_by(|a, b| a.cost().total_cmp(&b.cost()).then(a.index.cmp(&b.index)));
     trials.truncate(FINALISTS);
     let duos = trials.into_iter().filter_map(|mut second| {

@@ -41,7 +41,9 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
         }
         for j in i + 1..log.nu {
             let mut u = log.u.clone();
-            u.chunks_exact_mut(log.nu).for_each(|row| row.swap(i, j));
+            for row in u.chunks_exact_mut(log.nu) {
+                row.swap(i, j);
+            }
             if good(&u) {
                 found.push((i, Defect::Swapped { with: names[j].clone() }));
             }

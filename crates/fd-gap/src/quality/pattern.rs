@@ -83,7 +83,9 @@ fn normalised(mut column: Vec<f64>) -> Option<Vec<f64>> {
     let size = dot(&column, &column).sqrt();
     let is_fine = size.is_finite() && 0.0 < size;
     is_fine.then(|| {
-        column.iter_mut().for_each(|v| *v /= size);
+        for v in &mut column {
+            *v /= size;
+        }
         column
     })
 }
