@@ -12,7 +12,7 @@
 //! | tree | text | `Display`; `parse(print(e)) == e` |
 //! | tree | tree | [`Expr::differentiate`], [`Expr::simplify`], [`Expr::substitute`] |
 //! | trees | bytecode | [`Program::compile`] |
-//! | bytecode | numbers | [`Program::run`], for any [`Scalar`](fd_core::Scalar), dual numbers included |
+//! | bytecode | numbers | [`Program::run`], for any [`Scalar`](fd_core::Scalar), dual numbers included, or several numbers at once ([`Lanes`]) |
 //!
 //! The grammar is in `docs/model-equations.md`.
 

@@ -10,7 +10,7 @@ use super::{
 /// How long to search, and what to leave as it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Most Jacobians.
+    /// Most steps down.
     pub iterations: usize,
     /// Ends when the sum of squares falls by less than this …
     pub absolute: f64,

@@ -1,22 +1,18 @@
 //! A simulator against logs, as a sum of squares.
 
+mod slopes;
+
 use std::{ops::Range, sync::Arc};
 
 use super::{
     error::FitError,
-    layout::{Layout, LeastSquares, Linearization},
+    layout::Layout,
     levenberg::Minimum,
     plan::{Plan, Segment},
     variable::Variable,
     weights::Weights,
 };
 use crate::simulate::{Outcome, Run, Simulator};
-
-/// Step of a forward difference in a nuisance, in scales. Rounding errors of a simulation are
-/// below 1e-12 of its values, and a nuisance moves outputs by up to 1e3 sigma per scale.
-const NUISANCE_STEP: f64 = 1e-5;
-/// Step of a forward difference in a parameter of an effect, in scales: such laws have kinks.
-const EFFECT_STEP: f64 = 1e-4;
 
 /// The weighted error of a simulation, as a function of nuisances and parameters of an effect.
 #[derive(Clone, Debug)]
@@ -238,30 +234,6 @@ impl Problem {
         all
     }
 
-    /// The step of a difference: forward, unless that leaves the box.
-    fn step(&self, z: &[f64], column: usize) -> f64 {
-        let is_effect = (self.plan.shared.len()..self.layout.shared).contains(&column);
-        let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
-        let is_inside = |i: usize| z[i] + size <= self.bounds[i][1];
-        if self.unknowns(column).all(is_inside) { size } else { -size }
-    }
-
-    /// The unknowns of a column: those of all segments at once, for an own unknown moves nothing
-    /// but its own segment.
-    fn unknowns(&self, column: usize) -> impl Iterator<Item = usize> + use<> {
-        let Layout { shared, own, .. } = self.layout;
-        let count = if column < shared { 1 } else { self.layout.segments.len() };
-        (0..count).map(move |s| column + s * own)
-    }
-
-    fn moved(&self, z: &[f64], column: usize, step: f64) -> Vec<f64> {
-        let mut moved = z.to_vec();
-        for i in self.unknowns(column) {
-            moved[i] = z[i] + step;
-        }
-        moved
-    }
-
     /// Errors (simulated less measured) in units of sigma, not whitened, NaN where nothing was
     /// measured: per output, one signal per segment. `None` when a simulation diverges.
     #[must_use]
@@ -348,85 +320,4 @@ impl Problem {
         let deviation = |(i, v): (usize, &Variable)| v.scale * factor.variance(first + i).sqrt();
         Some(self.effects.iter().enumerate().map(deviation).collect())
     }
-}
-
-impl LeastSquares for Problem {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn bounds(&self) -> &[[f64; 2]] {
-        &self.bounds
-    }
-
-    fn prior(&self) -> &[[f64; 2]] {
-        &self.prior
-    }
-
-    fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
-        let found = self.compare(&[z.to_vec()]).pop().flatten();
-        if let Some(found) = &found {
-            r.copy_from_slice(found);
-        }
-        found.is_some()
-    }
-
-    fn residuals_of_all(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        self.compare(places)
-    }
-
-    fn slopes(&mut self, z: &[f64], _r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
-        let mut found = self.linearize(&[z.to_vec()], columns.clone());
-        if let Some(there) = found.pop().flatten() {
-            slopes[columns].iter_mut().zip(there.slopes).for_each(|(to, slope)| *to = slope);
-        }
-    }
-
-    fn linearize(
-        &mut self,
-        places: &[Vec<f64>],
-        columns: Range<usize>,
-    ) -> Vec<Option<Linearization>> {
-        let steps: Vec<Vec<f64>> =
-            places.iter().map(|z| columns.clone().map(|c| self.step(z, c)).collect()).collect();
-        let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
-        for (z, steps) in places.iter().zip(&steps) {
-            batch.push(z.clone());
-            batch.extend(columns.clone().zip(steps).map(|(c, step)| self.moved(z, c, *step)));
-        }
-        let mut found = self.compare(&batch).into_iter();
-        let mut all = Vec::with_capacity(places.len());
-        // Where the simulator does not like this direction, the other one is tried.
-        let mut again: Vec<(usize, usize)> = Vec::new();
-        for (p, steps) in steps.iter().enumerate() {
-            let r = found.next().flatten();
-            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
-            all.push(r.map(|r| {
-                let slope = |(i, trial): (usize, Option<Vec<f64>>)| {
-                    let Some(trial) = trial else {
-                        again.push((p, i));
-                        return vec![0.0; r.len()];
-                    };
-                    difference(trial, &r, steps[i])
-                };
-                let slopes = trials.into_iter().enumerate().map(slope).collect();
-                Linearization { r, slopes }
-            }));
-        }
-        let back =
-            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
-        let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
-        for ((p, i), trial) in again.into_iter().zip(self.compare(&batch)) {
-            if let (Some(there), Some(trial)) = (&mut all[p], trial) {
-                there.slopes[i] = difference(trial, &there.r, -steps[p][i]);
-            }
-        }
-        all
-    }
-}
-
-/// The slope from `r` to what was found a step away.
-fn difference(mut trial: Vec<f64>, r: &[f64], step: f64) -> Vec<f64> {
-    trial.iter_mut().zip(r).for_each(|(trial, r)| *trial = (*trial - r) / step);
-    trial
 }
