@@ -124,7 +124,7 @@ proptest! {
         let all = horizons(time, states, samples);
         let length = |h: &Horizon| match h {
             Horizon::Windows { samples } => *samples,
-            _ => usize::MAX,
+            Horizon::FreeRun => usize::MAX,
         };
         prop_assert_eq!(all.last(), Some(&Horizon::FreeRun));
         prop_assert!(all.windows(2).all(|pair| length(&pair[0]) < length(&pair[1])));
