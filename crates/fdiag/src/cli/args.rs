@@ -49,8 +49,8 @@ pub(crate) enum Command {
     Compensate(CompensateArgs),
     /// Say which unmodelled effect separates a simulator from logs of the real system
     ///
-    /// Reads a model with equations as text (docs/model-equations.md) and logs of the real thing
-    /// (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
+    /// Reads a model with equations as text (docs/model-equations.md) or a linear one, and logs of
+    /// the real thing (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
     /// effect at every place of the model, and says where the gap lies, which effect causes it and
     /// how sure that is, how far the gap shrinks on data that no fit has seen, and what experiment
     /// would settle what this log cannot. Writes report.html, report.json and patched.toml, the

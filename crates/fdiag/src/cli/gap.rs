@@ -3,7 +3,10 @@
 use std::{process::ExitCode, time::Instant};
 
 use fdiag::{
-    gap::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, TimingReport, model_of},
+    gap::{
+        FitError, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, TimingReport,
+        model_of,
+    },
     model::Disorder,
 };
 
@@ -64,9 +67,10 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
 fn refusal(error: GapError) -> Failure {
     let reason = error.to_string();
     match error {
-        GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => {
-            Failure::Analysis(reason)
-        }
+        GapError::Simulate(_)
+        | GapError::Fit(_)
+        | GapError::Short { .. }
+        | GapError::Unfit { source: FitError::TooShort { .. }, .. } => Failure::Analysis(reason),
         _ => Failure::Input { file: None, reason },
     }
 }

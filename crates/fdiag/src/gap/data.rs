@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fd_gap::{
-    fit::Log,
+    fit::{FitError, Log},
     model::{Law, Model},
     simulate::Simulator,
 };
@@ -19,8 +19,10 @@ use super::{
 
 /// Ratio of sample times from which a unit must be wrong.
 const ABSURD_PACE: f64 = 50.0;
-/// Fewest samples of a part of a split log.
-const SMALLEST_PART: usize = 8;
+/// Fewest measured values per unknown of a fit.
+const PER_UNKNOWN: usize = 2;
+/// Fewest unknowns that are reckoned with.
+const FEWEST_UNKNOWNS: usize = 4;
 
 /// All logs of a diagnosis.
 #[derive(Clone, Debug)]
@@ -87,7 +89,7 @@ impl Data {
             let n = record.len();
             let cut = match request.held_out {
                 HeldOutChoice::Logs(_) => n,
-                HeldOutChoice::Split(share) => cut(n, share),
+                HeldOutChoice::Split(share) => cut(n, share, needed(model)),
             };
             data.parts.push(part(path, false, [0, cut], &time_base));
             if cut < n {
@@ -105,6 +107,7 @@ impl Data {
         }
         data.parts.extend(later);
         data.check_outputs()?;
+        data.check_lengths(model)?;
         Ok(data)
     }
 
@@ -123,6 +126,21 @@ impl Data {
             logs[usize::from(part.is_held_out)].push(log);
         }
         Ok(logs)
+    }
+
+    /// Every part needs enough values for the unknowns of a fit, held-out ones for their windows.
+    fn check_lengths(&self, model: &Model) -> Result<(), GapError> {
+        let all = self.fit.iter().chain(&self.held_out).zip(&self.parts).enumerate();
+        for (i, (record, part)) in all {
+            let outputs = (0..record.outputs().len()).flat_map(|c| record.output(c));
+            let (found, needed) = (outputs.filter(|v| v.is_finite()).count(), needed(model));
+            if found < needed {
+                let (log, unknowns) = (i + 1, unknowns(model));
+                let source = FitError::TooShort { log, found, unknowns, needed };
+                return Err(GapError::Unfit { file: part.file.clone(), source });
+            }
+        }
+        Ok(())
     }
 
     /// An output that is measured in no log cannot be diagnosed.
@@ -188,9 +206,20 @@ fn check(path: &Path, record: &Record) -> Result<(), GapError> {
     Ok(())
 }
 
-/// Where a log is divided; a log that is too short for two parts stays whole.
+/// Uncertain parameters, and all states, which are unknown at the start of a window.
+fn unknowns(model: &Model) -> usize {
+    let uncertain = model.parameters.iter().filter(|parameter| parameter.tolerance > 0.0);
+    uncertain.count() + model.all_states().count()
+}
+
+/// Fewest measured values of a log.
+fn needed(model: &Model) -> usize {
+    PER_UNKNOWN * unknowns(model).max(FEWEST_UNKNOWNS)
+}
+
+/// Where a log is divided; one that is too short for two parts stays whole.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0..=n")]
-fn cut(n: usize, share: f64) -> usize {
+fn cut(n: usize, share: f64, smallest: usize) -> usize {
     let cut = (share * n as f64).round() as usize;
-    if cut < SMALLEST_PART || n - cut.min(n) < SMALLEST_PART { n } else { cut }
+    if cut < smallest || n - cut.min(n) < smallest { n } else { cut }
 }

@@ -23,7 +23,10 @@ mod tables;
 mod traces;
 mod words;
 
-pub use fd_gap::diagnose::{Monitor, Stage};
+pub use fd_gap::{
+    diagnose::{Monitor, Stage},
+    fit::FitError,
+};
 
 pub use self::{
     error::GapError,
