@@ -19,19 +19,19 @@ pub enum BlindError {
     },
     /// A linear model cannot be made or reduced.
     #[error(transparent)]
-    Linear(#[from] ModelError),
+    Linear(Box<ModelError>),
     /// The engine does not run.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(Box<EngineError>),
     /// A model cannot be simulated.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
+    Simulate(Box<SimulateError>),
     /// A model cannot be fitted.
     #[error(transparent)]
-    Fit(#[from] FitError),
+    Fit(Box<FitError>),
     /// A log cannot be read or written.
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(Box<LogError>),
     /// A file cannot be read or written.
     #[error("{}: {error}", file.display())]
     File {
@@ -90,5 +90,35 @@ impl BlindError {
 
     pub(super) fn content(file: &Path, what: impl std::fmt::Display) -> Self {
         Self::Content { file: file.to_owned(), what: what.to_string() }
+    }
+}
+
+impl From<ModelError> for BlindError {
+    fn from(error: ModelError) -> Self {
+        Self::Linear(Box::new(error))
+    }
+}
+
+impl From<EngineError> for BlindError {
+    fn from(error: EngineError) -> Self {
+        Self::Engine(Box::new(error))
+    }
+}
+
+impl From<SimulateError> for BlindError {
+    fn from(error: SimulateError) -> Self {
+        Self::Simulate(Box::new(error))
+    }
+}
+
+impl From<FitError> for BlindError {
+    fn from(error: FitError) -> Self {
+        Self::Fit(Box::new(error))
+    }
+}
+
+impl From<LogError> for BlindError {
+    fn from(error: LogError) -> Self {
+        Self::Log(Box::new(error))
     }
 }
