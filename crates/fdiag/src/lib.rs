@@ -14,7 +14,7 @@ pub mod spec;
 
 pub use fd_compensate as compensate;
 pub use fd_core as core;
-pub use fd_gap as gap;
+pub use fd_gap;
 pub use fd_ident as ident;
 pub use fd_jetengine as jetengine;
 pub use fd_model as model;

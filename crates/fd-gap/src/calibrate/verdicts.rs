@@ -31,8 +31,17 @@ pub(super) struct Answers {
     evidence: Vec<f64>,
     /// Places of the tied causes, which count as one answer.
     tied: Vec<usize>,
-    /// Place of the truth; `None` is "no gap".
-    truth: Option<Option<usize>>,
+    truth: Truth,
+}
+
+/// Where the truth is among the answers.
+#[derive(Clone, Copy, Debug)]
+enum Truth {
+    NoGap,
+    /// A cause, by its place.
+    Cause(usize),
+    /// A cause that was not tried.
+    Absent,
 }
 
 /// Whether two causes are the same effect at the same place.
@@ -48,7 +57,8 @@ impl Answers {
             no_gap,
             evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
             tied: diagnosis.tied.clone(),
-            truth: truth.map_or(Some(None), |truth| place(truth).map(Some)),
+            truth: truth
+                .map_or(Truth::NoGap, |truth| place(truth).map_or(Truth::Absent, Truth::Cause)),
         }
     }
 
@@ -70,10 +80,10 @@ impl Answers {
     pub(super) fn of_truth(&self, temperature: f64) -> f64 {
         let (no_gap, tied, others) = self.probabilities(temperature);
         match self.truth {
-            None => 0.0,
-            Some(None) => no_gap,
-            Some(Some(place)) if self.tied.contains(&place) => tied,
-            Some(Some(place)) => others
+            Truth::Absent => 0.0,
+            Truth::NoGap => no_gap,
+            Truth::Cause(place) if self.tied.contains(&place) => tied,
+            Truth::Cause(place) => others
                 .iter()
                 .find(|(i, _)| *i == place)
                 .map_or(0.0, |(_, probability)| *probability),
@@ -123,13 +133,13 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     let tied = answered.unwrap_or_default().iter().enumerate();
     let tied: Vec<&Cause> =
         tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
-    let is_answered = |truth: &Option<&Cause>| {
+    let is_answered = |truth: Option<&Cause>| {
         truth.is_some_and(|truth| tied.iter().any(|answer| is_same(answer, truth)))
     };
-    if is_answered(&truths[row]) {
+    if is_answered(truths[row]) {
         return row;
     }
-    truths.iter().position(is_answered).unwrap_or(other)
+    truths.iter().position(|truth| is_answered(*truth)).unwrap_or(other)
 }
 
 /// The temperature with the least sum of `−ln p` of the truth, with a prior for its logarithm about

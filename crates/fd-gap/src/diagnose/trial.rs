@@ -252,7 +252,7 @@ impl<'a> Trial<'a> {
         self.problem = Problem::new(plan, simulator, effects, self.problem.weights().clone())?;
         self.model = model;
         if let Some(best) = self.best.take() {
-            self.best = minimise(&mut self.problem, &best.z, None, SHORT_ALL);
+            self.best = minimise(&mut self.problem, &best.z, None, AGAIN);
         }
         self.full_fit(base);
         Ok(())

@@ -39,13 +39,13 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
                 found.push((i, Defect::WrongUnit { factor }));
             }
         }
-        for j in i + 1..log.nu {
+        for (j, other) in names.iter().enumerate().skip(i + 1) {
             let mut u = log.u.clone();
             for row in u.chunks_exact_mut(log.nu) {
                 row.swap(i, j);
             }
             if good(&u) {
-                found.push((i, Defect::Swapped { with: names[j].clone() }));
+                found.push((i, Defect::Swapped { with: other.clone() }));
             }
         }
     }
