@@ -121,7 +121,7 @@ fn the_document_names_every_key() {
     keys(&desk.report(), &mut all);
     assert!(desk.gap(&[]).status.success());
     keys(&desk.report(), &mut all);
-    let page = include_str!("../../../docs/gap-report.md");
+    let page = include_str!("../../../../docs/gap-report.md");
     let missing: Vec<&String> =
         all.iter().filter(|key| !page.contains(&format!("`{key}`"))).collect();
     assert!(missing.is_empty(), "docs/gap-report.md does not name {missing:?}");
