@@ -66,9 +66,9 @@ fn wrong_logs_are_refused() {
         &|desk| {
             desk.spoil("monday.csv", |k, row| {
                 if k == 9 {
-                    row[0] = "0.05".into()
+                    row[0] = "0.05".into();
                 }
-            })
+            });
         },
         3,
         &["column `time [s]`", "row 11", "after 0.08 s", "found 0.05 s"],
@@ -77,9 +77,9 @@ fn wrong_logs_are_refused() {
         &|desk| {
             desk.spoil("monday.csv", |k, row| {
                 if k == 3 {
-                    row[2] = "abc".into()
+                    row[2] = "abc".into();
                 }
-            })
+            });
         },
         3,
         &["row 5", "finite number", "`abc`"],
@@ -100,9 +100,9 @@ fn wrong_logs_are_refused() {
         &|desk| {
             desk.spoil("monday.csv", |k, row| {
                 if 5 < k {
-                    row.clear()
+                    row.clear();
                 }
-            })
+            });
         },
         4,
         &["6 measured values", "at least 8"],
@@ -112,9 +112,9 @@ fn wrong_logs_are_refused() {
         &|desk| {
             desk.spoil("monday.csv", |k, row| {
                 if 20 < k {
-                    row.clear()
+                    row.clear();
                 }
-            })
+            });
         },
         4,
         &["monday.csv: it lasts 0.21 s", "remembers its initial state for 0.", "--horizon"],
@@ -151,7 +151,7 @@ fn uneven_and_missing_samples_are_reported() {
     // Disorder is dropped when the user says so.
     desk.spoil("monday.csv", |k, row| {
         if k == 9 {
-            row[0] = "0.05".into()
+            row[0] = "0.05".into();
         }
     });
     let output = desk.gap(&[&FEW[..], &["--drop-disorder"]].concat());
