@@ -15,7 +15,7 @@ use super::{args::GapArgs, failure::Failure, output::Output, progress::Stages, t
 pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let request = request(args)?;
     if args.print_model {
-        print!("{}", model_of(&request).map_err(refusal)?);
+        print!("{}", model_of(&request).map_err(|error| refusal(&error))?);
         return Ok(ExitCode::SUCCESS);
     }
     let output = Output::prepare(&args.output)?;
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let progress = Stages::new();
     let study = pool.install(|| GapStudy::run(&request, &progress));
     progress.finish();
-    let mut study = study.map_err(refusal)?;
+    let mut study = study.map_err(|error| refusal(&error))?;
     let threads = pool.current_num_threads();
     study.report.timing = TimingReport { seconds: begun.elapsed().as_secs_f64(), threads };
     let page = study.page().map_err(Failure::analysis)?;
@@ -64,13 +64,12 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
 }
 
 /// What cannot be simulated or fitted is no mistake of a file.
-fn refusal(error: GapError) -> Failure {
+fn refusal(error: &GapError) -> Failure {
+    let is_analysis = match error {
+        GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
+        GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
+        _ => false,
+    };
     let reason = error.to_string();
-    match error {
-        GapError::Simulate(_)
-        | GapError::Fit(_)
-        | GapError::Short { .. }
-        | GapError::Unfit { source: FitError::TooShort { .. }, .. } => Failure::Analysis(reason),
-        _ => Failure::Input { file: None, reason },
-    }
+    if is_analysis { Failure::Analysis(reason) } else { Failure::Input { file: None, reason } }
 }

@@ -121,8 +121,10 @@ impl Data {
         let all = self.fit.iter().chain(&self.held_out).zip(&self.parts).enumerate();
         let mut logs = [Vec::new(), Vec::new()];
         for (i, (record, part)) in all {
-            let log = Log::new(record, simulator, i + 1)
-                .map_err(|source| GapError::Unfit { file: part.file.clone(), source })?;
+            let log = Log::new(record, simulator, i + 1).map_err(|source| GapError::Unfit {
+                file: part.file.clone(),
+                source: Box::new(source),
+            })?;
             logs[usize::from(part.is_held_out)].push(log);
         }
         Ok(logs)
@@ -136,7 +138,7 @@ impl Data {
             let (found, needed) = (outputs.filter(|v| v.is_finite()).count(), needed(model));
             if found < needed {
                 let (log, unknowns) = (i + 1, unknowns(model));
-                let source = FitError::TooShort { log, found, unknowns, needed };
+                let source = Box::new(FitError::TooShort { log, found, unknowns, needed });
                 return Err(GapError::Unfit { file: part.file.clone(), source });
             }
         }

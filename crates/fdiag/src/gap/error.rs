@@ -15,10 +15,10 @@ use thiserror::Error;
 pub enum GapError {
     /// The model file is wrong, or a model that was changed as asked.
     #[error(transparent)]
-    Model(#[from] LoadError),
+    Model(Box<LoadError>),
     /// The file of a linear model is wrong.
     #[error(transparent)]
-    Linear(#[from] ModelFileError),
+    Linear(Box<ModelFileError>),
     /// The model file is of a kind that cannot be diagnosed.
     #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
     Kind {
@@ -53,14 +53,14 @@ pub enum GapError {
     },
     /// A log cannot be read.
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(Box<LogError>),
     /// A log does not fit the model.
     #[error("{}: {source}", file.display())]
     Unfit {
         /// The log.
         file: PathBuf,
         /// Why not; logs are numbered in the order of the command line.
-        source: FitError,
+        source: Box<FitError>,
     },
     /// A channel has no value at all.
     #[error("{}: column of {role} `{channel}`: expected numbers, found none in {rows} rows", file.display())]
@@ -106,14 +106,28 @@ pub enum GapError {
     },
     /// The sample time is none.
     #[error("sample time: {0}")]
-    SampleTime(#[from] ModelError),
+    SampleTime(Box<ModelError>),
     /// The model cannot be simulated.
     #[error("the model cannot be simulated: {0}")]
-    Simulate(#[from] SimulateError),
+    Simulate(Box<SimulateError>),
     /// The model does not fit the logs.
     #[error(transparent)]
-    Fit(#[from] FitError),
+    Fit(Box<FitError>),
 }
+
+/// Errors of the rooms below are boxed, to keep results small.
+macro_rules! boxed {
+    ($($source:ty => $variant:ident),*) => {$(
+        impl From<$source> for GapError {
+            fn from(error: $source) -> Self {
+                Self::$variant(Box::new(error))
+            }
+        }
+    )*};
+}
+
+boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
+boxed!(SimulateError => Simulate, ModelError => SampleTime);
 
 fn list(names: &[String]) -> String {
     match names {

@@ -222,7 +222,7 @@ fn in_parentheses(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!(" ({text})") }
 }
 
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
 }
@@ -240,8 +240,8 @@ mod tests {
         CauseReport { name, strength, probability, gap_sigma: 3.25, ..CauseReport::default() }
     }
 
-    fn closed(fraction: f64, low: f64, high: f64) -> Option<ClosedReport> {
-        Some(ClosedReport { fraction, low, high, block_samples: 50 })
+    fn closed(fraction: f64, low: f64, high: f64) -> ClosedReport {
+        ClosedReport { fraction, low, high, block_samples: 50 }
     }
 
     /// A report in which Coulomb friction leads, and most of what is left is in the last band.
@@ -266,7 +266,7 @@ mod tests {
             ],
             how_far: vec![HorizonReport {
                 horizon: "free-run",
-                closed_of_refit: closed(0.92, 0.88, 0.95),
+                closed_of_refit: Some(closed(0.92, 0.88, 0.95)),
                 ..HorizonReport::default()
             }],
             noise: vec![NoiseReport { output: "y".into(), ..NoiseReport::default() }],
@@ -306,8 +306,10 @@ mod tests {
     #[test]
     fn none_and_nothing() {
         let mut none = report("none-of-these");
-        let compensation =
-            CompensationReport { closed: closed(0.6, 0.5, 0.7), ..CompensationReport::default() };
+        let compensation = CompensationReport {
+            closed: Some(closed(0.6, 0.5, 0.7)),
+            ..CompensationReport::default()
+        };
         none.ceiling =
             Some(CeilingReport { linear: Some(compensation), ..CeilingReport::default() });
         assert_eq!(

@@ -46,7 +46,7 @@ impl Memory {
                 })
                 .collect();
             let largest = distance.iter().copied().fold(0.0, f64::max);
-            let is_kept = |d: &f64| !(*d <= largest / std::f64::consts::E);
+            let is_kept = |d: &f64| d.is_nan() || largest / std::f64::consts::E < *d;
             let kept = distance.iter().rposition(is_kept).map_or(0, |last| last + 1);
             if SHARE * kept as f64 <= samples as f64 {
                 let seconds = kept as f64 * simulator.ts().seconds();

@@ -2,7 +2,7 @@
 
 use super::{
     GapStudy,
-    headline::spoiled,
+    headline::{capital, spoiled},
     pictures,
     report::{CalibrationReport, HorizonReport, Report},
     tables,
@@ -12,6 +12,8 @@ use crate::report::{Bar, Bars, Page, PictureError, Shares, Table, figure};
 
 /// Least probability of a bar.
 const SHOWN: f64 = 0.005;
+/// Least probability of a place that is worth a sentence.
+const PLACED: f64 = 0.05;
 /// Most bars.
 const BARS: usize = 8;
 
@@ -65,7 +67,9 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
         }
     }
     let strongest = groups.bars.iter_mut().max_by(|a, b| a.value.total_cmp(&b.value));
-    strongest.into_iter().for_each(|bar| bar.is_strong = true);
+    if let Some(bar) = strongest {
+        bar.is_strong = true;
+    }
     page.bars(groups);
     let mut causes = Bars { title: "Cause".to_owned(), bars: Vec::new() };
     let is_named = |place: usize| match report.verdict {
@@ -91,7 +95,9 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     }
     if report.verdict == "pair" && !report.pairs.iter().any(|pair| pair.is_tied) {
         let first = causes.bars.iter_mut().find(|bar| bar.label.contains(" and "));
-        first.into_iter().for_each(|bar| bar.is_strong = true);
+        if let Some(bar) = first {
+            bar.is_strong = true;
+        }
     }
     page.bars(causes);
     if report.causes.iter().any(|cause| cause.is_tied) {
@@ -151,7 +157,7 @@ fn how_far(page: &mut Page, report: &Report) {
     );
     page.table(tables::how_far(&report.how_far));
     if let Some(ceiling) = report.ceiling.as_ref().filter(|c| !c.statement.is_empty()) {
-        page.text(&ceiling.statement);
+        page.text(format!("{}.", capital(&ceiling.statement)));
     }
 }
 
@@ -162,10 +168,12 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     }
     page.heading("Where the gap lies");
     let statements = location.channels.iter().map(|c| &c.statement);
-    let statements = statements.chain(report.sides.iter().map(|side| &side.statement));
-    let places = location.places.iter().filter(|p| 0.05 <= p.probability).map(|p| &p.statement);
+    let sides = report.sides.iter().filter(|side| PLACED <= side.probability);
+    let sides = sides.map(|side| &side.statement);
+    let statements = statements.chain(sides);
+    let places = location.places.iter().filter(|p| PLACED <= p.probability).map(|p| &p.statement);
     for statement in statements.chain(places).filter(|s| !s.is_empty()) {
-        page.text(statement);
+        page.text(format!("{}.", capital(statement)));
     }
     page.gallery(&pictures::places(report))
 }

@@ -88,7 +88,13 @@ pub(super) fn law(law: &LawReport) -> Captioned {
         lines,
         ..Picture::default()
     };
-    (picture, law.expression.clone())
+    let data = if law.data.is_empty() {
+        ""
+    } else {
+        ". The points are what the model with its own parameters refitted lacks here; with the law \
+         in it, these parameters are others"
+    };
+    (picture, format!("{}{data}.", law.expression))
 }
 
 /// Where the gap lies: frequency, region, time.

@@ -215,7 +215,7 @@ figure svg { display: block; width: 100%; height: auto; }
 figcaption { font-size: .9rem; color: #555; }
 .gallery { display: grid; gap: .5rem 1.5rem;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); }
-.gallery figure { margin: .5rem 0; min-width: 0; }
+.gallery figure { margin: .5rem 0; min-width: 0; max-width: 36rem; }
 .legend { display: flex; flex-wrap: wrap; gap: .1rem 1rem; font-size: .85rem; }
 .legend i { display: inline-block; width: 1.1rem; height: .3rem; margin-right: .4rem;
   vertical-align: middle; border-radius: 2px; }

@@ -29,7 +29,7 @@ fn inverse(unit: &str) -> String {
     };
     match top_level_slash(unit) {
         _ if matches!(unit, "1" | "") => "1".to_owned(),
-        Some((above, below)) if matches!(above, "1" | "") => bare(below),
+        Some(("1" | "", below)) => bare(below),
         Some((above, below)) => format!("{}/{}", bare(below), grouped(&bare(above))),
         None => format!("1/{}", grouped(unit)),
     }

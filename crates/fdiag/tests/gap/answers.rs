@@ -1,0 +1,189 @@
+//! What it says and writes.
+
+use std::{collections::BTreeSet, fs};
+
+use serde_json::Value;
+
+use crate::desk::{Desk, FEW, refuses, stdout};
+
+#[test]
+fn the_answer_is_one_sentence_and_tables() {
+    let desk = Desk::new();
+    let output = desk.gap(&["--held-out", "friday.csv"]);
+    let text = stdout(&output);
+    assert!(output.status.success(), "{output:?}");
+    let headline = text.lines().next().unwrap();
+    assert!(headline.starts_with("Coulomb friction at rail ("), "{headline}");
+    for part in [" N", ", p ", "held-out data", "% ("] {
+        assert!(headline.contains(part), "{headline}");
+    }
+    for title in ["Mechanism and place", "Cause", "How far, on held-out data"] {
+        assert!(text.contains(title), "{text}");
+    }
+    assert!(output.stderr.is_empty(), "nothing is said to nobody: {output:?}");
+    let page = desk.read("out/report.html");
+    assert!(page.contains("<svg") && page.contains("Coulomb friction at rail"));
+    let outside = ["<script", "href=", "src=", "@import", "url("];
+    assert!(outside.iter().all(|o| !page.contains(o)), "the page needs something from elsewhere");
+    let mut files: Vec<String> = fs::read_dir(desk.path("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["patched.toml", "report.html", "report.json"]);
+    let report = desk.report();
+    assert_eq!(report["version"], 1);
+    assert_eq!(report["headline"], headline);
+    assert_eq!(report["files"][1]["file"], "patched.toml");
+}
+
+#[test]
+fn json_is_printed_as_it_is_written() {
+    let desk = Desk::new();
+    let printed = stdout(&desk.gap(&[&FEW[..], &["--json"]].concat()));
+    assert_eq!(printed.trim_end(), desk.read("out/report.json").trim_end());
+    // Without --held-out the last third of the log is held out.
+    let logs = desk.report()["input"]["logs"].clone();
+    assert_eq!((&logs[0]["samples"], &logs[0]["role"]), (&670.into(), &"fit".into()));
+    assert_eq!((&logs[1]["samples"], &logs[1]["role"]), (&330.into(), &"held-out".into()));
+    assert_eq!(logs[1]["from_s"], 6.7);
+}
+
+/// Same seed, same answer, whatever the number of threads.
+#[test]
+fn threads_change_nothing() {
+    let desk = Desk::new();
+    let mut reports = ["1", "2", "3"].map(|threads| {
+        assert!(desk.gap(&["--threads", threads]).status.success());
+        (desk.read("out/report.json"), desk.read("out/report.html"), desk.read("out/patched.toml"))
+    });
+    for (json, ..) in &mut reports {
+        let timing = json.find("\"timing\"").unwrap();
+        assert!(json[timing..].matches('{').count() == 1, "timing comes last");
+        json.truncate(timing);
+    }
+    assert_eq!(reports[0], reports[1]);
+    assert_eq!(reports[0], reports[2]);
+}
+
+/// The patched model is a model like any other, and before it is what after was.
+#[test]
+fn the_patched_model_closes_the_gap() {
+    let desk = Desk::new();
+    let held_out = ["--held-out", "friday.csv"];
+    assert!(desk.gap(&held_out).status.success());
+    let first = desk.report();
+    let text = desk.read("out/patched.toml");
+    assert!(text.starts_with("# Written by `fdiag gap`: the model with Coulomb friction at rail"));
+    let plain = ["--model", "out/patched.toml", "--log", "monday.csv", "--out", "again"];
+    let again = desk.run(&[&plain[..], &held_out].concat());
+    assert!(again.status.success(), "{again:?}");
+    let second: Value = serde_json::from_str(&desk.read("again/report.json")).unwrap();
+    assert_eq!(second["verdict"], "no-gap");
+    for (a, b) in [
+        (
+            &first["how_far"][0]["outputs"][0]["after"],
+            &second["how_far"][0]["outputs"][0]["before"],
+        ),
+        (
+            &first["location"]["channels"][0]["after"]["value"],
+            &second["location"]["channels"][0]["before"]["value"],
+        ),
+    ] {
+        let (Some(a), Some(b)) = (a.as_f64(), b.as_f64()) else {
+            assert!(a.is_null() && b.is_null());
+            continue;
+        };
+        // The same simulation, but for the initial state of the held-out run, which is estimated
+        // from a part of it around another prior mean.
+        assert!((a - b).abs() < 0.01 * a, "{a} {b}");
+    }
+}
+
+/// Every key of a report is described.
+#[test]
+fn the_document_names_every_key() {
+    fn keys(value: &Value, all: &mut BTreeSet<String>) {
+        match value {
+            Value::Object(map) => map.iter().for_each(|(key, value)| {
+                all.insert(key.clone());
+                keys(value, all);
+            }),
+            Value::Array(list) => list.iter().for_each(|value| keys(value, all)),
+            _ => {}
+        }
+    }
+    let desk = Desk::new();
+    // A tie, so that advice is given; few candidates, to be quick.
+    let only = ["--only", "input-gain", "--only", "parameter-error", "--calibrate", "1"];
+    assert!(desk.gap(&only).status.success());
+    let mut all = BTreeSet::new();
+    keys(&desk.report(), &mut all);
+    assert!(desk.gap(&[]).status.success());
+    keys(&desk.report(), &mut all);
+    let page = include_str!("../../../../docs/gap-report.md");
+    let missing: Vec<&String> =
+        all.iter().filter(|key| !page.contains(&format!("`{key}`"))).collect();
+    assert!(missing.is_empty(), "docs/gap-report.md does not name {missing:?}");
+    assert!(60 < all.len(), "{}", all.len());
+}
+
+#[test]
+fn what_the_user_knows_counts() {
+    let desk = Desk::new();
+    let known = ["--tolerance", "d=0", "--noise", "speed=0.005", "--exclude", "coulomb-friction"];
+    let more = ["--exclude", "input-delay@force", "--horizon", "2", "--seed", "7"];
+    assert!(desk.gap(&[&known[..], &more].concat()).status.success());
+    let report = desk.report();
+    let causes = report["causes"].as_array().unwrap();
+    assert!(causes.iter().all(|c| c["label"] != "coulomb-friction" && c["label"] != "input-delay"));
+    assert!(causes.iter().any(|c| c["label"] == "viscous-friction"));
+    assert_eq!(report["noise"][0]["stated"], 0.005);
+    assert!(report["parameters"].as_array().unwrap().iter().all(|p| p["name"] != "d"));
+    let settings = &report["settings"];
+    assert_eq!((&settings["horizon"], &settings["window_s"]), (&"windows".into(), &2.0.into()));
+    assert_eq!((&settings["seed"], &settings["split"]), (&7.into(), &0.67.into()));
+    assert_eq!(settings["horizon_from"], "stated");
+    let model = stdout(&desk.gap(&["--print-model", "--tolerance", "m=0.5"]));
+    assert!(model.contains("m = { unit = \"kg\", value = 1.2, tolerance = 0.5 }"), "{model}");
+}
+
+/// A linear model has neither parameters with a meaning nor sites: it gets some.
+#[test]
+fn linear_models_are_diagnosed_as_well() {
+    let desk = Desk::new();
+    let head = "version = 1\nkind = \"state-space\"\nname = \"linear cart\"\n";
+    let channels = "[[inputs]]\nname = \"force\"\nunit = \"N\"\n[[states]]\nname = \"v\"\nunit = \
+                    \"m/s\"\n[[outputs]]\nname = \"speed\"\nunit = \"m/s\"\n[matrices]\n";
+    let matrices = "A = [[-1.25]]\nB = [[0.8333]]\nC = [[1.0]]\n";
+    desk.put("model.toml", &format!("{head}{channels}{matrices}"));
+    let output = desk.gap(&["--held-out", "friday.csv"]);
+    assert!(output.status.success(), "{output:?}");
+    let report = desk.report();
+    assert_eq!(
+        (&report["input"]["model"], &report["input"]["sample_time_s"]),
+        (&"linear cart".into(), &0.01.into())
+    );
+    let names: Vec<&str> = report["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|parameter| parameter["name"].as_str().unwrap())
+        .collect();
+    assert!(names.contains(&"time_scale") && names.contains(&"speed_gain"), "{names:?}");
+    assert_eq!(report["groups"][0]["family"], "friction", "{}", report["headline"]);
+    // A sampled model keeps its own pace.
+    let matrices = "A = [[0.97531]]\nB = [[0.016461]]\nC = [[1.0]]\n";
+    desk.put("model.toml", &format!("{head}sample_time = 0.02\n{channels}{matrices}"));
+    assert!(desk.gap(&FEW).status.success());
+    let input = desk.report()["input"].clone();
+    assert_eq!(input["sample_time_s"], 0.02);
+    assert!(input["policy"].as_str().unwrap().contains("pace of the model"), "{input}");
+    // A mistake in it is one of the file.
+    desk.put(
+        "model.toml",
+        &format!("{head}{channels}{}", matrices.replace("[[1.0]]", "[[1.0, 2.0]]")),
+    );
+    fs::remove_dir_all(desk.path("out")).unwrap();
+    refuses(&desk, &desk.gap(&FEW), 3, &["model.toml", "matrices.C"]);
+}

@@ -1,0 +1,6 @@
+//! `fdiag gap` as a user meets it: what it says, writes and refuses.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
+mod answers;
+mod desk;
+mod refusals;
