@@ -106,7 +106,7 @@ fn every_law_vanishes_with_its_strength_and_acts_at_it() {
                 distance: 0.0,
             };
             let [low, high] = law.range;
-            let strong = yardstick.distance(&effect((low * high).sqrt())).unwrap();
+            let strong = yardstick.distance(&effect(low.powf(0.2) * high.powf(0.8))).unwrap();
             let weak = yardstick.distance(&effect(1e-9 * low)).unwrap();
             // Between samples a plant goes a little further than its largest sample, where stops
             // and brims begin; a wall takes all the speed that is left there.
