@@ -127,9 +127,8 @@ impl<'a> Scene<'a> {
         })?;
         let bench = Bench::new(plant, model)?;
         let mut recorder = Recorder::default();
-        let (x0, u) = (model.initial(), excitation(truth, plant, model, 0));
-        let nominal = model.nominal();
-        let trial = Trial { parameters: &nominal, x0: &x0, u: &u, noise: None };
+        let (x0, u) = (initial(truth, model, 0), excitation(truth, plant, model, 0));
+        let trial = Trial { parameters: &truth.parameters, x0: &x0, u: &u, noise: None };
         bench.run(&trial, Vec::new(), Some(&mut recorder))?;
         let scales = recorder.scales(model.sample_time);
         Ok(Self { truth, plant, model, bench, scales, laws: catalogue() })
@@ -159,9 +158,7 @@ impl<'a> Scene<'a> {
 
     /// Real initial states of a run: uniform within their tolerances.
     pub(super) fn initial(&self, run: u64) -> Vec<f64> {
-        let random = &mut Random::named(self.truth.seed, &format!("initial/{run}"));
-        let states = self.model.states.iter();
-        states.map(|s| s.initial + s.tolerance.unwrap_or(0.0) * random.uniform(-1.0, 1.0)).collect()
+        initial(self.truth, self.model, run)
     }
 
     /// Noise of a run, row by row.
@@ -205,6 +202,12 @@ impl<'a> Scene<'a> {
         let ts = SampleTime::new(self.model.sample_time)?;
         Ok(Some(Record::new(inputs, outputs, self.excitation(run), y, ts)?))
     }
+}
+
+fn initial(truth: &Truth, model: &Model, run: u64) -> Vec<f64> {
+    let random = &mut Random::named(truth.seed, &format!("initial/{run}"));
+    let states = model.states.iter();
+    states.map(|s| s.initial + s.tolerance.unwrap_or(0.0) * random.uniform(-1.0, 1.0)).collect()
 }
 
 fn excitation(truth: &Truth, plant: &Plant, model: &Model, run: u64) -> Vec<f64> {

@@ -216,12 +216,11 @@ fn dynamics() -> Vec<Law> {
         }),
         law("input-rate-limit", "soft", dynamic, Mismatch, [0.05, 40.0], |s| {
             let rate = s.input().std / (s.strength * s.scales.ts);
-            let (time, mut b) = (2.0 * s.scales.ts, None);
+            let (knee, mut b) = (s.input().std * s.shape(1, 0.5, 2.0), None);
             input(move |a| {
-                let b = b.get_or_insert(a.u);
-                let step = rate * ((a.u - *b) / (rate * time)).tanh() * a.h;
-                *b += step;
-                *b - 0.5 * step
+                // Slower near the end of the way.
+                let away = (a.u - *b.get_or_insert(a.u)).abs();
+                reach(&mut b, a, rate * (0.2 + (away / knee).tanh()))
             })
         }),
     ]
@@ -230,7 +229,20 @@ fn dynamics() -> Vec<Law> {
 /// Moves towards what arrives, at no more than these rates; the mean over the step.
 fn follow(b: &mut Option<f64>, a: &Arriving<'_>, up: f64, down: f64) -> f64 {
     let before = *b.get_or_insert(a.u);
-    let after = before + (a.u - before).clamp(-down * a.h, up * a.h);
-    *b = Some(after);
-    0.5 * (before + after)
+    let away = a.u - before;
+    reach(b, a, if 0.0 < away { up } else { down })
+}
+
+/// The same at one rate. What arrives within the step stays there for the rest of it.
+fn reach(b: &mut Option<f64>, a: &Arriving<'_>, rate: f64) -> f64 {
+    let before = *b.get_or_insert(a.u);
+    let away = a.u - before;
+    let steps = away.abs() / (rate * a.h);
+    if steps <= 1.0 {
+        *b = Some(a.u);
+        a.u - 0.5 * steps * away
+    } else {
+        *b = Some(before + away / steps);
+        before + 0.5 * away / steps
+    }
 }

@@ -173,6 +173,10 @@ fn of_sensors() -> Vec<Law> {
             let (damping, mut state) = (s.shape(1, 0.1, 0.3), None);
             sensor(move |m| {
                 let (y, v) = state.get_or_insert((m.y, 0.0));
+                if 20.0 < w * m.h {
+                    // Over before the step is.
+                    return m.y;
+                }
                 // Small steps for a fast one: h w below a tenth.
                 let steps = (10.0 * w * m.h).ceil().clamp(1.0, 200.0);
                 let h = m.h / steps;

@@ -59,9 +59,9 @@ pub struct Verdict {
     pub is_group_right: bool,
     /// The side of the plant is right, or not to be told from the truth.
     pub is_side_right: bool,
-    /// Probability of the first cause.
+    /// Probability of the first cause and those that the diagnosis cannot tell from it.
     pub probability: f64,
-    /// Probability of its mechanism at its site.
+    /// Probability of their mechanism at their site.
     pub group_probability: f64,
     /// Probability that there is a gap.
     pub blamed: f64,
@@ -170,7 +170,6 @@ pub(super) fn judge(
         distance,
         is_visible: SEPARATED <= distance,
         is_mimicked: !oracle.ties.is_empty(),
-        probability: first.map_or(0.0, |named| named.probability),
         blamed: answer.blamed(),
         none_score: answer.none_score,
         says_none: answer.says_none,
@@ -181,8 +180,14 @@ pub(super) fn judge(
         ..Verdict::default()
     };
     if let Some(first) = first {
-        let group = answer.causes.iter().filter(|cause| is_one_group(first, cause));
-        verdict.group_probability = group.map(|cause| cause.probability).sum();
+        // What the diagnosis cannot tell from its first cause is one answer with it, as it is here.
+        let sum = |wanted: &dyn Fn(usize, &Named) -> bool| -> f64 {
+            let causes = answer.causes.iter().enumerate();
+            causes.filter(|(i, c)| *i == 0 || wanted(*i, c)).map(|(_, c)| c.probability).sum()
+        };
+        verdict.probability = sum(&|i, _| answer.tied.contains(&i));
+        verdict.group_probability =
+            sum(&|i, cause| answer.tied.contains(&i) || is_one_group(first, cause));
     }
     if let (Some(effect), Some(first)) = (effect, first) {
         verdict.is_exact = is_exact(effect, &first.label, &first.site, first.partner.as_deref());
