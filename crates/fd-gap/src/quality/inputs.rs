@@ -3,8 +3,10 @@
 use super::{finding::Defect, inspect::agreement};
 use crate::{fit::Log, simulate::Simulator};
 
-/// By how much the outputs, all together, must agree better when inputs are changed.
-const BETTER: f64 = 0.5;
+/// Part of the disagreement of the outputs, all together, that a change of inputs may leave.
+const BETTER: f64 = 0.2;
+/// Least disagreement, on average, to speak of.
+const BAD: f64 = 0.05;
 /// How well each output must agree then, on average.
 const GOOD: f64 = 0.8;
 /// Factors of a wrong unit.
@@ -26,9 +28,11 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
         (0..log.ny).map(|c| agreement(&column(&log.y, c), &column(&y, c))).sum()
     };
     let as_it_is = total(&log.u);
+    let all = log.ny as f64;
     let mut good = |u: &[f64]| {
         let changed = total(u);
-        as_it_is + BETTER < changed && GOOD * (log.ny as f64) < changed
+        let left = all - changed;
+        BAD * all < all - as_it_is && left < BETTER * (all - as_it_is) && GOOD * all < changed
     };
     let mut found = Vec::new();
     for i in 0..log.nu {
@@ -39,13 +43,13 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
                 found.push((i, Defect::WrongUnit { factor }));
             }
         }
-        for (j, other) in names.iter().enumerate().skip(i + 1) {
+        for (j, with) in names.iter().enumerate().skip(i + 1) {
             let mut u = log.u.clone();
             for row in u.chunks_exact_mut(log.nu) {
                 row.swap(i, j);
             }
             if good(&u) {
-                found.push((i, Defect::Swapped { with: other.clone() }));
+                found.push((i, Defect::Swapped { with: with.clone() }));
             }
         }
     }
