@@ -15,7 +15,7 @@ use std::{
 };
 
 use fd_gap::{
-    diagnose::{Case, Diagnosis, HeldOut, Regime, Settings, diagnose},
+    diagnose::{Case, Diagnosis, HeldOut, Regime, Settings, Verdict, diagnose},
     effect::{EverySite, ReplayScales, library, with_default_sites},
     model::Model,
 };

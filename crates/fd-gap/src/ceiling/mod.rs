@@ -95,13 +95,14 @@ pub fn ceiling(
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let nominal = case.nominal.simulator(ts)?;
     let mut refit = case.nominal.patched(&diagnosis.refit.model, ts)?;
-    let mut prepare = |records: &[Record]| prepare(&*nominal, &mut *refit, records, diagnosis);
+    let mut prepare = |records: &[Record], earlier: &[Record]| {
+        prepare(&*nominal, &mut *refit, records, earlier, diagnosis)
+    };
     if case.held_out.is_empty() {
         return Ok(None);
     }
-    let (Some(training), Some(held_out)) = (prepare(case.logs)?, prepare(case.held_out)?) else {
-        return Ok(None);
-    };
+    let (training, held_out) = (prepare(case.logs, &[])?, prepare(case.held_out, case.logs)?);
+    let (Some(training), Some(held_out)) = (training, held_out) else { return Ok(None) };
     let outputs = nominal.outputs();
     let floor = diagnosis.floor.iter().map(|f| f * f).sum::<f64>() / outputs.len() as f64;
     let score = |orders: [usize; 2], bias: &dyn Fn(&Trained, usize) -> Option<Vec<f64>>| {
@@ -139,11 +140,14 @@ fn prepare(
     nominal: &dyn Simulator,
     refit: &mut dyn Simulator,
     records: &[Record],
+    earlier: &[Record],
     diagnosis: &Diagnosis,
 ) -> Result<Option<Vec<Trained>>, FitError> {
-    let logs: Result<Vec<Log>, FitError> =
-        records.iter().enumerate().map(|(i, r)| Log::new(r, nominal, i + 1)).collect();
-    let logs = logs?;
+    let logs = records
+        .iter()
+        .enumerate()
+        .map(|(i, record)| Ok(Log::new(record, nominal, i + 1)?.continuing(record, earlier)));
+    let logs: Vec<Log> = logs.collect::<Result<_, FitError>>()?;
     let nuisances: Vec<(String, f64)> =
         diagnosis.refit.nuisances.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
     let settled = Settled { simulator: &*refit, nuisances: &nuisances, effects: &[] };
@@ -156,7 +160,7 @@ fn prepare(
     for (l, log) in logs.into_iter().enumerate() {
         let mut simulated: Vec<Vec<f64>> = vec![Vec::new(); x0.len() + log.ny];
         let mut y = vec![0.0; log.ny];
-        refit.start(&theta, &x0, 0);
+        refit.start(&theta, &x0, log.first as u64);
         for k in 0..log.samples {
             let (states, outputs) = simulated.split_at_mut(x0.len());
             states.iter_mut().zip(refit.state()).for_each(|(column, x)| column.push(*x));

@@ -104,9 +104,11 @@ pub fn diagnose(
     let mut not_tested = std::mem::take(&mut offers.refused);
     let mut attempt = Attempt::new(case, &offers, settings.horizon, Depth::All, settings, monitor)?;
     let simulator = attempt.weighing.base.simulator().boxed();
-    let held_out: Result<Vec<Log>, _> =
-        case.held_out.iter().enumerate().map(|(i, r)| Log::new(r, &*simulator, i + 1)).collect();
-    let held_out = held_out?;
+    let held_out =
+        case.held_out.iter().enumerate().map(|(i, record)| {
+            Ok(Log::new(record, &*simulator, i + 1)?.continuing(record, case.logs))
+        });
+    let held_out: Vec<Log> = held_out.collect::<Result<_, FitError>>()?;
 
     monitor.begin(Stage::Judge, 2);
     let is_far = attempt.noise.is_far(&attempt.best.errors);

@@ -17,6 +17,8 @@ pub struct Log {
     pub(crate) nu: usize,
     pub(crate) ny: usize,
     pub(crate) samples: usize,
+    /// Number of the first sample since the clock of the model was started.
+    pub(crate) first: usize,
 }
 
 impl Log {
@@ -93,7 +95,17 @@ impl Log {
             }
         }
         let (nu, ny) = (inputs.len(), outputs.len());
-        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len() })
+        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len(), first: 0 })
+    }
+
+    /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force
+    /// keeps its phase, and a drift goes on. Any other log has a clock of its own.
+    #[must_use]
+    pub fn continuing(mut self, record: &Record, earlier: &[Record]) -> Self {
+        let tolerance = 0.5 * record.ts().seconds();
+        let goes_on = |e: &&Record| (e.time(e.len()) - record.time(0)).abs() < tolerance;
+        self.first = earlier.iter().find(goes_on).map_or(0, Record::len);
+        self
     }
 
     /// Number of samples.

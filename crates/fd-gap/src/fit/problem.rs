@@ -177,7 +177,7 @@ impl Problem {
             .collect();
         // The input after the segment, for simulators that interpolate.
         let u = &log.u[from * log.nu..(to + 1).min(log.samples) * log.nu];
-        self.simulator.simulate_many(from as u64, u, &mut runs);
+        self.simulator.simulate_many((log.first + from) as u64, u, &mut runs);
         runs.iter().map(|run| run.outcome == Outcome::Complete).collect()
     }
 

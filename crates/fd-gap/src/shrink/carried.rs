@@ -79,7 +79,7 @@ fn run(
     let mut simulator = simulator.boxed();
     let mut y = vec![0.0; simulator.outputs().len()];
     let mut memories = HashMap::new();
-    simulator.start(theta, x0, 0);
+    simulator.start(theta, x0, log.first as u64);
     for k in 0..log.samples {
         if 0 < k && starts.contains(&k) {
             let mut memory = simulator.boxed();
@@ -87,7 +87,7 @@ fn run(
             if !memory.go_on_from(&x) {
                 return None;
             }
-            memories.insert(k as u64, memory);
+            memories.insert((log.first + k) as u64, memory);
         }
         simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
         if y.iter().any(|value| !value.is_finite()) {

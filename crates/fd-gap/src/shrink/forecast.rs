@@ -85,7 +85,12 @@ fn forecast_one(
     let mut plan = Plan::of_logs(nominal, vec![log.clone()], horizon)?;
     for variable in &mut plan.shared {
         let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
-        variable.start = known.map_or(variable.start, |(_, value)| *value);
+        if let Some((_, value)) = known {
+            // A value may come from elsewhere, beyond the box of this plan.
+            variable.start = *value;
+            variable.low = variable.low.min(*value);
+            variable.high = variable.high.max(*value);
+        }
     }
     let share = match horizon {
         Horizon::FreeRun => FREE_RUN_SHARE,

@@ -116,6 +116,16 @@ impl Data {
         self.fit.first().map(Record::ts)
     }
 
+    /// Whether every held-out record goes on where a fitted one ends.
+    pub(super) fn is_continued(&self) -> bool {
+        let goes_on = |held_out: &Record| {
+            let ends = self.fit.iter().map(|record| record.time(record.len()));
+            ends.into_iter()
+                .any(|end| (end - held_out.time(0)).abs() < 0.5 * held_out.ts().seconds())
+        };
+        self.held_out.iter().all(goes_on)
+    }
+
     /// The logs in the order and the units of a simulator, fitted ones and held-out ones.
     pub(super) fn logs(&self, simulator: &dyn Simulator) -> Result<[Vec<Log>; 2], GapError> {
         let all = self.fit.iter().chain(&self.held_out).zip(&self.parts).enumerate();
@@ -125,7 +135,8 @@ impl Data {
                 file: part.file.clone(),
                 source: Box::new(source),
             })?;
-            logs[usize::from(part.is_held_out)].push(log);
+            let earlier = if part.is_held_out { &self.fit[..] } else { &[] };
+            logs[usize::from(part.is_held_out)].push(log.continuing(record, earlier));
         }
         Ok(logs)
     }

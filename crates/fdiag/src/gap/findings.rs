@@ -52,11 +52,10 @@ pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, nominal: &Model) -> V
         );
         all.push((Severity::Note, note("pace", files.first().map_or("", String::as_str), text)));
     }
-    if depends_on_time(nominal, &diagnosis.best.model) {
-        let text =
-            "the effect depends on the time since the start of a run, and held-out stretches \
+    if !data.is_continued() && depends_on_time(nominal, &diagnosis.best.model) {
+        let text = "the effect depends on the time since the start of a run, and held-out logs \
                     have a start of their own: what it does there may not carry over"
-                .to_owned();
+            .to_owned();
         let file = files.first().map_or("", String::as_str);
         all.push((
             Severity::Warning,
