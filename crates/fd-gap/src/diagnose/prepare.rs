@@ -20,7 +20,7 @@ const BELIEVED: f64 = 1.25;
 const RAISED: f64 = 4.0;
 
 /// Spread of `ln` of the noise where the model states it, and where it does not.
-const NOISE_SPREAD: [f64; 2] = [0.15, 0.5];
+const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
 /// A grid above this many times the noise colours it: errors of rounding are no noise of a filter.
 const COARSE: f64 = 1.0;
 

@@ -40,6 +40,13 @@ const FAR_BELOW: f64 = 200.0;
 /// A candidate whose sum of squares is above this multiple of the best is out of reach.
 const OUT_OF_REACH: f64 = 1.2;
 
+/// Where outputs jump with the strength, the best of a grid is refined so often …
+const ROUGH_ROUNDS: usize = 2;
+/// … with so many points on either side, up to its neighbour.
+const ROUGH_POINTS: i32 = 8;
+/// Starts that are simulated at a time: their residuals must fit into memory.
+const AT_A_TIME: usize = 16;
+
 /// A candidate with its fit.
 #[derive(Debug)]
 pub(super) struct Trial<'a> {
@@ -98,12 +105,33 @@ impl<'a> Trial<'a> {
     /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz.
     pub(super) fn screen(&mut self, null: &NullFit, projection: &Projection<'_>, lines: &[f64]) {
         let starts = self.starts(lines);
-        let place = |start: &Vec<f64>| self.problem.place(&null.minimum.z, start);
-        let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
-        for (start, r) in starts.into_iter().zip(self.problem.residuals_of_all(&places)) {
-            if let Some(r) = r {
-                let score = projection.score(&r, self.amplitudes(&start));
-                self.scored.push((score, start));
+        self.score(null, projection, &starts);
+        if self.candidate.is_rough {
+            for _ in 0..ROUGH_ROUNDS {
+                let Some((_, best)) = self.scored.first() else { return };
+                let ratio = |(_, other): &(Score, Vec<f64>)| (other[0] / best[0] - 1.0).abs();
+                let others = self.scored.iter().skip(1).map(ratio).filter(|r| 0.0 < *r);
+                let half_width = others.fold(f64::INFINITY, f64::min).min(0.5);
+                let near = (-ROUGH_POINTS..=ROUGH_POINTS).filter(|i| *i != 0).map(|i| {
+                    let factor = 1.0 + half_width * f64::from(i) / f64::from(ROUGH_POINTS + 1);
+                    self.scaled(best, factor)
+                });
+                let near: Vec<Vec<f64>> = near.collect();
+                self.score(null, projection, &near);
+            }
+        }
+    }
+
+    /// Scores starts, and sorts all by what they could explain.
+    fn score(&mut self, null: &NullFit, projection: &Projection<'_>, starts: &[Vec<f64>]) {
+        for starts in starts.chunks(AT_A_TIME) {
+            let place = |start: &Vec<f64>| self.problem.place(&null.minimum.z, start);
+            let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
+            for (start, r) in starts.iter().zip(self.problem.residuals_of_all(&places)) {
+                if let Some(r) = r {
+                    let score = projection.score(&r, self.amplitudes(start));
+                    self.scored.push((score, start.clone()));
+                }
             }
         }
         self.scored.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
@@ -156,6 +184,11 @@ impl<'a> Trial<'a> {
 
     /// Amplitudes that keep all strengths within their bounds.
     fn amplitudes(&self, start: &[f64]) -> [f64; 2] {
+        // A limit that is moved a little may cut off nothing at all.
+        let is_limit = self.candidate.parameters.iter().any(|p| p.is_strength && p.is_reciprocal);
+        if self.candidate.is_rough || is_limit {
+            return [1.0, 1.0];
+        }
         let mut range = [-AMPLITUDE, AMPLITUDE];
         let parameters = self.candidate.parameters.iter().zip(start);
         for (p, value) in parameters.filter(|(p, _)| p.is_strength) {

@@ -107,6 +107,9 @@ pub struct Candidate {
     /// A parameter, in Hz, that is better started at the peaks of the spectrum of the residual; the
     /// `starts` hold a coarse grid in its place.
     pub spectral: Option<usize>,
+    /// Whether outputs jump as the strength changes, so that it is searched and not followed by
+    /// slopes: `starts` are a fine grid, and lie at the same ratio.
+    pub is_rough: bool,
 }
 
 /// What an effect acts on.

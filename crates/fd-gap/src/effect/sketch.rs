@@ -128,6 +128,7 @@ impl<'a> Sketch<'a> {
                 parameters: Vec::new(),
                 starts: Vec::new(),
                 spectral: None,
+                is_rough: false,
             },
             patch,
             bound: Vec::new(),
@@ -249,6 +250,13 @@ impl<'a> Sketch<'a> {
     #[must_use]
     pub fn spectral(mut self, index: usize) -> Self {
         self.candidate.spectral = Some(index);
+        self
+    }
+
+    /// Says that outputs jump as the strength changes: starts are a fine grid.
+    #[must_use]
+    pub fn rough(mut self) -> Self {
+        self.candidate.is_rough = true;
         self
     }
 

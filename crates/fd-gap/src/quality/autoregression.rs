@@ -35,6 +35,21 @@ impl Autoregression {
         Self { predictors: vec![Predictor { coefficients: Vec::new(), spread: 1.0 }] }
     }
 
+    /// Order 1: `w[k] = a w[k − 1] + √(1 − a²) e[k]`, with `|a| < 1` (clamped).
+    ///
+    /// ```
+    /// use fd_gap::quality::Autoregression;
+    ///
+    /// assert!((Autoregression::first_order(0.8).innovation() - 0.6).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn first_order(a: f64) -> Self {
+        let a = a.clamp(-1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
+        let mut predictors = Self::white().predictors;
+        predictors.push(Predictor { coefficients: vec![a], spread: (1.0 - a * a).sqrt() });
+        Self { predictors }
+    }
+
     /// Fits an autoregression to signals about zero, of the order up to `highest` with the least
     /// `n ln g² + p ln n` (Schwarz 1978). Missing samples (NaN) count as zero in the
     /// autocovariance, which keeps it positive definite.

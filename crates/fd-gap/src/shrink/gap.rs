@@ -1,5 +1,7 @@
 //! The size of a gap, and how much of it an effect closes.
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use fd_compensate::calibrate::{CircularBlocks, autocorrelation_time};
 
 /// Errors per output, segment and sample, in units of the noise; NaN where there is none.
@@ -7,6 +9,9 @@ pub type Errors = [Vec<Vec<f64>>];
 
 /// Length of a bootstrap block, in autocorrelation times.
 const BLOCK: f64 = 5.0;
+/// Relative standard deviation of a noise floor, which comes from about a thousand samples:
+/// `1/√(2n)` of the noise itself, and as much again of the method.
+const FLOOR_SPREAD: f64 = 0.03;
 /// A gap before that is less than this above its floor cannot be shared out.
 const REDUCIBLE: f64 = 0.01;
 
@@ -63,7 +68,7 @@ pub fn closed(
     seed: u64,
 ) -> Option<Closed> {
     let squares = pairs(before, after);
-    let total = |indices: &mut dyn Iterator<Item = usize>| -> Option<f64> {
+    let total = |indices: &mut dyn Iterator<Item = usize>, floor: f64| -> Option<f64> {
         let mut sums = [0.0; 3];
         for [before, after, count] in indices.map(|i| squares[i]) {
             sums[0] += before;
@@ -74,7 +79,7 @@ pub fn closed(
         (REDUCIBLE * floor < before).then(|| 1.0 - after / before)
     };
     let n = squares.len();
-    let fraction = total(&mut (0..n))?;
+    let fraction = total(&mut (0..n), floor)?;
     let memory = |errors: &Errors| {
         let times = errors.iter().map(|signals| {
             let signal: Vec<f64> =
@@ -87,8 +92,12 @@ pub fn closed(
     let block = ((BLOCK * memory(before).max(memory(after))) as usize).min(n.div_ceil(3));
     let mut indices = CircularBlocks::new(n, block, seed);
     let mut shares: Vec<f64> = Vec::with_capacity(replicas);
-    for _ in 0..replicas {
-        shares.extend(total(&mut indices.by_ref().take(n)));
+    let normal = Normal::standard();
+    for i in 0..replicas {
+        // The noise floor is an estimate as well: its quantiles, one per replica.
+        let z = normal.inverse_cdf((i as f64 + 0.5) / replicas as f64);
+        let floor = floor * (1.0 + FLOOR_SPREAD * z);
+        shares.extend(total(&mut indices.by_ref().take(n), floor));
     }
     shares.sort_by(f64::total_cmp);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0..=1")]

@@ -102,9 +102,12 @@ fn one(
     let (train, held_out, clean) = (log(0, true)?, log(1, true)?, log(0, false)?);
     let at_truth = centred(&model, &truth.parameters, &scene.initial(0))?;
     let seen = if order.full_oracle {
-        oracle(&at_truth, &clean)?
+        oracle(&at_truth, &clean, truth.colour())?
     } else {
-        Oracle { nothing: null(&at_truth, &clean)?.minimum.cost, ..Oracle::default() }
+        Oracle {
+            nothing: null(&at_truth, &clean, truth.colour())?.minimum.cost,
+            ..Oracle::default()
+        }
     };
     drop(scene);
     truth.oracle = Some(seen);

@@ -9,6 +9,7 @@ use fd_gap::{
         Variable, Weights, minimise, null_fit,
     },
     model::{LoadError, Model},
+    quality::Autoregression,
     simulate::EquationSimulator,
 };
 use fd_model::Record;
@@ -63,12 +64,17 @@ pub(super) fn candidates(model: &Model, log: &Record) -> Result<Vec<Candidate>, 
     Ok(all.filter(|candidate| candidate.kind == Kind::Simulation).collect())
 }
 
-/// The null fit to a noise-free log, with the noise that the model states.
-pub(super) fn null(model: &Model, log: &Record) -> Result<NullFit, BlindError> {
+/// The null fit to a noise-free log, with the noise that the model states: white, or an AR(1)
+/// sequence of this coefficient. In coloured noise slow differences are worth less.
+pub(super) fn null(model: &Model, log: &Record, colour: f64) -> Result<NullFit, BlindError> {
     let simulator = EquationSimulator::<f64>::at(model, log.ts())?;
     let plan = Arc::new(Plan::new(&simulator, std::slice::from_ref(log), Horizon::FreeRun)?);
     let sigma = model.outputs.iter().map(|output| output.noise.unwrap_or(1.0)).collect();
-    Ok(null_fit(&plan, &simulator, &Weights::white(sigma))?)
+    let mut weights = Weights::white(sigma);
+    if colour != 0.0 {
+        weights.colour.fill(Autoregression::first_order(colour));
+    }
+    Ok(null_fit(&plan, &simulator, &weights)?)
 }
 
 /// The model with real parameters and initial states for nominal ones: distances are measured from
@@ -89,8 +95,8 @@ pub(super) fn centred(model: &Model, parameters: &[f64], x0: &[f64]) -> Result<M
 }
 
 /// Looks for everything in the library that explains a noise-free log.
-pub(super) fn oracle(model: &Model, log: &Record) -> Result<Oracle, BlindError> {
-    let null = null(model, log)?;
+pub(super) fn oracle(model: &Model, log: &Record, colour: f64) -> Result<Oracle, BlindError> {
+    let null = null(model, log, colour)?;
     let nothing = null.minimum.cost;
     let mut oracle = Oracle { nothing, ..Oracle::default() };
     if nothing < SEPARATED {
@@ -128,9 +134,10 @@ pub(super) fn oracle(model: &Model, log: &Record) -> Result<Oracle, BlindError> 
 pub(super) fn distance_of(
     model: &Model,
     log: &Record,
+    colour: f64,
     wanted: impl Fn(&Candidate) -> bool,
 ) -> Result<f64, BlindError> {
-    let null = null(model, log)?;
+    let null = null(model, log, colour)?;
     let projection = projection(&null)?;
     let mut least = null.minimum.cost;
     for candidate in candidates(model, log)?.iter().filter(|candidate| wanted(candidate)) {

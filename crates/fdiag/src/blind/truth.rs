@@ -110,6 +110,13 @@ pub struct Truth {
 /// Coefficient of coloured noise.
 const COLOUR: f64 = 0.8;
 
+impl Truth {
+    /// Coefficient of the AR(1) sequence that the noise is; 0 when it is white.
+    pub(super) fn colour(&self) -> f64 {
+        if self.coloured { COLOUR } else { 0.0 }
+    }
+}
+
 /// A truth with its plant, ready to run.
 pub(super) struct Scene<'a> {
     pub(super) truth: &'a Truth,
@@ -165,7 +172,7 @@ impl<'a> Scene<'a> {
     fn noise(&self, run: u64) -> Vec<f64> {
         let random = &mut Random::named(self.truth.seed, &format!("noise/{run}"));
         let (truth, outputs) = (self.truth, &self.model.outputs);
-        let k = if truth.coloured { COLOUR } else { 0.0 };
+        let k = truth.colour();
         let mut state: Vec<f64> = outputs.iter().map(|_| random.normal()).collect();
         let mut all = Vec::with_capacity(truth.samples * outputs.len());
         for _ in 0..truth.samples {

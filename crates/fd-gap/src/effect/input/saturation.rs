@@ -13,7 +13,7 @@ use crate::{
 pub struct InputSaturation;
 
 /// Limits from which to start, as fractions of the largest input.
-const LEVELS: [f64; 4] = [0.92, 0.8, 0.62, 0.42];
+const LEVELS: [f64; 5] = [0.97, 0.92, 0.8, 0.62, 0.42];
 
 impl Effect for InputSaturation {
     fn label(&self) -> &'static str {

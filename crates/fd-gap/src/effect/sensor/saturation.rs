@@ -32,7 +32,7 @@ impl Effect for SensorSaturation {
                     .abbreviate("q", excess)
                     // What is cut off is exactly zero for s = 0.
                     .wrap_output("y - (q - q/max(1, s*abs(q)))")
-                    .starts([[1.0 / 0.92], [1.0 / 0.8], [1.0 / 0.62], [1.0 / 0.42]])
+                    .starts([0.985, 0.96, 0.92, 0.8, 0.62, 0.42].map(|level| [1.0 / level]))
             };
             vec![limit("both", "d"), limit("upper", "max(d, 0)"), limit("lower", "min(d, 0)")]
         })

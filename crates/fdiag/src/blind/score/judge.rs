@@ -246,7 +246,7 @@ fn left(case: &Case, truth: &Truth, named: &Named) -> Result<f64, BlindError> {
             && candidate.site.name() == Some(&named.site)
             && partner == named.partner.as_deref()
     };
-    distance_of(&centred, &clean, wanted)
+    distance_of(&centred, &clean, truth.colour(), wanted)
 }
 
 /// The real noise, and the share that is really closed.
