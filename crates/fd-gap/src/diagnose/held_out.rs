@@ -3,7 +3,7 @@
 use super::{result::HeldOut, settings::Settings};
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
-    shrink::{Settled, closed, forecast_errors, gap_per_output},
+    shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
     simulate::Simulator,
 };
 
@@ -65,8 +65,10 @@ pub(super) fn compare(
             refit: physical(&gap_per_output(&refit)),
             after: physical(&gap_per_output(&after)),
             floor: physical(floors),
-            closed_of_nominal: closed(&before, &after, floor, replicas, seed),
-            closed_of_refit: closed(&refit, &after, floor, replicas, seed),
+            closed_of_nominal: closed(&before, &after, floor, replicas, seed)
+                .map(Closed::between_runs),
+            closed_of_refit: closed(&refit, &after, floor, replicas, seed)
+                .map(Closed::between_runs),
         });
     }
     Ok(all)

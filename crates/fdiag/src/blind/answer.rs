@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{baselines::Baselines, error::BlindError};
 
+/// The word for an answer that names nothing.
+pub(super) const UNCLEAR: &str = "unclear";
+
 /// What a diagnosis said of a case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -86,10 +89,12 @@ impl Answer {
         self.causes.first().filter(|_| self.no_gap < 0.5)
     }
 
-    /// Probability that the simulator is to blame at all.
+    /// Probability that the simulator is to blame at all; not above one half when the answer is
+    /// that the log cannot tell.
     #[must_use]
     pub fn blamed(&self) -> f64 {
-        1.0 - self.no_gap
+        let blamed = 1.0 - self.no_gap;
+        if self.verdict == UNCLEAR { blamed.min(0.5) } else { blamed }
     }
 }
 

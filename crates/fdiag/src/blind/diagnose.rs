@@ -10,7 +10,7 @@ use fd_gap::{
 use fd_model::Record;
 
 use super::{
-    answer::{Answer, Named, Share},
+    answer::{Answer, Named, Share, UNCLEAR},
     error::BlindError,
 };
 
@@ -77,7 +77,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Tied => "tied",
         Verdict::Pair => "pair",
         Verdict::NoneOfThese => "none of these",
-        Verdict::Unclear => "unclear",
+        Verdict::Unclear => UNCLEAR,
     }
 }
 
