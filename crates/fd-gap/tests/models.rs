@@ -13,7 +13,7 @@ use fd_gap::{
     simulate::{EquationSimulator, OperatingPoint, Outcome, Simulator, linearize},
 };
 
-const EXAMPLES: [&str; 8] = [
+const EXAMPLES: [&str; 9] = [
     "mass_spring_damper",
     "dc_drive",
     "dc_drive_closed_loop",
@@ -22,6 +22,7 @@ const EXAMPLES: [&str; 8] = [
     "two_mass_drive",
     "tanks",
     "two_input",
+    "two_spool_engine",
 ];
 
 fn root() -> PathBuf {
@@ -53,6 +54,7 @@ fn working_input(name: &str) -> Vec<f64> {
         "two_mass_drive" => vec![0.5],
         "tanks" => vec![5.5],
         "two_input" => vec![8e-5, 1e-4],
+        "two_spool_engine" => vec![0.1, 0.05],
         other => panic!("no input for {other}"),
     }
 }

@@ -269,7 +269,7 @@ fn name(cause: &Cause) -> String {
 /// The strengths; a curve of many strengths by its largest value.
 fn strength(cause: &Cause, parameters: &[ParameterReport]) -> String {
     let strengths: Vec<&ParameterReport> = parameters.iter().filter(|p| p.is_strength).collect();
-    if cause.family == "map" {
+    if cause.label.ends_with("-map") {
         let by_size =
             |a: &&&ParameterReport, b: &&&ParameterReport| a.value.abs().total_cmp(&b.value.abs());
         let largest = strengths.iter().max_by(by_size);
