@@ -1,15 +1,6 @@
 //! The nonlinear engine with one withheld cause against the linear and the nominal simulator.
-//!
-//! The full table of `docs/results/gap-engine.md`:
-//! `cargo test -p fdiag --test gap_engine -- --ignored --nocapture`
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stdout,
-    reason = "tests panic to fail, and print what they saw"
-)]
-
-use std::{collections::BTreeMap, time::Instant};
+//! The full table is an example: `cargo run --release -p fdiag --example gap_engine`.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests panic to fail")]
 
 use fd_gap::{
     diagnose::Diagnosis,
@@ -20,7 +11,7 @@ use fd_jetengine::engine17::{Engine17, Health, HealthParameter, Parameters};
 use fd_model::SampleTime;
 use fdiag::gap::engine_plant::{
     Answer, BLEED_LEAK, EngineCause, EngineKnowledge, EngineSimulator, HEAT_SOAK,
-    MODULE_EFFICIENCY, diagnose_engine, engine_effects, engine_log, simulator,
+    MODULE_EFFICIENCY, diagnose_engine, engine_log, simulator,
 };
 
 /// Samples every 40 ms, simulated in steps of 6.7 ms.
@@ -52,39 +43,8 @@ fn find(
 ) -> (Answer, Diagnosis) {
     let log = engine_log(known, cause, samples, seed).unwrap();
     let nominal = simulator(known, is_linear).unwrap();
-    let begin = Instant::now();
     let diagnosis = diagnose_engine(&*nominal, effects, &log).unwrap();
-    let answer = Answer::of(&diagnosis, cause);
-    let kind = if is_linear { "linear" } else { "nonlinear" };
-    let first = &diagnosis.causes[0];
-    let strength = &first.parameters[0];
-    println!(
-        "| {} {} | {} | {kind} | {answer:?} | {:?} | {} {} ({}) | {:.3} | {:.4} ± {:.4} | {:.2} | {:.2} | {} |",
-        cause.name().0,
-        cause.name().1,
-        cause.strength(),
-        diagnosis.verdict,
-        first.label,
-        first.site.name().unwrap_or_default(),
-        first.law,
-        first.probability,
-        strength.value,
-        strength.standard_error,
-        worst(&diagnosis.refit.gap),
-        worst(&diagnosis.best.gap),
-        diagnosis.tied.len(),
-    );
-    println!(
-        "    {} simulations, {} causes, {:.1?}",
-        diagnosis.simulations,
-        diagnosis.causes.len(),
-        begin.elapsed()
-    );
-    (answer, diagnosis)
-}
-
-fn worst(gap: &[f64]) -> f64 {
-    gap.iter().copied().fold(0.0, f64::max)
+    (Answer::of(&diagnosis, cause), diagnosis)
 }
 
 #[test]
@@ -154,69 +114,4 @@ fn a_slow_fuel_valve_comes_first_with_both() {
         let is_named = matches!(answer, Answer::Right | Answer::Tied);
         assert!(is_named || is_linear && answer == Answer::First, "{is_linear}: {answer:?}");
     }
-}
-
-/// What is withheld, weak and strong.
-fn causes() -> [[EngineCause; 2]; 14] {
-    use HealthParameter as H;
-    let health = |parameter, shifts: [f64; 2]| shifts.map(|x| EngineCause::Health(parameter, x));
-    [
-        health(H::LpcEfficiency, [-0.006, -0.02]),
-        health(H::HpcEfficiency, [-0.006, -0.02]),
-        health(H::HptEfficiency, [-0.006, -0.02]),
-        health(H::LptEfficiency, [-0.006, -0.02]),
-        health(H::HpcFlow, [-0.006, -0.02]),
-        health(H::LptFlow, [0.006, 0.02]),
-        health(H::BleedLeak, [0.004, 0.015]),
-        health(H::NozzleArea, [0.004, 0.015]),
-        [0.15, 0.7].map(|lag| EngineCause::SensorLag(2, lag)),
-        [0.04, 0.1].map(|lag| EngineCause::SensorLag(3, lag)),
-        [0.04, 0.15].map(EngineCause::FuelLag),
-        [0.2, 0.05].map(EngineCause::FuelRateLimit),
-        [0.1, 0.5].map(EngineCause::HeatSoak),
-        [EngineCause::Nothing; 2],
-    ]
-}
-
-/// One part of the table: 16 s of an engine of which the modules are known exactly.
-fn table(is_linear: bool, is_strong: bool) {
-    let begin = Instant::now();
-    let known = EngineKnowledge { module_tolerance: 0.0, ..known() };
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    println!(
-        "| withheld | strength | simulator | answer | verdict | first cause | p | strength | \
-         gap refit | gap best | tied |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    for (i, pair) in causes().into_iter().enumerate() {
-        let cause = pair[usize::from(is_strong)];
-        let seed = 100 + 2 * i as u64 + u64::from(is_strong);
-        let (answer, _) = find(&known, is_linear, engine_effects(), cause, 400, seed);
-        *counts.entry(format!("{answer:?}")).or_default() += 1;
-    }
-    println!("{counts:?} in {:.0?}", begin.elapsed());
-}
-
-#[test]
-#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
-fn table_linear_weak() {
-    table(true, false);
-}
-
-#[test]
-#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
-fn table_linear_strong() {
-    table(true, true);
-}
-
-#[test]
-#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
-fn table_nonlinear_weak() {
-    table(false, false);
-}
-
-#[test]
-#[ignore = "takes minutes: the table of docs/results/gap-engine.md"]
-fn table_nonlinear_strong() {
-    table(false, true);
 }

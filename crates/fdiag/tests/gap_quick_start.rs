@@ -7,7 +7,7 @@ use fdiag::{
     gap::{GapStudy, HeldOutChoice, Request},
     model::{
         Channel, Record, SampleTime,
-        file::{LogMap, read_log, write_log},
+        file::{LogMap, read_log},
     },
 };
 use rand::{RngExt, SeedableRng};
@@ -56,13 +56,6 @@ fn run(seed: u64) -> Record {
     }
     let [inputs, outputs] = channels();
     Record::from_rows(inputs, outputs, rows, SampleTime::new(ts).unwrap()).unwrap()
-}
-
-#[test]
-#[ignore = "writes the logs of the example"]
-fn write_the_logs() {
-    write_log(folder().join("monday.csv"), &run(1)).unwrap();
-    write_log(folder().join("friday.csv"), &run(2)).unwrap();
 }
 
 /// The committed logs are those of this file.
