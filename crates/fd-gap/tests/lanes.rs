@@ -158,15 +158,7 @@ fn problem(candidate: &Candidate, horizon: Horizon, side_by_side: bool) -> Probl
     let simulator: Box<dyn Simulator> =
         Box::new(EquationSimulator::<f64>::new(&candidate.model).unwrap());
     let simulator = if side_by_side { simulator } else { Box::new(OneByOne(simulator)) };
-    let effects = candidate.parameters.iter().map(|p| Variable {
-        name: p.name.clone(),
-        unit: p.unit.clone(),
-        start: p.neutral,
-        scale: p.scale,
-        low: p.low,
-        high: p.high,
-        prior: None,
-    });
+    let effects = candidate.parameters.iter().map(Variable::effect);
     let weights = Weights::white(vec![0.02, 0.2]);
     Problem::new(plan, simulator, effects.collect(), weights).unwrap()
 }

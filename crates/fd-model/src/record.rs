@@ -222,6 +222,21 @@ impl Record {
         self.start + k as f64 * self.ts.seconds()
     }
 
+    /// Whether this record goes on where an `earlier` one ended, to within half a sample.
+    ///
+    /// ```
+    /// use fd_model::{Channel, Record, SampleTime};
+    ///
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let all = Record::new(u, y, vec![0.0; 9], vec![0.0; 9], SampleTime::new(0.1)?)?;
+    /// assert!(all.slice(6, 9).continues(&all.slice(0, 6)) && !all.continues(&all));
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn continues(&self, earlier: &Self) -> bool {
+        (earlier.time(earlier.len()) - self.start).abs() < 0.5 * self.ts.seconds()
+    }
+
     /// Time between samples.
     #[must_use]
     pub fn ts(&self) -> SampleTime {

@@ -143,11 +143,7 @@ fn prepare(
     earlier: &[Record],
     diagnosis: &Diagnosis,
 ) -> Result<Option<Vec<Trained>>, FitError> {
-    let logs = records
-        .iter()
-        .enumerate()
-        .map(|(i, record)| Ok(Log::new(record, nominal, i + 1)?.continuing(record, earlier)));
-    let logs: Vec<Log> = logs.collect::<Result<_, FitError>>()?;
+    let logs = Log::all(records, nominal, earlier)?;
     let nuisances: Vec<(String, f64)> =
         diagnosis.refit.nuisances.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
     let settled = Settled { simulator: &*refit, nuisances: &nuisances, effects: &[] };

@@ -105,11 +105,7 @@ pub fn diagnose(
     let mut not_tested = std::mem::take(&mut offers.refused);
     let mut attempt = Attempt::new(case, &offers, settings.horizon, Depth::All, settings, monitor)?;
     let simulator = attempt.weighing.base.simulator().boxed();
-    let held_out =
-        case.held_out.iter().enumerate().map(|(i, record)| {
-            Ok(Log::new(record, &*simulator, i + 1)?.continuing(record, case.logs))
-        });
-    let held_out: Vec<Log> = held_out.collect::<Result<_, FitError>>()?;
+    let held_out = Log::all(case.held_out, &*simulator, case.logs)?;
 
     monitor.begin(Stage::Judge, 2);
     let is_far = attempt.noise.is_far(&attempt.best.errors);

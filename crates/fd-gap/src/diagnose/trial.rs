@@ -75,15 +75,7 @@ impl<'a> Trial<'a> {
         let plan = Arc::clone(null.problem.plan());
         let ts = null.problem.simulator().ts();
         let simulator = nominal.patched(&candidate.model, ts)?;
-        let variable = |p: &EffectParameter| Variable {
-            name: p.name.clone(),
-            unit: p.unit.clone(),
-            start: p.neutral,
-            scale: p.scale,
-            low: p.low,
-            high: p.high,
-            prior: None,
-        };
+        let variable = Variable::effect;
         let effects = candidate.parameters.iter().map(variable).collect();
         let weights = null.problem.weights().clone();
         let problem = Problem::new(plan, simulator, effects, weights)?;

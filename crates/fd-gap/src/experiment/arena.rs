@@ -196,17 +196,7 @@ impl<'a> Arena<'a> {
         let Contender { cause, candidate } = rival;
         let model = measured(&candidate.model, self.sensor.as_ref())?;
         let simulator = self.case.nominal.patched(&model, self.ts).ok()?;
-        let effects: Vec<Variable> = (candidate.parameters.iter())
-            .map(|p| Variable {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                start: p.neutral,
-                scale: p.scale,
-                low: p.low,
-                high: p.high,
-                prior: None,
-            })
-            .collect();
+        let effects: Vec<Variable> = (candidate.parameters.iter()).map(Variable::effect).collect();
         let weights = Weights::white(self.sigma.clone());
         let mut problem = Problem::new(Arc::clone(plan), simulator, effects, weights).ok()?;
         let fitted: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();

@@ -98,13 +98,24 @@ impl Log {
         Ok(Self { u, y: y.collect(), nu, ny, samples: record.len(), first: 0 })
     }
 
+    /// The logs of records, each [`continuing`](Self::continuing) one of the `earlier` ones if it
+    /// does.
+    pub(crate) fn all(
+        records: &[Record],
+        simulator: &dyn Simulator,
+        earlier: &[Record],
+    ) -> Result<Vec<Self>, FitError> {
+        let each = records.iter().enumerate().map(|(i, record)| {
+            Ok(Self::new(record, simulator, i + 1)?.continuing(record, earlier))
+        });
+        each.collect()
+    }
+
     /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force
     /// keeps its phase, and a drift goes on. Any other log has a clock of its own.
     #[must_use]
     pub fn continuing(mut self, record: &Record, earlier: &[Record]) -> Self {
-        let tolerance = 0.5 * record.ts().seconds();
-        let goes_on = |e: &&Record| (e.time(e.len()) - record.time(0)).abs() < tolerance;
-        self.first = earlier.iter().find(goes_on).map_or(0, Record::len);
+        self.first = earlier.iter().find(|e| record.continues(e)).map_or(0, Record::len);
         self
     }
 

@@ -63,9 +63,7 @@ impl Plan {
         records: &[Record],
         horizon: Horizon,
     ) -> Result<Self, FitError> {
-        let logs: Result<Vec<_>, _> =
-            records.iter().enumerate().map(|(i, r)| Log::new(r, simulator, i + 1)).collect();
-        Self::of_logs(simulator, logs?, horizon)
+        Self::of_logs(simulator, Log::all(records, simulator, &[])?, horizon)
     }
 
     pub(crate) fn of_logs(

@@ -1,7 +1,6 @@
 //! An unknown of a fit.
 
-use crate::model::Parameter;
-use crate::simulate::Initial;
+use crate::{effect::EffectParameter, model::Parameter, simulate::Initial};
 
 /// Standard deviation of what is known of a value, in tolerances.
 const PRIOR: f64 = 0.67;
@@ -49,6 +48,21 @@ impl Variable {
             low: value - half,
             high: value + half,
             prior: Some(sd),
+        }
+    }
+
+    /// A parameter of an effect: free within its bounds, from where the effect is absent.
+    #[must_use]
+    pub fn effect(parameter: &EffectParameter) -> Self {
+        let EffectParameter { name, unit, scale, low, high, neutral, .. } = parameter;
+        Self {
+            name: name.clone(),
+            unit: unit.clone(),
+            start: *neutral,
+            scale: *scale,
+            low: *low,
+            high: *high,
+            prior: None,
         }
     }
 

@@ -26,10 +26,7 @@ impl Bench {
     pub(crate) fn new(case: &Case<'_>, diagnosis: &Diagnosis) -> Result<Self, FitError> {
         let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
         let simulator = case.nominal.simulator(ts)?;
-        let logs: Result<Vec<Log>, FitError> = (case.logs.iter().enumerate())
-            .map(|(i, record)| Log::new(record, &*simulator, i + 1))
-            .collect();
-        let logs = logs?;
+        let logs = Log::all(case.logs, &*simulator, &[])?;
         let starts = &diagnosis.refit.starts;
         let segments = starts.iter().enumerate().map(|(s, start)| {
             let next = starts.get(s + 1).filter(|next| next.log == start.log);

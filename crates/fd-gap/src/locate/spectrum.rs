@@ -9,7 +9,10 @@ use super::{
     bench::{Bench, Rows},
     result::{Band, Spectrum},
 };
-use crate::{diagnose::Diagnosis, quality::Autoregression};
+use crate::{
+    diagnose::Diagnosis,
+    quality::{Autoregression, transform},
+};
 
 /// Bands.
 const BANDS: usize = 8;
@@ -171,17 +174,6 @@ impl Power {
 
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n as f64).cos()).collect()
-}
-
-/// The lines of a real signal, from zero to half the sample rate.
-fn transform(planner: &mut RealFftPlanner<f64>, signal: &mut [f64]) -> Vec<Complex64> {
-    let plan = planner.plan_fft_forward(signal.len());
-    let mut lines = plan.make_output_vec();
-    // Only wrong lengths are errors, and the plan has made them.
-    if plan.process(signal, &mut lines).is_err() {
-        lines.fill(Complex64::new(0.0, 0.0));
-    }
-    lines
 }
 
 /// Squared coherence of a residual with an input per band, weighted with the power of the residual,

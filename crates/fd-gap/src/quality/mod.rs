@@ -10,6 +10,7 @@ mod noise_floor;
 mod pattern;
 mod spectrum;
 
+pub(crate) use self::spectrum::transform;
 pub use self::{
     autoregression::Autoregression,
     channel::grid_step,

@@ -1,6 +1,6 @@
 //! Lines in the spectrum of a residual.
 
-use std::f64::consts::PI;
+use realfft::{RealFftPlanner, num_complex::Complex64};
 
 /// How much finer than one over the length of the signal the spectrum is computed.
 const PADDING: usize = 4;
@@ -22,6 +22,7 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
     let longest = signals.iter().map(|signal| signal.len()).max().unwrap_or(0);
     let n = (PADDING * longest).next_power_of_two().max(PADDING);
     let mut power = vec![0.0; n / 2];
+    let mut planner = RealFftPlanner::<f64>::new();
     for signal in signals {
         let finite = || signal.iter().filter(|v| v.is_finite());
         let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
@@ -29,11 +30,11 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
         if total <= 0.0 {
             continue;
         }
-        let value = |v: &f64| if v.is_finite() { (v - mean, 0.0) } else { (0.0, 0.0) };
-        let mut z: Vec<(f64, f64)> = signal.iter().map(value).collect();
-        z.resize(n, (0.0, 0.0));
-        fourier(&mut z);
-        power.iter_mut().zip(&z).for_each(|(p, (re, im))| *p += (re * re + im * im) / total);
+        let value = |v: &f64| if v.is_finite() { v - mean } else { 0.0 };
+        let mut padded: Vec<f64> = signal.iter().map(value).collect();
+        padded.resize(n, 0.0);
+        let lines = transform(&mut planner, &mut padded);
+        power.iter_mut().zip(&lines).for_each(|(p, line)| *p += line.norm_sqr() / total);
     }
     let is_peak = |k: &usize| power[k - 1] < power[*k] && power[k + 1] <= power[*k];
     let mut peaks: Vec<usize> = (1..n / 2 - 1).filter(is_peak).collect();
@@ -42,22 +43,13 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
     peaks.into_iter().map(|k| k as f64 / n as f64).collect()
 }
 
-/// The discrete Fourier transform of a power of two of complex numbers, by Cooley and Tukey.
-fn fourier(z: &mut [(f64, f64)]) {
-    let n = z.len();
-    if n < 2 {
-        return;
+/// The lines of a real signal, which is spoilt, from zero to half the sample rate.
+pub(crate) fn transform(planner: &mut RealFftPlanner<f64>, signal: &mut [f64]) -> Vec<Complex64> {
+    let plan = planner.plan_fft_forward(signal.len());
+    let mut lines = plan.make_output_vec();
+    // Only wrong lengths are errors, and the plan has made them.
+    if plan.process(signal, &mut lines).is_err() {
+        lines.fill(Complex64::new(0.0, 0.0));
     }
-    let (mut even, mut odd): (Vec<_>, Vec<_>) =
-        z.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
-    fourier(&mut even);
-    fourier(&mut odd);
-    let (low, high) = z.split_at_mut(n / 2);
-    for k in 0..n / 2 {
-        let (sin, cos) = (-2.0 * PI * k as f64 / n as f64).sin_cos();
-        let (re, im) = odd[k];
-        let turned = (re * cos - im * sin, re * sin + im * cos);
-        low[k] = (even[k].0 + turned.0, even[k].1 + turned.1);
-        high[k] = (even[k].0 - turned.0, even[k].1 - turned.1);
-    }
+    lines
 }

@@ -182,15 +182,7 @@ fn short(
     let plan = Arc::clone(null.problem.plan());
     let ts = null.problem.simulator().ts();
     let simulator = EquationSimulator::<f64>::at(&candidate.model, ts).map_err(FitError::from)?;
-    let variables = candidate.parameters.iter().map(|p| Variable {
-        name: p.name.clone(),
-        unit: p.unit.clone(),
-        start: p.neutral,
-        scale: p.scale,
-        low: p.low,
-        high: p.high,
-        prior: None,
-    });
+    let variables = candidate.parameters.iter().map(Variable::effect);
     let weights = null.problem.weights().clone();
     let mut problem = Problem::new(plan, Box::new(simulator), variables.collect(), weights)?;
     let mut r = vec![0.0; problem.layout().residuals()];

@@ -118,11 +118,7 @@ impl Data {
 
     /// Whether every held-out record goes on where a fitted one ends.
     pub(super) fn is_continued(&self) -> bool {
-        let goes_on = |held_out: &Record| {
-            let ends = self.fit.iter().map(|record| record.time(record.len()));
-            ends.into_iter()
-                .any(|end| (end - held_out.time(0)).abs() < 0.5 * held_out.ts().seconds())
-        };
+        let goes_on = |record: &Record| self.fit.iter().any(|earlier| record.continues(earlier));
         self.held_out.iter().all(goes_on)
     }
 
