@@ -6,8 +6,8 @@ use fd_core::stage::Plant;
 use fd_jetengine::{
     Compressor, EngineError,
     engine17::{
-        Engine17, Environment, ExtendedEngine, FuelLimiter, Gas, Health, HealthParameter, MAX_STEP,
-        NX, Parameters, Sampled, Transient, Trim, Unmodelled,
+        Dynamics, Engine17, Environment, ExtendedEngine, FuelLimiter, Gas, Health, HealthParameter,
+        MAX_STEP, NX, Parameters, Sampled, Transient, Trim, Unmodelled,
     },
 };
 use fd_model::{SampleTime, fault::Parameters as _};
@@ -229,6 +229,36 @@ fn extended_engine_settles_on_the_same_trim() {
         // exp(-0.12 · 60) = 7e-4 of a change of up to 3 %.
         assert!((end / want - 1.0).abs() < 5e-5, "{end} {want}");
     }
+}
+
+/// Parts of size 0 are not there: the readings are those of the seventeen states, to the bit.
+#[test]
+fn extended_engine_without_extensions_is_the_engine() {
+    let engine = engine();
+    let from = engine.trim(0.70).unwrap();
+    let nothing = Unmodelled {
+        actuator: 0.0,
+        conductance_h: 0.0,
+        conductance_l: 0.0,
+        temperature_sensor: 0.0,
+        pressure_sensor: 0.0,
+        ..Unmodelled::default()
+    };
+    let bare = ExtendedEngine::new(engine.clone(), nothing).unwrap();
+    let run = Transient { duration: 2.0, limiter: None, ..Transient::default() };
+    let with = run.run(&bare, bare.equilibrium(&from), |_| 0.72).unwrap();
+    let without = run.run(&engine, from.x, |_| 0.72).unwrap();
+    for (a, b) in with.states.iter().zip(&without.states) {
+        for (i, j) in bare.measured().into_iter().zip(Dynamics::<f64, NX>::measured(&engine)) {
+            assert_eq!(a[i].to_bits(), b[j].to_bits());
+        }
+    }
+    for bad in [-1.0, 1e-4, f64::NAN] {
+        let with = Unmodelled { actuator: bad, ..nothing };
+        assert!(ExtendedEngine::new(engine.clone(), with).is_err());
+    }
+    let weightless = Unmodelled { metal_mass_h: 0.0, ..nothing };
+    assert!(ExtendedEngine::new(engine, weightless).is_err());
 }
 
 proptest! {

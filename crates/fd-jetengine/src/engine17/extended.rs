@@ -35,6 +35,9 @@ const W_6: usize = 10;
 /// Lags are those of published engine codes. Masses and conductances of the metal are guesses
 /// of the right size. Speeds are read without lag (0.02 s in published codes), and the 40 ms
 /// dead time of the fuel valve is left to the caller, who can delay the input.
+///
+/// A lag of 0 s and a conductance of 0 W/K leave that part out: its state then stays where it is,
+/// so that the linear model has a pole at zero for it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Unmodelled {
@@ -87,10 +90,11 @@ impl Default for Unmodelled {
 #[derive(Clone, Debug)]
 pub struct ExtendedEngine<T: Scalar = f64> {
     engine: Engine17<T>,
-    actuator_rate: T,
+    /// Rates of first-order lags in 1/s; none where there is no lag.
+    actuator_rate: Option<T>,
     conductance: [T; 2],
     metal_capacity: [T; 2],
-    sensor_rates: [T; 3],
+    sensor_rates: [Option<T>; 3],
     reference_flow: T,
 }
 
@@ -99,34 +103,38 @@ impl<T: Scalar> ExtendedEngine<T> {
     ///
     /// # Errors
     ///
-    /// Returns an error when a time constant, mass or capacity is not positive.
+    /// Returns an error when a mass or capacity is not positive, a conductance is negative, or a time
+    /// constant is neither 0 nor at least 1 ms.
     pub fn new(engine: Engine17<T>, with: Unmodelled) -> Result<Self, EngineError> {
-        for (quantity, value, unit) in [
-            ("time constant of the fuel actuator", with.actuator, "s"),
-            ("mass of the high-pressure turbine metal", with.metal_mass_h, "kg"),
-            ("mass of the low-pressure turbine metal", with.metal_mass_l, "kg"),
-            ("heat capacity of the metal", with.metal_heat, "J/(kg K)"),
-            ("conductance to the high-pressure turbine metal", with.conductance_h, "W/K"),
-            ("conductance to the low-pressure turbine metal", with.conductance_l, "W/K"),
-            ("time constant of the temperature sensors", with.temperature_sensor, "s"),
-            ("time constant of the pressure sensor", with.pressure_sensor, "s"),
+        let absent = |value: f64| value.total_cmp(&0.0).is_eq();
+        let (always, or_none) = (false, true);
+        for (quantity, value, unit, optional) in [
+            ("time constant of the fuel actuator", with.actuator, "s", or_none),
+            ("mass of the high-pressure turbine metal", with.metal_mass_h, "kg", always),
+            ("mass of the low-pressure turbine metal", with.metal_mass_l, "kg", always),
+            ("heat capacity of the metal", with.metal_heat, "J/(kg K)", always),
+            ("conductance to the high-pressure turbine metal", with.conductance_h, "W/K", or_none),
+            ("conductance to the low-pressure turbine metal", with.conductance_l, "W/K", or_none),
+            ("time constant of the temperature sensors", with.temperature_sensor, "s", or_none),
+            ("time constant of the pressure sensor", with.pressure_sensor, "s", or_none),
         ] {
             let (low, high) = (1e-3, 1e9);
-            if !(low..=high).contains(&value) {
+            if !((low..=high).contains(&value) || optional && absent(value)) {
                 return Err(EngineError::OutOfRange { quantity, value, low, high, unit });
             }
         }
-        let temperature = k::<T>(1.0 / with.temperature_sensor);
+        let rate = |lag: f64| (!absent(lag)).then(|| k::<T>(1.0 / lag));
+        let temperature = rate(with.temperature_sensor);
         Ok(Self {
             reference_flow: k(engine.design().reference.w_6),
             engine,
-            actuator_rate: k(1.0 / with.actuator),
+            actuator_rate: rate(with.actuator),
             conductance: [k(with.conductance_h), k(with.conductance_l)],
             metal_capacity: [
                 k(with.metal_mass_h * with.metal_heat),
                 k(with.metal_mass_l * with.metal_heat),
             ],
-            sensor_rates: [temperature, k(1.0 / with.pressure_sensor), temperature],
+            sensor_rates: [temperature, rate(with.pressure_sensor), temperature],
         })
     }
 
@@ -186,15 +194,18 @@ impl<T: Scalar> Dynamics<T, NX_EXTENDED> for ExtendedEngine<T> {
         let flow = (x[W_6] / self.reference_flow).max(T::zero()).powf(k(0.8));
         let heat: [T; 2] =
             std::array::from_fn(|i| self.conductance[i] * flow * (x[METAL[i]] - x[HEATING[i]]));
-        let (core_rates, auxiliary) = self.engine.rates_with_heat(&core, x[ACTUATOR], heat);
+        let burnt = if self.actuator_rate.is_some() { x[ACTUATOR] } else { fuel };
+        let (core_rates, auxiliary) = self.engine.rates_with_heat(&core, burnt, heat);
         let mut rates = [T::zero(); NX_EXTENDED];
         rates[..NX].copy_from_slice(&core_rates);
-        rates[ACTUATOR] = (fuel - x[ACTUATOR]) * self.actuator_rate;
+        let lag =
+            |rate: Option<T>, from: T, to: T| rate.map_or(T::zero(), |rate| (to - from) * rate);
+        rates[ACTUATOR] = lag(self.actuator_rate, x[ACTUATOR], fuel);
         for i in 0..2 {
             rates[METAL[i]] = -heat[i] / self.metal_capacity[i];
         }
         for i in 0..3 {
-            rates[SENSORS[i]] = (x[SENSED[i]] - x[SENSORS[i]]) * self.sensor_rates[i];
+            rates[SENSORS[i]] = lag(self.sensor_rates[i], x[SENSORS[i]], x[SENSED[i]]);
         }
         (rates, auxiliary)
     }
@@ -204,6 +215,8 @@ impl<T: Scalar> Dynamics<T, NX_EXTENDED> for ExtendedEngine<T> {
     }
 
     fn measured(&self) -> [usize; NY] {
-        [0, 1, SENSORS[0], SENSORS[1], SENSORS[2]]
+        let reading =
+            |i: usize| if self.sensor_rates[i].is_some() { SENSORS[i] } else { SENSED[i] };
+        [0, 1, reading(0), reading(1), reading(2)]
     }
 }
