@@ -5,8 +5,10 @@
 //! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]).
 
 pub mod blind;
+pub mod compare;
 pub mod engine;
 pub mod gap;
+mod journal;
 pub mod logs;
 pub mod report;
 pub mod road;

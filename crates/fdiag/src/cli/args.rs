@@ -21,6 +21,7 @@ Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
   fdiag compensate  learns what the model does not know without a name, to see small faults
   fdiag engine      shows on a simulated jet engine what compensation gains
+  fdiag compare     says which residual, compensation and detector find the smallest faults there
 
 Exit codes:
   0  done
@@ -42,6 +43,14 @@ pub(crate) enum Command {
     /// sensor faults that are detected with and without compensation at the same false-alarm
     /// rate. Writes report.html, report.json and the pictures of the paper's figures 4 to 7.
     Engine(EngineArgs),
+    /// Compare every residual generator, bias model and detector on the same engines
+    ///
+    /// Brings all of them to the same rate of false alarms on engines of their own, then counts on
+    /// other engines which sensor and component faults they find, how soon, and whether they name the
+    /// right sensor. Writes report.html and report.json. A run that was killed continues where it
+    /// stopped when it is started again with the same settings and directory. docs/compare.md says
+    /// which method to choose when.
+    Compare(CompareArgs),
     /// Learn and remove the residual bias of your own model, then look for faults in later logs
     ///
     /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
@@ -85,6 +94,30 @@ pub(crate) struct EngineArgs {
     /// First seed
     #[arg(long, value_name = "S")]
     pub(crate) first_seed: Option<u64>,
+    /// Print the configuration that would run, and stop
+    #[arg(long)]
+    pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    /// Configuration file (TOML); see --print-config for all settings and their defaults
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Number of engines that set the thresholds, and of those that the results are taken from
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seeds: Option<u64>,
+    /// First seed
+    #[arg(long, value_name = "S")]
+    pub(crate) first_seed: Option<u64>,
+    /// Only this scenario of the configuration, several times for several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scenario: Vec<String>,
+    /// Begin anew, even if the directory holds the beginning of a comparison
+    #[arg(long)]
+    pub(crate) restart: bool,
     /// Print the configuration that would run, and stop
     #[arg(long)]
     pub(crate) print_config: bool,

@@ -2,6 +2,7 @@
 
 mod args;
 mod blind;
+mod compare;
 mod compensate;
 mod engine;
 mod failure;
@@ -21,6 +22,7 @@ pub(crate) fn run() -> ExitCode {
     let result = match Cli::parse().command {
         None => engine::run(&EngineArgs::default()),
         Some(Command::Engine(args)) => engine::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),

@@ -1,12 +1,14 @@
 //! The bench: the nominal engine, its model, and everything that is drawn for one seed.
 
-use fd_core::{Heap, stage::Plant};
+use fd_core::Heap;
 use fd_jetengine::{
     EngineModel,
-    engine17::{Engine17, Health, HealthParameter, NX, Parameters, PerUnit, Sampled},
+    engine17::{Engine17, Health, HealthParameter, Parameters},
 };
 use fd_model::{
-    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace, reduce,
+    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace,
+    fault::FaultSpec,
+    reduce,
     signal::{SignalSpec, WhiteNoise},
 };
 use rand::{Rng, RngExt, SeedableRng};
@@ -15,6 +17,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::{
     config::{CONFIG_VERSION, EngineChoice, EngineConfig, ReductionConfig},
     error::EngineStudyError,
+    reality::Reality,
 };
 
 /// What does not depend on the seed.
@@ -28,19 +31,26 @@ pub struct Benchmark {
     readings: Vec<(Channel, f64)>,
 }
 
-type Relative = PerUnit<Engine17<f64>, NX>;
-
 /// One perturbed engine with the model that is to watch it.
-pub(super) struct Case {
-    /// The engine in relative deviations from where it stands, at rest at zero.
-    training: Box<dyn Plant>,
+pub(crate) struct Case {
+    /// The engine where the bias is learned.
+    pub(crate) training: Reality,
     /// The same engine where the test runs take place.
-    moved: Box<dyn Plant>,
+    pub(crate) moved: Reality,
+    /// The engine itself, when it is nonlinear.
+    engine: Option<Engine17<f64>>,
     /// The perturbed plant, when it is linear.
     pub(super) plant: Option<StateSpace<Discrete>>,
-    pub(super) model: StateSpace<Discrete>,
+    pub(crate) model: StateSpace<Discrete>,
     pub(super) redraws: usize,
     rng: Xoshiro256PlusPlus,
+}
+
+/// What is random in a run, so that it can be repeated with a fault.
+#[derive(Clone)]
+pub(crate) struct Draw {
+    inputs: Inputs,
+    output_noise: Vec<SignalSpec>,
 }
 
 impl Benchmark {
@@ -93,12 +103,12 @@ impl Benchmark {
         &self.nominal.name
     }
 
-    pub(super) fn ts(&self) -> SampleTime {
+    pub(crate) fn ts(&self) -> SampleTime {
         self.ts
     }
 
     /// Output channels of the scaled engine.
-    pub(super) fn outputs(&self) -> Vec<Channel> {
+    pub(crate) fn outputs(&self) -> Vec<Channel> {
         self.nominal.outputs.clone()
     }
 
@@ -118,7 +128,7 @@ impl Benchmark {
     }
 
     /// Draws everything for one seed.
-    pub(super) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
+    pub(crate) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let draw = match (&self.engine, &self.config.plant.engine) {
             (Some(engine), EngineChoice::Engine17 { fuel_kg_s }) => {
@@ -130,7 +140,12 @@ impl Benchmark {
         let rejected = draw.rejected;
         if let (
             Some(engine),
-            EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, health_scatter },
+            EngineChoice::Engine17Nonlinear {
+                fuel_kg_s,
+                moved_to_kg_s,
+                health_scatter,
+                unmodelled,
+            },
         ) = (&self.engine, &self.config.plant.engine)
         {
             let mut health = Health::default();
@@ -139,9 +154,11 @@ impl Benchmark {
                 health = health.shifted(parameter, delta);
             }
             let engine = engine.clone().with_health(health);
+            let about = |fuel| Reality::nonlinear(&engine, &engine, *unmodelled, fuel, self.ts);
             return Ok(Case {
-                training: Box::new(self.about(&engine, *fuel_kg_s)?),
-                moved: Box::new(self.about(&engine, moved_to_kg_s.unwrap_or(*fuel_kg_s))?),
+                training: about(*fuel_kg_s)?,
+                moved: about(moved_to_kg_s.unwrap_or(*fuel_kg_s))?,
+                engine: Some(engine.clone()),
                 plant: None,
                 // The engine is what it is; it is the model that is wrong.
                 model: self.observer_model(drawn)?,
@@ -152,8 +169,9 @@ impl Benchmark {
         let plant = drawn.sample_zoh(self.ts)?;
         let running = plant.freeze::<f64, Heap>()?;
         Ok(Case {
-            training: Box::new(running.clone()),
-            moved: Box::new(running),
+            training: Reality::Linear(running.clone()),
+            moved: Reality::Linear(running),
+            engine: None,
             plant: Some(plant),
             model: self.observer_model(&self.nominal.model)?,
             redraws: rejected,
@@ -161,10 +179,29 @@ impl Benchmark {
         })
     }
 
-    /// The nonlinear engine in relative deviations from its own equilibrium at a fuel flow.
-    fn about(&self, engine: &Engine17<f64>, fuel: f64) -> Result<Relative, EngineStudyError> {
-        let trim = engine.trim(fuel)?;
-        Ok(PerUnit::new(Sampled::new(engine.clone(), self.ts), trim.x, fuel)?)
+    /// Whether the engine is nonlinear, so that its components can wear.
+    pub(crate) fn is_nonlinear(&self) -> bool {
+        matches!(self.config.plant.engine, EngineChoice::Engine17Nonlinear { .. })
+    }
+
+    /// The engine of a case with a health parameter shifted: where the bias is learned, and where
+    /// the test runs take place. `None` for a linear engine, which has no such parameters.
+    pub(crate) fn worn(
+        &self,
+        case: &Case,
+        parameter: HealthParameter,
+        shift: f64,
+    ) -> Result<Option<(Reality, Reality)>, EngineStudyError> {
+        let (
+            Some(new),
+            &EngineChoice::Engine17Nonlinear { fuel_kg_s, moved_to_kg_s, unmodelled, .. },
+        ) = (&case.engine, &self.config.plant.engine)
+        else {
+            return Ok(None);
+        };
+        let worn = new.clone().with_health(new.health().shifted(parameter, shift));
+        let about = |fuel| Reality::nonlinear(new, &worn, unmodelled, fuel, self.ts);
+        Ok(Some((about(fuel_kg_s)?, about(moved_to_kg_s.unwrap_or(fuel_kg_s))?)))
     }
 
     /// The discrete model of the residual generator.
@@ -189,40 +226,51 @@ impl Benchmark {
 
     /// The healthy run that the bias is learned from.
     pub(super) fn training_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let inputs = self.config.training.inputs(&self.nominal.inputs, self.ts)?;
-        self.run(case.training.as_ref(), &inputs, &mut case.rng)
+        let draw = self.draw_training(case)?;
+        self.run(&case.training, &draw, &[])
     }
 
     /// A healthy run with a fresh input where the bias was learned.
     pub(super) fn calibration_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
-        self.run(case.training.as_ref(), &inputs, &mut case.rng)
+        let draw = self.draw_fresh(case)?;
+        self.run(&case.training, &draw, &[])
     }
 
     /// A healthy run with a fresh input where the engine is now.
     pub(super) fn test_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
-        self.run(case.moved.as_ref(), &inputs, &mut case.rng)
+        let draw = self.draw_fresh(case)?;
+        self.run(&case.moved, &draw, &[])
     }
 
-    fn run(
+    /// The training input with noise.
+    pub(crate) fn draw_training(&self, case: &mut Case) -> Result<Draw, EngineStudyError> {
+        let inputs = self.config.training.inputs(&self.nominal.inputs, self.ts)?;
+        Ok(Draw { inputs, output_noise: self.noise(&mut case.rng) })
+    }
+
+    /// A fresh input with noise.
+    pub(crate) fn draw_fresh(&self, case: &mut Case) -> Result<Draw, EngineStudyError> {
+        let inputs = self.config.fresh.inputs(&self.nominal.inputs, self.ts, &mut case.rng)?;
+        Ok(Draw { inputs, output_noise: self.noise(&mut case.rng) })
+    }
+
+    /// One run of a plant.
+    pub(crate) fn run(
         &self,
-        plant: &dyn Plant,
-        inputs: &Inputs,
-        rng: &mut Xoshiro256PlusPlus,
+        plant: &Reality,
+        draw: &Draw,
+        faults: &[FaultSpec],
     ) -> Result<Record, EngineStudyError> {
+        let output_noise = draw.output_noise.clone();
+        let simulation =
+            Simulation { output_noise, faults: faults.to_vec(), ..Simulation::default() };
+        Ok(plant.run(simulation, &draw.inputs, self.nominal.outputs.clone())?)
+    }
+
+    fn noise(&self, rng: &mut Xoshiro256PlusPlus) -> Vec<SignalSpec> {
         let sigma = self.config.plant.noise;
-        let output_noise: Vec<SignalSpec> = if sigma > 0.0 {
-            self.nominal
-                .outputs
-                .iter()
-                .map(|_| WhiteNoise::new(sigma, rng.next_u64()).into())
-                .collect()
-        } else {
-            Vec::new()
-        };
-        let simulation = Simulation { output_noise, ..Simulation::default() };
-        Ok(simulation.run(plant, inputs, self.nominal.outputs.clone())?)
+        let outputs = if sigma > 0.0 { self.nominal.outputs.len() } else { 0 };
+        (0..outputs).map(|_| WhiteNoise::new(sigma, rng.next_u64()).into()).collect()
     }
 }
 

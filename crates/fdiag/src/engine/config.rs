@@ -5,7 +5,7 @@ use fd_compensate::{
     detect::DEFAULT_MARGIN,
 };
 use fd_ident::arx::ArxOrders;
-use fd_jetengine::Perturbation;
+use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::uncertainty::MatrixPerturbation;
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,9 @@ pub enum EngineChoice {
         /// Largest relative deviation of module efficiencies and flow capacities, uniform.
         #[serde(default = "health_scatter")]
         health_scatter: f64,
+        /// Fuel actuator, hot metal and sensor lags that no model knows; none leaves them out.
+        #[serde(default)]
+        unmodelled: Option<Unmodelled>,
     },
     /// The published 16-state model of the F100.
     F100 {},

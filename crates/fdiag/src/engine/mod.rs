@@ -6,6 +6,7 @@ mod error;
 mod example;
 mod excitation;
 mod quantile;
+mod reality;
 mod report;
 mod study;
 mod trial;
@@ -21,4 +22,9 @@ pub use self::{
     report::NamedPicture,
     study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
     trial::{FaultOutcome, Pair, Trial},
+};
+pub(crate) use self::{
+    benchmark::{Case, Draw},
+    quantile::quantile,
+    reality::Reality,
 };

@@ -2,7 +2,7 @@
 
 /// The `p`-quantile by linear interpolation (Hyndman & Fan 1996, type 7), NaN left out; NaN when
 /// nothing is left. Sorts in place.
-pub(super) fn quantile(values: &mut Vec<f64>, p: f64) -> f64 {
+pub(crate) fn quantile(values: &mut Vec<f64>, p: f64) -> f64 {
     values.retain(|v| !v.is_nan());
     values.sort_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else { return f64::NAN };
@@ -16,7 +16,7 @@ pub(super) fn quantile(values: &mut Vec<f64>, p: f64) -> f64 {
 }
 
 /// The median; see [`quantile`].
-pub(super) fn median(values: &mut Vec<f64>) -> f64 {
+pub(crate) fn median(values: &mut Vec<f64>) -> f64 {
     quantile(values, 0.5)
 }
 

@@ -23,7 +23,7 @@ use fd_residual::GeneratorDesign;
 use super::{
     error::RoadError, learn::learn, residuals::residual_record, silent::Silent, trace::Trace,
 };
-use crate::spec::{LearningSpec, PipelineSpec};
+use crate::spec::{DetectorSpec, LearningSpec, PipelineSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -206,9 +206,18 @@ impl Trained {
 
     /// The detector of the spec, calibrated on fault-free residuals.
     pub(crate) fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, RoadError> {
+        self.detector_of(&self.spec.detector, healthy)
+    }
+
+    /// Another detector, calibrated in the same way.
+    pub(crate) fn detector_of(
+        &self,
+        detector: &DetectorSpec,
+        healthy: &[f64],
+    ) -> Result<Box<dyn Detector>, RoadError> {
         let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
         let rows = SampleRows::new(self.design.residual_len(), healthy)?;
-        Ok(self.spec.detector.calibrated(rows, &plan)?)
+        Ok(detector.calibrated(rows, &plan)?)
     }
 
     fn assemble(
@@ -235,14 +244,23 @@ impl Trained {
         Ok(ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?)
     }
 
+    /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
+    /// held.
+    pub(crate) fn watch(&self, record: &Record) -> Result<Trace, RoadError> {
+        Ok(Trace::of(&mut self.silent()?, record)?)
+    }
+
+    /// A pipeline that compensates and never alarms.
+    pub(crate) fn silent(&self) -> Result<DynPipeline, RoadError> {
+        let judge = Box::new(Silent(self.design.residual_len()));
+        let pipeline = self.assemble(Box::new(self.compensator()?), judge.clone(), judge)?;
+        Ok(pipeline.with_missing_samples(MissingSamples::Hold { at_most: u64::MAX }))
+    }
+
     /// Adds what both residuals look like in healthy data.
     fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
         let channels = self.design.residual_len();
-        let judge = Box::new(Silent(channels));
-        let mut pipeline = self
-            .assemble(Box::new(self.compensator()?), judge.clone(), judge)?
-            .with_missing_samples(MissingSamples::Hold { at_most: u64::MAX });
-        let trace = Trace::of(&mut pipeline, log.record)?;
+        let trace = self.watch(log.record)?;
         for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
             if trace.compensating[k] && log.record.is_complete(k) {
                 let row = k * channels..(k + 1) * channels;

@@ -1,0 +1,160 @@
+//! All engines of all scenarios on all cores, to be continued after an interruption.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    config::CompareConfig,
+    error::CompareError,
+    result::{Comparison, REPORT_VERSION, ScenarioResult, factors, overall},
+    scene::Scene,
+    tally::{Outcome, Role, Unit},
+};
+use crate::journal::{Journal, read};
+
+/// A line of the journal.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Line {
+    /// What is being compared; the first line.
+    Config(Box<CompareConfig>),
+    /// An engine that sets thresholds.
+    Thresholds(Unit),
+    /// An engine that results are taken from.
+    Test(Unit),
+}
+
+/// Somebody who watches a comparison.
+pub trait Watcher: Sync {
+    /// So many engines are to be run, of which some are done already.
+    fn begin(&self, engines: u64, done: u64);
+    /// One more is done.
+    fn advance(&self);
+}
+
+/// Nobody.
+impl Watcher for () {
+    fn begin(&self, _engines: u64, _done: u64) {}
+    fn advance(&self) {}
+}
+
+impl Comparison {
+    /// Runs a comparison on the threads of the current rayon pool.
+    ///
+    /// With a journal, engines that were finished by an earlier call with the same configuration are
+    /// not run again. The result, but for the costs, does not depend on the number of threads nor on
+    /// interruptions.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a setting cannot be, an engine does not exist, or the journal cannot be
+    /// used. Entries that cannot be built, and engines that cannot be run, are listed in the result.
+    pub fn run(
+        config: &CompareConfig,
+        journal: Option<&Path>,
+        watcher: &impl Watcher,
+    ) -> Result<Self, CompareError> {
+        config.check()?;
+        let scenes: Vec<Scene<'_>> = (0..config.scenarios.len())
+            .map(|index| Scene::new(config, index))
+            .collect::<Result<_, _>>()?;
+        let (known_thresholds, known_tests) = known(config, journal)?;
+        let journal = journal.map(Journal::open).transpose()?;
+        if let Some(journal) = &journal
+            && known_thresholds.is_none()
+        {
+            journal.append(&Line::Config(Box::new(config.clone())))?;
+        }
+        let known_thresholds = known_thresholds.unwrap_or_default();
+        let engines = config.engines;
+        let first = config.first_seed;
+        let threshold_seeds: Vec<u64> = (first..first + engines.thresholds).collect();
+        let first = first + engines.thresholds;
+        let test_seeds: Vec<u64> = (first..first + engines.test).collect();
+        let total = scenes.len() as u64 * (engines.thresholds + engines.test);
+        watcher.begin(total, (known_thresholds.len() + known_tests.len()) as u64);
+
+        let keep = |line: &Line| journal.as_ref().map_or(Ok(()), |journal| journal.append(line));
+        let thresholds = all(&scenes, &threshold_seeds, &known_thresholds, |scene, seed| {
+            let unit = unit(scene, seed, Role::Thresholds);
+            keep(&Line::Thresholds(unit.clone()))?;
+            watcher.advance();
+            Ok(unit)
+        })?;
+        let factors: Vec<Vec<Vec<f64>>> =
+            (0..scenes.len()).map(|scenario| factors(config, &of(&thresholds, scenario))).collect();
+        let tests = all(&scenes, &test_seeds, &known_tests, |scene, seed| {
+            let unit = unit(scene, seed, Role::Test(&factors[scene.index]));
+            keep(&Line::Test(unit.clone()))?;
+            watcher.advance();
+            Ok(unit)
+        })?;
+        let scenarios: Vec<ScenarioResult> = scenes
+            .iter()
+            .map(|scene| ScenarioResult::of(scene, &of(&tests, scene.index)))
+            .collect();
+        let costs = scenes[0].costs(test_seeds[0]).unwrap_or_else(|_| vec![None; config.entries()]);
+        Ok(Self {
+            version: REPORT_VERSION,
+            config: config.clone(),
+            rates: config.rates(),
+            overall: overall(config, &scenarios, &costs),
+            scenarios,
+        })
+    }
+}
+
+type Known = (Option<Vec<Unit>>, Vec<Unit>);
+
+/// Engines that were finished before; no thresholds at all means that nothing was begun.
+fn known(config: &CompareConfig, journal: Option<&Path>) -> Result<Known, CompareError> {
+    let Some(path) = journal else { return Ok((None, Vec::new())) };
+    let mut lines = read::<Line>(path)?.into_iter();
+    match lines.next() {
+        None => return Ok((None, Vec::new())),
+        Some(Line::Config(begun)) if *begun == *config => {}
+        Some(_) => return Err(CompareError::OtherRun { journal: path.to_owned() }),
+    }
+    let (mut thresholds, mut tests) = (Vec::new(), Vec::new());
+    for line in lines {
+        match line {
+            Line::Thresholds(unit) => thresholds.push(unit),
+            Line::Test(unit) => tests.push(unit),
+            Line::Config(_) => return Err(CompareError::OtherRun { journal: path.to_owned() }),
+        }
+    }
+    Ok((Some(thresholds), tests))
+}
+
+/// Every scenario with every seed, in order; what is known is not run.
+fn all(
+    scenes: &[Scene<'_>],
+    seeds: &[u64],
+    known: &[Unit],
+    run: impl Fn(&Scene<'_>, u64) -> Result<Unit, CompareError> + Sync,
+) -> Result<Vec<Unit>, CompareError> {
+    let pieces: Vec<(&Scene<'_>, u64)> =
+        seeds.iter().flat_map(|&seed| scenes.iter().map(move |scene| (scene, seed))).collect();
+    pieces
+        .into_par_iter()
+        .map(|(scene, seed)| {
+            let unit = known.iter().find(|unit| unit.scenario == scene.index && unit.seed == seed);
+            unit.map_or_else(|| run(scene, seed), |unit| Ok(unit.clone()))
+        })
+        .collect()
+}
+
+fn of(units: &[Unit], scenario: usize) -> Vec<&Unit> {
+    units.iter().filter(|unit| unit.scenario == scenario).collect()
+}
+
+/// One engine; if it cannot be run at all, no entry can.
+fn unit(scene: &Scene<'_>, seed: u64, role: Role<'_>) -> Unit {
+    scene.unit(seed, role).unwrap_or_else(|error| {
+        let failed = Outcome::Failed(error.to_string());
+        let entries = vec![failed; scene.config.entries()];
+        Unit { scenario: scene.index, seed, entries }
+    })
+}

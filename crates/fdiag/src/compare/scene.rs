@@ -1,0 +1,200 @@
+//! A scenario ready to run: its engines, their runs, and the faults laid on them.
+
+use fd_jetengine::engine17::HealthParameter;
+use fd_model::{
+    Discrete, Record, StateSpace,
+    fault::{ChannelRef, FaultProfile, FaultSpec, Site},
+};
+
+use super::{
+    config::{CompareConfig, Present, Scenario},
+    error::CompareError,
+    fault::FaultKind,
+    tally::Role,
+};
+use crate::engine::{Benchmark, Case, Draw, EngineStudyError, Reality};
+
+/// A scenario ready to run.
+pub(super) struct Scene<'a> {
+    pub(super) config: &'a CompareConfig,
+    pub(super) index: usize,
+    pub(super) kinds: Vec<FaultKind>,
+    benchmark: Benchmark,
+    present: Option<&'a Present>,
+}
+
+/// The runs of one engine.
+pub(super) struct Runs {
+    /// The model that watches it.
+    pub(super) model: StateSpace<Discrete>,
+    /// The run that the bias is learned from.
+    pub(super) training: Record,
+    /// Fault-free runs that scale the detectors.
+    pub(super) calibration: Vec<Record>,
+    /// Runs without an injected fault that thresholds or results are taken from.
+    pub(super) healthy: Vec<Record>,
+    /// The same with each kind of fault in each size; none for engines that set thresholds.
+    pub(super) faulty: Vec<Vec<Vec<Record>>>,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(config: &'a CompareConfig, index: usize) -> Result<Self, CompareError> {
+        let scenario: &Scenario = &config.scenarios[index];
+        let wrong = |error| CompareError::Scenario { scenario: scenario.name.clone(), error };
+        let benchmark = Benchmark::new(config.engine(scenario)).map_err(wrong)?;
+        let kinds = config.faults.kinds(benchmark.is_nonlinear());
+        let scene = Self { config, index, kinds, benchmark, present: scenario.present.as_ref() };
+        for site in scene.kinds.iter().map(|kind| &kind.site).chain(scene.present.map(|p| &p.site))
+        {
+            scene.check(site, &scenario.name)?;
+        }
+        Ok(scene)
+    }
+
+    fn check(&self, site: &Site, scenario: &str) -> Result<(), CompareError> {
+        let unknown = |expected| {
+            Err(CompareError::Setting {
+                setting: format!("fault site in scenario `{scenario}`"),
+                expected,
+                found: site.to_string(),
+            })
+        };
+        match site {
+            Site::Sensor(sensor) if self.output(sensor).is_none() => {
+                unknown("an output of the engine")
+            }
+            Site::Component(part) if health(part).is_none() || !self.benchmark.is_nonlinear() => {
+                unknown("a health parameter of a nonlinear engine, such as `hpc_efficiency`")
+            }
+            Site::Sensor(_) | Site::Component(_) => Ok(()),
+            _ => unknown("a sensor or a component"),
+        }
+    }
+
+    /// Index of the first sample with a fault.
+    pub(super) fn fault_start(&self) -> usize {
+        self.samples(self.config.faults.start_s)
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample index")]
+    pub(super) fn samples(&self, seconds: f64) -> usize {
+        (seconds / self.benchmark.ts().seconds()).round().max(0.0) as usize
+    }
+
+    /// Index of the output whose sensor is faulty, if it is a sensor.
+    pub(super) fn sensor(&self, kind: &FaultKind) -> Option<usize> {
+        match &kind.site {
+            Site::Sensor(sensor) => self.output(sensor),
+            _ => None,
+        }
+    }
+
+    /// Names of the outputs.
+    pub(super) fn outputs(&self) -> Vec<String> {
+        self.benchmark.outputs().into_iter().map(|channel| channel.name).collect()
+    }
+
+    fn output(&self, sensor: &ChannelRef) -> Option<usize> {
+        let outputs = self.benchmark.outputs();
+        match sensor {
+            ChannelRef::Index(index) => (*index < outputs.len()).then_some(*index),
+            ChannelRef::Name(name) => outputs.iter().position(|channel| channel.name == *name),
+        }
+    }
+
+    /// All runs of an engine. The same seed gives the same runs whatever they are for.
+    pub(super) fn runs(&self, seed: u64, role: Role<'_>) -> Result<Runs, EngineStudyError> {
+        let mut case = self.benchmark.case(seed)?;
+        let worn = self.worn(&case)?;
+        let constant = self.constant_fault();
+        let early = self.present.is_some_and(|present| present.while_learning);
+        let training = self.benchmark.draw_training(&mut case)?;
+        let fresh = |case: &mut Case, count: u64| -> Result<Vec<Draw>, EngineStudyError> {
+            (0..count).map(|_| self.benchmark.draw_fresh(case)).collect()
+        };
+        let engines = self.config.engines;
+        let calibration = fresh(&mut case, engines.calibration_runs)?;
+        let (count, tested) = match role {
+            Role::Thresholds => (engines.threshold_runs, false),
+            Role::Test(_) => (engines.test_runs, true),
+        };
+        let draws = fresh(&mut case, count)?;
+        let new = (&case.training, &case.moved);
+        let (learned, moved) = worn.as_ref().map_or(new, |(learned, moved)| (learned, moved));
+        // The engine and what its sensors do, while learning and afterwards.
+        let before: (&Reality, &[FaultSpec]) =
+            if early { (learned, &constant) } else { (&case.training, &[]) };
+        let after: (&Reality, &[FaultSpec]) = if tested { (moved, &constant) } else { before };
+        let run = |at: (&Reality, &[FaultSpec]), draw: &Draw| self.benchmark.run(at.0, draw, at.1);
+        let healthy: Vec<Record> =
+            draws.iter().map(|draw| run(after, draw)).collect::<Result<_, _>>()?;
+        let faulty = if tested {
+            let one = |(i, draw)| self.faulty(after, draw, &healthy[i], i);
+            draws.iter().enumerate().map(one).collect::<Result<_, _>>()?
+        } else {
+            Vec::new()
+        };
+        Ok(Runs {
+            training: run(before, &training)?,
+            calibration: calibration.iter().map(|d| run(before, d)).collect::<Result<_, _>>()?,
+            model: case.model.clone(),
+            healthy,
+            faulty,
+        })
+    }
+
+    /// One run with each fault in each size.
+    fn faulty(
+        &self,
+        (plant, constant): (&Reality, &[FaultSpec]),
+        draw: &Draw,
+        healthy: &Record,
+        run: usize,
+    ) -> Result<Vec<Vec<Record>>, EngineStudyError> {
+        let faults = &self.config.faults;
+        let one = |kind: &FaultKind, s: usize| -> Result<Record, EngineStudyError> {
+            // Both signs in turn.
+            let sign = if (run + s).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let size = sign * kind.sizes[s];
+            let fault = faults.spec(kind, size, faults.start_s, self.config.duration_s());
+            if matches!(kind.site, Site::Sensor(_)) {
+                // What the sensor says changes nothing in the engine.
+                let mut record = healthy.clone();
+                fault.apply_to_record(&mut record).map_err(fd_model::SimulationError::from)?;
+                return Ok(record);
+            }
+            let all: Vec<FaultSpec> = constant.iter().cloned().chain([fault]).collect();
+            self.benchmark.run(plant, draw, &all)
+        };
+        let sizes = |kind: &FaultKind| (0..kind.sizes.len()).map(|s| one(kind, s)).collect();
+        self.kinds.iter().map(sizes).collect()
+    }
+
+    /// The engine with the component that has worn before anybody looked.
+    fn worn(&self, case: &Case) -> Result<Option<(Reality, Reality)>, EngineStudyError> {
+        match self.present {
+            Some(Present { site: Site::Component(part), size, .. }) => match health(part) {
+                Some(parameter) => self.benchmark.worn(case, parameter, *size),
+                None => Ok(None),
+            },
+            _ => Ok(None),
+        }
+    }
+
+    /// The sensor that has always been wrong.
+    fn constant_fault(&self) -> Vec<FaultSpec> {
+        match self.present {
+            Some(Present { site: site @ Site::Sensor(_), size, .. }) => {
+                vec![FaultSpec::add(site.clone(), 0.0, FaultProfile::abrupt(*size))]
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+fn health(part: &ChannelRef) -> Option<HealthParameter> {
+    match part {
+        ChannelRef::Index(index) => HealthParameter::ALL.get(*index).copied(),
+        ChannelRef::Name(name) => HealthParameter::ALL.into_iter().find(|p| p.name() == name),
+    }
+}

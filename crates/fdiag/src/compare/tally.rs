@@ -1,0 +1,99 @@
+//! What one engine says of every entry, in numbers small enough to keep.
+
+use serde::{Deserialize, Serialize};
+
+/// One engine of one scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Unit {
+    /// Index of the scenario.
+    pub(super) scenario: usize,
+    /// Seed of the engine.
+    pub(super) seed: u64,
+    /// One entry per generator, bias model and detector, the detector changing fastest.
+    pub(super) entries: Vec<Outcome>,
+}
+
+/// What an engine is for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Role<'a> {
+    /// It sets the thresholds.
+    Thresholds,
+    /// The results are taken from it; for each entry the factors on its threshold, one per rate of
+    /// false alarms.
+    Test(&'a [Vec<f64>]),
+}
+
+/// What one entry did on one engine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Outcome {
+    /// Largest statistic over threshold of each fault-free run.
+    Peaks(Vec<f64>),
+    /// Alarms in the test runs.
+    Alarms(Alarms),
+    /// It cannot be built, or not on this engine.
+    Failed(String),
+}
+
+/// Alarms of one entry in the test runs of one engine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Alarms {
+    /// Runs without an injected fault.
+    pub(super) healthy_runs: u64,
+    /// Those with an alarm, one count per rate of false alarms.
+    pub(super) healthy: Vec<u64>,
+    /// For each kind of fault and each size what was found at the wanted rate.
+    pub(super) faults: Vec<Vec<Found>>,
+    /// Runs with a fault, of all kinds and sizes, in which no alarm came before the fault, and those
+    /// of them with an alarm, one pair per rate of false alarms.
+    pub(super) roc: Vec<(u64, u64)>,
+    /// Found sensor faults by true sensor and named sensor.
+    pub(super) confusion: Vec<Vec<u64>>,
+}
+
+/// Runs with one fault.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Found {
+    /// Runs in which no alarm came before the fault.
+    pub(super) looked: u64,
+    /// Delay of each alarm in samples.
+    pub(super) delays: Vec<u32>,
+}
+
+impl Found {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.looked += other.looked;
+        self.delays.extend_from_slice(&other.delays);
+    }
+}
+
+impl Alarms {
+    /// Nothing seen yet.
+    pub(super) fn none(sizes: &[usize], levels: usize, sensors: usize) -> Self {
+        Self {
+            healthy_runs: 0,
+            healthy: vec![0; levels],
+            faults: sizes.iter().map(|&count| vec![Found::default(); count]).collect(),
+            roc: vec![(0, 0); levels],
+            confusion: vec![vec![0; sensors]; sensors],
+        }
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.healthy_runs += other.healthy_runs;
+        add_all(&mut self.healthy, &other.healthy);
+        for (kind, more) in self.faults.iter_mut().zip(&other.faults) {
+            kind.iter_mut().zip(more).for_each(|(found, more)| found.add(more));
+        }
+        for (sum, more) in self.roc.iter_mut().zip(&other.roc) {
+            *sum = (sum.0 + more.0, sum.1 + more.1);
+        }
+        for (row, more) in self.confusion.iter_mut().zip(&other.confusion) {
+            add_all(row, more);
+        }
+    }
+}
+
+fn add_all(sums: &mut [u64], more: &[u64]) {
+    sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+}

@@ -1,0 +1,67 @@
+//! The plant that a benchmark run watches, linear or not, healthy or with faults.
+
+use fd_jetengine::{
+    EngineError,
+    engine17::{Engine17, ExtendedEngine, NX, NX_EXTENDED, PerUnit, Sampled, Unmodelled},
+};
+use fd_model::{Channel, Inputs, Lti, Record, SampleTime, Simulation, SimulationError};
+
+/// One engine in relative deviations from where it stood when it was new.
+pub(crate) enum Reality {
+    /// Linear; it has no components that could break.
+    Linear(Lti<f64>),
+    /// The seventeen states, with the state at rest.
+    Core(Box<PerUnit<Engine17<f64>, NX>>, [f64; NX]),
+    /// The same with dynamics that no model here knows.
+    Extended(Box<PerUnit<ExtendedEngine<f64>, NX_EXTENDED>>, [f64; NX_EXTENDED]),
+}
+
+impl Reality {
+    /// A nonlinear engine at rest at a fuel flow in kg/s, in deviations from the equilibrium of
+    /// `new`, which is the same engine before it was worn.
+    pub(crate) fn nonlinear(
+        new: &Engine17<f64>,
+        engine: &Engine17<f64>,
+        unmodelled: Option<Unmodelled>,
+        fuel: f64,
+        ts: SampleTime,
+    ) -> Result<Self, EngineError> {
+        let (reference, rest) = (new.trim(fuel)?, engine.trim(fuel)?);
+        Ok(match unmodelled {
+            None => {
+                let plant = PerUnit::new(Sampled::new(engine.clone(), ts), reference.x, fuel)?;
+                Self::Core(Box::new(plant), relative(&rest.x, &reference.x))
+            }
+            Some(unmodelled) => {
+                let engine = ExtendedEngine::new(engine.clone(), unmodelled)?;
+                let (reference, rest) = (engine.equilibrium(&reference), engine.equilibrium(&rest));
+                let plant = PerUnit::new(Sampled::new(engine, ts), reference, fuel)?;
+                Self::Extended(Box::new(plant), relative(&rest, &reference))
+            }
+        })
+    }
+
+    /// Drives it, from rest.
+    pub(crate) fn run(
+        &self,
+        mut simulation: Simulation,
+        inputs: &Inputs,
+        outputs: Vec<Channel>,
+    ) -> Result<Record, SimulationError> {
+        match self {
+            Self::Linear(plant) => simulation.run(plant, inputs, outputs),
+            Self::Core(plant, rest) => {
+                simulation.x0 = rest.to_vec();
+                simulation.run_with_parameters(plant.as_ref(), inputs, outputs)
+            }
+            Self::Extended(plant, rest) => {
+                simulation.x0 = rest.to_vec();
+                simulation.run_with_parameters(plant.as_ref(), inputs, outputs)
+            }
+        }
+    }
+}
+
+fn relative<const N: usize>(x: &[f64; N], reference: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| x[i] / reference[i] - 1.0)
+}
