@@ -14,12 +14,17 @@
 
 pub mod analysis;
 pub mod bank;
+pub mod decouple;
+pub mod disturbance;
+pub mod eigenstructure;
 mod error;
 pub mod form;
+mod kalman;
 mod matrix;
 pub mod observer;
 pub mod parity;
 pub mod simulation;
+pub mod unknown_input;
 pub mod weighted;
 
 pub use crate::{

@@ -17,9 +17,12 @@ mod design;
 mod observable;
 mod place;
 mod run;
+mod visible;
 
+pub(crate) use self::visible::{place_visible, pole_of_rate, rank, visible_part};
 pub use self::{
     design::ObserverDesign,
     place::{Placement, place_poles},
     run::Observer,
+    visible::ErrorPoles,
 };
