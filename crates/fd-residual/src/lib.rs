@@ -22,6 +22,7 @@ pub mod form;
 mod kalman;
 mod matrix;
 pub mod observer;
+pub mod optimal;
 pub mod parity;
 pub mod simulation;
 pub mod unknown_input;

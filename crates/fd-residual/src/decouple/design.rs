@@ -62,16 +62,30 @@ impl<D: TimeDomain> LeftNullSpace<D> {
             return Err(DesignError::NothingLeft { inputs, outputs });
         }
         let m = &found.w * model.c() * found.v.transpose();
-        // What M does not show of ξ never comes back to it and is left out.
-        let (seen, _) = visible_part(found.phi.as_ref(), m.as_ref())?;
+        let (v, phi, g, w) = (found.v, found.phi, found.g, found.w);
+        Self { model: model.clone(), v, phi, g, w, m }.observable()
+    }
+
+    /// Some combinations of the residuals: `W ← T W`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when `T` has not one column per residual.
+    pub fn combined(&self, t: MatRef<'_, f64>) -> Result<Self, DesignError> {
+        check_shape("combinations T", t, Shape::new(t.nrows(), self.residual_len()))?;
+        Self { w: t * &self.w, m: t * &self.m, ..self.clone() }.observable()
+    }
+
+    /// Without what `M` does not show of `ξ`, which never comes back to the rest.
+    fn observable(self) -> Result<Self, DesignError> {
+        let (seen, _) = visible_part(self.phi.as_ref(), self.m.as_ref())?;
         let onto = seen.transpose();
         Ok(Self {
-            model: model.clone(),
-            v: onto * &found.v,
-            phi: onto * &found.phi * &seen,
-            g: onto * &found.g,
-            m: m * &seen,
-            w: found.w,
+            v: onto * &self.v,
+            phi: onto * &self.phi * &seen,
+            g: onto * &self.g,
+            m: &self.m * &seen,
+            ..self
         })
     }
 

@@ -13,7 +13,7 @@
 //!   plant is needed, nor `rank C E = rank E` as for an
 //!   [unknown-input observer](crate::unknown_input).
 //! * **Do not use** it when the directions are only roughly known: what is not decoupled passes
-//!   unweighted; take the `optimal` room. Nor when the state estimate itself is
+//!   unweighted; take the [`optimal`](crate::optimal) room. Nor when the state estimate itself is
 //!   wanted: only `V x` is estimated.
 
 mod design;

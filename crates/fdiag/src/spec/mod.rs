@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::{
     detector::{DetectorSpec, DetectorSpecError},
-    generator::GeneratorSpec,
+    generator::{DisturbanceSpec, GeneratorSpec},
 };
 
 /// Every choice of a diagnosis.
