@@ -15,9 +15,11 @@
 pub mod analysis;
 pub mod bank;
 pub mod decouple;
+pub mod directional;
 pub mod disturbance;
 pub mod eigenstructure;
 mod error;
+pub mod estimation;
 pub mod form;
 mod kalman;
 mod matrix;
@@ -25,6 +27,7 @@ pub mod observer;
 pub mod optimal;
 pub mod parity;
 pub mod simulation;
+pub mod structured;
 pub mod unknown_input;
 pub mod weighted;
 

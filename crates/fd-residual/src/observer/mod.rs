@@ -19,10 +19,13 @@ mod place;
 mod run;
 mod visible;
 
-pub(crate) use self::visible::{place_visible, pole_of_rate, rank, visible_part};
 pub use self::{
     design::ObserverDesign,
     place::{Placement, place_poles},
     run::Observer,
     visible::ErrorPoles,
+};
+pub(crate) use self::{
+    observable::check_observable,
+    visible::{place_visible, pole_of_rate, rank, visible_part},
 };
