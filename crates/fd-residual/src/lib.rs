@@ -12,6 +12,7 @@
 //! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
 //! which faults it detects, how far they stand above noise, which signature it has.
 
+pub mod adaptive;
 pub mod analysis;
 pub mod bank;
 pub mod decouple;
