@@ -7,18 +7,10 @@ use fd_model::{Continuous, StateSpace};
 use fd_residual::{
     ResidualForm,
     analysis::{UnknownInputs, fault_effects},
-    observer::{ErrorPoles, ObserverDesign},
+    directional::{BeardDesign, FaultSpans},
+    observer::ErrorPoles,
     unknown_input::UnknownInputObserver,
 };
-
-/// `‖r − P r‖ / ‖r‖` with `P` the projector on the given directions.
-fn isolation_index(r: &Mat<f64>, directions: &[Mat<f64>]) -> f64 {
-    let span = Mat::from_fn(r.nrows(), directions.len(), |i, j| directions[j][(i, 0)]);
-    let svd = span.thin_svd().unwrap();
-    let rank = svd.S().column_vector().iter().filter(|&&s| 1e-10 * svd.S()[0] < s).count();
-    let basis = svd.U().subcols(0, rank);
-    (r - basis * (basis.transpose() * r)).norm_l2() / r.norm_l2()
-}
 
 /// Chen, Patton and Zhang (1996): robust and Beard filters of a jet engine.
 #[test]
@@ -45,8 +37,9 @@ fn jet_engine_fault_isolation() {
     let k1 = |a1: MatRef<'_, f64>| (&three + a1) * &pseudoinverse;
 
     // Beard filter K = (3I + A) C⁺: all poles at −3.
-    let beard_gain = k1(a.as_ref());
-    let beard = ObserverDesign::with_gain(&plant, beard_gain.as_ref()).unwrap().form().unwrap();
+    let filter = BeardDesign::full_state(&plant, 3.0).unwrap();
+    assert!((filter.observer().gain() - k1(a.as_ref())).norm_max() < 1e-13);
+    let beard = filter.form().unwrap();
     assert!(beard.consistency(&plant).unwrap() < 1e-13);
     for pole in beard.system().poles().unwrap() {
         // C⁺ C = I to rounding times cond(C) < 3.
@@ -91,25 +84,37 @@ fn jet_engine_fault_isolation() {
     }
 
     // Isolation index of filter j (row) for a 2 % offset of sensor `fault` (column).
-    let indices = |form: &ResidualForm<Continuous>, direction: &dyn Fn(usize) -> Vec<Mat<f64>>| {
+    let indices = |form: &ResidualForm<Continuous>, planes: &[Mat<f64>]| {
         let gain = form.system().dc_gain().unwrap();
-        Mat::from_fn(3, 3, |j, fault| {
-            let mut y = &c * &x;
-            y[(fault, 0)] += 0.02;
-            let signals = Mat::from_fn(7, 1, |i, _| if i == 0 { 0.2 } else { y[(i - 1, 0)] });
-            isolation_index(&(&gain * signals), &direction(j))
-        })
+        let planes: Vec<_> = planes.iter().map(Mat::as_ref).collect();
+        let mut spans = FaultSpans::<f64>::new(&planes).unwrap();
+        let columns: Vec<[f64; 3]> = (0..3)
+            .map(|fault| {
+                let mut y = &c * &x;
+                y[(fault, 0)] += 0.02;
+                let signals = Mat::from_fn(7, 1, |i, _| if i == 0 { 0.2 } else { y[(i - 1, 0)] });
+                let r = &gain * signals;
+                let r: Vec<f64> = (0..6).map(|i| r[(i, 0)]).collect();
+                let mut index = [0.0; 3];
+                spans.index_into(&r, &mut index);
+                index
+            })
+            .collect();
+        Mat::from_fn(3, 3, |j, fault| columns[fault][j])
     };
-    let unit = |j: usize| Mat::from_fn(6, 1, |i, _| if i == j { 1.0 } else { 0.0 });
-    let found = indices(&beard, &|j| vec![unit(j), &c * beard_gain.subcols(j, 1)]);
+    let planes: Vec<_> = (0..3).map(|j| filter.sensor_plane(j).unwrap()).collect();
+    let found = indices(&beard, &planes);
     let expected =
         mat![[0.2869, 0.8448, 0.7559], [0.9993, 0.2698, 0.7785], [0.8673, 0.9940, 0.1746]];
     // The reference was computed from the same rounded matrices and is printed to four digits.
     assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
 
-    let found = indices(&robust_form, &|j| {
-        vec![unit(j), &c * robust.k1().subcols(j, 1), &c * robust.h().subcols(j, 1)]
-    });
+    let plane = |j: usize| {
+        let through = [&c * robust.k1().subcols(j, 1), &c * robust.h().subcols(j, 1)];
+        let unit = |i: usize| if i == j { 1.0 } else { 0.0 };
+        Mat::from_fn(6, 3, |i, k| if k == 0 { unit(i) } else { through[k - 1][(i, 0)] })
+    };
+    let found = indices(&robust_form, &[plane(0), plane(1), plane(2)]);
     let expected = mat![[0.0, 0.4153, 0.2116], [0.4844, 0.0, 0.2029], [0.8568, 0.7043, 0.0]];
     assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
     // The published ordering: each filter is smallest for its own sensor.

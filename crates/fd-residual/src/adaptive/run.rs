@@ -126,7 +126,10 @@ impl<T: Scalar> AdaptiveObserver<T> {
             }
         }
         for i in 0..count {
-            self.p[i * count + i] += self.drift;
+            // Without excitation nothing else stops the growth.
+            if self.p[i * count + i] < self.prior * self.prior {
+                self.p[i * count + i] += self.drift;
+            }
             let bounded = (self.theta[i] + step[i]).clamp(-self.bound, self.bound);
             step[i] = bounded - self.theta[i];
         }
