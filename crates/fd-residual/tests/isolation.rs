@@ -57,7 +57,7 @@ proptest! {
         }
     }
 
-    /// Faults in another order: the same residuals in that order, of the same orders.
+    /// Faults in another order: residuals in that order that see the same, of the same orders.
     #[test]
     fn permuting_faults_permutes_the_bank(draw in draws(), shift in 1..3_usize) {
         let model = plant(Draw { nx: draw.nx.min(4), ny: 3, ..draw });
@@ -70,16 +70,13 @@ proptest! {
         let (one, other) = (design(&faults), design(&faults.select(&order).unwrap()));
         let permuted: Vec<_> = order.iter().map(|&i| one.orders()[i]).collect();
         prop_assert_eq!(other.orders(), &permuted);
-        let y = signal(draw.seed, 3, 40);
-        let u = signal(draw.seed ^ 1, draw.nu, 40);
-        let r = residuals(&mut *one.build().unwrap(), &u, &y);
-        let s = residuals(&mut *other.build().unwrap(), &u, &y);
-        for (r, s) in r.iter().zip(&s) {
-            for (i, &from) in order.iter().enumerate() {
-                // The sign of a null vector is not determined.
-                prop_assert!((r[from].abs() - s[i].abs()).abs() < 1e-8 * (1.0 + r[from].abs()));
-            }
-        }
+        // Where the null space leaves a choice, the combination is not unique; what it sees is.
+        let seen = |bank: &StructuredDesign| {
+            weak_structure(&bank.form().unwrap(), &faults.system(&model).unwrap()).unwrap()
+        };
+        let (one_sees, other_sees) = (seen(&one), seen(&other));
+        let permuted: Vec<_> = order.iter().map(|&i| one_sees[i].clone()).collect();
+        prop_assert_eq!(other_sees, permuted);
     }
 
     /// The optimal residual's noise has unit gain at every frequency, and no other generator has

@@ -8,7 +8,6 @@ use super::{design::ParityDesign, window::input_map};
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
-    matrix::blocks,
 };
 
 /// A fault whose relative reaction is below this counts as unseen.
@@ -92,7 +91,6 @@ fn reacting_combination(reactions: &[Mat<f64>]) -> Result<Option<Mat<f64>>, Desi
     const CORRECTIONS: usize = 50;
 
     let mut directions = Vec::new();
-    let mut all = Mat::<f64>::zeros(reactions.first().map_or(0, Mat::nrows), 0);
     for m in reactions {
         let failed = ModelError::NoConvergence { what: "reaction to a fault", order: m.nrows() };
         let svd = m.svd().map_err(|_| failed)?;
@@ -100,18 +98,14 @@ fn reacting_combination(reactions: &[Mat<f64>]) -> Result<Option<Mat<f64>>, Desi
             return Ok(None);
         }
         directions.push(svd.U().subcols(0, 1).transpose().to_owned());
-        all = blocks(&[&[all.as_ref(), (Scale(svd.S()[0].recip()) * m).as_ref()]]);
     }
-    // What most faults have in common, whatever their order.
-    let failed = ModelError::NoConvergence { what: "reaction to faults", order: all.nrows() };
-    let svd = all.svd().map_err(|_| failed)?;
-    let mut z = svd.U().subcols(0, 1).transpose().to_owned();
     let unit = |z: Mat<f64>| Scale(z.norm_l2().recip()) * z;
     let reaction = |z: &Mat<f64>, i: usize| (z * &reactions[i]).norm_l2();
     let weakest = |z: &Mat<f64>| {
         let all = (0..reactions.len()).map(|i| (i, reaction(z, i)));
         all.min_by(|a, b| a.1.total_cmp(&b.1))
     };
+    let Some(mut z) = directions.first().cloned() else { return Ok(None) };
     let mut best = z.clone();
     let mut most = 0.0;
     let mut step = 1.0;
