@@ -1,5 +1,5 @@
 //! Every kind of residual generator, chosen by a line of a spec, trained and run.
-#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 mod support;
 

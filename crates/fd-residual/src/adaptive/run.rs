@@ -125,13 +125,13 @@ impl<T: Scalar> AdaptiveObserver<T> {
                 }
             }
         }
-        for i in 0..count {
+        for (i, (step, &theta)) in step.iter_mut().zip(&self.theta).enumerate() {
+            let variance = &mut self.p[i * count + i];
             // Without excitation nothing else stops the growth.
-            if self.p[i * count + i] < self.prior * self.prior {
-                self.p[i * count + i] += self.drift;
+            if *variance < self.prior * self.prior {
+                *variance += self.drift;
             }
-            let bounded = (self.theta[i] + step[i]).clamp(-self.bound, self.bound);
-            step[i] = bounded - self.theta[i];
+            *step = (theta + *step).clamp(-self.bound, self.bound) - theta;
         }
     }
 }

@@ -187,14 +187,13 @@ fn filter(
     best.ok_or_else(unachievable)
 }
 
-/// Unit rows: each coordinate alone, then points spread over the sphere by a golden-ratio sequence.
+/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,
+/// which no integers relate.
 fn mixtures(width: usize) -> Vec<Mat<f64>> {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let alone = (0..width).map(|i| Mat::from_fn(1, width, |_, j| if i == j { 1.0 } else { 0.0 }));
     let mixed = (1..=MIXTURES).filter(|_| 1 < width).map(|k| {
-        let row = Mat::from_fn(1, width, |_, j| {
-            2.0 * (k as f64 * golden.powi(1 + j as i32)).fract() - 1.0
-        });
+        let spread = |j: usize| 2.0 * (k as f64 * ((j + 2) as f64).ln()).fract() - 1.0;
+        let row = Mat::from_fn(1, width, |_, j| spread(j));
         let size = row.norm_l2();
         faer::Scale(size.recip()) * row
     });
