@@ -116,4 +116,60 @@ pub enum DesignError {
         /// What is missing.
         what: &'static str,
     },
+    /// Every output is hidden by unknown inputs.
+    #[error(
+        "{inputs} unknown inputs hide all {outputs} outputs: no residual is free of them; \
+         decouple fewer directions or measure more"
+    )]
+    NothingLeft {
+        /// Unknown inputs to be decoupled.
+        inputs: usize,
+        /// Outputs of the plant.
+        outputs: usize,
+    },
+    /// A fault reaches the outputs only where an unknown input does.
+    #[error(
+        "no solution: none of the {residuals} residuals that are free of the unknown inputs \
+         reacts to the fault \"{fault}\", because it reaches the outputs only as they do"
+    )]
+    Undetectable {
+        /// Name of the fault.
+        fault: String,
+        /// Residuals that are left after decoupling.
+        residuals: usize,
+    },
+    /// The first condition of an unknown-input observer does not hold.
+    #[error(
+        "an unknown-input observer needs rank C E = rank E, but E has rank {rank_e} and C E \
+         rank {rank_ce}: an unknown input reaches the outputs only through further states"
+    )]
+    HiddenDirection {
+        /// Rank of `C E`.
+        rank_ce: usize,
+        /// Rank of `E`.
+        rank_e: usize,
+    },
+    /// The second condition of an unknown-input observer does not hold.
+    #[error(
+        "the pair (C, A1) is not detectable: the invariant zero {re} {im:+}i from the unknown \
+         inputs to the outputs stays as a pole of every unknown-input observer"
+    )]
+    UndecayingZero {
+        /// Real part of the zero (1/s, or per sample for discrete models).
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+    },
+    /// No row of the residual can be made a left eigenvector.
+    #[error(
+        "no left eigenvector W C of A - L C is free of the {inputs} unknown inputs: [C E, C A N] \
+         has full row rank {rank}; a parity relation or a decoupled residual of higher order \
+         may exist"
+    )]
+    NoEigenvector {
+        /// Unknown inputs to be decoupled.
+        inputs: usize,
+        /// Rank of `[C E, C A N]`, equal to the number of outputs.
+        rank: usize,
+    },
 }

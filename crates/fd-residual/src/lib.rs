@@ -5,21 +5,42 @@
 //! | [`simulation`] | `y − y_sim(u)` | the plant is stable and a model of any kind exists |
 //! | [`observer`] | innovation of an observer | initial state and disturbances must be forgotten |
 //! | [`parity`] | `W (Y − T U)` over a window | a dead-beat, design-by-rank answer is wanted |
+//! | [`unknown_input`] | error of an observer that a disturbance does not reach | its directions are known or learned |
+//! | [`decouple`] | all residuals without given inputs, of least order | only the residual matters, or the observer does not exist |
+//! | [`eigenstructure`] | rows that are left eigenvectors of an observer | a dead-beat or first-order answer is wanted |
+//! | [`optimal`] | whitened left null space | noise is modelled and sensitivity counts at every frequency |
+//! | [`structured`] | a bank with a wanted structure matrix | faults are isolated by which residuals fire |
+//! | [`directional`] | the Beard filter | faults are isolated by the direction of the residual |
+//! | [`adaptive`] | innovation of an observer that learns parameters | the modelling error is a drift of known parameters |
+//! | [`estimation`] | the faults themselves, with an interval | the size is asked for, not only the presence |
 //! | [`weighted`] | `W r` of any of these | channels are combined, scaled or filtered |
 //! | [`bank`] | several of these side by side | faults are isolated by a set of residuals |
 //! | [`form`] | any stable `H_u`, `H_y` | the generator was designed elsewhere |
 //!
+//! Directions of an unknown input that are not known come from [`disturbance`]: from perturbed
+//! models or from healthy logs.
+//!
 //! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
 //! which faults it detects, how far they stand above noise, which signature it has.
 
+pub mod adaptive;
 pub mod analysis;
 pub mod bank;
+pub mod decouple;
+pub mod directional;
+pub mod disturbance;
+pub mod eigenstructure;
 mod error;
+pub mod estimation;
 pub mod form;
+mod kalman;
 mod matrix;
 pub mod observer;
+pub mod optimal;
 pub mod parity;
 pub mod simulation;
+pub mod structured;
+pub mod unknown_input;
 pub mod weighted;
 
 pub use crate::{

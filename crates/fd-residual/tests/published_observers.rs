@@ -1,55 +1,16 @@
 //! Published observers: the jet engine of Chen, Patton and Zhang (1996), and the smallest unknown
-//! input observer of Chen and Patton's book, as general forms in continuous time.
+//! input observer of Chen and Patton's book, in continuous time.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-use faer::{Mat, c64, mat, prelude::Solve};
-use fd_core::IoDims;
+use faer::{Mat, MatRef, c64, mat, prelude::Solve};
 use fd_model::{Continuous, StateSpace};
 use fd_residual::{
     ResidualForm,
     analysis::{UnknownInputs, fault_effects},
-    observer::{ObserverDesign, place_poles},
+    directional::{BeardDesign, FaultSpans},
+    observer::ErrorPoles,
+    unknown_input::UnknownInputObserver,
 };
-
-type System = StateSpace<Continuous>;
-
-/// `‖r − P r‖ / ‖r‖` with `P` the projector on the given directions.
-fn isolation_index(r: &Mat<f64>, directions: &[Mat<f64>]) -> f64 {
-    let span = Mat::from_fn(r.nrows(), directions.len(), |i, j| directions[j][(i, 0)]);
-    let svd = span.thin_svd().unwrap();
-    let rank = svd.S().column_vector().iter().filter(|&&s| 1e-10 * svd.S()[0] < s).count();
-    let basis = svd.U().subcols(0, rank);
-    (r - basis * (basis.transpose() * r)).norm_l2() / r.norm_l2()
-}
-
-/// An unknown input observer `z' = F z + T B u + K y`, `r = y − C (z + H y)`, as a form.
-struct UnknownInputObserver {
-    h: Mat<f64>,
-    t: Mat<f64>,
-    k1: Mat<f64>,
-    k: Mat<f64>,
-    form: ResidualForm<Continuous>,
-}
-
-impl UnknownInputObserver {
-    fn new(plant: &System, e: &Mat<f64>, k1: impl Fn(&Mat<f64>) -> Mat<f64>) -> Self {
-        let (n, c) = (plant.nx(), plant.c());
-        let ce = c * e;
-        let h = e * ce.clone().svd().unwrap().pseudoinverse();
-        let t = Mat::<f64>::identity(n, n) - &h * c;
-        let a1 = &t * plant.a();
-        let k1 = k1(&a1);
-        let f = &a1 - &k1 * c;
-        let k = &k1 + &f * &h;
-        let (nu, ny) = (plant.nu(), plant.ny());
-        let tb = &t * plant.b();
-        let b = Mat::from_fn(n, nu + ny, |i, j| if j < nu { tb[(i, j)] } else { k[(i, j - nu)] });
-        let from_y = Mat::<f64>::identity(ny, ny) - c * &h;
-        let d = Mat::from_fn(ny, nu + ny, |i, j| if j < nu { 0.0 } else { from_y[(i, j - nu)] });
-        let system = StateSpace::new(f, b, -c, d, Continuous).unwrap();
-        Self { h, t, k1, k, form: ResidualForm::new(IoDims { nu, ny }, system).unwrap() }
-    }
-}
 
 /// Chen, Patton and Zhang (1996): robust and Beard filters of a jet engine.
 #[test]
@@ -73,11 +34,12 @@ fn jet_engine_fault_isolation() {
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     ];
     let three = Mat::from_fn(3, 3, |i, j| if i == j { 3.0 } else { 0.0 });
-    let k1 = |a1: &Mat<f64>| (&three + a1) * &pseudoinverse;
+    let k1 = |a1: MatRef<'_, f64>| (&three + a1) * &pseudoinverse;
 
     // Beard filter K = (3I + A) C⁺: all poles at −3.
-    let beard_gain = k1(&a);
-    let beard = ObserverDesign::with_gain(&plant, beard_gain.as_ref()).unwrap().form().unwrap();
+    let filter = BeardDesign::full_state(&plant, 3.0).unwrap();
+    assert!((filter.observer().gain() - k1(a.as_ref())).norm_max() < 1e-13);
+    let beard = filter.form().unwrap();
     assert!(beard.consistency(&plant).unwrap() < 1e-13);
     for pole in beard.system().poles().unwrap() {
         // C⁺ C = I to rounding times cond(C) < 3.
@@ -85,7 +47,8 @@ fn jet_engine_fault_isolation() {
     }
 
     // Robust filter against the printed matrices, with the tolerances of their four digits.
-    let robust = UnknownInputObserver::new(&plant, &e1, k1);
+    let robust = UnknownInputObserver::with_gain(&plant, e1.as_ref(), k1).unwrap();
+    let robust_form = robust.form().unwrap();
     let printed_h = mat![
         [0.6117, -0.1170, 0.0, 0.3215, 0.3220, -0.1295],
         [-0.1170, 0.9382, 0.0, 0.0605, 0.0623, -0.1916],
@@ -97,14 +60,14 @@ fn jet_engine_fault_isolation() {
         [0.0443, -0.0277, -0.3540, -0.0876, -0.0958, -0.2215],
         [0.5658, -0.3540, -4.5229, -1.1193, -1.2239, -2.8297]
     ];
-    assert!((&robust.h - printed_h).norm_max() < 1e-4);
-    assert!((&robust.t - printed_t).norm_max() < 2e-4);
-    assert!((&robust.k - printed_k).norm_max() < 5e-3);
-    assert!(robust.form.consistency(&plant).unwrap() < 1e-13);
+    assert!((robust.h() - printed_h).norm_max() < 1e-4);
+    assert!((robust.t() - printed_t).norm_max() < 2e-4);
+    assert!((robust.k() - printed_k).norm_max() < 5e-3);
+    assert!(robust_form.consistency(&plant).unwrap() < 1e-13);
     // E₁ spans what E* spans, to the four printed digits.
     let disturbance = UnknownInputs::new("d", e1.clone(), Mat::zeros(6, 2)).unwrap();
     let gd = disturbance.system(&plant).unwrap();
-    assert!(fault_effects(&robust.form, &gd).unwrap().iter().all(|d| d.peak.norm < 1e-13));
+    assert!(fault_effects(&robust_form, &gd).unwrap().iter().all(|d| d.peak.norm < 1e-13));
     assert!(fault_effects(&beard, &gd).unwrap().iter().all(|d| d.detectable && d.lasting));
 
     // Steady state of x' = A x + B u + E* d(x) with u = 0.2.
@@ -121,25 +84,37 @@ fn jet_engine_fault_isolation() {
     }
 
     // Isolation index of filter j (row) for a 2 % offset of sensor `fault` (column).
-    let indices = |form: &ResidualForm<Continuous>, direction: &dyn Fn(usize) -> Vec<Mat<f64>>| {
+    let indices = |form: &ResidualForm<Continuous>, planes: &[Mat<f64>]| {
         let gain = form.system().dc_gain().unwrap();
-        Mat::from_fn(3, 3, |j, fault| {
-            let mut y = &c * &x;
-            y[(fault, 0)] += 0.02;
-            let signals = Mat::from_fn(7, 1, |i, _| if i == 0 { 0.2 } else { y[(i - 1, 0)] });
-            isolation_index(&(&gain * signals), &direction(j))
-        })
+        let planes: Vec<_> = planes.iter().map(Mat::as_ref).collect();
+        let mut spans = FaultSpans::<f64>::new(&planes).unwrap();
+        let columns: Vec<[f64; 3]> = (0..3)
+            .map(|fault| {
+                let mut y = &c * &x;
+                y[(fault, 0)] += 0.02;
+                let signals = Mat::from_fn(7, 1, |i, _| if i == 0 { 0.2 } else { y[(i - 1, 0)] });
+                let r = &gain * signals;
+                let r: Vec<f64> = (0..6).map(|i| r[(i, 0)]).collect();
+                let mut index = [0.0; 3];
+                spans.index_into(&r, &mut index);
+                index
+            })
+            .collect();
+        Mat::from_fn(3, 3, |j, fault| columns[fault][j])
     };
-    let unit = |j: usize| Mat::from_fn(6, 1, |i, _| if i == j { 1.0 } else { 0.0 });
-    let found = indices(&beard, &|j| vec![unit(j), &c * beard_gain.subcols(j, 1)]);
+    let planes: Vec<_> = (0..3).map(|j| filter.sensor_plane(j).unwrap()).collect();
+    let found = indices(&beard, &planes);
     let expected =
         mat![[0.2869, 0.8448, 0.7559], [0.9993, 0.2698, 0.7785], [0.8673, 0.9940, 0.1746]];
     // The reference was computed from the same rounded matrices and is printed to four digits.
     assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
 
-    let found = indices(&robust.form, &|j| {
-        vec![unit(j), &c * robust.k1.subcols(j, 1), &c * robust.h.subcols(j, 1)]
-    });
+    let plane = |j: usize| {
+        let through = [&c * robust.k1().subcols(j, 1), &c * robust.h().subcols(j, 1)];
+        let unit = |i: usize| if i == j { 1.0 } else { 0.0 };
+        Mat::from_fn(6, 3, |i, k| if k == 0 { unit(i) } else { through[k - 1][(i, 0)] })
+    };
+    let found = indices(&robust_form, &[plane(0), plane(1), plane(2)]);
     let expected = mat![[0.0, 0.4153, 0.2116], [0.4844, 0.0, 0.2029], [0.8568, 0.7043, 0.0]];
     assert!((&found - &expected).norm_max() < 1e-3, "{found:?}");
     // The published ordering: each filter is smallest for its own sensor.
@@ -154,20 +129,20 @@ fn minimal_unknown_input_observer() {
     let a = mat![[-1.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
     let b = mat![[-1.0], [0.0], [0.0]];
     let c = mat![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let plant = StateSpace::new(a, b.clone(), c.clone(), Mat::zeros(2, 1), Continuous).unwrap();
+    let plant = StateSpace::new(a, b.clone(), c, Mat::zeros(2, 1), Continuous).unwrap();
     let poles = [-2.0, -5.0, -10.0].map(|p| c64::new(p, 0.0));
-    let observer = UnknownInputObserver::new(&plant, &b, |a1| {
-        let by_hand = mat![[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
-        assert!((a1 - &by_hand).norm_max() < 1e-14);
-        place_poles(a1.as_ref(), c.as_ref(), &poles).unwrap().gain
-    });
-    assert!((&observer.h - mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]).norm_max() < 1e-14);
-    let mut found = observer.form.system().poles().unwrap();
+    let given = ErrorPoles::Given(poles.to_vec());
+    let observer = UnknownInputObserver::place(&plant, b.as_ref(), &given).unwrap();
+    assert!((observer.h() - mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]).norm_max() < 1e-14);
+    let by_hand = mat![[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
+    assert!((observer.t() * plant.a() - by_hand).norm_max() < 1e-14);
+    let form = observer.form().unwrap();
+    let mut found = form.system().poles().unwrap();
     found.sort_by(|p, q| q.re.total_cmp(&p.re));
     for (found, wanted) in found.iter().zip(poles) {
         assert!((found - wanted).norm() < 1e-10, "{found}");
     }
-    assert!(observer.form.consistency(&plant).unwrap() < 1e-12);
+    assert!(form.consistency(&plant).unwrap() < 1e-12);
     let gd = UnknownInputs::new("d", b, Mat::zeros(2, 1)).unwrap().system(&plant).unwrap();
-    assert!(fault_effects(&observer.form, &gd).unwrap()[0].peak.norm < 1e-12);
+    assert!(fault_effects(&form, &gd).unwrap()[0].peak.norm < 1e-12);
 }

@@ -17,9 +17,15 @@ mod design;
 mod observable;
 mod place;
 mod run;
+mod visible;
 
 pub use self::{
     design::ObserverDesign,
     place::{Placement, place_poles},
     run::Observer,
+    visible::ErrorPoles,
+};
+pub(crate) use self::{
+    observable::check_observable,
+    visible::{place_visible, pole_of_rate, rank, visible_part},
 };

@@ -9,7 +9,7 @@ use crate::error::DesignError;
 const UNOBSERVABLE: f64 = 1e-10;
 
 /// Checks by the Popov-Belevitch-Hautus test that the outputs show each mode that `matters`.
-pub(super) fn check_observable(
+pub(crate) fn check_observable(
     a: MatRef<'_, f64>,
     c: MatRef<'_, f64>,
     matters: impl Fn(c64) -> bool,

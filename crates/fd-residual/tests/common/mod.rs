@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
+pub(crate) mod transfer;
+
 use faer::{Mat, Scale, c64};
 use fd_core::{Frame, Scalar, stage::ResidualGenerator};
 use fd_model::{Discrete, SampleTime, StateSpace};

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::error::LogStudyError;
 use crate::{
     road::{Healthy, RoadError, Trace, sensor_sizes, train},
-    spec::{GeneratorSpec, PipelineSpec},
+    spec::PipelineSpec,
 };
 
 /// The version of the JSON report.
@@ -251,12 +251,7 @@ fn input_moves(record: &Record) -> bool {
 
 /// Residuals that are compared output by output keep the unit of the output.
 fn residual_units(spec: &PipelineSpec, outputs: &[SignalUnit], channels: usize) -> Vec<SignalUnit> {
-    let per_output = match spec.generator {
-        GeneratorSpec::Parity { .. } => false,
-        GeneratorSpec::Simulation {}
-        | GeneratorSpec::Observer { .. }
-        | GeneratorSpec::Kalman { .. } => spec.weighting.is_none(),
-    };
+    let per_output = spec.generator.is_per_output() && spec.weighting.is_none();
     if per_output {
         return outputs.to_vec();
     }

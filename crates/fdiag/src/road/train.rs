@@ -93,11 +93,14 @@ pub fn train(
     model: &StateSpace<Discrete>,
     healthy: &[Healthy<'_>],
 ) -> Result<Trained, RoadError> {
-    let design = spec.generator.design(model, spec.weighting.as_deref())?;
+    let to_learn = healthy.iter().filter(|log| !log.learn.is_empty());
+    let learned_from: Vec<Record> =
+        to_learn.clone().map(|log| log.record.slice(log.learn.start, log.learn.end)).collect();
+    let design = spec.generator.design(model, spec.weighting.as_deref(), &learned_from)?;
     let settle = settling_samples(spec, design.as_ref())?;
     let mut generator = design.build()?;
     let mut records = Vec::new();
-    for log in healthy.iter().filter(|log| !log.learn.is_empty()) {
+    for log in to_learn {
         let residual = residual_record(&mut generator, log.record, settle)?;
         records.push(residual.slice(log.learn.start, log.learn.end));
     }

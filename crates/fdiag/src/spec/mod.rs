@@ -17,7 +17,9 @@ use serde::{Deserialize, Serialize};
 
 pub use self::{
     detector::{DetectorSpec, DetectorSpecError},
-    generator::GeneratorSpec,
+    generator::{
+        DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, StructureSpec,
+    },
 };
 
 /// Every choice of a diagnosis.

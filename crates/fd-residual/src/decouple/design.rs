@@ -1,0 +1,279 @@
+//! The null space, and the residual generators that it holds.
+
+use faer::{Mat, MatRef};
+use fd_core::{IoDims, Shape, stage::ResidualGenerator};
+use fd_model::{Discrete, StateSpace, TimeDomain};
+
+use super::invariant::invariant;
+use crate::{
+    analysis::{Signature, UnknownInputs},
+    error::DesignError,
+    form::{GeneratorDesign, ResidualForm},
+    matrix::{blocks, check_shape},
+    observer::{ErrorPoles, place_visible, visible_part},
+};
+
+/// A fault whose entry into the residual is below this fraction of its entry into the plant is
+/// decoupled.
+const UNSEEN: f64 = 1e-8;
+
+/// All residuals that are free of the state and of the unknown inputs, before their poles are
+/// chosen.
+#[derive(Clone, Debug)]
+pub struct LeftNullSpace<D = Discrete> {
+    model: StateSpace<D>,
+    v: Mat<f64>,
+    phi: Mat<f64>,
+    g: Mat<f64>,
+    w: Mat<f64>,
+    m: Mat<f64>,
+}
+
+impl<D: TimeDomain> LeftNullSpace<D> {
+    /// The null space of a model with its unknown inputs.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the unknown inputs belong to another model, or
+    /// [`DesignError::NothingLeft`] when they hide every output.
+    ///
+    /// # Examples
+    ///
+    /// A load on the first of two coupled tanks; one residual of order one is left:
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Continuous, StateSpace};
+    /// use fd_residual::{analysis::UnknownInputs, decouple::LeftNullSpace};
+    ///
+    /// let a = mat![[-1.0, 1.0], [1.0, -2.0]];
+    /// let (b, c) = (mat![[1.0], [0.0]], Mat::identity(2, 2));
+    /// let tanks = StateSpace::new(a, b, c, Mat::zeros(2, 1), Continuous)?;
+    /// let load = UnknownInputs::none(&tanks).component("load", &[1.0, 0.0], &[0.0, 0.0])?;
+    /// let residuals = LeftNullSpace::of(&tanks, &load)?;
+    /// assert_eq!((residuals.residual_len(), residuals.order()), (1, 1));
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
+    pub fn of(model: &StateSpace<D>, unknown: &UnknownInputs) -> Result<Self, DesignError> {
+        let entry = unknown.system(model)?;
+        let found = invariant(model.a(), model.c(), entry.b(), entry.d())?;
+        if found.w.nrows() == 0 {
+            let (inputs, outputs) = (unknown.len(), model.ny());
+            return Err(DesignError::NothingLeft { inputs, outputs });
+        }
+        let m = &found.w * model.c() * found.v.transpose();
+        let (v, phi, g, w) = (found.v, found.phi, found.g, found.w);
+        Self { model: model.clone(), v, phi, g, w, m }.observable()
+    }
+
+    /// Some combinations of the residuals: `W ← T W`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when `T` has not one column per residual.
+    pub fn combined(&self, t: MatRef<'_, f64>) -> Result<Self, DesignError> {
+        check_shape("combinations T", t, Shape::new(t.nrows(), self.residual_len()))?;
+        Self { w: t * &self.w, m: t * &self.m, ..self.clone() }.observable()
+    }
+
+    /// Without what `M` does not show of `ξ`, which never comes back to the rest.
+    fn observable(self) -> Result<Self, DesignError> {
+        let (seen, _) = visible_part(self.phi.as_ref(), self.m.as_ref())?;
+        let onto = seen.transpose();
+        Ok(Self {
+            v: onto * &self.v,
+            phi: onto * &self.phi * &seen,
+            g: onto * &self.g,
+            m: &self.m * &seen,
+            ..self
+        })
+    }
+
+    /// Number of independent residuals.
+    #[must_use]
+    pub fn residual_len(&self) -> usize {
+        self.w.nrows()
+    }
+
+    /// States of the generator of all of them.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.phi.nrows()
+    }
+
+    /// What faults or noise do to the residual before its poles are chosen: `(Φ, V B_f − G D_f,
+    /// M, W D_f)`, a plant without known inputs whose outputs are free of the unknown ones.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the faults belong to another model.
+    pub fn seen(&self, faults: &UnknownInputs) -> Result<StateSpace<D>, DesignError> {
+        let entry = faults.system(&self.model)?;
+        let b = &self.v * entry.b() - &self.g * entry.d();
+        let (phi, m) = (self.phi.clone(), self.m.clone());
+        Ok(StateSpace::new(phi, b, m, &self.w * entry.d(), self.model.domain())?)
+    }
+
+    /// The faults that any residual of this space reacts to.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the faults belong to another model.
+    pub fn detects(&self, faults: &UnknownInputs) -> Result<Signature, DesignError> {
+        let (seen, entry) = (self.seen(faults)?, faults.system(&self.model)?);
+        // V and M have the units of the states, W those of the outputs over their rows of C.
+        let gain = self.w.norm_l2().max(f64::MIN_POSITIVE);
+        let speed = self.model.a().norm_l2().max(f64::MIN_POSITIVE);
+        let size = |b: MatRef<'_, f64>, d: MatRef<'_, f64>, j: usize, through: f64| {
+            (b.col(j).norm_l2() / speed).hypot(through * d.col(j).norm_l2())
+        };
+        // (M, Φ) is observable, so a fault is unseen only when its entry vanishes.
+        let reacts = |j: usize| {
+            UNSEEN * size(entry.b(), entry.d(), j, gain) < size(seen.b(), seen.d(), j, 1.0)
+        };
+        Ok(Signature((0..faults.len()).map(reacts).collect()))
+    }
+
+    /// Refuses a fault that no residual of this space reacts to.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`DesignError::Undetectable`] with the name of the first such fault.
+    ///
+    /// # Examples
+    ///
+    /// A load and a fault that enter at the same place cannot be told apart:
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Continuous, StateSpace};
+    /// use fd_residual::{DesignError, analysis::UnknownInputs, decouple::LeftNullSpace};
+    ///
+    /// let (a, b) = (mat![[-2.0, 0.0], [0.0, -3.0]], mat![[1.0], [1.0]]);
+    /// let plant = StateSpace::new(a, b, Mat::identity(2, 2), Mat::zeros(2, 1), Continuous)?;
+    /// let none = UnknownInputs::none(&plant);
+    /// let load = none.clone().component("load", &[1.0, 0.0], &[0.0, 0.0])?;
+    /// let leak = none.component("leak", &[-3.0, 0.0], &[0.0, 0.0])?;
+    /// let refusal = LeftNullSpace::of(&plant, &load)?.require(&leak).unwrap_err();
+    /// assert!(matches!(refusal, DesignError::Undetectable { fault, .. } if fault == "leak"));
+    /// # Ok::<(), DesignError>(())
+    /// ```
+    pub fn require(&self, faults: &UnknownInputs) -> Result<(), DesignError> {
+        match self.detects(faults)?.0.iter().position(|&bit| !bit) {
+            Some(fault) => Err(DesignError::Undetectable {
+                fault: faults.names()[fault].clone(),
+                residuals: self.residual_len(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The residuals with a gain `K` (order × residuals).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the gain has another size.
+    pub fn with_gain(&self, k: MatRef<'_, f64>) -> Result<ResidualForm<D>, DesignError> {
+        check_shape("residual gain K", k, Shape::new(self.order(), self.residual_len()))?;
+        let plant = &self.model;
+        let from_y = &self.g + k * &self.w;
+        let from_u = &self.v * plant.b() - &from_y * plant.d();
+        let system = StateSpace::new(
+            &self.phi - k * &self.m,
+            blocks(&[&[from_u.as_ref(), from_y.as_ref()]]),
+            -&self.m,
+            blocks(&[&[(-(&self.w * plant.d())).as_ref(), self.w.as_ref()]]),
+            plant.domain(),
+        )?;
+        ResidualForm::new(IoDims { nu: plant.nu(), ny: plant.ny() }, system)
+    }
+
+    /// The residuals with all poles placed.
+    ///
+    /// # Errors
+    ///
+    /// Fails as [`place_poles`](crate::observer::place_poles) does.
+    pub fn placed(&self, poles: &ErrorPoles) -> Result<ResidualForm<D>, DesignError> {
+        let domain = self.model.domain();
+        let hidden =
+            |mode: faer::c64| DesignError::Unobservable { re: mode.re, im: mode.im, distance: 0.0 };
+        let k = place_visible(domain, self.phi.as_ref(), self.m.as_ref(), poles, hidden)?;
+        self.with_gain(k.as_ref())
+    }
+
+    /// The model that this space belongs to.
+    #[must_use]
+    pub fn model(&self) -> &StateSpace<D> {
+        &self.model
+    }
+}
+
+/// Residuals that are free of unknown inputs; runs as [`FormGenerator`](crate::form::FormGenerator).
+#[derive(Clone, Debug)]
+pub struct DecoupledDesign {
+    space: LeftNullSpace,
+    form: ResidualForm,
+}
+
+impl DecoupledDesign {
+    /// All residuals of the null space, with the given poles.
+    ///
+    /// # Errors
+    ///
+    /// Returns why there is none, or a pole that does not decay.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{
+    ///     GeneratorDesign, analysis::UnknownInputs, decouple::DecoupledDesign,
+    ///     observer::ErrorPoles,
+    /// };
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let a = mat![[0.9, 0.1], [0.0, 0.8]];
+    /// let (b, c) = (mat![[1.0], [0.0]], Mat::identity(2, 2));
+    /// let model = StateSpace::new(a, b, c, Mat::zeros(2, 1), domain)?;
+    /// let load = UnknownInputs::none(&model).component("load", &[1.0, 0.0], &[0.0, 0.0])?;
+    /// let design = DecoupledDesign::new(&model, &load, &ErrorPoles::Rate(3.0))?;
+    /// let gd = design.form()?.residual_of(&load.system(&model)?)?;
+    /// assert!(gd.frequency_response(1.0)?[(0, 0)].norm() < 1e-14);
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
+    pub fn new(
+        model: &StateSpace<Discrete>,
+        unknown: &UnknownInputs,
+        poles: &ErrorPoles,
+    ) -> Result<Self, DesignError> {
+        let space = LeftNullSpace::of(model, unknown)?;
+        let form = space.placed(poles)?;
+        crate::simulation::check_stable("a decoupled residual", form.system())?;
+        Ok(Self { space, form })
+    }
+
+    /// The space that the residuals span.
+    #[must_use]
+    pub fn space(&self) -> &LeftNullSpace {
+        &self.space
+    }
+}
+
+impl GeneratorDesign for DecoupledDesign {
+    fn io(&self) -> IoDims {
+        self.form.io()
+    }
+
+    fn residual_len(&self) -> usize {
+        self.form.residual_len()
+    }
+
+    fn form(&self) -> Result<ResidualForm, DesignError> {
+        Ok(self.form.clone())
+    }
+
+    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
+        self.form.build()
+    }
+}

@@ -1,0 +1,201 @@
+//! Designing each row.
+
+use faer::Mat;
+use fd_core::{IoDims, stage::ResidualGenerator};
+use fd_model::{Discrete, StateSpace};
+
+use super::structure::{Structure, told_apart};
+use crate::{
+    analysis::{Signature, UnknownInputs, fault_effects},
+    bank::BankDesign,
+    decouple::LeftNullSpace,
+    error::DesignError,
+    form::{GeneratorDesign, ResidualForm},
+    observer::ErrorPoles,
+    parity::ParityDesign,
+};
+
+/// Combinations of residuals that are tried besides each alone.
+const MIXTURES: usize = 24;
+
+/// How the residual of a row is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowMethod {
+    /// A parity relation of the least order, over at most `longest + 1` samples.
+    Parity {
+        /// Longest order that is tried.
+        longest: usize,
+    },
+    /// A filter in the left null space; smoother in noise.
+    Filter {
+        /// Least rate at which its modes die out, in 1/s.
+        rate: f64,
+    },
+}
+
+/// A bank with a wanted structure matrix.
+#[derive(Debug)]
+pub struct StructuredDesign {
+    bank: BankDesign,
+    signatures: Vec<Signature>,
+    orders: Vec<usize>,
+    faults: usize,
+}
+
+impl StructuredDesign {
+    /// One residual per row of the structure, each decoupled from the disturbances and from the
+    /// faults with a zero bit.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`DesignError::NoSignature`] for a row that cannot be had, or an error when the
+    /// rows do not fit the faults.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::{Mat, mat};
+    /// use fd_model::{Discrete, SampleTime, StateSpace};
+    /// use fd_residual::{
+    ///     GeneratorDesign,
+    ///     analysis::{UnknownInputs, weak_structure},
+    ///     structured::{RowMethod, Structure, StructuredDesign},
+    /// };
+    ///
+    /// let domain = Discrete { ts: SampleTime::new(0.1)? };
+    /// let (b, c) = (mat![[1.0]], mat![[1.0], [2.0]]);
+    /// let lag = StateSpace::new(mat![[0.9]], b, c, Mat::zeros(2, 1), domain)?;
+    /// let none = UnknownInputs::none(&lag);
+    /// let faults = none.clone().sensor(&lag, 0)?.sensor(&lag, 1)?.actuator(&lag, 0)?;
+    /// let method = RowMethod::Parity { longest: 3 };
+    /// let bank = StructuredDesign::new(&lag, &faults, &none, &Structure::Generalised, method)?;
+    /// let found = weak_structure(&bank.form()?, &faults.system(&lag)?)?;
+    /// assert_eq!(found, bank.signatures());
+    /// assert!(bank.isolability().iter().all(|row| row.to_string() == "111"));
+    ///
+    /// // Two sensors and an actuator cannot each have a residual of their own here.
+    /// let dedicated = StructuredDesign::new(&lag, &faults, &none, &Structure::Dedicated, method);
+    /// assert!(dedicated.is_err());
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
+    pub fn new(
+        model: &StateSpace<Discrete>,
+        faults: &UnknownInputs,
+        disturbances: &UnknownInputs,
+        structure: &Structure,
+        method: RowMethod,
+    ) -> Result<Self, DesignError> {
+        let signatures = structure.rows(faults.len())?;
+        let mut members: Vec<Box<dyn GeneratorDesign>> = Vec::new();
+        let mut orders = Vec::new();
+        for signature in &signatures {
+            match method {
+                RowMethod::Parity { longest } => {
+                    let row = ParityDesign::with_signature(
+                        model,
+                        faults,
+                        disturbances,
+                        signature,
+                        longest,
+                    )?;
+                    orders.push(row.order());
+                    members.push(Box::new(row));
+                }
+                RowMethod::Filter { rate } => {
+                    let row = filter(model, faults, disturbances, signature, rate)?;
+                    orders.push(row.system().nx());
+                    members.push(Box::new(row));
+                }
+            }
+        }
+        Ok(Self { bank: BankDesign::new(members)?, signatures, orders, faults: faults.len() })
+    }
+
+    /// The signatures that were asked for, one per residual.
+    #[must_use]
+    pub fn signatures(&self) -> &[Signature] {
+        &self.signatures
+    }
+
+    /// Orders of the residuals: window length minus one, or states.
+    #[must_use]
+    pub fn orders(&self) -> &[usize] {
+        &self.orders
+    }
+
+    /// Which faults this bank tells apart: bit `j` of row `i` is set when a residual fires for
+    /// fault `i` and stays silent for fault `j`; on the diagonal, when one fires at all.
+    #[must_use]
+    pub fn isolability(&self) -> Vec<Signature> {
+        told_apart(&self.signatures, self.faults)
+    }
+}
+
+impl GeneratorDesign for StructuredDesign {
+    fn io(&self) -> IoDims {
+        self.bank.io()
+    }
+
+    fn residual_len(&self) -> usize {
+        self.bank.residual_len()
+    }
+
+    fn form(&self) -> Result<ResidualForm, DesignError> {
+        self.bank.form()
+    }
+
+    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
+        self.bank.build()
+    }
+}
+
+/// The combination in the null space whose weakest wanted fault is strongest.
+fn filter(
+    model: &StateSpace<Discrete>,
+    faults: &UnknownInputs,
+    disturbances: &UnknownInputs,
+    signature: &Signature,
+    rate: f64,
+) -> Result<ResidualForm, DesignError> {
+    let having = |bit| (0..faults.len()).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
+    let (wanted, ignored) = (having(true), having(false));
+    if wanted.is_empty() {
+        return Err(DesignError::Empty { what: "one bit of the signature" });
+    }
+    let unachievable =
+        || DesignError::NoSignature { signature: signature.clone(), longest: model.nx() };
+    let unknown = disturbances.and(&faults.select(&ignored)?)?;
+    let space = match LeftNullSpace::of(model, &unknown) {
+        Err(DesignError::NothingLeft { .. }) => return Err(unachievable()),
+        space => space?,
+    };
+    if &space.detects(faults)? != signature {
+        return Err(unachievable());
+    }
+    let gf = faults.select(&wanted)?.system(model)?;
+    let mut best = None;
+    let mut strongest = 0.0;
+    for row in mixtures(space.residual_len()) {
+        let form = space.combined(row.as_ref())?.placed(&ErrorPoles::Rate(rate))?;
+        let effects = fault_effects(&form, &gf)?;
+        let weakest = effects.iter().map(|e| if e.detectable { e.peak.norm } else { 0.0 });
+        let weakest = weakest.fold(f64::INFINITY, f64::min);
+        if strongest < weakest {
+            (best, strongest) = (Some(form), weakest);
+        }
+    }
+    best.ok_or_else(unachievable)
+}
+
+/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,
+/// which no integers relate.
+fn mixtures(width: usize) -> Vec<Mat<f64>> {
+    let alone = (0..width).map(|i| Mat::from_fn(1, width, |_, j| if i == j { 1.0 } else { 0.0 }));
+    let mixed = (1..=MIXTURES).filter(|_| 1 < width).map(|k| {
+        let spread = |j: usize| 2.0 * (k as f64 * ((j + 2) as f64).ln()).fract() - 1.0;
+        let row = Mat::from_fn(1, width, |_, j| spread(j));
+        let size = row.norm_l2();
+        faer::Scale(size.recip()) * row
+    });
+    alone.chain(mixed).collect()
+}

@@ -1,0 +1,209 @@
+//! Published problems, solved by the design rooms: Varga (2017) and the user's guide of FDITOOLS.
+//! All in continuous time.
+#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+
+mod common;
+
+use common::transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise};
+use faer::{Mat, Scale, c64, mat};
+use fd_model::{Continuous, StateSpace};
+use fd_residual::{
+    DesignError, ResidualForm,
+    analysis::{UnknownInputs, fault_effects, fault_to_noise_gap},
+    decouple::LeftNullSpace,
+    observer::ErrorPoles,
+    optimal::{Exposure, OptimalDesign},
+};
+
+/// A plant with one known input, realised together with its unknown ones.
+struct Problem {
+    plant: System,
+    all: System,
+}
+
+impl Problem {
+    /// Column 0 is `u`.
+    fn new<const N: usize>(rows: &[[Ratio; N]; 2]) -> Self {
+        let all = realise(rows);
+        let (b, d) = (all.b().subcols(0, 1).to_owned(), all.d().subcols(0, 1).to_owned());
+        let plant =
+            StateSpace::new(all.a().to_owned(), b, all.c().to_owned(), d, Continuous).unwrap();
+        Self { plant, all }
+    }
+
+    /// The unknown inputs in columns `from..from + count`.
+    fn unknown(&self, name: &str, from: usize, count: usize) -> UnknownInputs {
+        let (b, d) = (self.all.b().subcols(from, count), self.all.d().subcols(from, count));
+        UnknownInputs::new(name, b.to_owned(), d.to_owned()).unwrap()
+    }
+
+    fn system(&self, unknown: &UnknownInputs) -> System {
+        unknown.system(&self.plant).unwrap()
+    }
+}
+
+const U1: Ratio = (&[1.0, 1.0], &[1.0, 2.0]);
+const U2: Ratio = (&[1.0, 2.0], &[1.0, 3.0]);
+const D1: Ratio = (&[1.0, -1.0], &[1.0, 2.0]);
+
+/// The form with its residual multiplied so that the gain of a fault at a frequency is as given.
+fn normalised(
+    form: &ResidualForm<Continuous>,
+    gf: &System,
+    fault: usize,
+    wanted: f64,
+) -> ResidualForm<Continuous> {
+    let found = form.residual_of(gf).unwrap().dc_gain().unwrap()[(0, fault)];
+    form.weighted(mat![[wanted / found]].as_ref()).unwrap()
+}
+
+#[test]
+fn varga_5_4_is_solved_for_an_unstable_plant() {
+    let first: Ratio = (&[1.0, 1.0], &[1.0, -2.0]);
+    let second: Ratio = (&[1.0, 2.0], &[1.0, -3.0]);
+    let problem = Problem::new(&[[first, D1, first, ZERO], [second, ZERO, second, ONE]]);
+    let (d, f) = (problem.unknown("d", 1, 1), problem.unknown("f", 2, 2));
+    let space = LeftNullSpace::of(&problem.plant, &d).unwrap();
+    assert_eq!((space.residual_len(), space.order()), (1, 1));
+    assert_eq!(space.detects(&f).unwrap().to_string(), "11");
+    let form = space.placed(&ErrorPoles::Given(vec![c64::new(-3.0, 0.0)])).unwrap();
+    let gf = problem.system(&f);
+    let form = normalised(&form, &gf, 0, 2.0 / 3.0);
+    // Q = [0, (s−3)/(s+3), −(s+2)/(s+3)], R_f = [(s+2)/(s+3), (s−3)/(s+3)].
+    let to_y: Ratio = (&[1.0, -3.0], &[1.0, 3.0]);
+    let q = realise(&[[(&[-1.0, -2.0], &[1.0, 3.0]), ZERO, to_y]]);
+    assert_equal(form.system(), &q);
+    let hy = form.hy().unwrap();
+    assert_equal(&hy, &realise(&[[ZERO, to_y]]));
+    let effects = fault_effects(&form, &gf).unwrap();
+    for (effect, steady) in effects.iter().zip([2.0 / 3.0, 1.0]) {
+        assert_close(effect.steady.unwrap(), steady);
+        assert_close(effect.peak.norm, 1.0);
+    }
+    // Only the signature 11 exists: with either fault among the disturbances, nothing is left.
+    for one in 0..2 {
+        let unknown = d.and(&f.select(&[one]).unwrap()).unwrap();
+        assert!(matches!(
+            LeftNullSpace::of(&problem.plant, &unknown),
+            Err(DesignError::NothingLeft { .. })
+        ));
+    }
+}
+
+#[test]
+fn varga_5_3_is_solved_without_dynamics_of_its_own() {
+    let problem = Problem::new(&[[U1, D1, U1, ZERO], [U2, ZERO, U2, ONE]]);
+    let (d, f) = (problem.unknown("d", 1, 1), problem.unknown("f", 2, 2));
+    let space = LeftNullSpace::of(&problem.plant, &d).unwrap();
+    let form = space.placed(&ErrorPoles::Given(vec![c64::new(-3.0, 0.0)])).unwrap();
+    let form = normalised(&form, &problem.system(&f), 0, 2.0 / 3.0);
+    // Q = [0, 1, −(s+2)/(s+3)]: the pole −3 is that of the plant.
+    assert_equal(form.system(), &realise(&[[(&[-1.0, -2.0], &[1.0, 3.0]), ZERO, ONE]]));
+}
+
+#[test]
+fn varga_5_2_has_no_solution() {
+    let noise: Ratio = (&[1.0], &[1.0, 2.0]);
+    let problem = Problem::new(&[[U1, noise, U1, ZERO], [U2, ZERO, ZERO, ONE]]);
+    let (d, f) = (problem.unknown("d", 1, 1), problem.unknown("f", 2, 2));
+    let none = UnknownInputs::none(&problem.plant);
+    let exposure = Exposure { faults: &f, disturbances: &d, noise: &none };
+    let refusal = OptimalDesign::new(&problem.plant, &exposure, 3.0).unwrap_err();
+    assert_eq!(refusal, DesignError::Undetectable { fault: "f 1".to_owned(), residuals: 1 });
+    assert!(refusal.to_string().starts_with("no solution"), "{refusal}");
+}
+
+#[test]
+fn varga_5_6_has_the_gap_three() {
+    let noise: Ratio = (&[1.0], &[1.0, 2.0]);
+    let problem = Problem::new(&[[U1, U1, ZERO, noise], [U2, ZERO, ONE, ZERO]]);
+    let (f, w) = (problem.unknown("f", 1, 2), problem.unknown("w", 3, 1));
+    let none = UnknownInputs::none(&problem.plant);
+    let exposure = Exposure { faults: &f, disturbances: &none, noise: &w };
+    let design = OptimalDesign::new(&problem.plant, &exposure, 3.0).unwrap();
+    assert_eq!(design.noisy(), 1);
+    let form = design.form();
+    assert!(form.consistency(&problem.plant).unwrap() < 1e-12);
+    let (gf, gw) = (problem.system(&f), problem.system(&w));
+    assert_close(fault_to_noise_gap(form, &gf, &gw).unwrap().ratio, 3.0);
+    // R_w = 3/(s+3) in the first channel, up to sign, and nothing in the second.
+    let sign = form.residual_of(&gw).unwrap().dc_gain().unwrap()[(0, 0)].signum();
+    let both = form.weighted(mat![[sign, 0.0], [0.0, 1.0]].as_ref()).unwrap();
+    let rw = realise(&[[(&[3.0], &[1.0, 3.0])], [ZERO]]);
+    assert_equal(&both.residual_of(&gw).unwrap(), &rw);
+
+    // One residual with the combinations [1 1] and [0.1 1]: the gap stays.
+    let quiet = both.residual_of(&gf).unwrap().dc_gain().unwrap()[(1, 1)].signum();
+    for weight in [1.0, 0.1] {
+        let one = both.weighted(mat![[1.0, weight * quiet]].as_ref()).unwrap();
+        let ratio = fault_to_noise_gap(&one, &gf, &gw).unwrap().ratio;
+        assert_close(ratio, 3.0 * weight.min(1.0));
+        let other = both.weighted(mat![[weight, quiet]].as_ref()).unwrap();
+        assert_close(fault_to_noise_gap(&other, &gf, &gw).unwrap().ratio, 3.0);
+        assert_close(fault_to_noise_gap(&other, &gf, &gw).unwrap().noise.norm, weight);
+    }
+    let one = both.weighted(mat![[1.0, quiet]].as_ref()).unwrap();
+    let rf = one.residual_of(&gf).unwrap();
+    assert_equal(
+        &StateSpace::new(
+            rf.a().to_owned(),
+            rf.b().subcols(0, 1).to_owned(),
+            rf.c().to_owned(),
+            rf.d().subcols(0, 1).to_owned(),
+            Continuous,
+        )
+        .unwrap(),
+        &realise(&[[(&[3.0, 3.0], &[1.0, 3.0])]]),
+    );
+}
+
+#[test]
+fn fditools_example_8_has_the_gap_two() {
+    let problem = Problem::new(&[[U1, U1, ONE, ZERO, D1], [U2, U2, ZERO, ONE, ZERO]]);
+    let (f, w) = (problem.unknown("f", 1, 3), problem.unknown("w", 4, 1));
+    let none = UnknownInputs::none(&problem.plant);
+    let exposure = Exposure { faults: &f, disturbances: &none, noise: &w };
+    let design = OptimalDesign::new(&problem.plant, &exposure, 1.0).unwrap();
+    let (gf, gw) = (problem.system(&f), problem.system(&w));
+    let gap = fault_to_noise_gap(design.form(), &gf, &gw).unwrap();
+    assert_close(gap.noise.norm, 1.0);
+    assert_close(gap.ratio, 2.0);
+    // The noisy channel is (s+2)/(s+1) of the first output, R_w = (s−1)/(s+1), up to sign.
+    let noisy = design.form().weighted(mat![[1.0, 0.0]].as_ref()).unwrap();
+    let noisy = normalised(&noisy, &gf, 1, 2.0);
+    assert_equal(&noisy.hy().unwrap(), &realise(&[[(&[1.0, 2.0], &[1.0, 1.0]), ZERO]]));
+    assert_equal(&noisy.residual_of(&gw).unwrap(), &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])]]));
+}
+
+/// Niemann (1998): one residual per fault, decoupled from the other and from the disturbance.
+#[test]
+fn niemann_faults_are_isolated() {
+    let scaled = |m: Mat<f64>| Scale(1000.0) * m;
+    let a = scaled(mat![
+        [-0.0782, 0.2939, 0.0220, 0.0208, -0.0291],
+        [0.0077, -0.0278, 0.0015, -0.0015, 0.0026],
+        [-1.3251, 5.32608, -0.5263, 0.2214, -0.4777],
+        [1.0809, -4.4452, 0.3770, -0.4631, 0.4032],
+        [2.1532, -8.6386, 0.7811, -0.5745, 0.7816]
+    ]);
+    let bd = scaled(mat![[0.0443], [-0.0042], [0.7910], [-0.6598], [-1.2881]]);
+    let bu = mat![
+        [-0.007_197, 0.003_005],
+        [0.003_473, 0.000_284],
+        [1.218_502, -0.032_866],
+        [1.322_502, 0.020_147],
+        [-0.082_265, 0.024_388]
+    ];
+    let plant =
+        StateSpace::new(a, bu.clone(), Mat::identity(5, 5), Mat::zeros(5, 2), Continuous).unwrap();
+    let faults = UnknownInputs::new("f", bu, Mat::zeros(5, 2)).unwrap();
+    let disturbance = UnknownInputs::new("d", bd, Mat::zeros(5, 1)).unwrap();
+    for (ignored, signature) in [(vec![], "11"), (vec![0], "01"), (vec![1], "10")] {
+        let unknown = disturbance.and(&faults.select(&ignored).unwrap()).unwrap();
+        let space = LeftNullSpace::of(&plant, &unknown).unwrap();
+        // Published dimensions of the null space and orders of its full basis: 4 and 4, 3 and 3.
+        let expected = if ignored.is_empty() { 4 } else { 3 };
+        assert_eq!((space.residual_len(), space.order()), (expected, expected));
+        assert_eq!(space.detects(&faults).unwrap().to_string(), signature);
+    }
+}

@@ -1,0 +1,80 @@
+//! Every kind of residual generator, chosen by a line of a spec, trained and run.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
+mod support;
+
+use fdiag::{
+    residual::DesignError,
+    road::{Healthy, RoadError, Trace, Trained, train},
+    spec::PipelineSpec,
+};
+use support::{input, nominal, plant, run};
+
+const KINDS: [&str; 14] = [
+    r#"kind = "simulation""#,
+    r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
+    r#"kind = "parity", order = 2"#,
+    r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }, rate = 2.0"#,
+    r#"kind = "decoupled", disturbance = { kind = "learned", rank = 1, duration_s = 2.0 }, rate = 2.0"#,
+    r#"kind = "eigenstructure", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }"#,
+    r#"kind = "eigenstructure", disturbance = { kind = "learned", rank = 1 }, rate = 3.0"#,
+    r#"kind = "optimal", process_noise = 0.01, output_noise = 1.0, attenuated = { kind = "learned", rank = 1 }"#,
+    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "dedicated" }"#,
+    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "rows", rows = ["10", "11"] }, rate = 2.0"#,
+    r#"kind = "directional", rate = 2.0"#,
+    r#"kind = "adaptive", parameters = { kind = "state-rates" }, process_noise = 0.1, output_noise = 1e-4"#,
+    r#"kind = "fault-estimate", faults = [{ actuator = 1 }, { sensor = 2 }], process_noise = 1e-4, output_noise = 1e-2, drift = 1e-4"#,
+];
+
+fn spec(generator: &str) -> PipelineSpec {
+    let text = format!(
+        "generator = {{ {generator} }}\nsettle_s = 5.0\nbias.orders = {{ kind = \"fixed\", na = 1, nb = 2 }}"
+    );
+    toml::from_str(&text).unwrap()
+}
+
+/// Trained on 200 s of the plant with slight sensor noise.
+fn trained(generator: &str) -> Result<Trained, RoadError> {
+    let log = run(&plant(), &input(2000, 0), 1e-4, 1);
+    train(&spec(generator), &nominal(), &[Healthy::split(&log, 0.7)])
+}
+
+#[test]
+fn every_kind_is_trained_and_run() {
+    let log = run(&plant(), &input(600, 3), 1e-4, 2);
+    for kind in KINDS {
+        let written = toml::to_string(&spec(kind)).unwrap();
+        assert_eq!(toml::from_str::<PipelineSpec>(&written).unwrap(), spec(kind), "{kind}");
+        let trained = trained(kind).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let trace = Trace::of(&mut trained.compensated().unwrap(), &log).unwrap();
+        assert_eq!(trace.channels, trained.design().residual_len(), "{kind}");
+        assert!(trace.residual.iter().all(|r| r.is_finite()), "{kind}");
+        assert!(trace.compensating.iter().any(|&on| on), "{kind}");
+    }
+}
+
+/// The direction that the logs show is decoupled: most of the modelling error is gone from the
+/// primary residual, before any compensation.
+#[test]
+fn a_learned_disturbance_takes_out_most_of_the_error() {
+    let size = |kind: &str| trained(kind).unwrap().fault_free_maxima().0;
+    let plain = size(r#"kind = "observer", rate = 2.0"#);
+    let learned = size(KINDS[3]);
+    assert!(learned < 0.3 * plain, "{learned} {plain}");
+}
+
+#[test]
+fn what_cannot_be_designed_says_why() {
+    let refusal = |kind: &str| match trained(kind) {
+        Err(RoadError::Generator(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    let two = r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 2 }, rate = 2.0"#;
+    assert_eq!(refusal(two), DesignError::NothingLeft { inputs: 2, outputs: 2 });
+    let none =
+        r#"kind = "structured", faults = [{ sensor = 0 }], structure = { kind = "dedicated" }"#;
+    assert!(matches!(refusal(none), DesignError::Index { what: "output", .. }));
+    let hidden = r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }, { actuator = 1 }], structure = { kind = "dedicated" }"#;
+    assert!(matches!(refusal(hidden), DesignError::NoSignature { .. }));
+}
