@@ -87,7 +87,7 @@ fn no_stage_allocates_per_sample() {
             hard += u32::from(kind == EventKind::HardFaultWhileTraining);
         }
         for detector in &mut detectors {
-            let verdict = detector.update(&star);
+            let verdict = detector.update(&[], &star);
             let phase = outcome.phase;
             faults += u32::from(
                 rule.decide(Evidence { k, phase, verdict, r_star: &star }).is_fault()

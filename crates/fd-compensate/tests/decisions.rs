@@ -200,7 +200,8 @@ fn the_smallest_fault_by_search() {
     let mut is_seen = |size: f64| {
         Stage::<f64>::reset(&mut sum);
         let pairs = healthy.iter().zip(&response);
-        let margins: Vec<f64> = pairs.map(|(r, g)| sum.update(&[r + size * g]).statistic).collect();
+        let margins: Vec<f64> =
+            pairs.map(|(r, g)| sum.update(&[], &[r + size * g]).statistic).collect();
         alarms(&margins, 8.0, rule).unwrap().contains(&true)
     };
     assert!(edge > 0.0 && is_seen(edge) && !is_seen(edge * (1.0 - 1e-6)), "{edge}");

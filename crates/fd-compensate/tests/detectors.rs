@@ -73,7 +73,7 @@ fn the_running_cusum_has_the_computed_run_length() {
         for _ in 0..runs {
             fd_core::stage::Stage::<f64>::reset(&mut detector);
             let mut length = 1.0;
-            while !detector.update(&[shift + normal(&mut random)]).alarm() {
+            while !detector.update(&[], &[shift + normal(&mut random)]).alarm() {
                 length += 1.0;
             }
             sum += length;
@@ -104,10 +104,10 @@ fn the_papers_threshold_lies_just_above_the_fault_free_record() {
     let rows = SampleRows::new(2, &values).unwrap();
     for norm in [Norm::Max, Norm::Euclidean, Norm::Sum] {
         let mut detector = Magnitude::<f64>::above_fault_free_norm(norm, rows, 0.0).unwrap();
-        assert!(!rows.iter().any(|r| detector.update(r).alarm()));
+        assert!(!rows.iter().any(|r| detector.update(&[], r).alarm()));
         let lower = detector.threshold() * (1.0 - 1e-9);
         let mut lower = detector.with_threshold(lower).unwrap();
-        assert!(rows.iter().any(|r| lower.update(r).alarm()));
+        assert!(rows.iter().any(|r| lower.update(&[], r).alarm()));
     }
 }
 
@@ -131,7 +131,7 @@ fn chi_square_keeps_its_rate_on_white_correlated_channels() {
         let mut detector = ChiSquare::<f64>::from_fault_free(rows, window, threshold).unwrap();
         let n = 50_000;
         let fresh = correlated(n, 2);
-        let alarms = fresh.chunks(2).filter(|r| detector.update(r).alarm()).count();
+        let alarms = fresh.chunks(2).filter(|r| detector.update(&[], r).alarm()).count();
         // Binomial error sqrt(n p) = 22, times sqrt(window) at most for overlapping windows; 4 of them
         // and 1 % for the covariance estimated from 50 000 samples.
         let tolerance = 4.0 * (500.0 * window as f64).sqrt() + 20.0;
@@ -187,7 +187,7 @@ fn single_precision_decides_alike() {
     for r in rows.iter() {
         let single = [f32::from_design(r[0]), f32::from_design(r[1])];
         for (double, detector) in doubles.iter_mut().zip(&mut singles) {
-            let (double, single) = (double.update(r), detector.update(&single));
+            let (double, single) = (double.update(&[], r), detector.update(&[], &single));
             // Correlation 0.95: whitening amplifies the rounding 6e-8 of values up to 4 about tenfold;
             // a sum keeps it over its memory of some hundred samples.
             let clear = (double.statistic / double.threshold - 1.0).abs() > 1e-3;
@@ -216,7 +216,7 @@ fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
 fn margins(detector: &mut dyn Detector<f64>, rows: &[f64], channels: usize) -> Vec<f64> {
     rows.chunks(channels)
         .map(|r| {
-            let verdict = detector.update(r);
+            let verdict = detector.update(&[], r);
             verdict.statistic / verdict.threshold
         })
         .collect()
@@ -264,7 +264,7 @@ proptest! {
         });
         for _ in 0..200 {
             let r = [normal(&mut random)];
-            let [low, high] = pair.each_mut().map(|d| d.update(&r).alarm());
+            let [low, high] = pair.each_mut().map(|d| d.update(&[], &r).alarm());
             prop_assert!(low || !high);
         }
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows, SampleRows,
     calibrate::CalibrationPlan,
     decide::Debounce,
     residual_compensation::{PreFitted, ResidualCompensator},
@@ -76,6 +76,8 @@ pub struct Trained {
     selection: Option<OrderTable>,
     fit: PreFitted,
     events: Vec<Event>,
+    /// Inputs of the fault-free samples.
+    inputs: Vec<f64>,
     primary: Vec<f64>,
     compensated: Vec<f64>,
 }
@@ -120,6 +122,7 @@ pub fn train(
         selection: learned.selection,
         fit,
         events: learned.events,
+        inputs: Vec::new(),
         primary: Vec::new(),
         compensated: Vec::new(),
     };
@@ -168,10 +171,17 @@ impl Trained {
         (peak(&self.primary), peak(&self.compensated))
     }
 
-    /// Fault-free samples of the primary and the compensated residual, row by row.
+    /// Fault-free samples of the primary and the compensated residual, row by row, next to
+    /// [their inputs](Trained::calibration_inputs).
     #[must_use]
     pub fn calibration(&self) -> (&[f64], &[f64]) {
         (&self.primary, &self.compensated)
+    }
+
+    /// Inputs of the fault-free samples, row by row.
+    #[must_use]
+    pub fn calibration_inputs(&self) -> &[f64] {
+        &self.inputs
     }
 
     /// A fresh pipeline that subtracts the learned bias.
@@ -204,11 +214,12 @@ impl Trained {
         self.assemble(compensator, detector, Box::new(rule))
     }
 
-    /// The detector of the spec, calibrated on fault-free residuals.
+    /// The detector of the spec, calibrated on one of the two fault-free residuals.
     pub(crate) fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, RoadError> {
         let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
-        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
-        Ok(self.spec.detector.calibrated(rows, &plan)?)
+        let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
+        let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
+        Ok(self.spec.detector.calibrated(DrivenRows::new(inputs, residuals)?, &plan)?)
     }
 
     fn assemble(
@@ -246,6 +257,7 @@ impl Trained {
         for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
             if trace.compensating[k] && log.record.is_complete(k) {
                 let row = k * channels..(k + 1) * channels;
+                self.inputs.extend_from_slice(log.record.u(k));
                 self.primary.extend_from_slice(&trace.residual[row.clone()]);
                 self.compensated.extend_from_slice(&trace.compensated[row]);
             }

@@ -1,7 +1,7 @@
 //! Which detector, as a line of a spec.
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows,
     calibrate::{CalibrationError, CalibrationPlan, FalseAlarms, calibrate},
     detect::{
         ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Magnitude, NSigma, Spread, Standardizer,
@@ -95,13 +95,14 @@ impl DetectorSpec {
     /// Returns an error when the fault-free residuals do not allow the scales or the threshold.
     pub fn calibrated(
         &self,
-        healthy: SampleRows<'_>,
+        healthy: DrivenRows<'_>,
         plan: &CalibrationPlan,
     ) -> Result<Box<dyn Detector>, DetectorSpecError> {
-        let standard = || Standardizer::from_fault_free(healthy, Spread::StandardDeviation);
+        let standard =
+            || Standardizer::from_fault_free(healthy.residuals(), Spread::StandardDeviation);
         Ok(match *self {
             Self::Maximum { margin } => {
-                Box::new(Magnitude::<f64>::above_fault_free_maximum(healthy, margin)?)
+                Box::new(Magnitude::<f64>::above_fault_free_maximum(healthy.residuals(), margin)?)
             }
             Self::NSigma { sigmas, false_alarms: None } => {
                 Box::new(NSigma::<f64>::new(standard()?, sigmas)?)
@@ -113,7 +114,7 @@ impl DetectorSpec {
             }
             Self::ChiSquare { window, false_alarms } => {
                 let mut detector =
-                    ChiSquare::<f64>::from_fault_free(healthy, window, UNCALIBRATED)?;
+                    ChiSquare::<f64>::from_fault_free(healthy.residuals(), window, UNCALIBRATED)?;
                 let threshold = calibrate(&mut detector, healthy, false_alarms, plan)?.threshold;
                 Box::new(detector.with_threshold(threshold)?)
             }
