@@ -6,6 +6,7 @@
 //! | [`NSigma`] | largest `(r_i − m_i) / σ_i` | the same with an offset, in standard deviations |
 //! | [`ChiSquare`] | `Σ (r − m)ᵀ Σ⁻¹ (r − m)` over a window | several correlated channels |
 //! | [`Cusum`] | two-sided cumulative sum, worst channel | small lasting faults |
+//! | [`AdaptiveThreshold`] | residual against a bound that follows the input | uncompensated bias of a wrong model |
 //!
 //! A detector sees `r*` in every phase, also the innovation of the training; the
 //! [decision rule](crate::decide) is what is mute while training. Detectors with a memory (a window, a
@@ -15,6 +16,7 @@
 //! a compensated residual seldom is. [`calibrate`](crate::calibrate) finds thresholds from fault-free
 //! data instead.
 
+pub mod adaptive;
 pub mod chi_square;
 pub mod cusum;
 mod error;
@@ -23,6 +25,7 @@ mod n_sigma;
 mod standardize;
 
 pub use self::{
+    adaptive::AdaptiveThreshold,
     chi_square::ChiSquare,
     cusum::Cusum,
     error::DetectorError,
