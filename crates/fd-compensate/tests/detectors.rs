@@ -4,8 +4,13 @@
 use fd_compensate::{
     SampleRows,
     detect::{
-        ChiSquare, Cusum, DetectorError, Magnitude, NSigma, Norm, Spread, Standardizer, chi_square,
+        ChiSquare, Cusum, DetectorError, Glr, Magnitude, NSigma, Norm, Spread, Sprt, Standardizer,
+        TwoSample, chi_square,
         cusum::{average_run_length, threshold_for},
+        glr::{Course, GlrDesign},
+        sprt::{ErrorProbabilities, Sides},
+        two_sample::SampleTest,
+        whiten::WhitenerDesign,
     },
 };
 use fd_core::{Scalar, Snapshot, stage::Detector};
@@ -201,6 +206,11 @@ fn single_precision_decides_alike() {
 /// Every detector of the room, fitted to `healthy`.
 fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
     let z = |spread| Standardizer::from_fault_free(healthy, spread).unwrap();
+    let errors = ErrorProbabilities { false_alarm: 0.01, missed: 0.05 };
+    let whitener = WhitenerDesign::from_fault_free(healthy, 3).unwrap();
+    let courses = [Course::Step, Course::Ramp];
+    let glr = GlrDesign::any_direction(whitener, &courses, 9).unwrap();
+    let two = |test| Box::new(TwoSample::new(test, healthy, 12, 2.0).unwrap());
     vec![
         Box::new(Magnitude::above_fault_free_maximum(healthy, 0.05).unwrap()),
         Box::new(Magnitude::above_fault_free_norm(Norm::Euclidean, healthy, 0.05).unwrap()),
@@ -210,6 +220,11 @@ fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
         Box::new(ChiSquare::from_fault_free(healthy, 1, 9.0).unwrap()),
         Box::new(ChiSquare::from_fault_free(healthy, 7, 30.0).unwrap()),
         Box::new(Cusum::new(z(Spread::StandardDeviation), 0.5, 4.0).unwrap()),
+        Box::new(Sprt::new(z(Spread::StandardDeviation), 1.0, errors, Sides::Both).unwrap()),
+        Box::new(Glr::new(&glr, 10.0).unwrap()),
+        two(SampleTest::Mean),
+        two(SampleTest::Variance),
+        two(SampleTest::Distribution),
     ]
 }
 
