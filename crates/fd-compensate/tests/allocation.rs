@@ -10,7 +10,10 @@ use std::{
 
 use fd_compensate::{
     SampleRows,
-    decide::{Debouncing, Hypothesis, SizedDebounce, Sizing},
+    decide::{
+        Candidate, Debouncing, FaultFree, Hypothesis, IsolatingDebounce, Isolation, SizedDebounce,
+        Sizing,
+    },
     detect::{
         AdaptiveThreshold, ChiSquare, Cusum, Glr, Magnitude, NSigma, Sprt, Standardizer, TwoSample,
         adaptive::{Bands, InputBound},
@@ -23,7 +26,7 @@ use fd_compensate::{
 };
 use fd_core::{
     EventKind, Frame, IoDims,
-    stage::{Compensator, DecisionRule, Detector, Evidence, Phase},
+    stage::{Compensator, Decision, DecisionRule, Detector, Evidence, Phase},
 };
 use support::{paper_input, response, subject};
 
@@ -92,6 +95,12 @@ fn no_stage_allocates_per_sample() {
     let mut rule =
         SizedDebounce::new(1, Debouncing::consecutive(5), &hypotheses, &Sizing::default()).unwrap();
 
+    let noise = FaultFree::new(&[0.0], &[1.0], 2.0).unwrap();
+    let candidates = hypotheses.map(Candidate::from);
+    let consecutive = Debouncing::consecutive(5);
+    let mut isolating =
+        IsolatingDebounce::new(&noise, &candidates, consecutive, &Isolation::default()).unwrap();
+
     let (mut faults, mut frozen, mut trainings, mut hard) = (0, 0, 0, 0);
     let mut star = [0.0];
     let before = ALLOCATIONS.get();
@@ -107,10 +116,10 @@ fn no_stage_allocates_per_sample() {
         for detector in &mut detectors {
             let verdict = detector.update(&u, &star);
             let phase = outcome.phase;
-            faults += u32::from(
-                rule.decide(Evidence { k, phase, verdict, r_star: &star }).is_fault()
-                    && phase == Phase::Compensating,
-            );
+            let evidence = Evidence { k, phase, verdict, r_star: &star };
+            let both = [rule.decide(evidence), isolating.decide(evidence)];
+            let is_on = phase == Phase::Compensating;
+            faults += u32::from(is_on && both.iter().all(Decision::is_fault));
         }
     }
     let allocations = ALLOCATIONS.get() - before;

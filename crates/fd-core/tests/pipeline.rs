@@ -79,7 +79,7 @@ impl DecisionRule for AlarmIsFault {
     }
     fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
         if evidence.verdict.alarm() {
-            Decision::Fault(Fault { since: evidence.k, hypothesis: None, size: None })
+            Decision::Fault(Fault::since(evidence.k))
         } else {
             Decision::Nominal
         }

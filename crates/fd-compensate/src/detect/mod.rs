@@ -22,7 +22,7 @@
 pub mod adaptive;
 pub mod chi_square;
 pub mod cusum;
-mod error;
+pub(crate) mod error;
 pub mod glr;
 mod magnitude;
 mod n_sigma;

@@ -5,7 +5,6 @@ use std::ops::Range;
 use fd_compensate::{
     DrivenRows, SampleRows,
     calibrate::CalibrationPlan,
-    decide::Debounce,
     residual_compensation::{PreFitted, ResidualCompensator},
 };
 use fd_core::{
@@ -23,7 +22,7 @@ use fd_residual::GeneratorDesign;
 use super::{
     error::RoadError, learn::learn, residuals::residual_record, silent::Silent, trace::Trace,
 };
-use crate::spec::{LearningSpec, PipelineSpec};
+use crate::spec::{DetectorData, LearningSpec, PipelineSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -71,6 +70,7 @@ impl<'a> Healthy<'a> {
 #[derive(Debug)]
 pub struct Trained {
     spec: PipelineSpec,
+    nominal: StateSpace<Discrete>,
     design: Box<dyn GeneratorDesign>,
     model: ArxModel,
     selection: Option<OrderTable>,
@@ -117,6 +117,7 @@ pub fn train(
     let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
     let mut trained = Trained {
         spec: spec.clone(),
+        nominal: model.clone(),
         design,
         model: learned.model,
         selection: learned.selection,
@@ -208,10 +209,11 @@ impl Trained {
         compensator: Box<dyn Compensator>,
         healthy: &[f64],
     ) -> Result<DynPipeline, RoadError> {
-        let channels = self.design.residual_len();
         let detector = self.detector(healthy)?;
-        let rule = Debounce::new(channels, self.spec.rule)?;
-        self.assemble(compensator, detector, Box::new(rule))
+        let PipelineSpec { isolation, rule, sizing, .. } = &self.spec;
+        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
+        let rule = isolation.rule(*rule, sizing, self.design.as_ref(), rows)?;
+        self.assemble(compensator, detector, rule)
     }
 
     /// The detector of the spec, calibrated on one of the two fault-free residuals.
@@ -219,7 +221,13 @@ impl Trained {
         let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
         let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
         let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
-        Ok(self.spec.detector.calibrated(DrivenRows::new(inputs, residuals)?, &plan)?)
+        let data = DetectorData {
+            healthy: DrivenRows::new(inputs, residuals)?,
+            plan: &plan,
+            model: &self.nominal,
+            design: self.design.as_ref(),
+        };
+        Ok(self.spec.detector.calibrated(&data)?)
     }
 
     fn assemble(

@@ -107,39 +107,54 @@ impl<T: Scalar> TwoSample<T> {
 
 impl<T: Scalar> Reference<T> {
     fn statistic(&self, test: SampleTest, recent: &[T], ascending: &[T]) -> T {
-        let count = |n: usize| T::from_design(n as f64);
-        let (n, reference) = (count(recent.len()), count(self.sorted.len()));
-        if test == SampleTest::Distribution {
-            let steps = ascending.iter().enumerate().map(|(i, &v)| {
-                let below = count(self.sorted.partition_point(|&s| s < v)) / reference;
-                let up_to = count(self.sorted.partition_point(|&s| s <= v)) / reference;
-                // The window's own distribution steps from i/n to (i+1)/n here; among equal values only
-                // the ends of the common step count, and between them neither difference is larger.
-                let begins = i == 0 || ascending[i - 1] < v;
-                let ends = i + 1 == ascending.len() || v < ascending[i + 1];
-                let over = if ends { count(i + 1) / n - up_to } else { T::zero() };
-                let under = if begins { below - count(i) / n } else { T::zero() };
-                over.max(under)
-            });
-            let largest = steps.fold(T::zero(), T::max);
-            return largest * (n * reference / (n + reference)).sqrt();
-        }
-        let mean = recent.iter().fold(T::zero(), |sum, &v| sum + v) / n;
-        let squares = recent.iter().fold(T::zero(), |sum, &v| sum + (v - mean) * (v - mean));
-        let one = T::one();
         match test {
-            SampleTest::Variance => {
-                // A dead signal has no variance at all; the logarithm stays finite.
-                let least = self.squares * T::from_design(1e-30);
-                let ratio = (squares / (n - one)).max(least) * (reference - one) / self.squares;
-                ratio.ln().abs()
-            }
-            _ => {
-                let pooled = (squares + self.squares) / (n + reference - one - one);
-                (mean - self.mean).abs() / (pooled * (one / n + one / reference)).sqrt()
-            }
+            SampleTest::Mean => self.student(recent),
+            SampleTest::Variance => self.fisher(recent),
+            SampleTest::Distribution => self.kolmogorov(ascending),
         }
     }
+
+    fn student(&self, recent: &[T]) -> T {
+        let (n, reference, one) = (count(recent.len()), count(self.sorted.len()), T::one());
+        let (mean, squares) = moments(recent);
+        let pooled = (squares + self.squares) / (n + reference - one - one);
+        (mean - self.mean).abs() / (pooled * (one / n + one / reference)).sqrt()
+    }
+
+    fn fisher(&self, recent: &[T]) -> T {
+        let degrees = |n: usize| count::<T>(n) - T::one();
+        // A dead signal has no variance at all; the logarithm stays finite.
+        let squares = moments(recent).1.max(self.squares * T::from_design(1e-30));
+        let ratio = squares / degrees(recent.len()) * degrees(self.sorted.len()) / self.squares;
+        ratio.ln().abs()
+    }
+
+    fn kolmogorov(&self, ascending: &[T]) -> T {
+        let (n, reference) = (count::<T>(ascending.len()), count::<T>(self.sorted.len()));
+        let steps = ascending.iter().enumerate().map(|(i, &v)| {
+            let below = count::<T>(self.sorted.partition_point(|&s| s < v)) / reference;
+            let up_to = count::<T>(self.sorted.partition_point(|&s| s <= v)) / reference;
+            // The window's own distribution steps from i/n to (i+1)/n here; of equal values only the ends
+            // of their common step count.
+            let begins = i == 0 || ascending[i - 1] < v;
+            let ends = i + 1 == ascending.len() || v < ascending[i + 1];
+            let over = if ends { count::<T>(i + 1) / n - up_to } else { T::zero() };
+            let under = if begins { below - count::<T>(i) / n } else { T::zero() };
+            over.max(under)
+        });
+        let largest = steps.fold(T::zero(), T::max);
+        largest * (n * reference / (n + reference)).sqrt()
+    }
+}
+
+fn count<T: Scalar>(n: usize) -> T {
+    T::from_design(n as f64)
+}
+
+/// Mean and sum of squared deviations.
+fn moments<T: Scalar>(values: &[T]) -> (T, T) {
+    let mean = values.iter().fold(T::zero(), |sum, &v| sum + v) / count(values.len());
+    (mean, values.iter().fold(T::zero(), |sum, &v| sum + (v - mean) * (v - mean)))
 }
 
 /// Puts `new` in the place of `old` in an ascending list.
