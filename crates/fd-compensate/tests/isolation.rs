@@ -113,14 +113,13 @@ fn probabilities_and_intervals_keep_what_they_say() {
             .max_by(|a, b| rule.probabilities()[*a].total_cmp(&rule.probabilities()[*b]));
         let best = best.unwrap();
         let p = rule.probabilities()[best];
-        let bin = &mut bins[(10.0 * p).min(9.0) as usize];
+        let tenth = (1..10).find(|&tenth| 10.0 * p < f64::from(tenth)).unwrap_or(10);
+        let bin = &mut bins[tenth as usize - 1];
         *bin = (bin.0 + 1, bin.1 + p, bin.2 + u32::from(best == truth));
         right += u32::from(best == truth);
-        if let (Some(index), Some([low, high])) = (fault.hypothesis, fault.size_interval) {
-            if index == truth {
-                sized += 1;
-                covered += u32::from((low..=high).contains(&size));
-            }
+        if let Some([low, high]) = fault.size_interval.filter(|_| fault.hypothesis == Some(truth)) {
+            sized += 1;
+            covered += u32::from((low..=high).contains(&size));
         }
     }
     let coverage = f64::from(covered) / f64::from(sized);
@@ -165,7 +164,7 @@ fn a_fault_that_is_none_of_the_candidates_is_called_that() {
 fn a_slightly_wrong_signature_is_tolerated() {
     let noise_model = fault_free(0.0);
     let set = candidates();
-    let mut probability = |tolerance: f64| {
+    let probability = |tolerance: f64| {
         let isolation = Isolation { tolerance, ..Isolation::default() };
         let mut rule =
             IsolatingDebounce::new(&noise_model, &set, Debouncing::default(), &isolation).unwrap();
@@ -291,7 +290,7 @@ proptest! {
         let evidence = |k: usize| {
             let (statistic, r, compensating) = &rows[k];
             let training = Phase::Training { samples: 0 };
-            let phase = if *compensating || k % 5 != 0 { Phase::Compensating } else { training };
+            let phase = if *compensating || !k.is_multiple_of(5) { Phase::Compensating } else { training };
             let verdict = Verdict { statistic: *statistic, threshold: 1.0 };
             Evidence { k: k as u64, phase, verdict, r_star: r.as_slice() }
         };
