@@ -50,7 +50,7 @@ impl Detector for MovingMean {
         1
     }
 
-    fn update(&mut self, r: &[f64]) -> Verdict<f64> {
+    fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
         self.0 += 0.1 * (r[0] - self.0);
         Verdict { statistic: self.0.abs(), threshold: 0.005 }
     }

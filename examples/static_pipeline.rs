@@ -40,7 +40,7 @@ impl Detector<f32> for MovingMean {
         1
     }
 
-    fn update(&mut self, r: &[f32]) -> Verdict<f32> {
+    fn update(&mut self, _u: &[f32], r: &[f32]) -> Verdict<f32> {
         self.0 += 0.1 * (r[0] - self.0);
         Verdict { statistic: self.0.abs(), threshold: 0.02 }
     }

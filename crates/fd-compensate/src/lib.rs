@@ -24,4 +24,4 @@ pub mod evaluate;
 pub mod residual_compensation;
 mod rows;
 
-pub use crate::rows::{RowsError, SampleRows};
+pub use crate::rows::{DrivenRows, RowsError, SampleRows};

@@ -9,13 +9,24 @@ use std::{
 };
 
 use fd_compensate::{
-    decide::{Debouncing, Hypothesis, SizedDebounce, Sizing},
-    detect::{ChiSquare, Cusum, Magnitude, NSigma, Standardizer},
+    SampleRows,
+    decide::{
+        Candidate, Debouncing, FaultFree, Hypothesis, IsolatingDebounce, Isolation, SizedDebounce,
+        Sizing,
+    },
+    detect::{
+        AdaptiveThreshold, ChiSquare, Cusum, Glr, Magnitude, NSigma, Sprt, Standardizer, TwoSample,
+        adaptive::{Bands, InputBound},
+        glr::{Course, GlrDesign},
+        sprt::{ErrorProbabilities, Sides},
+        two_sample::SampleTest,
+        whiten::WhitenerDesign,
+    },
     residual_compensation::{CompensationPlan, RangePolicy},
 };
 use fd_core::{
     EventKind, Frame, IoDims,
-    stage::{Compensator, DecisionRule, Detector, Evidence, Phase},
+    stage::{Compensator, Decision, DecisionRule, Detector, Evidence, Phase},
 };
 use support::{paper_input, response, subject};
 
@@ -64,15 +75,31 @@ fn no_stage_allocates_per_sample() {
     plan.convergence.least_samples = 450;
     let mut compensator = subject::<f64>(&plan);
     let unit = || Standardizer::new(&[0.0], &[1.0]).unwrap();
+    let errors = ErrorProbabilities { false_alarm: 0.01, missed: 0.05 };
+    let healthy = SampleRows::new(1, &r[..200]).unwrap();
+    let whitener = WhitenerDesign::from_fault_free(healthy, 3).unwrap();
+    let glr = GlrDesign::any_direction(whitener, &[Course::Step], 9).unwrap();
+    let bound = InputBound::new(Bands::new(&[0.1], 9.0).unwrap(), 1, &[0.1], &[0.1, 0.1]).unwrap();
     let mut detectors: Vec<Box<dyn Detector<f64>>> = vec![
         Box::new(Magnitude::new(&[1.0], 0.1).unwrap()),
         Box::new(NSigma::new(unit(), 3.0).unwrap()),
         Box::new(ChiSquare::new(&[0.0], &[1.0], 20, 10.0).unwrap()),
         Box::new(Cusum::new(unit(), 0.5, 4.0).unwrap()),
+        Box::new(Sprt::new(unit(), 1.0, errors, Sides::Both).unwrap()),
+        Box::new(Glr::new(&glr, 10.0).unwrap()),
+        Box::new(TwoSample::new(SampleTest::Distribution, healthy, 9, 1.6).unwrap()),
+        Box::new(TwoSample::new(SampleTest::Variance, healthy, 9, 1.6).unwrap()),
+        Box::new(AdaptiveThreshold::of_rms(&bound, 2.0).unwrap()),
     ];
     let hypotheses = [Hypothesis { name: "T7".into(), signature: vec![1.0] }];
     let mut rule =
         SizedDebounce::new(1, Debouncing::consecutive(5), &hypotheses, &Sizing::default()).unwrap();
+
+    let noise = FaultFree::new(&[0.0], &[1.0], 2.0).unwrap();
+    let candidates = hypotheses.map(Candidate::from);
+    let consecutive = Debouncing::consecutive(5);
+    let mut isolating =
+        IsolatingDebounce::new(&noise, &candidates, consecutive, &Isolation::default()).unwrap();
 
     let (mut faults, mut frozen, mut trainings, mut hard) = (0, 0, 0, 0);
     let mut star = [0.0];
@@ -87,12 +114,12 @@ fn no_stage_allocates_per_sample() {
             hard += u32::from(kind == EventKind::HardFaultWhileTraining);
         }
         for detector in &mut detectors {
-            let verdict = detector.update(&star);
+            let verdict = detector.update(&u, &star);
             let phase = outcome.phase;
-            faults += u32::from(
-                rule.decide(Evidence { k, phase, verdict, r_star: &star }).is_fault()
-                    && phase == Phase::Compensating,
-            );
+            let evidence = Evidence { k, phase, verdict, r_star: &star };
+            let both = [rule.decide(evidence), isolating.decide(evidence)];
+            let is_on = phase == Phase::Compensating;
+            faults += u32::from(is_on && both.iter().all(Decision::is_fault));
         }
     }
     let allocations = ALLOCATIONS.get() - before;

@@ -66,7 +66,8 @@ fn rates_on_fresh_data(
             assert!(!found.extrapolated);
             detector.reset();
             let fresh = noise(5 * n, pole, 200 + record);
-            let raw: Vec<f64> = fresh.iter().map(|&r| detector.update(&[r]).statistic).collect();
+            let raw: Vec<f64> =
+                fresh.iter().map(|&r| detector.update(&[], &[r]).statistic).collect();
             let statistics = debounced_statistics(&raw, debouncing);
             let above = statistics.iter().filter(|&&s| s > found.threshold).count();
             above as f64 / statistics.len() as f64

@@ -66,7 +66,7 @@ fn training_is_mute_and_forgets() {
     assert!(!rule.decide(at(1, TRAINING, 2.0, &[2.0])).is_fault());
     assert!(!rule.decide(at(2, Phase::Compensating, 2.0, &[2.0])).is_fault());
     let decision = rule.decide(at(3, Phase::Compensating, 2.0, &[2.0]));
-    assert_eq!(decision, Decision::Fault(Fault { since: 2, hypothesis: None, size: None }));
+    assert_eq!(decision, Decision::Fault(Fault::since(2)));
     assert!(!rule.decide(at(4, TRAINING, 2.0, &[2.0])).is_fault());
 }
 
@@ -123,13 +123,13 @@ fn a_scalar_residual_names_no_sensor_but_sizes_each() {
     let set = hypotheses(&[&[0.5], &[-2.0]]);
     let mut rule = SizedDebounce::new(1, Debouncing::default(), &set, &Sizing::default()).unwrap();
     let decision = rule.decide(at(0, Phase::Compensating, 2.0, &[1.0]));
-    assert_eq!(decision, Decision::Fault(Fault { since: 0, hypothesis: None, size: None }));
+    assert_eq!(decision, Decision::Fault(Fault::since(0)));
     assert_eq!(rule.sizes(), [2.0, -0.5]);
 
     let mut alone =
         SizedDebounce::new(1, Debouncing::default(), &set[..1], &Sizing::default()).unwrap();
     let decision = alone.decide(at(0, Phase::Compensating, 2.0, &[1.0]));
-    let expected = Fault { since: 0, hypothesis: Some(0), size: Some(2.0) };
+    let expected = Fault { hypothesis: Some(0), size: Some(2.0), ..Fault::since(0) };
     assert_eq!(decision, Decision::Fault(expected));
     alone.decide(at(1, Phase::Compensating, 0.0, &[0.0]));
     assert_eq!(alone.sizes(), [0.0]);
@@ -200,7 +200,8 @@ fn the_smallest_fault_by_search() {
     let mut is_seen = |size: f64| {
         Stage::<f64>::reset(&mut sum);
         let pairs = healthy.iter().zip(&response);
-        let margins: Vec<f64> = pairs.map(|(r, g)| sum.update(&[r + size * g]).statistic).collect();
+        let margins: Vec<f64> =
+            pairs.map(|(r, g)| sum.update(&[], &[r + size * g]).statistic).collect();
         alarms(&margins, 8.0, rule).unwrap().contains(&true)
     };
     assert!(edge > 0.0 && is_seen(edge) && !is_seen(edge * (1.0 - 1e-6)), "{edge}");

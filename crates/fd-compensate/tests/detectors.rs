@@ -4,8 +4,13 @@
 use fd_compensate::{
     SampleRows,
     detect::{
-        ChiSquare, Cusum, DetectorError, Magnitude, NSigma, Norm, Spread, Standardizer, chi_square,
+        ChiSquare, Cusum, DetectorError, Glr, Magnitude, NSigma, Norm, Spread, Sprt, Standardizer,
+        TwoSample, chi_square,
         cusum::{average_run_length, threshold_for},
+        glr::{Course, GlrDesign},
+        sprt::{ErrorProbabilities, Sides},
+        two_sample::SampleTest,
+        whiten::WhitenerDesign,
     },
 };
 use fd_core::{Scalar, Snapshot, stage::Detector};
@@ -73,7 +78,7 @@ fn the_running_cusum_has_the_computed_run_length() {
         for _ in 0..runs {
             fd_core::stage::Stage::<f64>::reset(&mut detector);
             let mut length = 1.0;
-            while !detector.update(&[shift + normal(&mut random)]).alarm() {
+            while !detector.update(&[], &[shift + normal(&mut random)]).alarm() {
                 length += 1.0;
             }
             sum += length;
@@ -104,10 +109,10 @@ fn the_papers_threshold_lies_just_above_the_fault_free_record() {
     let rows = SampleRows::new(2, &values).unwrap();
     for norm in [Norm::Max, Norm::Euclidean, Norm::Sum] {
         let mut detector = Magnitude::<f64>::above_fault_free_norm(norm, rows, 0.0).unwrap();
-        assert!(!rows.iter().any(|r| detector.update(r).alarm()));
+        assert!(!rows.iter().any(|r| detector.update(&[], r).alarm()));
         let lower = detector.threshold() * (1.0 - 1e-9);
         let mut lower = detector.with_threshold(lower).unwrap();
-        assert!(rows.iter().any(|r| lower.update(r).alarm()));
+        assert!(rows.iter().any(|r| lower.update(&[], r).alarm()));
     }
 }
 
@@ -131,7 +136,7 @@ fn chi_square_keeps_its_rate_on_white_correlated_channels() {
         let mut detector = ChiSquare::<f64>::from_fault_free(rows, window, threshold).unwrap();
         let n = 50_000;
         let fresh = correlated(n, 2);
-        let alarms = fresh.chunks(2).filter(|r| detector.update(r).alarm()).count();
+        let alarms = fresh.chunks(2).filter(|r| detector.update(&[], r).alarm()).count();
         // Binomial error sqrt(n p) = 22, times sqrt(window) at most for overlapping windows; 4 of them
         // and 1 % for the covariance estimated from 50 000 samples.
         let tolerance = 4.0 * (500.0 * window as f64).sqrt() + 20.0;
@@ -187,7 +192,7 @@ fn single_precision_decides_alike() {
     for r in rows.iter() {
         let single = [f32::from_design(r[0]), f32::from_design(r[1])];
         for (double, detector) in doubles.iter_mut().zip(&mut singles) {
-            let (double, single) = (double.update(r), detector.update(&single));
+            let (double, single) = (double.update(&[], r), detector.update(&[], &single));
             // Correlation 0.95: whitening amplifies the rounding 6e-8 of values up to 4 about tenfold;
             // a sum keeps it over its memory of some hundred samples.
             let clear = (double.statistic / double.threshold - 1.0).abs() > 1e-3;
@@ -201,6 +206,11 @@ fn single_precision_decides_alike() {
 /// Every detector of the room, fitted to `healthy`.
 fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
     let z = |spread| Standardizer::from_fault_free(healthy, spread).unwrap();
+    let errors = ErrorProbabilities { false_alarm: 0.01, missed: 0.05 };
+    let whitener = WhitenerDesign::from_fault_free(healthy, 3).unwrap();
+    let courses = [Course::Step, Course::Ramp];
+    let glr = GlrDesign::any_direction(whitener, &courses, 9).unwrap();
+    let two = |test| Box::new(TwoSample::new(test, healthy, 12, 2.0).unwrap());
     vec![
         Box::new(Magnitude::above_fault_free_maximum(healthy, 0.05).unwrap()),
         Box::new(Magnitude::above_fault_free_norm(Norm::Euclidean, healthy, 0.05).unwrap()),
@@ -210,13 +220,18 @@ fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
         Box::new(ChiSquare::from_fault_free(healthy, 1, 9.0).unwrap()),
         Box::new(ChiSquare::from_fault_free(healthy, 7, 30.0).unwrap()),
         Box::new(Cusum::new(z(Spread::StandardDeviation), 0.5, 4.0).unwrap()),
+        Box::new(Sprt::new(z(Spread::StandardDeviation), 1.0, errors, Sides::Both).unwrap()),
+        Box::new(Glr::new(&glr, 10.0).unwrap()),
+        two(SampleTest::Mean),
+        two(SampleTest::Variance),
+        two(SampleTest::Distribution),
     ]
 }
 
 fn margins(detector: &mut dyn Detector<f64>, rows: &[f64], channels: usize) -> Vec<f64> {
     rows.chunks(channels)
         .map(|r| {
-            let verdict = detector.update(r);
+            let verdict = detector.update(&[], r);
             verdict.statistic / verdict.threshold
         })
         .collect()
@@ -264,7 +279,7 @@ proptest! {
         });
         for _ in 0..200 {
             let r = [normal(&mut random)];
-            let [low, high] = pair.each_mut().map(|d| d.update(&r).alarm());
+            let [low, high] = pair.each_mut().map(|d| d.update(&[], &r).alarm());
             prop_assert!(low || !high);
         }
     }

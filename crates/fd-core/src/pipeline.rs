@@ -100,9 +100,12 @@ where
     pub fn new(stages: Stages<G, C, D, J>) -> Result<Self, BuildError> {
         let io = stages.generator.io();
         let found = stages.generator.residual_len();
-        if let Some(expected) = stages.compensator.nu().filter(|&nu| nu != io.nu) {
-            let (stage, signal) = ("compensator", "input");
-            return Err(BuildError { stage, signal, expected, found: io.nu });
+        let drivers =
+            [("compensator", stages.compensator.nu()), ("detector", stages.detector.nu())];
+        for (stage, nu) in drivers {
+            if let Some(expected) = nu.filter(|&nu| nu != io.nu) {
+                return Err(BuildError { stage, signal: "input", expected, found: io.nu });
+            }
         }
         let consumers = [
             ("compensator", stages.compensator.residual_len()),
@@ -171,7 +174,7 @@ where
         generator.step(frame, &mut self.residual);
         let Compensation { phase, events: happened } =
             compensator.step(frame, &self.residual, &mut self.compensated);
-        let verdict = detector.update(&self.compensated);
+        let verdict = detector.update(frame.u(), &self.compensated);
         let k = frame.k();
         let decision = rule.decide(Evidence { k, phase, verdict, r_star: &self.compensated });
 

@@ -59,7 +59,7 @@ impl Detector for Sum {
     fn residual_len(&self) -> usize {
         self.len
     }
-    fn update(&mut self, r: &[f64]) -> Verdict<f64> {
+    fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
         self.sum = 0.9 * self.sum + r[0].abs();
         Verdict { statistic: self.sum, threshold: 1.0 }
     }
@@ -79,7 +79,7 @@ impl DecisionRule for AlarmIsFault {
     }
     fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
         if evidence.verdict.alarm() {
-            Decision::Fault(Fault { since: evidence.k, hypothesis: None, size: None })
+            Decision::Fault(Fault::since(evidence.k))
         } else {
             Decision::Nominal
         }

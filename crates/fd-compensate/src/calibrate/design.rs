@@ -9,7 +9,7 @@ use super::{
     error::{CalibrationError, LEAST_EXCEEDANCES},
     tail::{exponential_tail, upper_quantile},
 };
-use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::SampleRows};
+use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::DrivenRows};
 
 /// How often an alarm may be false.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,6 +106,9 @@ const LEAST_BLOCKS: usize = 10;
 /// Finds the threshold at which `detector` keeps the wanted rate of false alarms on records like
 /// `healthy`; the threshold that the detector has plays no part. The detector is left reset.
 ///
+/// A detector that looks at the input needs a record that has it, [`DrivenRows`]; for the others
+/// [`SampleRows`](crate::SampleRows) of the residual are enough.
+///
 /// # Errors
 ///
 /// Returns an error when channels differ, a number is out of range, the record is too short or drifts,
@@ -130,19 +133,21 @@ const LEAST_BLOCKS: usize = 10;
 /// let detector = detector.with_threshold(found.threshold)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn calibrate<D: Detector<f64> + ?Sized>(
+pub fn calibrate<'a, D: Detector<f64> + ?Sized>(
     detector: &mut D,
-    healthy: SampleRows<'_>,
+    healthy: impl Into<DrivenRows<'a>>,
     wanted: FalseAlarms,
     plan: &CalibrationPlan,
 ) -> Result<CalibratedThreshold, CalibrationError> {
-    check(detector.residual_len(), healthy, wanted, plan)?;
+    let healthy = healthy.into();
+    check(detector, healthy, wanted, plan)?;
     let samples = healthy.len();
     let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
     // Minus infinity until the debouncing window holds enough samples.
     statistics.retain(|s| s.is_finite());
-    let times = (0..healthy.channels())
-        .map(|channel| autocorrelation_time(&healthy.channel(channel).collect::<Vec<_>>()))
+    let residuals = healthy.residuals();
+    let times = (0..residuals.channels())
+        .map(|channel| autocorrelation_time(&residuals.channel(channel).collect::<Vec<_>>()))
         .chain([autocorrelation_time(&statistics)]);
     let Some(time) = times.into_iter().try_fold(1.0, |worst: f64, t| Some(worst.max(t?))) else {
         return Err(CalibrationError::Drift { samples });
@@ -203,7 +208,7 @@ impl Question<'_> {
     fn threshold<D: Detector<f64> + ?Sized>(
         &self,
         detector: &mut D,
-        healthy: SampleRows<'_>,
+        healthy: DrivenRows<'_>,
         drawn: &[usize],
         seed: u64,
     ) -> f64 {
@@ -248,12 +253,13 @@ impl Question<'_> {
 /// The debounced statistics of a reset detector over the samples `drawn`.
 fn statistics<D: Detector<f64> + ?Sized>(
     detector: &mut D,
-    healthy: SampleRows<'_>,
+    healthy: DrivenRows<'_>,
     drawn: impl Iterator<Item = usize>,
     debouncing: Debouncing,
 ) -> Vec<f64> {
     detector.reset();
-    let raw: Vec<f64> = drawn.map(|k| detector.update(healthy.row(k)).statistic).collect();
+    let raw: Vec<f64> =
+        drawn.map(|k| detector.update(healthy.u(k), healthy.r(k)).statistic).collect();
     debounced_statistics(&raw, debouncing)
 }
 
@@ -271,15 +277,18 @@ fn block_length(
     Ok(block)
 }
 
-fn check(
-    channels: usize,
-    healthy: SampleRows<'_>,
+fn check<D: Detector<f64> + ?Sized>(
+    detector: &D,
+    healthy: DrivenRows<'_>,
     wanted: FalseAlarms,
     plan: &CalibrationPlan,
 ) -> Result<(), CalibrationError> {
-    if healthy.channels() != channels {
-        let (expected, found) = (channels, healthy.channels());
+    let (expected, found) = (detector.residual_len(), healthy.residuals().channels());
+    if expected != found {
         return Err(CalibrationError::Channels { expected, found });
+    }
+    if let Some(expected) = detector.nu().filter(|&nu| nu != healthy.nu()) {
+        return Err(CalibrationError::Inputs { expected, found: healthy.nu() });
     }
     plan.debouncing.check()?;
     let (rate, run) = match wanted {

@@ -20,6 +20,14 @@ pub enum CalibrationError {
         /// Channels of the record.
         found: usize,
     },
+    /// The detector looks at other inputs than were recorded.
+    #[error("the fault-free record has {found} inputs, the detector needs {expected}")]
+    Inputs {
+        /// Inputs of the detector.
+        expected: usize,
+        /// Inputs of the record.
+        found: usize,
+    },
     /// A number is outside its range.
     #[error("{parameter} must be {expected}, got {found}")]
     Parameter {

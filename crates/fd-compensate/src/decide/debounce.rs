@@ -176,7 +176,7 @@ impl<T: Scalar> DecisionRule<T> for Debounce {
 
     fn decide(&mut self, evidence: Evidence<'_, T>) -> Decision<T> {
         match self.judge(evidence.k, evidence.phase, evidence.verdict.alarm()) {
-            Some(since) => Decision::Fault(Fault { since, hypothesis: None, size: None }),
+            Some(since) => Decision::Fault(Fault::since(since)),
             None => Decision::Nominal,
         }
     }

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::detect::DetectorError;
+
 /// A decision rule cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -25,6 +27,17 @@ pub enum RuleError {
         expected: &'static str,
         /// Value given.
         found: f64,
+    },
+    /// The fault-free residual does not say what is normal.
+    #[error(transparent)]
+    FaultFree(#[from] DetectorError),
+    /// The fault-free residual does not forget itself, so that no mean of it is worth anything.
+    #[error(
+        "the fault-free record of {samples} samples does not forget itself: it drifts or is too short"
+    )]
+    Drift {
+        /// Samples of the record.
+        samples: usize,
     },
     /// A signature cannot be told from no fault, or does not belong to this residual.
     #[error(

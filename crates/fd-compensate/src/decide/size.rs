@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     debounce::{Debounce, Debouncing},
     error::RuleError,
+    mean::FaultMean,
 };
 
 /// What may have happened: a fault with a known lasting effect on the residual.
@@ -66,14 +67,8 @@ impl Default for Sizing {
 pub struct SizedDebounce<T> {
     alarm: Debounce,
     signatures: Vec<Vec<T>>,
-    settling: u64,
-    gain: Option<T>,
     separation: T,
-    mean: Vec<T>,
-    /// Samples in the mean.
-    averaged: u64,
-    /// Samples since the first alarm.
-    age: u64,
+    mean: FaultMean<T>,
     sizes: Vec<T>,
 }
 
@@ -111,9 +106,6 @@ impl<T: Scalar> SizedDebounce<T> {
         }
         let refuse =
             |parameter, expected, found| Err(RuleError::Number { parameter, expected, found });
-        if let Some(memory) = sizing.memory.filter(|m| !(*m >= 1.0 && m.is_finite())) {
-            return refuse("memory", "finite and at least 1 sample", memory);
-        }
         if !(0.0..=1.0).contains(&sizing.separation) {
             return refuse("separation", "between 0 and 1", sizing.separation);
         }
@@ -123,12 +115,8 @@ impl<T: Scalar> SizedDebounce<T> {
             .collect();
         Ok(Self {
             alarm,
-            settling: sizing.settling,
-            gain: sizing.memory.map(|m| T::from_design(m.recip())),
             separation: T::from_design(sizing.separation),
-            mean: vec![T::zero(); residual_len],
-            averaged: 0,
-            age: 0,
+            mean: FaultMean::new(residual_len, sizing.settling, sizing.memory)?,
             sizes: vec![T::zero(); signatures.len()],
             signatures,
         })
@@ -141,32 +129,18 @@ impl<T: Scalar> SizedDebounce<T> {
         &self.sizes
     }
 
-    fn average(&mut self, r_star: &[T]) {
-        self.age += 1;
-        if self.age <= self.settling {
-            return;
-        }
-        self.averaged += 1;
-        let plain = T::from_design((self.averaged as f64).recip());
-        let gain = self.gain.map_or(plain, |gain| gain.max(plain));
-        for (mean, &r) in self.mean.iter_mut().zip(r_star) {
-            *mean += gain * (r - *mean);
-        }
-    }
-
     fn forget(&mut self) {
-        self.mean.fill(T::zero());
+        self.mean.forget();
         self.sizes.fill(T::zero());
-        self.averaged = 0;
-        self.age = 0;
     }
 
     /// Estimates all sizes and names the hypothesis that stands out, if one does.
     fn explain(&mut self) -> Option<usize> {
-        let power = dot(&self.mean, &self.mean);
+        let mean = self.mean.values();
+        let power = dot(mean, mean);
         let (mut best, mut least, mut second) = (None, T::one(), T::one());
         for (index, (size, g)) in self.sizes.iter_mut().zip(&self.signatures).enumerate() {
-            let (along, length) = (dot(g, &self.mean), dot(g, g));
+            let (along, length) = (dot(g, mean), dot(g, g));
             *size = along / length;
             // ‖r̄‖² − (gᵀr̄)²/gᵀg over ‖r̄‖²; not below 0 but for rounding.
             let unexplained =
@@ -179,7 +153,7 @@ impl<T: Scalar> SizedDebounce<T> {
             }
         }
         let is_alone = self.signatures.len() == 1;
-        best.filter(|_| self.averaged > 0 && (is_alone || least + self.separation <= second))
+        best.filter(|_| !self.mean.is_empty() && (is_alone || least + self.separation <= second))
     }
 }
 
@@ -195,17 +169,14 @@ impl<T: Scalar> Stage<T> for SizedDebounce<T> {
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         self.alarm.visit_state(visitor);
-        visitor.reals("fault mean residual", &mut self.mean);
+        self.mean.visit_state(visitor);
         visitor.reals("fault sizes", &mut self.sizes);
-        let mut counts = [self.averaged, self.age];
-        visitor.counts("fault averaged, age", &mut counts);
-        [self.averaged, self.age] = counts;
     }
 }
 
 impl<T: Scalar> DecisionRule<T> for SizedDebounce<T> {
     fn residual_len(&self) -> usize {
-        self.mean.len()
+        self.mean.values().len()
     }
 
     fn decide(&mut self, evidence: Evidence<'_, T>) -> Decision<T> {
@@ -213,17 +184,17 @@ impl<T: Scalar> DecisionRule<T> for SizedDebounce<T> {
         let Some(since) = self.alarm.judge(k, phase, verdict.alarm()) else {
             // Not yet raised: an alarm may be pending, and its samples count.
             if self.alarm.pending(k).is_some() {
-                self.average(r_star);
+                self.mean.add(r_star);
             } else {
                 self.forget();
             }
             return Decision::Nominal;
         };
         if phase == Phase::Compensating {
-            self.average(r_star);
+            self.mean.add(r_star);
         }
         let hypothesis = self.explain();
-        let size = hypothesis.filter(|_| self.averaged > 0).map(|index| self.sizes[index]);
-        Decision::Fault(Fault { since, hypothesis, size })
+        let size = hypothesis.map(|index| self.sizes[index]);
+        Decision::Fault(Fault { hypothesis, size, ..Fault::since(since) })
     }
 }

@@ -1,5 +1,6 @@
 //! Why a detector cannot be built.
 
+use fd_model::ModelError;
 use thiserror::Error;
 
 /// A detector cannot be built.
@@ -40,6 +41,9 @@ pub enum DetectorError {
         /// Index of the channel.
         channel: usize,
     },
+    /// A model that the detector rests on has no answer.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 /// Refuses what is not a positive number.

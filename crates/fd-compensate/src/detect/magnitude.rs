@@ -49,8 +49,8 @@ impl<T: Scalar> Magnitude<T> {
     /// use fd_core::stage::Detector;
     ///
     /// let mut detector = Magnitude::new(&[1.0, 10.0], 0.5)?;
-    /// assert!(!detector.update(&[0.4, -4.0]).alarm());
-    /// assert!(detector.update(&[0.4, -6.0]).alarm());
+    /// assert!(!detector.update(&[], &[0.4, -4.0]).alarm());
+    /// assert!(detector.update(&[], &[0.4, -6.0]).alarm());
     /// # Ok::<(), fd_compensate::detect::DetectorError>(())
     /// ```
     ///
@@ -121,7 +121,7 @@ impl<T: Scalar> Magnitude<T> {
     ) -> Result<Self, DetectorError> {
         let mut design =
             Magnitude::<f64>::above_fault_free_maximum(healthy, margin)?.with_norm(norm);
-        let peak = healthy.iter().map(|r| design.update(r).statistic).fold(0.0, f64::max);
+        let peak = healthy.iter().map(|r| design.update(&[], r).statistic).fold(0.0, f64::max);
         let inverse_scales = design.inverse_scales.iter().map(|&s| T::from_design(s)).collect();
         let threshold = T::from_design(peak * (1.0 + margin));
         Ok(Self { inverse_scales, norm, threshold })
@@ -162,7 +162,7 @@ impl<T: Scalar> Detector<T> for Magnitude<T> {
         self.inverse_scales.len()
     }
 
-    fn update(&mut self, r: &[T]) -> Verdict<T> {
+    fn update(&mut self, _u: &[T], r: &[T]) -> Verdict<T> {
         let scaled = r.iter().zip(&self.inverse_scales).map(|(r, &s)| r.abs() * s);
         let statistic = match self.norm {
             Norm::Max => scaled.fold(T::zero(), T::max),

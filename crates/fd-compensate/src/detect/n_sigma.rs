@@ -28,7 +28,7 @@ impl<T: Scalar> NSigma<T> {
     /// use fd_core::stage::Detector;
     ///
     /// let mut detector = NSigma::new(Standardizer::new(&[0.0], &[0.1])?, 3.0)?;
-    /// assert!(detector.update(&[-0.4]).alarm());
+    /// assert!(detector.update(&[], &[-0.4]).alarm());
     /// # Ok::<(), fd_compensate::detect::DetectorError>(())
     /// ```
     ///
@@ -61,7 +61,7 @@ impl<T: Scalar> Detector<T> for NSigma<T> {
         self.standardizer.channels()
     }
 
-    fn update(&mut self, r: &[T]) -> Verdict<T> {
+    fn update(&mut self, _u: &[T], r: &[T]) -> Verdict<T> {
         let values = self.standardizer.values(r);
         let statistic = values.fold(T::zero(), |largest, z| largest.max(z.abs()));
         Verdict { statistic, threshold: self.threshold }

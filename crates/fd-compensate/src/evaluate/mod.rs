@@ -5,9 +5,11 @@
 //! fair only at equal false-alarm rates: calibrate each threshold first.
 
 mod alarms;
+mod run_length;
 mod smallest;
 
 pub use self::{
     alarms::{alarms, debounced_statistics, detection_delay, false_alarm_rate},
+    run_length::{RunLength, run_length},
     smallest::{smallest_detectable, smallest_detectable_by_search},
 };

@@ -5,7 +5,7 @@ use fd_core::stage::Detector;
 use super::alarms::{alarms, debounced_statistics};
 use crate::{
     decide::{Debouncing, RuleError},
-    rows::SampleRows,
+    rows::{DrivenRows, SampleRows},
 };
 
 /// Smallest fault that raises an alarm on a scalar residual with the statistic `|r|`, in closed form.
@@ -46,7 +46,8 @@ pub fn smallest_detectable(
 
 /// Smallest fault that raises an alarm with any detector, by halving the interval from 0 to `largest`.
 ///
-/// The residual is `healthy + s · response`, row by row, the detector is reset for every size tried.
+/// The residual is `healthy + s · response`, row by row, next to the inputs of `healthy` if there are
+/// any; the detector is reset for every size tried.
 /// It is assumed that larger faults are not harder to see. The answer is at most `2⁻⁴⁰ · largest` too
 /// large; `None` if `largest` itself is not seen, 0 if the healthy residual alarms by itself.
 ///
@@ -67,24 +68,26 @@ pub fn smallest_detectable(
 /// # Errors
 ///
 /// Returns an error when the debouncing is malformed.
-pub fn smallest_detectable_by_search<D: Detector<f64> + ?Sized>(
+pub fn smallest_detectable_by_search<'a, D: Detector<f64> + ?Sized>(
     detector: &mut D,
     debouncing: Debouncing,
-    healthy: SampleRows<'_>,
+    healthy: impl Into<DrivenRows<'a>>,
     response: SampleRows<'_>,
     largest: f64,
 ) -> Result<Option<f64>, RuleError> {
-    let mut sum = vec![0.0; healthy.channels()];
+    let healthy = healthy.into();
+    let mut sum = vec![0.0; healthy.residuals().channels()];
     let mut is_seen = |size: f64| -> Result<bool, RuleError> {
         detector.reset();
-        let margins: Vec<f64> = healthy
+        let margins: Vec<f64> = response
             .iter()
-            .zip(response.iter())
-            .map(|(r, g)| {
-                for ((sum, &r), &g) in sum.iter_mut().zip(r).zip(g) {
+            .take(healthy.len())
+            .enumerate()
+            .map(|(k, g)| {
+                for ((sum, &r), &g) in sum.iter_mut().zip(healthy.r(k)).zip(g) {
                     *sum = r + size * g;
                 }
-                let verdict = detector.update(&sum);
+                let verdict = detector.update(healthy.u(k), &sum);
                 verdict.statistic - verdict.threshold
             })
             .collect();

@@ -49,6 +49,24 @@ pub struct Fault<T> {
     pub hypothesis: Option<usize>,
     /// Estimated size in the unit of that hypothesis, if it can be estimated.
     pub size: Option<T>,
+    /// Where that size lies with the probability that the rule was set to, if it says.
+    pub size_interval: Option<[T; 2]>,
+    /// Probability of that hypothesis, or, without one, that there is a fault at all; if the rule knows.
+    pub confidence: Option<T>,
+}
+
+impl<T> Fault<T> {
+    /// A fault of which nothing is known but since when it alarms.
+    ///
+    /// ```
+    /// use fd_core::stage::Fault;
+    ///
+    /// assert_eq!(Fault::<f64>::since(7).hypothesis, None);
+    /// ```
+    #[must_use]
+    pub const fn since(since: u64) -> Self {
+        Self { since, hypothesis: None, size: None, size_interval: None, confidence: None }
+    }
 }
 
 impl<T> Decision<T> {

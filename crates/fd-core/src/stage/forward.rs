@@ -66,8 +66,9 @@ forward! { Compensator {
 }}
 
 forward! { Detector {
+    fn nu(&self) -> Option<usize> { (**self).nu() }
     fn residual_len(&self) -> usize { (**self).residual_len() }
-    fn update(&mut self, r: &[T]) -> Verdict<T> { (**self).update(r) }
+    fn update(&mut self, u: &[T], r: &[T]) -> Verdict<T> { (**self).update(u, r) }
 }}
 
 forward! { DecisionRule {

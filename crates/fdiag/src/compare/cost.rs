@@ -48,7 +48,7 @@ impl Scene<'_> {
                             let (primary, star) = trained.calibration();
                             let rows = if bias.spec.is_some() { star } else { primary };
                             let mut detector = trained.detector_of(&detector.spec, rows).ok()?;
-                            let channels = trained.design().residual_len();
+                            let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
                             let samples = rows.len() / channels;
                             let detector = quickest(samples, || {
                                 detector.reset();

@@ -43,7 +43,13 @@ impl Scene<'_> {
             };
             for fit in &fits {
                 let (fit, compensated) = fit.as_ref().map_or((primary, false), |fit| (fit, true));
-                let judge = fit.as_ref().map(|fit| Judge { scene: self, fit, compensated, role });
+                let judge = fit.as_ref().map(|fit| Judge {
+                    scene: self,
+                    runs: &runs,
+                    fit,
+                    compensated,
+                    role,
+                });
                 for detector in &config.detectors {
                     entries.push(match &judge {
                         Ok(judge) => judge.outcome(detector, entries.len()),
@@ -94,6 +100,7 @@ impl Fit {
 /// A fit as one detector after another sees it.
 struct Judge<'a> {
     scene: &'a Scene<'a>,
+    runs: &'a Runs,
     fit: &'a Fit,
     compensated: bool,
     role: Role<'a>,
@@ -108,16 +115,17 @@ impl Judge<'_> {
         let config = self.scene.config;
         let trained = &self.fit.trained;
         let (primary, compensated) = trained.calibration();
-        let healthy = if self.compensated { compensated } else { primary };
+        let scale = if self.compensated { compensated } else { primary };
         let channels = trained.design().residual_len();
-        let rows = SampleRows::new(channels, healthy)?;
-        let mut detector = trained.detector_of(&detector.spec, healthy)?;
-        let mut margins = |trace: &Trace| {
-            margins(detector.as_mut(), residual(trace, self.compensated), channels, config.rule)
+        let rows = SampleRows::new(channels, scale)?;
+        let mut detector = trained.detector_of(&detector.spec, scale)?;
+        let mut margins = |(record, trace): (&Record, &Trace)| {
+            margins(detector.as_mut(), record, residual(trace, self.compensated), config.rule)
         };
+        let healthy = || self.runs.healthy.iter().zip(&self.fit.healthy);
         let factors = match self.role {
             Role::Thresholds => {
-                let peaks = self.fit.healthy.iter().map(|trace| peak(&margins(trace)));
+                let peaks = healthy().map(|run| peak(&margins(run)));
                 return Ok(Outcome::Peaks(peaks.collect()));
             }
             Role::Test(factors) => match factors[entry].as_slice() {
@@ -128,18 +136,18 @@ impl Judge<'_> {
         let isolation = Isolation::new(&sensor_signatures(trained)?, rows);
         let sizes: Vec<usize> = self.scene.kinds.iter().map(|kind| kind.sizes.len()).collect();
         let mut alarms = Alarms::none(&sizes, factors.len(), trained.design().io().ny);
-        for trace in &self.fit.healthy {
-            let peak = peak(&margins(trace));
+        for run in healthy() {
+            let peak = peak(&margins(run));
             alarms.healthy_runs += 1;
             for (count, factor) in alarms.healthy.iter_mut().zip(factors) {
                 *count += u64::from(peak > *factor);
             }
         }
         let start = self.scene.fault_start();
-        for run in &self.fit.faulty {
-            for (k, (kind, sizes)) in self.scene.kinds.iter().zip(run).enumerate() {
+        for (record, faulty) in self.runs.healthy.iter().zip(&self.fit.faulty) {
+            for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
                 for (s, trace) in sizes.iter().enumerate() {
-                    let margins = margins(trace);
+                    let margins = margins((record, trace));
                     let start = start.min(margins.len());
                     let (before, after) = margins.split_at(start);
                     let quiet = |factor: f64| first_above(before, factor).is_none();

@@ -2,22 +2,26 @@
 
 use fd_compensate::{decide::Debouncing, evaluate::debounced_statistics};
 use fd_core::stage::Detector;
+use fd_model::Record;
 
 use crate::road::Trace;
 
 /// Statistic over threshold, sample by sample, as the rule sees it: above `factor` means an alarm
-/// when all thresholds are taken `factor` times.
+/// when all thresholds are taken `factor` times. The record gives the inputs; it has no missing
+/// samples.
 pub(super) fn margins(
     detector: &mut dyn Detector,
+    record: &Record,
     residual: &[f64],
-    channels: usize,
     rule: Debouncing,
 ) -> Vec<f64> {
+    let channels = detector.residual_len();
     detector.reset();
     let ratios: Vec<f64> = residual
         .chunks_exact(channels)
-        .map(|r| {
-            let verdict = detector.update(r);
+        .enumerate()
+        .map(|(k, r)| {
+            let verdict = detector.update(record.u(k), r);
             verdict.statistic / verdict.threshold
         })
         .collect();

@@ -1,7 +1,7 @@
 //! One perturbed engine from training to the smallest faults that are found.
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows, SampleRows,
     decide::Debouncing,
     evaluate::{alarms, smallest_detectable_by_search},
 };
@@ -86,8 +86,14 @@ pub struct FaultOutcome {
 /// Residuals of the test runs and what is needed to judge them.
 struct Tests {
     start: usize,
-    primary: Vec<Vec<f64>>,
-    compensated: Vec<Vec<f64>>,
+    primary: Vec<Run>,
+    compensated: Vec<Run>,
+}
+
+/// A residual and the input that drove the plant, row by row.
+struct Run {
+    inputs: Vec<f64>,
+    residual: Vec<f64>,
 }
 
 impl Benchmark {
@@ -165,8 +171,9 @@ impl Benchmark {
             let record = self.test_run(case)?;
             pipeline.reset();
             let trace = Trace::of(&mut pipeline, &record).map_err(RoadError::from)?;
-            tests.primary.push(trace.residual);
-            tests.compensated.push(trace.compensated);
+            let inputs: Vec<f64> = record.samples().flat_map(|(u, _)| u.iter().copied()).collect();
+            tests.primary.push(Run { inputs: inputs.clone(), residual: trace.residual });
+            tests.compensated.push(Run { inputs, residual: trace.compensated });
         }
         Ok(tests)
     }
@@ -206,20 +213,21 @@ impl Benchmark {
     fn estimated_size(
         &self,
         trained: &Trained,
-        runs: &[Vec<f64>],
+        runs: &[Run],
         phi: &[f64],
         channel: usize,
     ) -> Result<f64, EngineStudyError> {
         let size = self.config().faults.size;
-        let channels = trained.design().residual_len();
+        let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
         let mut detector = trained.detector(trained.calibration().1)?;
         let mut ratios = Vec::new();
-        for r in runs {
+        for Run { inputs, residual } in runs {
             detector.reset();
             let mut trace = Trace { channels, ..Trace::default() };
-            trace.compensated = r.iter().zip(phi).map(|(r, g)| r + size * g).collect();
-            for row in trace.compensated.chunks_exact(channels) {
-                let verdict = detector.update(row);
+            trace.compensated = residual.iter().zip(phi).map(|(r, g)| r + size * g).collect();
+            let rows = trace.compensated.chunks_exact(channels);
+            for (u, row) in inputs.chunks_exact(nu).zip(rows) {
+                let verdict = detector.update(u, row);
                 trace.statistic.push(verdict.statistic);
                 trace.threshold.push(verdict.threshold);
                 trace.compensating.push(true);
@@ -248,14 +256,15 @@ impl Benchmark {
     }
 }
 
-fn largest(runs: &[Vec<f64>]) -> f64 {
-    runs.iter().flatten().fold(0.0, |m, v| v.abs().max(m))
+fn largest(runs: &[Run]) -> f64 {
+    runs.iter().flat_map(|run| &run.residual).fold(0.0, |m, v| v.abs().max(m))
 }
 
 /// The calibrated detector of one of the two residuals.
 struct Watch {
     detector: Box<dyn Detector>,
     rule: Debouncing,
+    nu: usize,
     channels: usize,
 }
 
@@ -269,28 +278,33 @@ struct Found {
 
 impl Watch {
     fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, RoadError> {
-        let channels = trained.design().residual_len();
+        let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
         let detector = trained.detector(healthy)?;
-        Ok(Self { detector, rule: trained.spec().rule, channels })
+        Ok(Self { detector, rule: trained.spec().rule, nu, channels })
     }
 
     /// First sample with a reported fault.
-    fn first_alarm(&mut self, residual: &[f64]) -> Result<Option<usize>, RoadError> {
+    fn first_alarm(
+        &mut self,
+        inputs: &[f64],
+        residual: &[f64],
+    ) -> Result<Option<usize>, RoadError> {
         self.detector.reset();
-        let margins: Vec<f64> = residual
-            .chunks_exact(self.channels)
-            .map(|r| {
-                let verdict = self.detector.update(r);
+        let margins: Vec<f64> = inputs
+            .chunks_exact(self.nu)
+            .zip(residual.chunks_exact(self.channels))
+            .map(|(u, r)| {
+                let verdict = self.detector.update(u, r);
                 verdict.statistic - verdict.threshold
             })
             .collect();
         Ok(alarms(&margins, 0.0, self.rule)?.iter().position(|&alarm| alarm))
     }
 
-    fn false_alarms(&mut self, runs: &[Vec<f64>]) -> Result<f64, RoadError> {
+    fn false_alarms(&mut self, runs: &[Run]) -> Result<f64, RoadError> {
         let mut count = 0;
         for run in runs {
-            count += usize::from(self.first_alarm(run)?.is_some());
+            count += usize::from(self.first_alarm(&run.inputs, &run.residual)?.is_some());
         }
         Ok(count as f64 / runs.len() as f64)
     }
@@ -298,18 +312,19 @@ impl Watch {
     /// A fault of size `s` makes the residual `r + s φ` exactly, so no run is simulated again.
     fn find(
         &mut self,
-        runs: &[Vec<f64>],
+        runs: &[Run],
         phi: &[f64],
         size: f64,
         start: usize,
     ) -> Result<Found, RoadError> {
         let (mut sizes, mut delays, mut looks) = (Vec::new(), Vec::new(), 0_usize);
-        for r in runs {
+        for Run { inputs, residual: r } in runs {
             // A run that alarms by itself is a false alarm, counted as such and not as a find.
-            if self.first_alarm(r)?.is_some() {
+            if self.first_alarm(inputs, r)?.is_some() {
                 continue;
             }
             let healthy = SampleRows::new(self.channels, r)?;
+            let healthy = DrivenRows::new(SampleRows::new(self.nu, inputs)?, healthy)?;
             for sign in [1.0, -1.0] {
                 looks += 1;
                 let response: Vec<f64> = phi.iter().map(|v| sign * v).collect();
@@ -319,7 +334,7 @@ impl Watch {
                     smallest_detectable_by_search(detector, rule, healthy, rows, LARGEST_FAULT)?;
                 sizes.push(smallest.unwrap_or(f64::INFINITY));
                 let faulty: Vec<f64> = r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
-                if let Some(k) = self.first_alarm(&faulty)? {
+                if let Some(k) = self.first_alarm(inputs, &faulty)? {
                     delays.push(k.saturating_sub(start) as f64);
                 }
             }

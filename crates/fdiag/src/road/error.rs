@@ -7,7 +7,7 @@ use fd_model::ModelError;
 use fd_residual::DesignError;
 use thiserror::Error;
 
-use crate::spec::DetectorSpecError;
+use crate::spec::{DetectorSpecError, IsolationSpecError};
 
 /// A diagnosis cannot be trained or run.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -96,6 +96,9 @@ pub enum RoadError {
     /// The detector.
     #[error("detector: {0}")]
     Detector(#[from] DetectorSpecError),
+    /// The decision rule.
+    #[error("isolation: {0}")]
+    Isolation(#[from] IsolationSpecError),
     /// The decision rule.
     #[error("rule: {0}")]
     Rule(#[from] RuleError),

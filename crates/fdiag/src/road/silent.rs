@@ -20,7 +20,7 @@ impl Detector for Silent {
         self.0
     }
 
-    fn update(&mut self, _r: &[f64]) -> Verdict<f64> {
+    fn update(&mut self, _u: &[f64], _r: &[f64]) -> Verdict<f64> {
         Verdict { statistic: 0.0, threshold: 0.0 }
     }
 }

@@ -4,6 +4,7 @@ use fd_compensate::decide::{Hypothesis, SizedDebounce};
 use fd_core::stage::{DecisionRule, Evidence, Phase, Verdict};
 
 use super::{error::RoadError, trace::Trace, train::Trained};
+use crate::spec::FaultSites;
 
 /// The size that a lasting fault of each output's sensor would have to explain the residual at the
 /// end of a trace, in the (scaled) unit of the output; `None` when there is no alarm.
@@ -42,6 +43,5 @@ pub fn sensor_sizes(trained: &Trained, trace: &Trace) -> Result<Option<Vec<f64>>
 ///
 /// Returns an error when the generator has no steady response.
 pub fn sensor_signatures(trained: &Trained) -> Result<Vec<Vec<f64>>, RoadError> {
-    let gain = trained.design().form()?.hy()?.dc_gain()?;
-    Ok((0..gain.ncols()).map(|j| (0..gain.nrows()).map(|i| gain[(i, j)]).collect()).collect())
+    Ok(FaultSites::Sensors.signatures(trained.design())?)
 }

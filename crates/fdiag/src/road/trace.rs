@@ -1,6 +1,9 @@
 //! What a pipeline made of a log, sample by sample, for reports.
 
-use fd_core::{DynPipeline, Event, FrameError, stage::Phase};
+use fd_core::{
+    DynPipeline, Event, FrameError,
+    stage::{Decision, Phase},
+};
 use fd_model::Record;
 
 /// Signals and events of one log. All lists but `events` have one entry per sample, or one per
@@ -23,6 +26,8 @@ pub struct Trace {
     pub threshold: Vec<f64>,
     /// Whether a fault was reported.
     pub alarm: Vec<bool>,
+    /// What was decided.
+    pub decision: Vec<Decision<f64>>,
     /// What happened.
     pub events: Vec<Event>,
     /// Samples that were refused because they were missing for too long.
@@ -56,6 +61,7 @@ impl Trace {
             trace.statistic.push(step.verdict.statistic);
             trace.threshold.push(step.verdict.threshold);
             trace.alarm.push(step.decision.is_fault());
+            trace.decision.push(step.decision);
             trace.events.extend(step.events.iter().map(|kind| Event { k: step.k, kind }));
         }
         Ok(trace)

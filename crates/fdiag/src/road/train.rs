@@ -3,9 +3,8 @@
 use std::ops::Range;
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows, SampleRows,
     calibrate::CalibrationPlan,
-    decide::Debounce,
     residual_compensation::{PreFitted, ResidualCompensator},
 };
 use fd_core::{
@@ -23,7 +22,7 @@ use fd_residual::GeneratorDesign;
 use super::{
     error::RoadError, learn::learn, residuals::residual_record, silent::Silent, trace::Trace,
 };
-use crate::spec::{DetectorSpec, LearningSpec, PipelineSpec};
+use crate::spec::{DetectorData, DetectorSpec, LearningSpec, PipelineSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -71,11 +70,14 @@ impl<'a> Healthy<'a> {
 #[derive(Debug)]
 pub struct Trained {
     spec: PipelineSpec,
+    nominal: StateSpace<Discrete>,
     design: Box<dyn GeneratorDesign>,
     model: ArxModel,
     selection: Option<OrderTable>,
     fit: PreFitted,
     events: Vec<Event>,
+    /// Inputs of the fault-free samples.
+    inputs: Vec<f64>,
     primary: Vec<f64>,
     compensated: Vec<f64>,
 }
@@ -118,11 +120,13 @@ pub fn train(
     let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
     let mut trained = Trained {
         spec: spec.clone(),
+        nominal: model.clone(),
         design,
         model: learned.model,
         selection: learned.selection,
         fit,
         events: learned.events,
+        inputs: Vec::new(),
         primary: Vec::new(),
         compensated: Vec::new(),
     };
@@ -171,10 +175,17 @@ impl Trained {
         (peak(&self.primary), peak(&self.compensated))
     }
 
-    /// Fault-free samples of the primary and the compensated residual, row by row.
+    /// Fault-free samples of the primary and the compensated residual, row by row, next to
+    /// [their inputs](Trained::calibration_inputs).
     #[must_use]
     pub fn calibration(&self) -> (&[f64], &[f64]) {
         (&self.primary, &self.compensated)
+    }
+
+    /// Inputs of the fault-free samples, row by row.
+    #[must_use]
+    pub fn calibration_inputs(&self) -> &[f64] {
+        &self.inputs
     }
 
     /// A fresh pipeline that subtracts the learned bias.
@@ -201,13 +212,14 @@ impl Trained {
         compensator: Box<dyn Compensator>,
         healthy: &[f64],
     ) -> Result<DynPipeline, RoadError> {
-        let channels = self.design.residual_len();
         let detector = self.detector(healthy)?;
-        let rule = Debounce::new(channels, self.spec.rule)?;
-        self.assemble(compensator, detector, Box::new(rule))
+        let PipelineSpec { isolation, rule, sizing, .. } = &self.spec;
+        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
+        let rule = isolation.rule(*rule, sizing, self.design.as_ref(), rows)?;
+        self.assemble(compensator, detector, rule)
     }
 
-    /// The detector of the spec, calibrated on fault-free residuals.
+    /// The detector of the spec, calibrated on one of the two fault-free residuals.
     pub(crate) fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, RoadError> {
         self.detector_of(&self.spec.detector, healthy)
     }
@@ -219,8 +231,15 @@ impl Trained {
         healthy: &[f64],
     ) -> Result<Box<dyn Detector>, RoadError> {
         let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
-        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
-        Ok(detector.calibrated(rows, &plan)?)
+        let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
+        let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
+        let data = DetectorData {
+            healthy: DrivenRows::new(inputs, residuals)?,
+            plan: &plan,
+            model: &self.nominal,
+            design: self.design.as_ref(),
+        };
+        Ok(detector.calibrated(&data)?)
     }
 
     fn assemble(
@@ -267,6 +286,7 @@ impl Trained {
         for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
             if trace.compensating[k] && log.record.is_complete(k) {
                 let row = k * channels..(k + 1) * channels;
+                self.inputs.extend_from_slice(log.record.u(k));
                 self.primary.extend_from_slice(&trace.residual[row.clone()]);
                 self.compensated.extend_from_slice(&trace.compensated[row]);
             }

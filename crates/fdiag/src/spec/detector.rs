@@ -1,15 +1,25 @@
 //! Which detector, as a line of a spec.
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows,
     calibrate::{CalibrationError, CalibrationPlan, FalseAlarms, calibrate},
     detect::{
-        ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Magnitude, NSigma, Spread, Standardizer,
+        AdaptiveThreshold, ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Glr, Magnitude, NSigma,
+        Spread, Sprt, Standardizer, TwoSample,
+        adaptive::Evaluation,
+        glr::{Course, GlrDesign},
+        sprt::{ErrorProbabilities, Sides},
+        two_sample::SampleTest,
+        whiten::WhitenerDesign,
     },
 };
 use fd_core::stage::Detector;
+use fd_model::{Discrete, ModelError, StateSpace};
+use fd_residual::{DesignError, GeneratorDesign};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use super::{adaptive::AdaptiveSpec, signature::FaultSites};
 
 /// A detector; its scales come from fault-free residuals, and its threshold from them or from a
 /// stated rate of false alarms.
@@ -48,6 +58,66 @@ pub enum DetectorSpec {
         /// Rate of false alarms that the threshold is calibrated for.
         false_alarms: FalseAlarms,
     },
+    /// Wald's sequential probability ratio test of each channel.
+    Sprt {
+        /// Change to be found, in standard deviations.
+        #[serde(default = "default_shift")]
+        shift: f64,
+        /// Wald's error probabilities of a single test; they set the boundaries, the upper one unless
+        /// `false_alarms` is given.
+        #[serde(default = "default_errors")]
+        errors: ErrorProbabilities,
+        /// Up and down, or up only.
+        #[serde(default)]
+        sides: Sides,
+        /// Rate of false alarms that the upper boundary is calibrated for.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        false_alarms: Option<FalseAlarms>,
+    },
+    /// The generalised likelihood ratio: a change of unknown size at an unknown time.
+    Glr {
+        /// Onsets looked at, in samples back.
+        #[serde(default = "default_onsets")]
+        window: usize,
+        /// How a fault may develop.
+        #[serde(default = "default_courses")]
+        courses: Vec<Course>,
+        /// Most past samples that the whitening filter uses; 0 takes the residual as white in time.
+        #[serde(default = "default_whitening")]
+        whitening: usize,
+        /// Faults whose signatures are looked for; none looks in all directions.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        faults: Option<FaultSites>,
+        /// Rate of false alarms that the threshold is calibrated for.
+        false_alarms: FalseAlarms,
+    },
+    /// The last samples of each channel against the fault-free ones.
+    TwoSample {
+        /// What is compared.
+        test: SampleTest,
+        /// Samples in the window.
+        #[serde(default = "default_onsets")]
+        window: usize,
+        /// Rate of false alarms that the threshold is calibrated for.
+        false_alarms: FalseAlarms,
+    },
+    /// The magnitude of each sample against a bound that follows the input.
+    AdaptiveThreshold(AdaptiveSpec),
+    /// The root mean square over a window against a bound that follows the input (Emami-Naeini et al.).
+    ThresholdSelector(AdaptiveSpec),
+}
+
+/// What a detector is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct DetectorData<'a> {
+    /// Fault-free residuals with their inputs.
+    pub healthy: DrivenRows<'a>,
+    /// How a threshold is found for a rate of false alarms.
+    pub plan: &'a CalibrationPlan,
+    /// The nominal model.
+    pub model: &'a StateSpace<Discrete>,
+    /// What makes the residual.
+    pub design: &'a dyn GeneratorDesign,
 }
 
 /// A detector cannot be made from these fault-free residuals.
@@ -60,6 +130,12 @@ pub enum DetectorSpecError {
     /// Its threshold.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// The residual generator does not allow what it needs to know of faults or uncertainty.
+    #[error(transparent)]
+    Generator(#[from] DesignError),
+    /// The model does not.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 impl Default for DetectorSpec {
@@ -84,8 +160,45 @@ fn default_reference() -> f64 {
     0.5
 }
 
+fn default_shift() -> f64 {
+    1.0
+}
+
+fn default_errors() -> ErrorProbabilities {
+    ErrorProbabilities { false_alarm: 0.01, missed: 0.05 }
+}
+
+fn default_onsets() -> usize {
+    50
+}
+
+fn default_courses() -> Vec<Course> {
+    vec![Course::Step]
+}
+
+fn default_whitening() -> usize {
+    10
+}
+
 /// The threshold of a detector that is about to be calibrated; any positive number will do.
 const UNCALIBRATED: f64 = 1.0;
+
+impl DetectorData<'_> {
+    /// A detector with the threshold that keeps the wanted rate, set by `with`.
+    fn calibrated<D: Detector + 'static>(
+        &self,
+        mut detector: D,
+        wanted: FalseAlarms,
+        with: impl FnOnce(D, f64) -> Result<D, DetectorError>,
+    ) -> Result<Box<dyn Detector>, DetectorSpecError> {
+        let threshold = calibrate(&mut detector, self.healthy, wanted, self.plan)?.threshold;
+        Ok(Box::new(with(detector, threshold)?))
+    }
+
+    fn standard(&self) -> Result<Standardizer<f64>, DetectorError> {
+        Standardizer::from_fault_free(self.healthy.residuals(), Spread::StandardDeviation)
+    }
+}
 
 impl DetectorSpec {
     /// The detector for residuals like these.
@@ -95,33 +208,63 @@ impl DetectorSpec {
     /// Returns an error when the fault-free residuals do not allow the scales or the threshold.
     pub fn calibrated(
         &self,
-        healthy: SampleRows<'_>,
-        plan: &CalibrationPlan,
+        data: &DetectorData<'_>,
     ) -> Result<Box<dyn Detector>, DetectorSpecError> {
-        let standard = || Standardizer::from_fault_free(healthy, Spread::StandardDeviation);
-        Ok(match *self {
+        let residuals = data.healthy.residuals();
+        match *self {
             Self::Maximum { margin } => {
-                Box::new(Magnitude::<f64>::above_fault_free_maximum(healthy, margin)?)
+                Ok(Box::new(Magnitude::<f64>::above_fault_free_maximum(residuals, margin)?))
             }
             Self::NSigma { sigmas, false_alarms: None } => {
-                Box::new(NSigma::<f64>::new(standard()?, sigmas)?)
+                Ok(Box::new(NSigma::<f64>::new(data.standard()?, sigmas)?))
             }
             Self::NSigma { false_alarms: Some(wanted), .. } => {
-                let mut detector = NSigma::<f64>::new(standard()?, UNCALIBRATED)?;
-                let threshold = calibrate(&mut detector, healthy, wanted, plan)?.threshold;
-                Box::new(detector.with_threshold(threshold)?)
+                let detector = NSigma::<f64>::new(data.standard()?, UNCALIBRATED)?;
+                data.calibrated(detector, wanted, NSigma::with_threshold)
             }
             Self::ChiSquare { window, false_alarms } => {
-                let mut detector =
-                    ChiSquare::<f64>::from_fault_free(healthy, window, UNCALIBRATED)?;
-                let threshold = calibrate(&mut detector, healthy, false_alarms, plan)?.threshold;
-                Box::new(detector.with_threshold(threshold)?)
+                let detector = ChiSquare::<f64>::from_fault_free(residuals, window, UNCALIBRATED)?;
+                data.calibrated(detector, false_alarms, ChiSquare::with_threshold)
             }
             Self::Cusum { reference, false_alarms } => {
-                let mut detector = Cusum::<f64>::new(standard()?, reference, UNCALIBRATED)?;
-                let threshold = calibrate(&mut detector, healthy, false_alarms, plan)?.threshold;
-                Box::new(detector.with_threshold(threshold)?)
+                let detector = Cusum::<f64>::new(data.standard()?, reference, UNCALIBRATED)?;
+                data.calibrated(detector, false_alarms, Cusum::with_threshold)
             }
-        })
+            Self::Sprt { shift, errors, sides, false_alarms } => {
+                let detector = Sprt::<f64>::new(data.standard()?, shift, errors, sides)?;
+                match false_alarms {
+                    None => Ok(Box::new(detector)),
+                    Some(wanted) => data.calibrated(detector, wanted, Sprt::with_threshold),
+                }
+            }
+            Self::Glr { window, ref courses, whitening, faults, false_alarms } => {
+                let whitener = WhitenerDesign::from_fault_free(residuals, whitening)?;
+                let design = match faults {
+                    None => GlrDesign::any_direction(whitener, courses, window)?,
+                    Some(sites) => {
+                        let signatures = sites.signatures(data.design)?;
+                        GlrDesign::along(whitener, &signatures, courses, window)?
+                    }
+                };
+                let detector = Glr::<f64>::new(&design, UNCALIBRATED)?;
+                data.calibrated(detector, false_alarms, Glr::with_threshold)
+            }
+            Self::TwoSample { test, window, false_alarms } => {
+                let detector = TwoSample::<f64>::new(test, residuals, window, UNCALIBRATED)?;
+                data.calibrated(detector, false_alarms, TwoSample::with_threshold)
+            }
+            Self::AdaptiveThreshold(ref spec) => adaptive(data, spec, Evaluation::Magnitude),
+            Self::ThresholdSelector(ref spec) => adaptive(data, spec, Evaluation::RootMeanSquare),
+        }
     }
+}
+
+fn adaptive(
+    data: &DetectorData<'_>,
+    spec: &AdaptiveSpec,
+    evaluation: Evaluation,
+) -> Result<Box<dyn Detector>, DetectorSpecError> {
+    let bound = spec.bound(data, evaluation)?;
+    let detector = AdaptiveThreshold::<f64>::new(&bound, evaluation, UNCALIBRATED)?;
+    data.calibrated(detector, spec.false_alarms, AdaptiveThreshold::with_threshold)
 }

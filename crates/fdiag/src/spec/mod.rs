@@ -4,8 +4,11 @@
 //! A spec is a closed list of the methods that we ship. A method of your own goes straight into
 //! [`Stages`](fd_core::Stages), boxed or not.
 
+mod adaptive;
 mod detector;
 mod generator;
+mod isolation;
+mod signature;
 
 use fd_compensate::{
     calibrate::CalibrationPlan,
@@ -16,10 +19,13 @@ use fd_ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
-    detector::{DetectorSpec, DetectorSpecError},
+    adaptive::{AdaptiveSpec, BoundSpec},
+    detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
         DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, StructureSpec,
     },
+    isolation::{IsolationSpec, IsolationSpecError},
+    signature::FaultSites,
 };
 
 /// Every choice of a diagnosis.
@@ -42,7 +48,9 @@ pub struct PipelineSpec {
     pub calibration: CalibrationPlan,
     /// Test statistics to alarms.
     pub rule: Debouncing,
-    /// How the size of a sensor fault is estimated after an alarm.
+    /// What is said of a fault beyond that there is one.
+    pub isolation: IsolationSpec,
+    /// How the size of a fault is estimated after an alarm, but for probable faults.
     pub sizing: Sizing,
     /// Time in s at the start of each log that is not learned from, while the generator forgets
     /// where it started; none takes five time constants of its slowest pole.
@@ -61,6 +69,7 @@ impl Default for PipelineSpec {
             detector: DetectorSpec::default(),
             calibration: CalibrationPlan::default(),
             rule: Debouncing::consecutive(3),
+            isolation: IsolationSpec::default(),
             sizing: Sizing::default(),
             settle_s: None,
             hold_missing: 0,

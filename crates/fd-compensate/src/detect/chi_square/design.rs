@@ -33,7 +33,7 @@ pub fn threshold(channels: usize, window: usize, per_sample: f64) -> Result<f64,
 }
 
 /// Mean and covariance of fault-free residuals.
-pub(super) fn moments(healthy: SampleRows<'_>) -> (Vec<f64>, Mat<f64>) {
+pub(crate) fn moments(healthy: SampleRows<'_>) -> (Vec<f64>, Mat<f64>) {
     let n = healthy.len() as f64;
     let mean = healthy.per_channel(|v| v.sum::<f64>() / n);
     let covariance = Mat::from_fn(mean.len(), mean.len(), |i, j| {
@@ -45,7 +45,7 @@ pub(super) fn moments(healthy: SampleRows<'_>) -> (Vec<f64>, Mat<f64>) {
 
 /// `W` with `Wᵀ W = Σ⁻¹`: the inverse Cholesky factor of the correlation, times the inverse standard
 /// deviations, so that the units of the channels do not matter to the test for singularity.
-pub(super) fn whitening(covariance: &Mat<f64>, samples: usize) -> Result<Mat<f64>, DetectorError> {
+pub(crate) fn whitening(covariance: &Mat<f64>, samples: usize) -> Result<Mat<f64>, DetectorError> {
     let n = covariance.nrows();
     let sigma: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
     if let Some(channel) = sigma.iter().position(|&s| s.is_nan() || s <= 0.0) {

@@ -18,4 +18,5 @@
 mod design;
 mod run;
 
+pub(crate) use self::design::{moments, whitening};
 pub use self::{design::threshold, run::ChiSquare};

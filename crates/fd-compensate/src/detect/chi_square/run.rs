@@ -34,7 +34,7 @@ impl<T: Scalar> ChiSquare<T> {
     /// use fd_core::stage::Detector;
     ///
     /// let mut detector = ChiSquare::new(&[0.0, 0.0], &[4.0, 0.0, 0.0, 1.0], 1, 13.8)?;
-    /// assert_eq!(detector.update(&[2.0, 3.0]).statistic, 10.0);
+    /// assert_eq!(detector.update(&[], &[2.0, 3.0]).statistic, 10.0);
     /// # Ok::<(), fd_compensate::detect::DetectorError>(())
     /// ```
     ///
@@ -122,7 +122,7 @@ impl<T: Scalar> Detector<T> for ChiSquare<T> {
         self.mean.len()
     }
 
-    fn update(&mut self, r: &[T]) -> Verdict<T> {
+    fn update(&mut self, _u: &[T], r: &[T]) -> Verdict<T> {
         for ((centred, &r), &mean) in self.centred.iter_mut().zip(r).zip(&self.mean) {
             *centred = r - mean;
         }

@@ -29,7 +29,7 @@ impl<T: Scalar> Cusum<T> {
     /// use fd_core::stage::Detector;
     ///
     /// let mut detector = Cusum::new(Standardizer::new(&[0.0], &[1.0])?, 0.5, 4.0)?;
-    /// let alarms = (0..10).filter(|_| detector.update(&[1.0]).alarm()).count();
+    /// let alarms = (0..10).filter(|_| detector.update(&[], &[1.0]).alarm()).count();
     /// assert_eq!(alarms, 2); // 0.5 a sample: beyond 4 from the ninth on
     /// # Ok::<(), fd_compensate::detect::DetectorError>(())
     /// ```
@@ -86,7 +86,7 @@ impl<T: Scalar> Detector<T> for Cusum<T> {
         self.standardizer.channels()
     }
 
-    fn update(&mut self, r: &[T]) -> Verdict<T> {
+    fn update(&mut self, _u: &[T], r: &[T]) -> Verdict<T> {
         let mut statistic = T::zero();
         let sums = self.upper.iter_mut().zip(&mut self.lower);
         for (z, (upper, lower)) in self.standardizer.values(r).zip(sums) {
