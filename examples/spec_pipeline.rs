@@ -86,8 +86,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (u, r): (Vec<f64>, Vec<f64>) = (residual.input(0).collect(), residual.output(0).collect());
     let (u, r) = (SampleRows::new(1, &u)?, SampleRows::new(1, &r)?);
     let theta = trained.bias_model().theta();
-    let fit = PreFitted::from_training(theta.to_vec(), u, r);
-    let (fixed, simulator) = (FixedParameters::new(1, 1, theta), trained.bias_model().freeze()?);
+    let fit = PreFitted::from_training(theta.clone(), u, r);
+    let (fixed, simulator) = (FixedParameters::new(1, 1, &theta), trained.bias_model().freeze()?);
     generator.reset();
     let stages = DynStages {
         generator,

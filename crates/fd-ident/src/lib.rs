@@ -12,6 +12,13 @@
 //! | [`order`] | which orders? |
 //! | [`diagnostics`] | is anything left in the residuals of a fit? |
 //! | [`refine`] | options for noisy residuals |
+//! | [`instrumental`] | instrumental variables, in batches and on line |
+//! | [`extended`] | extended least squares for moving-average noise (ARMAX) |
+//! | [`prediction_error`] | output error, Box-Jenkins and ARMAX by Gauss-Newton |
+//! | [`subspace`] | one state-space model for several residuals at once |
+//! | [`hammerstein`] | a static nonlinearity before the dynamics |
+//! | [`scheduled`] | local models, blended over the operating range |
+//! | [`random_walk`] | recursive least squares as a Kalman filter |
 //!
 //! [`RecursiveArx`](arx::RecursiveArx) is an [`Identifier`](fd_core::stage::Identifier),
 //! [`ArxSimulator`](arx::ArxSimulator) a [`BiasModel`](fd_core::stage::BiasModel).
@@ -25,9 +32,16 @@ mod error;
 
 pub mod arx;
 pub mod diagnostics;
+pub mod extended;
+pub mod hammerstein;
+pub mod instrumental;
 pub mod least_squares;
 pub mod order;
+pub mod prediction_error;
+pub mod random_walk;
 pub mod refine;
 pub mod rls;
+pub mod scheduled;
+pub mod subspace;
 
 pub use crate::error::IdentError;

@@ -13,16 +13,11 @@ use fdiag::compare::{
 /// One linear scenario, one observer, with and without bias model.
 fn small() -> CompareConfig {
     let mut config = CompareConfig::default();
-    config.engines = Engines {
-        thresholds: 3,
-        test: 3,
-        calibration_runs: 6,
-        threshold_runs: 40,
-        test_runs: 4,
-    };
+    config.engines =
+        Engines { thresholds: 3, test: 3, calibration_runs: 6, threshold_runs: 40, test_runs: 4 };
     config.scenarios.retain(|scenario| scenario.name == "linear");
-    config.generators.retain(|generator| generator.name == "observer-2");
-    config.biases.retain(|bias| bias.name != "arx");
+    config.generators.retain(|generator| generator.name == "observer");
+    config.biases.retain(|bias| bias.name == "none" || bias.name == "arx-filtered");
     config.detectors.retain(|detector| detector.name == "maximum" || detector.name == "cusum");
     config.faults.profiles = vec![ProfileKind::Incipient];
     config.faults.sensor_sizes = Sizes { smallest: 5e-4, largest: 0.08, count: 6 };

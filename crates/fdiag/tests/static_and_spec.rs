@@ -133,7 +133,7 @@ fn by_hand(training: &Record, calibration: &Record) -> (Vec<f64>, Diagnosis) {
 fn from_spec(training: &Record, calibration: &Record) -> (Vec<f64>, DynPipeline) {
     let healthy = [Healthy::learn(training), Healthy::calibrate(calibration)];
     let trained = train(&spec(), &nominal(), &healthy).unwrap();
-    (trained.bias_model().theta().to_vec(), trained.compensated().unwrap())
+    (trained.bias_model().theta(), trained.compensated().unwrap())
 }
 
 /// Training, freezing, calibration, re-training at another operating point, and a fault.

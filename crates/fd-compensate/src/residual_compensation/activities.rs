@@ -19,15 +19,20 @@ where
 {
     pub(super) fn forget(&mut self) {
         self.identifier.reset();
+        self.forget_samples();
+        self.operating_point.reset();
+        self.frozen.fill(T::zero());
+        self.peak = T::zero();
+    }
+
+    /// Forgets all samples, but neither parameters nor the range that they hold for.
+    pub(super) fn forget_samples(&mut self) {
         self.predictor.reset();
         self.simulator.reset();
         self.convergence.reset();
         self.trial.reset();
         self.jump.reset();
-        self.operating_point.reset();
-        self.frozen.fill(T::zero());
         self.mu_hat.fill(T::zero());
-        self.peak = T::zero();
         self.age = 0;
         self.guard_reported = false;
     }

@@ -48,6 +48,8 @@
 //!   of [`OperatingPoint`] watches that `u` stays there; it cannot see a change of the plant itself.
 //! * Faults do not act through `u`. A fault of the *measured* `u` (or a controller that reacts to a
 //!   sensor fault) moves `μ̂` as well.
+//! * Re-training forgets what was learned elsewhere, except by an identifier of local models
+//!   (`fd_ident::scheduled`), which forgets only where it is.
 //! * Re-training is itself a training: under [`RangePolicy::Retrain`] a fault that is present
 //!   when the operating point moves is learned as bias.
 //! * The paper's convergence test is weak: the gain of recursive least squares falls like `1/k`, so it

@@ -129,6 +129,12 @@ impl<T: Scalar> OperatingPointGuard<T> {
         self.settled >= samples
     }
 
+    /// Goes on learning the range where it ended.
+    pub(super) fn reopen(&mut self) {
+        self.outside = false;
+        self.settled = 0;
+    }
+
     pub(super) fn reset(&mut self) {
         for values in [&mut self.low, &mut self.high, &mut self.slow, &mut self.anchor] {
             values.fill(T::zero());

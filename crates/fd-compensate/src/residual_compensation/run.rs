@@ -203,10 +203,19 @@ where
         &self.identifier
     }
 
-    /// Forgets the parameters and trains again from the next sample, as when the operating
-    /// condition has changed. The plant must be healthy.
+    /// Trains again from the next sample, as when the operating condition has changed. The plant
+    /// must be healthy.
+    ///
+    /// Parameters are forgotten, unless the identifier keeps what it learned under other
+    /// conditions ([`Identifier::retrain`]); the trained range of the input then grows instead of
+    /// starting anew.
     pub fn retrain(&mut self) {
-        self.forget();
+        if self.identifier.retrain(&self.frozen) {
+            self.forget_samples();
+            self.operating_point.reopen();
+        } else {
+            self.forget();
+        }
         self.activity = Activity::Learning;
     }
 }

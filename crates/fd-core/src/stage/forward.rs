@@ -45,6 +45,7 @@ forward! { Identifier {
     fn theta(&self) -> &[T] { (**self).theta() }
     fn variance_into(&self, variance: &mut [T]) { (**self).variance_into(variance); }
     fn guard(&self) -> GuardReport { (**self).guard() }
+    fn retrain(&mut self, theta: &[T]) -> bool { (**self).retrain(theta) }
 }}
 
 forward! { BiasModel {

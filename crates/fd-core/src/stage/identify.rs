@@ -23,6 +23,15 @@ pub trait Identifier<T: Scalar = f64>: Stage<T> {
 
     /// What the safeguards against wind-up have done since the last reset.
     fn guard(&self) -> GuardReport;
+
+    /// Learns anew under another operating condition, where `theta` was in use so far. Returns
+    /// whether what was learned under other conditions is kept; by default everything is
+    /// forgotten, as by a reset.
+    fn retrain(&mut self, theta: &[T]) -> bool {
+        let _ = theta;
+        self.reset();
+        false
+    }
 }
 
 /// What the safeguards of an [`Identifier`] have done.

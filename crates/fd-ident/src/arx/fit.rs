@@ -113,3 +113,11 @@ pub(crate) fn check_records<R: Borrow<Record>>(records: &[R]) -> Result<&Record,
     }
     Ok(first)
 }
+
+/// A record with one of its outputs.
+pub(crate) fn single_output(record: &Record, channel: usize) -> Result<Record, IdentError> {
+    let u = (0..record.len()).flat_map(|k| record.u(k).iter().copied()).collect();
+    let output = vec![record.outputs()[channel].clone()];
+    let y = record.output(channel).collect();
+    Ok(Record::new(record.inputs().to_vec(), output, u, y, record.ts())?)
+}

@@ -40,4 +40,10 @@ pub use self::{
     simulator::ArxSimulator,
     stability::{MovedPole, Projection},
 };
-pub(crate) use self::{fit::check_records, regression::Regression, stability::roots};
+pub(crate) use self::{
+    fit::{check_records, single_output},
+    history::History,
+    regression::{Regression, regressor},
+    replay::held_inputs,
+    stability::{polynomial, roots},
+};

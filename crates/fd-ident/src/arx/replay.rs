@@ -168,7 +168,7 @@ fn free_response(a: &[f64], j: usize, len: usize) -> Vec<f64> {
 }
 
 /// Inputs of a record, row-major, with missing values held. One value per sample without inputs.
-fn held_inputs(record: &Record) -> Vec<f64> {
+pub(crate) fn held_inputs(record: &Record) -> Vec<f64> {
     let nu = record.inputs().len();
     let mut held = vec![0.0; nu.max(1)];
     for (input, held) in held.iter_mut().enumerate().take(nu) {

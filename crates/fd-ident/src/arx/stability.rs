@@ -115,7 +115,7 @@ pub(crate) fn roots(a: &[f64]) -> Result<Vec<c64>, IdentError> {
 }
 
 /// `a₁ … a_n` of the monic polynomial with these roots, which come in conjugate pairs.
-fn polynomial(roots: &[c64]) -> Vec<f64> {
+pub(crate) fn polynomial(roots: &[c64]) -> Vec<f64> {
     let mut coefficients = vec![c64::new(1.0, 0.0)];
     for &root in roots {
         coefficients.push(c64::new(0.0, 0.0));

@@ -2,13 +2,16 @@
 
 use std::borrow::Borrow;
 
-use faer::ColRef;
 use fd_model::Record;
 
 use crate::{
-    arx::{ArxEstimate, ArxFit, ArxModel, ArxOrders, Projection, Regression, Start, check_records},
+    arx::{
+        ArxEstimate, ArxFit, ArxModel, ArxOrders, Projection, Regression, Start, check_records,
+        single_output,
+    },
     error::IdentError,
-    least_squares::{LeastSquares, LinearFit},
+    instrumental::two_stage,
+    least_squares::LinearFit,
     refine::Prefilter,
 };
 
@@ -126,16 +129,9 @@ impl Sriv {
             data.append(record, Some(&filter));
             instruments.append(&simulated(model, record)?, Some(&filter));
         }
-        let (phi, z) = (data.phi(), instruments.phi());
         // Both regressions skip the same rows, since both have the same samples missing.
-        let q = z.qr().compute_thin_Q();
-        let projected = &q * (q.transpose() * &phi);
-        let mut fit = LeastSquares::new()
-            .solve(projected.as_ref(), data.target())
-            .map_err(|error| data.locate(error))?;
-        let (y, theta) = (ColRef::from_slice(data.target()), ColRef::from_slice(&fit.coefficients));
-        fit.rss = (y - phi * theta).squared_norm_l2();
-        Ok(fit)
+        two_stage(data.phi().as_ref(), instruments.phi().as_ref(), data.target())
+            .map_err(|error| data.locate(error))
     }
 }
 
@@ -157,11 +153,4 @@ fn simulated(model: &ArxModel, record: &Record) -> Result<Record, IdentError> {
         }
     }
     Ok(instrument)
-}
-
-fn single_output(record: &Record, channel: usize) -> Result<Record, IdentError> {
-    let u = (0..record.len()).flat_map(|k| record.u(k).iter().copied()).collect();
-    let output = vec![record.outputs()[channel].clone()];
-    let y = record.output(channel).collect();
-    Ok(Record::new(record.inputs().to_vec(), output, u, y, record.ts())?)
 }

@@ -37,7 +37,10 @@ pub use self::{
     ud::Ud,
     window::{WindowDesign, WindowRls},
 };
-pub(crate) use self::{covariance::dot, forgetting::positive};
+pub(crate) use self::{
+    covariance::{add_scaled, dot},
+    forgetting::positive,
+};
 
 /// Recursive least squares on `U D Uᵀ`.
 pub type UdRls<T = f64, S = fd_core::Heap> = Rls<T, Ud<T, S>>;

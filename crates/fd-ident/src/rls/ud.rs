@@ -125,3 +125,32 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
         visitor.reals("factor D", self.d.as_mut());
     }
 }
+
+impl<T: Scalar, S: RlsStorage<T>> Ud<T, S> {
+    /// Computes `P ← P + diag(variances)`, one axis after the other by the update of Agee &
+    /// Turner (1972), so that every entry of `D` stays positive. Costs O(n³).
+    pub(crate) fn add_diagonal(&mut self, variances: &[T]) {
+        let (u, d, v) = (self.u.as_mut_slice(), self.d.as_mut(), self.f.as_mut());
+        let n = d.len();
+        for (axis, &variance) in variances.iter().enumerate().take(n) {
+            if variance <= T::zero() {
+                continue;
+            }
+            v.fill(T::zero());
+            v[axis] = T::one();
+            let mut c = variance;
+            for j in (0..=axis).rev() {
+                let old = d[j];
+                let (rest, last) = v.split_at_mut(j);
+                let s = last[0];
+                d[j] = old + c * (s * s);
+                let b = c * s / d[j];
+                c *= old / d[j];
+                for (u, v) in u[j * n..j * n + j].iter_mut().zip(rest) {
+                    *v -= s * *u;
+                    *u += b * *v;
+                }
+            }
+        }
+    }
+}

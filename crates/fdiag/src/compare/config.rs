@@ -1,6 +1,9 @@
 //! Every choice of a comparison.
 
-use fd_compensate::{calibrate::{Beyond, CalibrationPlan}, decide::Debouncing};
+use fd_compensate::{
+    calibrate::{Beyond, CalibrationPlan},
+    decide::Debouncing,
+};
 use fd_model::fault::Site;
 use serde::{Deserialize, Serialize};
 
@@ -148,13 +151,7 @@ pub struct Detector {
 
 impl Default for Engines {
     fn default() -> Self {
-        Self {
-            thresholds: 10,
-            test: 10,
-            calibration_runs: 10,
-            threshold_runs: 20,
-            test_runs: 4,
-        }
+        Self { thresholds: 10, test: 10, calibration_runs: 10, threshold_runs: 20, test_runs: 4 }
     }
 }
 

@@ -48,12 +48,14 @@ impl Scene<'_> {
                             let (primary, star) = trained.calibration();
                             let rows = if bias.spec.is_some() { star } else { primary };
                             let mut detector = trained.detector_of(&detector.spec, rows).ok()?;
-                            let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
+                            let (nu, channels) =
+                                (trained.design().io().nu, trained.design().residual_len());
                             let samples = rows.len() / channels;
                             let detector = quickest(samples, || {
                                 detector.reset();
-                                rows.chunks_exact(channels).for_each(|r| {
-                                    std::hint::black_box(detector.update(r));
+                                let inputs = trained.calibration_inputs().chunks_exact(nu);
+                                rows.chunks_exact(channels).zip(inputs).for_each(|(r, u)| {
+                                    std::hint::black_box(detector.update(u, r));
                                 });
                             });
                             Some(Cost { residual, detector })

@@ -1,14 +1,23 @@
 //! The scenarios and methods of a comparison that was asked for nothing special.
 
-use fd_compensate::calibrate::FalseAlarms;
-use fd_ident::arx::ArxOrders;
+use fd_compensate::{
+    calibrate::FalseAlarms,
+    detect::{
+        glr::Course,
+        sprt::{ErrorProbabilities, Sides},
+    },
+};
+use fd_ident::{arx::ArxOrders, hammerstein::Basis};
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::fault::Site;
 
 use super::config::{Bias, Detector, Generator, Present, Scenario};
 use crate::{
     engine::{EngineChoice, PlantConfig},
-    spec::{BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec},
+    spec::{
+        AdaptiveSpec, BiasSpec, BoundSpec, DetectorSpec, DisturbanceSpec, GeneratorSpec,
+        LearningSpec, OrderSpec, ParameterSpec, StructureSpec,
+    },
 };
 
 /// The linear engine, the nonlinear one where it is modelled, moved, and with dynamics that no model
@@ -111,46 +120,105 @@ pub(super) fn scenarios() -> Vec<Scenario> {
     ]
 }
 
+/// Variances per sample that the noise of the benchmark amounts to, in units of the readings.
+const PROCESS_NOISE: f64 = 1e-6;
+const OUTPUT_NOISE: f64 = 2.5e-7;
+/// Rate of observers in 1/s: near the slowest mode of the engine, which keeps the bias in few slow
+/// modes.
+const RATE: f64 = 2.0;
+
 pub(super) fn generators() -> Vec<Generator> {
     let all = |name: &str, spec| Generator { name: name.to_owned(), spec, weighting: None };
-    let sum = Some(vec![vec![1.0; 5]]);
+    let learned = || DisturbanceSpec::Learned { rank: 2, duration_s: None, output_noise: 0.1 };
+    let (process_noise, output_noise, rate) = (PROCESS_NOISE, OUTPUT_NOISE, RATE);
+    let adaptive = |parameters| GeneratorSpec::Adaptive {
+        parameters,
+        process_noise: process_noise / output_noise,
+        output_noise,
+        prior: 0.1,
+        drift: 1e-8,
+        bound: 0.5,
+    };
     vec![
         all("simulation", GeneratorSpec::Simulation {}),
-        all("observer-2", GeneratorSpec::Observer { rate: 2.0 }),
+        all("observer", GeneratorSpec::Observer { rate }),
         Generator {
-            name: "observer-2-sum".to_owned(),
-            spec: GeneratorSpec::Observer { rate: 2.0 },
-            weighting: sum,
+            name: "observer-sum".to_owned(),
+            spec: GeneratorSpec::Observer { rate },
+            weighting: Some(vec![vec![1.0; 5]]),
         },
-        all("observer-10", GeneratorSpec::Observer { rate: 10.0 }),
-        all("kalman", GeneratorSpec::Kalman { process_noise: 1e-6, output_noise: 2.5e-7 }),
-        all("parity-2", GeneratorSpec::Parity { order: 2 }),
+        all("kalman", GeneratorSpec::Kalman { process_noise, output_noise }),
+        all("parity", GeneratorSpec::Parity { order: 2 }),
+        all("unknown-input", GeneratorSpec::UnknownInput { disturbance: learned(), rate }),
+        all("decoupled", GeneratorSpec::Decoupled { disturbance: learned(), rate }),
+        all(
+            "optimal",
+            GeneratorSpec::Optimal {
+                faults: Vec::new(),
+                process_noise,
+                output_noise,
+                decoupled: None,
+                attenuated: Some(learned()),
+                rate,
+            },
+        ),
+        all("adaptive-gain", adaptive(ParameterSpec::InputGains {})),
+        all("adaptive-rates", adaptive(ParameterSpec::StateRates {})),
     ]
 }
 
 pub(super) fn biases() -> Vec<Bias> {
-    let learned = |name: &str, prefilter_rad_s| Bias {
+    let learned = |name: &str, structure, learning| Bias {
         name: name.to_owned(),
-        spec: Some(BiasSpec {
-            orders: OrderSpec::Fixed(ArxOrders::paper(2)),
-            learning: LearningSpec::Batch { prefilter_rad_s },
-        }),
+        spec: Some(BiasSpec { structure, orders: OrderSpec::Fixed(ArxOrders::paper(2)), learning }),
     };
+    let linear = StructureSpec::Linear;
+    let filtered = LearningSpec::Batch { prefilter_rad_s: Some(8.0) };
+    let bent = StructureSpec::Hammerstein { basis: Basis::Polynomial { degree: 2 } };
     vec![
         Bias { name: "none".to_owned(), spec: None },
-        learned("arx", None),
-        learned("arx-filtered", Some(8.0)),
+        learned("arx", linear.clone(), LearningSpec::default()),
+        learned("arx-filtered", linear.clone(), filtered.clone()),
+        learned("output-error", linear, LearningSpec::OutputError { from_rest: true }),
+        learned("hammerstein", bent, filtered),
     ]
 }
 
 pub(super) fn detectors() -> Vec<Detector> {
     let rare = FalseAlarms::PerSample { rate: 0.01 };
+    let bound = AdaptiveSpec {
+        bound: BoundSpec::Learned { quantile: 0.99 },
+        corners: 4,
+        slowest_samples: 100.0,
+        memory_samples: 50.0,
+        false_alarms: rare,
+    };
     let detector = |name: &str, spec| Detector { name: name.to_owned(), spec };
     vec![
         detector("maximum", DetectorSpec::default()),
         detector("n-sigma", DetectorSpec::NSigma { sigmas: 3.0, false_alarms: None }),
-        detector("chi-square", DetectorSpec::ChiSquare { window: 1, false_alarms: rare }),
-        detector("chi-square-20", DetectorSpec::ChiSquare { window: 20, false_alarms: rare }),
+        detector("chi-square", DetectorSpec::ChiSquare { window: 20, false_alarms: rare }),
         detector("cusum", DetectorSpec::Cusum { reference: 0.5, false_alarms: rare }),
+        detector(
+            "sprt",
+            DetectorSpec::Sprt {
+                shift: 1.0,
+                errors: ErrorProbabilities { false_alarm: 0.01, missed: 0.05 },
+                sides: Sides::Both,
+                false_alarms: None,
+            },
+        ),
+        detector(
+            "glr",
+            DetectorSpec::Glr {
+                window: 50,
+                courses: vec![Course::Step],
+                whitening: 10,
+                faults: None,
+                false_alarms: rare,
+            },
+        ),
+        detector("adaptive", DetectorSpec::AdaptiveThreshold(bound.clone())),
+        detector("selector", DetectorSpec::ThresholdSelector(bound)),
     ]
 }

@@ -190,6 +190,7 @@ fn default_pipeline() -> PipelineSpec {
         bias: BiasSpec {
             orders: OrderSpec::Fixed(ArxOrders::paper(2)),
             learning: LearningSpec::Batch { prefilter_rad_s: Some(8.0) },
+            ..BiasSpec::default()
         },
         // Every run starts from rest, so there is nothing to forget.
         settle_s: Some(0.0),

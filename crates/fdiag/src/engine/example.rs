@@ -1,6 +1,5 @@
 //! One seed looked at closely: the signals behind the paper's figures 4 to 7.
 
-use fd_ident::arx::Start;
 use fd_model::Record;
 use serde::{Deserialize, Serialize};
 
@@ -132,7 +131,12 @@ impl Benchmark {
         trained: &Trained,
         case: &Case,
     ) -> Result<Vec<(f64, f64, f64)>, EngineStudyError> {
+        let model = trained.bias_model();
         let Some(plant) = &case.plant else { return Ok(Vec::new()) };
+        if model.frequency_response(0, 0, 1.0).is_none() {
+            // A nonlinear bias has no gain to compare.
+            return Ok(Vec::new());
+        }
         let form = trained.design().form().map_err(RoadError::from)?;
         let bias = form.residual_of(plant).map_err(RoadError::from)?;
         let (low, high) = (0.05_f64, std::f64::consts::PI / self.ts().seconds());
@@ -140,7 +144,11 @@ impl Benchmark {
             .map(|i| {
                 let omega = low * (high / low).powf(i as f64 / (FREQUENCIES - 1) as f64);
                 let truth = bias.frequency_response(omega)?[(0, 0)].norm();
-                Ok((omega, truth, trained.bias_model().frequency_response(0, 0, omega).norm()))
+                Ok((
+                    omega,
+                    truth,
+                    model.frequency_response(0, 0, omega).map_or(f64::NAN, |g| g.norm()),
+                ))
             })
             .collect()
     }
@@ -150,7 +158,7 @@ fn training_trace(trained: &Trained, run: &Record) -> Result<TrainingTrace, Engi
     let mut generator = trained.design().build().map_err(RoadError::from)?;
     let residual = residual_record(&mut generator, run, 0)?;
     let model = trained.bias_model();
-    let bias = model.simulate_record(&residual, Start::Rest).map_err(RoadError::from)?;
+    let bias = model.simulate_record(&residual).map_err(RoadError::from)?;
     let channels = residual.outputs().len();
     Ok(TrainingTrace {
         time: (0..run.len()).map(|k| run.time(k)).collect(),

@@ -134,8 +134,8 @@ impl Benchmark {
         Ok(Trial {
             seed,
             redraws: case.redraws,
-            orders: trained.bias_model().orders().to_string(),
-            theta: trained.bias_model().theta().to_vec(),
+            orders: trained.bias_model().orders(),
+            theta: trained.bias_model().theta(),
             frozen_at: trained.events().last().map(|event: &Event| event.k),
             fault_free: Pair { primary, compensated },
             fault_free_test: Pair {

@@ -199,9 +199,7 @@ impl LogStudy {
             done();
         }
         let bias = trained.bias_model();
-        let poles = (0..bias.residual_len())
-            .map(|channel| Ok(bias.poles(channel)?.iter().map(|p| p.norm()).collect()))
-            .collect::<Result<_, RoadError>>()?;
+        let poles = bias.pole_radii().map_err(RoadError::from)?;
         let study = Self {
             version: REPORT_VERSION,
             model: file.name.clone().unwrap_or_else(|| request.model.display().to_string()),
@@ -209,8 +207,8 @@ impl LogStudy {
             outputs,
             spec: request.spec.clone(),
             bias: BiasSummary {
-                orders: bias.orders().to_string(),
-                theta: bias.theta().to_vec(),
+                orders: bias.orders(),
+                theta: bias.theta(),
                 poles,
                 selection: trained.order_selection().map(|t| t.verdict().to_string()),
                 events: trained.events().to_vec(),

@@ -54,6 +54,14 @@ pub enum RoadError {
         /// Healthy logs given.
         found: usize,
     },
+    /// A way of learning is not there for a structure of the bias.
+    #[error("bias.learning `{learning}` does not go with bias.structure `{structure}`")]
+    NotTogether {
+        /// Kind of learning.
+        learning: &'static str,
+        /// Kind of structure.
+        structure: &'static str,
+    },
     /// The bias did not converge within the healthy log.
     #[error(
         "the bias model did not converge within the {samples} samples of the healthy log: \

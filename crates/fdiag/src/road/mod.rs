@@ -7,17 +7,22 @@
 //!
 //! The engine benchmark and a user's own model and logs take the same road.
 
+mod bias;
 mod error;
 mod learn;
 mod residuals;
+mod running;
 mod silent;
 mod size;
+mod structure;
 mod trace;
 mod train;
 
 pub use self::{
+    bias::LearnedBias,
     error::RoadError,
     residuals::residual_record,
+    running::RunningBias,
     size::{sensor_signatures, sensor_sizes},
     trace::Trace,
     train::{Healthy, Trained, train},

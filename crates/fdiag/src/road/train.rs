@@ -11,18 +11,21 @@ use fd_core::{
     DynPipeline, DynStages, Event, MissingSamples, Pipeline,
     stage::{Compensator, DecisionRule, Detector, Uncompensated},
 };
-use fd_ident::{
-    arx::{ArxModel, ArxOrders, ArxSimulator, RecursiveArx},
-    order::OrderTable,
-    rls::{RlsDesign, UdRls},
-};
+use fd_ident::order::OrderTable;
 use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::{
-    error::RoadError, learn::learn, residuals::residual_record, silent::Silent, trace::Trace,
+    bias::LearnedBias,
+    error::RoadError,
+    learn::learn,
+    residuals::residual_record,
+    running::RunningBias,
+    silent::Silent,
+    structure::{DynIdentifier, stand_by},
+    trace::Trace,
 };
-use crate::spec::{DetectorData, DetectorSpec, LearningSpec, PipelineSpec};
+use crate::spec::{DetectorData, DetectorSpec, PipelineSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -72,7 +75,7 @@ pub struct Trained {
     spec: PipelineSpec,
     nominal: StateSpace<Discrete>,
     design: Box<dyn GeneratorDesign>,
-    model: ArxModel,
+    bias: LearnedBias,
     selection: Option<OrderTable>,
     fit: PreFitted,
     events: Vec<Event>,
@@ -116,13 +119,13 @@ pub fn train(
         return Err(RoadError::TooShort { what, needed: settle.saturating_add(1), found });
     }
     let learned = learn(spec, &records)?;
-    let filling = if settle == 0 { 0 } else { settle + learned.model.orders().lag() };
-    let fit = pre_fitted(learned.model.theta().to_vec(), &records)?.filling(filling as u64);
+    let filling = if settle == 0 { 0 } else { settle + learned.bias.memory() };
+    let fit = pre_fitted(learned.bias.loaded(), &records)?.filling(filling as u64);
     let mut trained = Trained {
         spec: spec.clone(),
         nominal: model.clone(),
         design,
-        model: learned.model,
+        bias: learned.bias,
         selection: learned.selection,
         fit,
         events: learned.events,
@@ -151,8 +154,8 @@ impl Trained {
 
     /// The frozen bias model.
     #[must_use]
-    pub fn bias_model(&self) -> &ArxModel {
-        &self.model
+    pub fn bias_model(&self) -> &LearnedBias {
+        &self.bias
     }
 
     /// How all orders did, when they were to be chosen.
@@ -258,11 +261,11 @@ impl Trained {
 
     fn compensator(
         &self,
-    ) -> Result<ResidualCompensator<f64, RecursiveArx, ArxSimulator>, RoadError> {
-        let (nu, channels) = (self.design.io().nu, self.design.residual_len());
-        let identifier = recursive(&self.spec, self.model.orders(), nu, channels)?;
+    ) -> Result<ResidualCompensator<f64, DynIdentifier, RunningBias>, RoadError> {
+        let nu = self.design.io().nu;
+        let identifier = stand_by(&self.bias, &self.spec.bias.learning, nu)?;
         let plan = &self.spec.compensation;
-        let simulator = self.model.freeze()?;
+        let simulator = self.bias.freeze()?;
         Ok(ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?)
     }
 
@@ -293,21 +296,6 @@ impl Trained {
         }
         Ok(())
     }
-}
-
-/// The recursive identifier of a spec, for training on line and for re-training.
-pub(super) fn recursive(
-    spec: &PipelineSpec,
-    orders: ArxOrders,
-    nu: usize,
-    residual_len: usize,
-) -> Result<RecursiveArx, RoadError> {
-    let rls = match &spec.bias.learning {
-        LearningSpec::Recursive(rls) => *rls,
-        LearningSpec::Batch { .. } => RlsDesign::default(),
-    };
-    let kernel = UdRls::<f64>::new(orders.parameters(nu), &rls)?;
-    Ok(RecursiveArx::new(orders, nu, residual_len, kernel)?)
 }
 
 /// Ranges of the learning data, complete samples only.

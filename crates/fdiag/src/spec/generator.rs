@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use self::parameter::dense;
 pub use self::{
     disturbance::DisturbanceSpec,
-    fault::{FaultEntry, StructureSpec},
+    fault::{FaultEntry, SignatureSpec},
     parameter::{ParameterSpec, ShiftSpec},
 };
 
@@ -101,7 +101,7 @@ pub enum GeneratorSpec {
         /// Faults, in the order of the columns.
         faults: Vec<FaultEntry>,
         /// Which residual reacts to which fault.
-        structure: StructureSpec,
+        structure: SignatureSpec,
         /// A disturbance that no residual shows.
         #[serde(default)]
         disturbance: Option<DisturbanceSpec>,

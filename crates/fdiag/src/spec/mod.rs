@@ -5,6 +5,7 @@
 //! [`Stages`](fd_core::Stages), boxed or not.
 
 mod adaptive;
+mod bias;
 mod detector;
 mod generator;
 mod isolation;
@@ -15,14 +16,14 @@ use fd_compensate::{
     decide::{Debouncing, Sizing},
     residual_compensation::CompensationPlan,
 };
-use fd_ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
     adaptive::{AdaptiveSpec, BoundSpec},
+    bias::{BiasSpec, LearningSpec, OrderSpec, StructureSpec},
     detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
-        DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, StructureSpec,
+        DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, SignatureSpec,
     },
     isolation::{IsolationSpec, IsolationSpecError},
     signature::FaultSites,
@@ -74,63 +75,5 @@ impl Default for PipelineSpec {
             settle_s: None,
             hold_missing: 0,
         }
-    }
-}
-
-/// The bias model `μ(k) + a₁ μ(k−1) + … = b₀ u(k) + …` and how it is learned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct BiasSpec {
-    /// How many terms it has.
-    pub orders: OrderSpec,
-    /// How its parameters are found.
-    pub learning: LearningSpec,
-}
-
-impl Default for BiasSpec {
-    fn default() -> Self {
-        Self { orders: OrderSpec::Fixed(ArxOrders::paper(2)), learning: LearningSpec::default() }
-    }
-}
-
-/// Orders of the bias model: given, or chosen from the training data.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum OrderSpec {
-    /// Given.
-    Fixed(ArxOrders),
-    /// Chosen by a criterion among the paper's structures of order 1 to `most`.
-    Select {
-        /// Highest order; the paper recommends less than 5.
-        most: usize,
-        /// What decides. `held-out` is the error of a simulation over the last part of the
-        /// training data, which is then not used for the comparison.
-        #[serde(default)]
-        criterion: Criterion,
-        /// Whether there is a constant term.
-        #[serde(default)]
-        offset: bool,
-    },
-}
-
-/// How the parameters of the bias model are found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum LearningSpec {
-    /// Least squares over all healthy logs together.
-    Batch {
-        /// Corner in rad/s of a second-order low-pass that input and residual both go
-        /// through before the fit; it leaves their transfer function as it is and keeps noise out.
-        /// None fits the raw signals, as the paper does.
-        #[serde(default)]
-        prefilter_rad_s: Option<f64>,
-    },
-    /// Recursive least squares in the running pipeline, until it converges (eq. 18).
-    Recursive(RlsDesign),
-}
-
-impl Default for LearningSpec {
-    fn default() -> Self {
-        Self::Batch { prefilter_rad_s: None }
     }
 }

@@ -52,7 +52,7 @@ impl FaultEntry {
 /// Which residual is to react to which fault.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum StructureSpec {
+pub enum SignatureSpec {
     /// Each residual reacts to one fault.
     Dedicated {},
     /// Each residual reacts to all faults but one.
@@ -64,7 +64,7 @@ pub enum StructureSpec {
     },
 }
 
-impl StructureSpec {
+impl SignatureSpec {
     /// The structure; in a row, everything but `1` is a zero.
     #[must_use]
     pub fn structure(&self) -> Structure {

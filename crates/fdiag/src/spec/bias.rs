@@ -1,0 +1,176 @@
+//! Which bias model, and how it is learned, as lines of a spec.
+
+use fd_ident::{
+    arx::ArxOrders,
+    hammerstein::Basis,
+    instrumental::{Instruments, IvDesign},
+    order::Criterion,
+    random_walk::RandomWalkDesign,
+    rls::RlsDesign,
+};
+use serde::{Deserialize, Serialize};
+
+/// The bias model `μ(k) + a₁ μ(k−1) + … = b₀ u(k) + …` and how it is learned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BiasSpec {
+    /// What kind of model it is.
+    pub structure: StructureSpec,
+    /// How many terms it has.
+    pub orders: OrderSpec,
+    /// How its parameters are found.
+    pub learning: LearningSpec,
+}
+
+impl Default for BiasSpec {
+    fn default() -> Self {
+        Self {
+            structure: StructureSpec::default(),
+            orders: OrderSpec::Fixed(ArxOrders::paper(2)),
+            learning: LearningSpec::default(),
+        }
+    }
+}
+
+/// Orders of the bias model: given, or chosen from the training data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum OrderSpec {
+    /// Given.
+    Fixed(ArxOrders),
+    /// Chosen by a criterion among the paper's structures of order 1 to `most`.
+    Select {
+        /// Highest order; the paper recommends less than 5.
+        most: usize,
+        /// What decides. `held-out` is the error of a simulation over the last part of the
+        /// training data, which is then not used for the comparison.
+        #[serde(default)]
+        criterion: Criterion,
+        /// Whether there is a constant term.
+        #[serde(default)]
+        offset: bool,
+    },
+}
+
+/// What kind of model the bias is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum StructureSpec {
+    /// One difference equation per residual channel, the paper's.
+    #[default]
+    Linear,
+    /// A static nonlinearity on every input before the equations.
+    Hammerstein {
+        /// Which functions of the inputs.
+        basis: Basis,
+    },
+    /// Local equations over the range of a slow input.
+    Scheduled {
+        /// Index of the input that tells the operating point.
+        #[serde(default)]
+        input: usize,
+        /// Time constant in s by which it is slowed down.
+        time_constant_s: f64,
+        /// Number of regions, spread evenly over the training data.
+        #[serde(default = "two_regions")]
+        regions: usize,
+        /// Centres of the regions in the (scaled) unit of the input, in place of `regions`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        centres: Option<Vec<f64>>,
+    },
+    /// One state-space model for all residual channels, by subspace identification; `orders`
+    /// counts only for its constant term, and `learning` not at all.
+    StateSpace {
+        /// Number of states.
+        states: usize,
+        /// Samples of past and of future; none takes `2 states + 2`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        horizon: Option<usize>,
+    },
+}
+
+fn two_regions() -> usize {
+    2
+}
+
+/// How the parameters of the bias model are found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum LearningSpec {
+    /// Least squares over all healthy logs together.
+    Batch {
+        /// Corner in rad/s of a second-order low-pass that input and residual both go
+        /// through before the fit; it leaves their transfer function as it is and keeps noise out.
+        /// None fits the raw signals, as the paper does.
+        #[serde(default)]
+        prefilter_rad_s: Option<f64>,
+    },
+    /// Instrumental variables: unbiased in measurement noise.
+    Instrumental {
+        /// What stands for the noisy past.
+        #[serde(default)]
+        instruments: Instruments,
+    },
+    /// Refined instrumental variables: of least variance in white measurement noise.
+    RefinedInstrumental {},
+    /// Iterated extended least squares, moving-average noise in the equation.
+    Extended {
+        /// Order of the noise.
+        nc: usize,
+    },
+    /// Prediction error, moving-average noise in the equation.
+    Armax {
+        /// Order of the noise.
+        nc: usize,
+    },
+    /// Prediction error, white measurement noise: the best fit of the simulation.
+    OutputError {
+        /// Whether every log begins at rest; otherwise its start is estimated.
+        #[serde(default)]
+        from_rest: bool,
+    },
+    /// Prediction error, coloured measurement noise `C/D`.
+    BoxJenkins {
+        /// Order of `C`.
+        nc: usize,
+        /// Order of `D`.
+        nd: usize,
+        /// Whether every log begins at rest; otherwise its start is estimated.
+        #[serde(default)]
+        from_rest: bool,
+    },
+    /// Recursive least squares in the running pipeline, until it converges (eq. 18).
+    Recursive(RlsDesign),
+    /// Recursive least squares as a Kalman filter of parameters that walk at random.
+    RandomWalk(RandomWalkDesign),
+    /// Recursive extended least squares.
+    RecursiveExtended {
+        /// Order of the noise.
+        nc: usize,
+        /// The estimator.
+        #[serde(default)]
+        rls: RlsDesign,
+    },
+    /// Recursive instrumental variables.
+    RecursiveInstrumental(IvDesign),
+}
+
+impl LearningSpec {
+    /// Whether it learns in the running pipeline, sample by sample, from one log.
+    #[must_use]
+    pub fn is_on_line(&self) -> bool {
+        matches!(
+            self,
+            Self::Recursive(_)
+                | Self::RandomWalk(_)
+                | Self::RecursiveExtended { .. }
+                | Self::RecursiveInstrumental(_)
+        )
+    }
+}
+
+impl Default for LearningSpec {
+    fn default() -> Self {
+        Self::Batch { prefilter_rad_s: None }
+    }
+}
