@@ -50,19 +50,31 @@ pub(crate) fn filter<D: TimeDomain>(
     let common = s * &inverse;
     let free = a - &common * c;
     let rest = symmetric(&(q - &common * s.transpose()));
-    if domain.highest_frequency().is_finite() {
-        let found = riccati::discrete_filter(free.as_ref(), c, rest.as_ref(), r.as_ref())?;
-        return Ok(Filter { gain: found.gain + common, innovation: found.weight });
-    }
-    let p = continuous(&free, &(c.transpose() * &inverse * c), &rest)?;
-    let gain = (p * c.transpose() + s) * inverse;
-    let closed = a - &gain * c;
-    let what = "the continuous filter";
-    let order = a.nrows();
+    let (gain, innovation, what) = if domain.highest_frequency().is_finite() {
+        match riccati::discrete_filter(free.as_ref(), c, rest.as_ref(), r.as_ref()) {
+            // Doubling finds the least solution, which is not the stabilising one when no noise
+            // drives a growing mode; such are the zeros of a noise filter outside the circle. What
+            // is then left of Q is zero but for rounding, of either sign.
+            Err(ModelError::NotStabilisable { .. } | ModelError::NotPositive { .. }) => {
+                let p = discrete(&free, &(c.transpose() * &inverse * c), &rest)?;
+                let innovation = r + c * &p * c.transpose();
+                let gain = innovation.partial_piv_lu().solve(c * &p * free.transpose());
+                (gain.transpose() + common, innovation, "the discrete filter")
+            }
+            found => {
+                let found = found?;
+                return Ok(Filter { gain: found.gain + common, innovation: found.weight });
+            }
+        }
+    } else {
+        let p = continuous(&free, &(c.transpose() * &inverse * c), &rest)?;
+        ((p * c.transpose() + s) * inverse, r.clone(), "the continuous filter")
+    };
+    let (closed, order) = (a - &gain * c, a.nrows());
     let modes = closed.eigenvalues().map_err(|_| ModelError::NoConvergence { what, order })?;
     match modes.iter().find(|&&mode| !domain.decays(mode)) {
         Some(mode) => Err(ModelError::NotStabilisable { what, re: mode.re, im: mode.im }.into()),
-        None => Ok(Filter { gain, innovation: r.clone() }),
+        None => Ok(Filter { gain, innovation }),
     }
 }
 
@@ -92,17 +104,34 @@ pub(crate) fn at_least_as_fast<D: TimeDomain>(
     Ok(Mat::from_fn(n, ny, |i, j| back * found.gain[(i, j)] / size[j]))
 }
 
-/// The stabilising solution of `A P + P Aᵀ − P G P + Q = 0` from the sign of the Hamiltonian
-/// matrix (Roberts 1980), in units of time in which `‖A‖ = 1`.
+/// The stabilising solution of `A P + P Aᵀ − P G P + Q = 0`.
 fn continuous(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, DesignError> {
-    let n = a.nrows();
-    let failed =
-        || DesignError::from(ModelError::NoConvergence { what: "the continuous filter", order: n });
     let minus = Scale(-1.0);
-    let mut z = blocks(&[
+    decaying(blocks(&[
         &[a.transpose(), (minus * g).as_ref()],
         &[(minus * q).as_ref(), (minus * a).as_ref()],
-    ]);
+    ]))
+}
+
+/// The stabilising solution of `P = A P (I + G P)⁻¹ Aᵀ + Q`: the symplectic pencil of the equation
+/// has the invariant subspaces of its image under `s = (z − 1)/(z + 1)`.
+fn discrete(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, DesignError> {
+    let n = a.nrows();
+    let (one, none) = (Mat::<f64>::identity(n, n), Mat::<f64>::zeros(n, n));
+    let minus_q = Scale(-1.0) * q;
+    let left = blocks(&[&[a.transpose(), none.as_ref()], &[minus_q.as_ref(), one.as_ref()]]);
+    let right = blocks(&[&[one.as_ref(), g.as_ref()], &[none.as_ref(), a.as_ref()]]);
+    decaying((&left + &right).partial_piv_lu().solve(&left - &right))
+}
+
+/// `P` such that `[I; P]` spans the decaying modes of a Hamiltonian matrix, from the matrix's sign
+/// (Roberts 1980).
+fn decaying(mut z: Mat<f64>) -> Result<Mat<f64>, DesignError> {
+    let n = z.nrows() / 2;
+    let failed = || {
+        let what = "the stationary filter";
+        DesignError::from(ModelError::NoConvergence { what, order: n })
+    };
     for _ in 0..STEPS {
         let inverse = z.partial_piv_lu().solve(Mat::<f64>::identity(2 * n, 2 * n));
         let scale = (inverse.norm_l2() / z.norm_l2()).sqrt();
@@ -123,7 +152,7 @@ fn continuous(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, Desi
     let tall = blocks(&[&[z.submatrix(0, n, n, n)], &[(z.submatrix(n, n, n, n) + &one).as_ref()]]);
     let right = blocks(&[&[(z.submatrix(0, 0, n, n) + &one).as_ref()], &[z.submatrix(n, 0, n, n)]]);
     let svd = tall.thin_svd().map_err(|_| failed())?;
-    Ok(symmetric(&(minus * (svd.pseudoinverse() * right))))
+    Ok(symmetric(&(Scale(-1.0) * (svd.pseudoinverse() * right))))
 }
 
 /// The symmetric part, which rounding has left.

@@ -149,6 +149,25 @@ proptest! {
     }
 }
 
+/// Noise whose filter has a zero outside the unit circle is mirrored, not inverted.
+#[test]
+fn noise_with_a_growing_inverse_is_whitened() {
+    // G_w = 1 − 1.5/(z − 0.5) = (z − 2)/(z − 0.5), of gain 2 on the circle: r = y / 2.
+    let lag =
+        StateSpace::new(mat![[0.5]], mat![[1.0]], mat![[1.0]], mat![[0.0]], sampled()).unwrap();
+    let noise = UnknownInputs::new("w", mat![[-1.5]], mat![[1.0]]).unwrap();
+    let (faults, none) = (sensors(&lag), UnknownInputs::none(&lag));
+    let exposure = Exposure { faults: &faults, disturbances: &none, noise: &noise };
+    let design = OptimalDesign::new(&lag, &exposure, 1.0).unwrap();
+    let rw = design.form().residual_of(&noise.system(&lag).unwrap()).unwrap();
+    for omega in [0.0, 1.0, 20.0, 31.0] {
+        let gain = rw.frequency_response(omega).unwrap()[(0, 0)].norm();
+        assert!((gain - 1.0).abs() < 1e-12, "{gain} at {omega}");
+        let (_, hy) = design.form().response(omega).unwrap();
+        assert!((hy[(0, 0)].norm() - 0.5).abs() < 1e-12);
+    }
+}
+
 /// Two tanks with a pump and two level sensors.
 fn tanks() -> StateSpace<Discrete> {
     let a = mat![[0.9, 0.05], [0.1, 0.85]];
@@ -168,7 +187,7 @@ fn fault_intervals_hold_their_level() {
     let (runs, len) = (400, 250);
     let mut inside = [0; 2];
     for seed in 0..runs {
-        let mut rng = rng(0xc0ffee + seed);
+        let mut rng = rng(0x00c0_ffee + seed);
         let mut f = [0.5, -0.2];
         let mut x = Mat::<f64>::zeros(2, 1);
         let mut estimator = design.build().unwrap();

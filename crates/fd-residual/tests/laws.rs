@@ -16,8 +16,12 @@ use fd_core::{
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
     GeneratorDesign,
+    analysis::UnknownInputs,
     bank::{Bank, BankDesign},
-    observer::ObserverDesign,
+    decouple::DecoupledDesign,
+    estimation::{FaultEstimatorDesign, FaultNoise},
+    observer::{ErrorPoles, ObserverDesign},
+    optimal::{Exposure, OptimalDesign},
     parity::{FixedWindow, ParityDesign},
     simulation::SimulationDesign,
     weighted::{FilteredDesign, WeightedDesign},
@@ -40,6 +44,17 @@ fn designs(model: &StateSpace<Discrete>, seed: u64) -> Vec<(usize, Box<dyn Gener
     .unwrap();
     let parity = ParityDesign::all(model, model.nx()).unwrap();
     let simulation = SimulationDesign::new(model).unwrap();
+    let none = UnknownInputs::none(model);
+    let sensors = (0..ny).fold(none.clone(), |all, i| all.sensor(model, i).unwrap());
+    let nx = model.nx();
+    let on = |rows, from| Mat::from_fn(rows, nx + ny, |i, j| if i + from == j { 0.5 } else { 0.0 });
+    let noise = UnknownInputs::new("w", on(nx, 0), on(ny, nx));
+    let noise = noise.unwrap();
+    let exposure = Exposure { faults: &sensors, disturbances: &none, noise: &noise };
+    let optimal = OptimalDesign::new(model, &exposure, 1.0).unwrap();
+    let walk = FaultNoise { process: 0.1, output: 0.1, drift: 1.0 };
+    let estimator = FaultEstimatorDesign::new(model, &sensors, &walk).unwrap();
+    let decoupled = DecoupledDesign::new(model, &none, &ErrorPoles::Rate(2.0)).unwrap();
     let bank = BankDesign::new(vec![Box::new(simulation.clone()), Box::new(parity.clone())]);
     vec![
         (0, Box::new(simulation)),
@@ -50,6 +65,9 @@ fn designs(model: &StateSpace<Discrete>, seed: u64) -> Vec<(usize, Box<dyn Gener
         (0, Box::new(WeightedDesign::new(kalman.clone(), weight.as_ref()).unwrap())),
         (0, Box::new(FilteredDesign::new(kalman.clone(), &filter).unwrap())),
         (0, Box::new(kalman.form().unwrap())),
+        (0, Box::new(optimal)),
+        (0, Box::new(estimator)),
+        (0, Box::new(decoupled)),
     ]
 }
 

@@ -1,8 +1,8 @@
 //! Estimating the disturbance on every state in healthy logs.
 
-use faer::{Mat, Scale};
+use faer::{Mat, Scale, c64};
 use fd_core::{Shape, ShapeError};
-use fd_model::{Discrete, Record, StateSpace, TimeDomain, riccati};
+use fd_model::{Discrete, ModelError, Record, StateSpace, TimeDomain, riccati};
 
 use crate::{error::DesignError, matrix::blocks};
 
@@ -18,7 +18,8 @@ pub struct Expectation {
     pub duration_s: f64,
     /// Standard deviation of the output noise over that of the disturbances per sample.
     pub output_noise: f64,
-    /// Samples at the start of each log that are not used, while the filter settles.
+    /// Samples at the start of each log that are not used; at least five time constants of the
+    /// filter never are, so that it has forgotten where the log began.
     pub settle: usize,
 }
 
@@ -30,6 +31,7 @@ pub(super) fn second_moment(
 ) -> Result<Mat<f64>, DesignError> {
     let (n, ny) = (model.nx(), model.ny());
     let filter = Filter::new(model, expected)?;
+    let settle = expected.settle.max(filter.settling()?);
     let mut moment = Mat::<f64>::zeros(n, n);
     let mut count = 0_u32;
     for record in records {
@@ -44,7 +46,7 @@ pub(super) fn second_moment(
             // Without a sample the filter predicts.
             let innovation =
                 if complete { y - &filter.c * &z - model.d() * &u } else { Mat::zeros(ny, 1) };
-            if complete && expected.settle <= k {
+            if complete && settle <= k {
                 let d = z.subrows(n, n) + &filter.correct * &innovation;
                 moment += &d * d.transpose();
                 count += 1;
@@ -91,6 +93,16 @@ impl Filter {
         // The predictor gain of d is ρ times its correction.
         let correct = Scale(rho.recip()) * found.gain.subrows(n, n).to_owned();
         Ok(Self { a, b, c, gain: found.gain, correct })
+    }
+
+    /// Samples after which e⁻⁵ of the initial error is left, by the slowest mode.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    fn settling(&self) -> Result<usize, DesignError> {
+        let closed = &self.a - &self.gain * &self.c;
+        let failed = ModelError::NoConvergence { what: "eigenvalues", order: closed.nrows() };
+        let modes = closed.eigenvalues().map_err(|_| failed)?;
+        let slowest = modes.iter().map(|p: &c64| p.norm()).fold(0.0, f64::max);
+        Ok(if 0.0 < slowest { (-5.0 / slowest.ln()).ceil() as usize } else { 0 })
     }
 }
 
