@@ -1,5 +1,6 @@
 //! Which estimates noise pulls away, and whether stated standard errors are true.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::print_stdout, reason = "measured figures are worth seeing")]
 
 mod common;
 
@@ -256,7 +257,7 @@ fn exact_data_with_holes_over_several_records_give_the_exact_model() {
 fn a_searched_model_is_stable_even_when_its_start_is_not() {
     // A ramp that a short record takes for an unstable lag.
     let u = noise(9, 40);
-    let mu: Vec<f64> = (0..40_i32).map(|k| 1.06_f64.powi(k) + 0.1 * u[k as usize]).collect();
+    let mu: Vec<f64> = (0..40).zip(&u).map(|(k, u)| 1.06_f64.powi(k) + 0.1 * u).collect();
     let data = record(1, 1, u, mu);
     let plain = ArxFit::new(ORDERS).fit(&[&data]).unwrap().model;
     assert!(!plain.is_stable().unwrap());

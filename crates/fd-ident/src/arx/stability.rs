@@ -115,7 +115,7 @@ pub(crate) fn roots(a: &[f64]) -> Result<Vec<c64>, IdentError> {
 }
 
 /// `a₁ … a_n` of the monic polynomial with these roots, which come in conjugate pairs.
-pub(crate) fn polynomial(roots: &[c64]) -> Vec<f64> {
+fn polynomial(roots: &[c64]) -> Vec<f64> {
     let mut coefficients = vec![c64::new(1.0, 0.0)];
     for &root in roots {
         coefficients.push(c64::new(0.0, 0.0));
@@ -125,4 +125,25 @@ pub(crate) fn polynomial(roots: &[c64]) -> Vec<f64> {
         }
     }
     coefficients[1..].iter().map(|c| c.re).collect()
+}
+
+/// Largest radius to which [`reflect`] moves a root; nearer to the circle a filter would not forget
+/// its start within any record.
+const LARGEST_REFLECTED: f64 = 0.9999;
+
+/// Reflects the roots of a monic polynomial into the unit circle, and returns by how much a
+/// numerator over it has to be multiplied to keep its magnitude at all frequencies.
+pub(crate) fn reflect(a: &mut [f64]) -> Result<f64, IdentError> {
+    let mut roots = roots(a)?;
+    let (mut gain, mut moved) = (1.0, false);
+    for root in roots.iter_mut().filter(|root| root.norm() >= 1.0) {
+        let radius = root.norm();
+        gain /= radius;
+        moved = true;
+        *root *= LARGEST_REFLECTED.min(1.0 / radius) / radius;
+    }
+    if moved {
+        a.copy_from_slice(&polynomial(&roots));
+    }
+    Ok(gain)
 }

@@ -6,7 +6,7 @@ use faer::Mat;
 use fd_model::Record;
 
 use crate::{
-    arx::{ArxModel, ArxOrders, check_records, polynomial, regressor, roots, single_output},
+    arx::{ArxModel, ArxOrders, check_records, reflect, regressor, single_output},
     error::IdentError,
     least_squares::{LeastSquares, LinearFit},
 };
@@ -97,6 +97,7 @@ impl ExtendedLeastSquares {
         while round < self.rounds {
             round += 1;
             let mut fit = self.regress(records, &errors)?;
+            // Errors of an unstable C would grow.
             reflect(&mut fit.coefficients[n..])?;
             errors = self.errors(records, &fit.coefficients, n);
             let rss = squares(&errors);
@@ -188,17 +189,4 @@ impl ExtendedLeastSquares {
 
 fn squares(errors: &[Vec<f64>]) -> f64 {
     errors.iter().flatten().map(|e| e * e).sum()
-}
-
-/// Keeps the errors from growing: unstable roots of `C` are mirrored.
-fn reflect(c: &mut [f64]) -> Result<(), IdentError> {
-    let mut zeros = roots(c)?;
-    if zeros.iter().any(|zero| zero.norm() >= 1.0) {
-        for zero in zeros.iter_mut().filter(|zero| zero.norm() >= 1.0) {
-            let radius = zero.norm();
-            *zero *= (1.0 / radius).min(0.9999) / radius;
-        }
-        c.copy_from_slice(&polynomial(&zeros));
-    }
-    Ok(())
 }

@@ -205,7 +205,7 @@ impl<T: Scalar> Channel<T> {
         for ((new, &old), &theta) in candidate.iter_mut().zip(&self.auxiliary).zip(theta) {
             *new = old + share * (theta - old);
         }
-        let stable = candidate.iter().all(|v| v.is_finite())
+        let stable = candidate.iter().all(T::is_finite)
             && is_stable(&candidate[..na], T::from_design(0.9999), a);
         if stable {
             self.auxiliary.copy_from_slice(candidate);

@@ -11,8 +11,9 @@ pub(super) fn is_stable<T: Scalar>(a: &[T], largest: T, scratch: &mut [T]) -> bo
     for order in (1..=a.len()).rev() {
         let (lower, last) = scratch[..order].split_at_mut(order - 1);
         let k = last[0];
-        // Written so that a NaN is unstable.
-        if !(k.abs() < largest) {
+        // A NaN is not inside.
+        let inside = k.abs() < largest;
+        if !inside {
             return false;
         }
         let rest = T::one() - k * k;

@@ -37,6 +37,8 @@ mod gauss_newton;
 mod predictor;
 mod problem;
 mod start;
+#[cfg(test)]
+mod tests;
 
 pub use self::{
     fit::{ChannelFit, NoiseModel, PredictionError, PredictionErrorEstimate},

@@ -6,14 +6,7 @@ use super::{
     gauss_newton::SumOfSquares,
     predictor::{Predictor, Stretch},
 };
-use crate::{
-    arx::{polynomial, roots},
-    error::IdentError,
-};
-
-/// Largest radius to which a root is reflected; nearer to the circle a simulation would not
-/// forget its start within any record.
-const LARGEST_RADIUS: f64 = 0.9999;
+use crate::{arx::reflect, error::IdentError};
 
 /// Parameters are the shared ones of the predictor, then the past of each stretch.
 #[derive(Clone, Debug)]
@@ -90,21 +83,4 @@ impl SumOfSquares for Problem {
         reflect(&mut p[n + nc..n + nc + nd])?;
         Ok(p)
     }
-}
-
-/// Reflects the roots of a monic polynomial into the unit circle, and returns by how much a
-/// numerator over it has to be multiplied to keep its magnitude at all frequencies.
-pub(super) fn reflect(a: &mut [f64]) -> Result<f64, IdentError> {
-    let mut poles = roots(a)?;
-    let (mut gain, mut moved) = (1.0, false);
-    for pole in poles.iter_mut().filter(|pole| pole.norm() >= 1.0) {
-        let radius = pole.norm();
-        gain /= radius;
-        moved = true;
-        *pole *= LARGEST_RADIUS.min(1.0 / radius) / radius;
-    }
-    if moved {
-        a.copy_from_slice(&polynomial(&poles));
-    }
-    Ok(gain)
 }

@@ -2,8 +2,9 @@
 
 use faer::Mat;
 
-use super::{predictor::Predictor, predictor::Stretch, problem::reflect};
+use super::predictor::{Predictor, Stretch};
 use crate::{
+    arx::reflect,
     error::IdentError,
     least_squares::{Deficient, LeastSquares},
 };
