@@ -24,6 +24,7 @@
 mod error;
 
 pub mod arx;
+pub mod batch;
 pub mod diagnostics;
 pub mod least_squares;
 pub mod order;
