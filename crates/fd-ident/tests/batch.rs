@@ -4,8 +4,12 @@
 mod common;
 
 use common::noise;
-use fd_core::{Snapshot, stage::Stage};
+use fd_core::{
+    Snapshot,
+    stage::{Identifier, Stage},
+};
 use fd_ident::{
+    arx::{ArxOrders, RecursiveArx},
     batch::{BatchError, BatchRls, LaneScalar, Machine, SampleBlock},
     rls::{Forgetting, Guard, RlsDesign, RlsKernel, UdRls},
 };
@@ -247,4 +251,52 @@ fn refusals() {
     batch.update(&SampleBlock::new(2, 3, 0)).unwrap();
     let mut nobody = BatchRls::<f64>::new(2, 0, &design).unwrap();
     nobody.update(&SampleBlock::new(2, 0, 5)).unwrap();
+}
+
+/// Estimators that make their regressors themselves learn what `RecursiveArx` learns.
+#[test]
+fn difference_equations_side_by_side_as_alone() {
+    let all = [
+        ArxOrders::paper(2),
+        ArxOrders::new(0, 2, 0),
+        ArxOrders::new(3, 0, 0),
+        ArxOrders::new(1, 2, 3).with_offset(),
+    ];
+    for (orders, nu) in all.into_iter().flat_map(|orders| [(orders, 1), (orders, 2)]) {
+        let (count, steps) = (11, 90);
+        let design = RlsDesign {
+            prior_variance: 100.0,
+            ..RlsDesign::forgetting(Forgetting::Exponential { lambda: 0.98 })
+        };
+        let n = orders.parameters(nu);
+        let signals: Vec<_> =
+            (0..count as u64).map(|unit| noise(40 + unit, steps * (nu + 1))).collect();
+        let mut batch = BatchRls::<f64>::arx(orders, nu, count, &design).unwrap();
+        for start in (0..steps).step_by(30) {
+            let mut block = SampleBlock::new(nu, count, 30);
+            for (unit, signals) in signals.iter().enumerate() {
+                let rows = signals.chunks_exact(nu + 1).skip(start).take(30);
+                for (step, row) in rows.enumerate() {
+                    block.set(unit, step, &row[..nu], row[nu]);
+                }
+            }
+            batch.update(&block).unwrap();
+        }
+        let mut theta = vec![0.0; n];
+        for (unit, signals) in signals.iter().enumerate() {
+            let kernel = UdRls::<f64>::new(n, &design).unwrap();
+            let mut alone = RecursiveArx::new(orders, nu, 1, kernel).unwrap();
+            for row in signals.chunks_exact(nu + 1) {
+                alone.update(&row[..nu], &row[nu..]);
+            }
+            batch.theta_into(unit, &mut theta);
+            // As in `compare`.
+            let tolerance = f64::EPSILON * 20.0 * n as f64 * 1e3;
+            assert!(distance(&theta, alone.theta()) < tolerance, "{orders}, {nu} inputs");
+            let skipped = alone.guard().skipped + orders.lag() as u64;
+            assert_eq!(batch.guard(unit).skipped, skipped, "{orders}, {nu} inputs");
+        }
+    }
+    let far = BatchRls::<f64>::arx(ArxOrders::new(2, 1, 40), 1, 3, &RlsDesign::default());
+    assert_eq!(far.unwrap_err(), BatchError::Past { most: 32, found: 43 });
 }

@@ -19,6 +19,14 @@ pub enum BatchError {
         /// Number that was asked for.
         found: usize,
     },
+    /// A difference equation looks back further than there is room for.
+    #[error("estimators side by side remember at most {most} past values, the orders need {found}")]
+    Past {
+        /// Most values.
+        most: usize,
+        /// Number that the orders need.
+        found: usize,
+    },
     /// A kind of forgetting that takes another way for each sample.
     #[error(
         "estimators side by side forget by kind none, equation18 or exponential, got {found}; \
@@ -31,7 +39,7 @@ pub enum BatchError {
     /// A block of samples was made for other estimators.
     #[error("the block has {found} {what}, the estimators have {expected}")]
     Block {
-        /// What differs: `"parameters"` or `"estimators"`.
+        /// What differs: `"columns"` or `"estimators"`.
         what: &'static str,
         /// Number of the estimators.
         expected: usize,

@@ -11,9 +11,12 @@ use super::{
     lanes::{LaneScalar, sealed::Lanes},
     machine::Machine,
     samples::SampleBlock,
-    tile::{Layout, Pass, Tally},
+    tile::{Layout, Pass, Regressors, Tally},
 };
-use crate::rls::{Forgetting, RlsDesign};
+use crate::{
+    arx::ArxOrders,
+    rls::{Forgetting, RlsDesign},
+};
 
 /// Tiles that one core works on before it takes others: enough to make the taking cheap.
 const TILES_PER_TASK: usize = 64;
@@ -74,11 +77,72 @@ impl<T: LaneScalar> BatchRls<T> {
         estimators: usize,
         design: &RlsDesign,
     ) -> Result<Self, BatchError> {
-        let most = Layout::LARGEST;
-        if parameters == 0 || parameters > most {
-            return Err(BatchError::Parameters { most, found: parameters });
+        Self::with_layout(
+            Layout { n: parameters, regressors: Regressors::Given },
+            estimators,
+            design,
+        )
+    }
+
+    /// So many estimators of one difference equation each, that make their regressors from the
+    /// input and bias of each sample, as [`RecursiveArx`](crate::arx::RecursiveArx) does for one
+    /// residual channel. Blocks then have a column per input, and the bias as target: a third of
+    /// the numbers, which is what the memory of a large fleet has to deliver.
+    ///
+    /// The first [`ArxOrders::lag`] samples, whose past has not been seen, count as skipped, and
+    /// so do those whose past is missing.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::new`], and when the past of the equation has more than 32 values.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fd_ident::{arx::ArxOrders, batch::{BatchRls, SampleBlock}, rls::RlsDesign};
+    ///
+    /// // μ(k) = 0.5 μ(k−1) + 2 u(k), on a hundred units
+    /// let design = RlsDesign::default();
+    /// let mut fleet = BatchRls::<f64>::arx(ArxOrders::new(1, 1, 0), 1, 100, &design)?;
+    /// let mut block = SampleBlock::new(1, 100, 8);
+    /// for unit in 0..100 {
+    ///     let mut mu = 0.0;
+    ///     for k in 0..8 {
+    ///         let u = f64::from((k * 7 + unit) % 5);
+    ///         mu = 0.5 * mu + 2.0 * u;
+    ///         block.set(unit as usize, k as usize, &[u], mu);
+    ///     }
+    /// }
+    /// fleet.update(&block)?;
+    /// let mut theta = [0.0; 2];
+    /// fleet.theta_into(42, &mut theta);
+    /// assert!((theta[0] + 0.5).abs() < 1e-6 && (theta[1] - 2.0).abs() < 1e-6);
+    /// # Ok::<(), fd_ident::batch::BatchError>(())
+    /// ```
+    pub fn arx(
+        orders: ArxOrders,
+        nu: usize,
+        estimators: usize,
+        design: &RlsDesign,
+    ) -> Result<Self, BatchError> {
+        let regressors = Regressors::Past { orders, nu };
+        let (inputs, bias) = regressors.past();
+        let most = Layout::LONGEST;
+        if inputs + bias > most {
+            return Err(BatchError::Past { most, found: inputs + bias });
         }
-        let layout = Layout { n: parameters };
+        Self::with_layout(Layout { n: orders.parameters(nu), regressors }, estimators, design)
+    }
+
+    fn with_layout(
+        layout: Layout,
+        estimators: usize,
+        design: &RlsDesign,
+    ) -> Result<Self, BatchError> {
+        let (most, found) = (Layout::LARGEST, layout.n);
+        if found == 0 || found > most {
+            return Err(BatchError::Parameters { most, found });
+        }
         let tiles = estimators.div_ceil(T::WIDTH);
         let zero = T::zero();
         let lane = Lane {
@@ -168,8 +232,12 @@ impl<T: LaneScalar> BatchRls<T> {
 
     fn restart(&mut self, lane: usize, prior_variance: T) {
         let (layout, n) = (self.layout, self.layout.n);
-        for row in Layout::D + n..layout.rows() {
+        for row in Layout::D + n..layout.past() {
             self.put(lane, row, T::zero());
+        }
+        // A past that has not been seen is missing.
+        for row in layout.past()..layout.rows() {
+            self.put(lane, row, T::zero() / T::zero());
         }
         for row in Layout::D..Layout::D + n {
             self.put(lane, row, prior_variance);
@@ -216,7 +284,7 @@ impl<T: LaneScalar> BatchRls<T> {
     pub fn update_on_all_cores(&mut self, block: &SampleBlock<T>) -> Result<(), BatchError> {
         self.check(block)?;
         let (layout, machine, steps) = (self.layout, self.machine, block.steps());
-        let per_tile = (layout.n + 1) * steps;
+        let per_tile = (layout.columns() + 1) * steps;
         self.tiles
             .par_chunks_mut(TILES_PER_TASK * layout.rows())
             .zip(block.rows().par_chunks((TILES_PER_TASK * per_tile).max(1)))
@@ -236,7 +304,7 @@ impl<T: LaneScalar> BatchRls<T> {
                 Err(BatchError::Block { what, expected, found })
             }
         };
-        compare("parameters", self.layout.n, block.parameters())?;
+        compare("columns", self.layout.columns(), block.columns())?;
         compare("estimators", self.lanes.len(), block.estimators())
     }
 
@@ -317,7 +385,7 @@ impl<T: LaneScalar> Stage<T> for BatchRls<T> {
         for tile in self.tiles.chunks_exact_mut(self.layout.rows()) {
             visitor.reals("silence", tile[Layout::SILENCE].as_mut());
             for row in &mut tile[Layout::TRACE_BOUND..] {
-                visitor.reals("trace bound, D, estimate, U", row.as_mut());
+                visitor.reals("trace bound, D, estimate, U, past", row.as_mut());
             }
         }
         for lane in &mut self.lanes {

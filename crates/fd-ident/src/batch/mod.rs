@@ -11,6 +11,7 @@
 //! | how | why |
 //! |---|---|
 //! | a [`SampleBlock`] holds several samples of each estimator | memory is loaded and stored once per block, not per sample |
+//! | [`BatchRls::arx`] makes regressors from input and bias where they are used | a fleet waits for memory, not for arithmetic |
 //! | a missing sample is a NaN, a skipped one has no direction and no error | no lane waits for another |
 //! | the trace of `P` is bounded from above, and computed when the bound says it may be too large | its limit costs one product per sample |
 //!
@@ -34,6 +35,7 @@ mod estimators;
 mod kernel;
 mod lanes;
 mod machine;
+mod past;
 mod samples;
 mod tile;
 

@@ -10,7 +10,9 @@ use super::{
     kernel::{Settings, State, update},
     lanes::{LaneScalar, Registers, sealed::Lanes},
     machine::Machine,
+    past::Past,
 };
+use crate::arx::ArxOrders;
 
 /// Up to so many parameters each number has a kernel of its own.
 const UNROLLED: usize = 10;
@@ -21,11 +23,34 @@ type Row<T> = <T as Lanes>::Row;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     pub(super) n: usize,
+    pub(super) regressors: Regressors,
+}
+
+/// Where regressors come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Regressors {
+    /// From the samples.
+    Given,
+    /// From the past of `nu` inputs and a bias, which the tile remembers.
+    Past { orders: ArxOrders, nu: usize },
+}
+
+impl Regressors {
+    /// Past inputs, newest first, and past values of the negated bias.
+    pub(super) const fn past(self) -> (usize, usize) {
+        match self {
+            Self::Given => (0, 0),
+            Self::Past { orders: ArxOrders { nb: 0, na, .. }, .. } => (0, na),
+            Self::Past { orders, nu } => ((orders.delay + orders.nb) * nu, orders.na),
+        }
+    }
 }
 
 impl Layout {
     /// Most parameters.
     pub(super) const LARGEST: usize = 64;
+    /// Most rows of the past.
+    pub(super) const LONGEST: usize = 32;
 
     pub(super) const NOISE: usize = 0;
     pub(super) const MINUS_SCALE: usize = 1;
@@ -44,9 +69,23 @@ impl Layout {
         self.theta() + self.n + j * (j - 1) / 2 + i
     }
 
+    /// First row of the past: inputs, newest first, then the negated bias, newest first.
+    pub(super) const fn past(self) -> usize {
+        Self::D + 2 * self.n + self.n * (self.n - 1) / 2
+    }
+
     /// Rows of one tile.
     pub(super) const fn rows(self) -> usize {
-        Self::D + 2 * self.n + self.n * (self.n - 1) / 2
+        let (inputs, bias) = self.regressors.past();
+        self.past() + inputs + bias
+    }
+
+    /// Rows of one sample besides the target.
+    pub(super) const fn columns(self) -> usize {
+        match self.regressors {
+            Regressors::Given => self.n,
+            Regressors::Past { nu, .. } => nu,
+        }
     }
 }
 
@@ -58,7 +97,7 @@ pub(super) struct Pass<'a, T: LaneScalar> {
     pub(super) layout: Layout,
     /// Whole tiles.
     pub(super) tiles: &'a mut [Row<T>],
-    /// For each tile, for each sample: `n` rows of regressors and one of targets.
+    /// For each tile, for each sample: rows of regressors or inputs, and one of targets.
     pub(super) samples: &'a [Row<T>],
     /// Samples per tile.
     pub(super) steps: usize,
@@ -102,7 +141,7 @@ impl<T: LaneScalar, const N: usize> WithSimd for Sized<'_, T, N> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Pass { layout, tiles, samples, steps, tallies } = self.0;
         let m = T::registers(simd);
-        let per_tile = steps * (layout.n + 1);
+        let per_tile = steps * (layout.columns() + 1);
         if per_tile == 0 {
             return;
         }
@@ -157,12 +196,26 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
             state.u[j][i] = load(tile, layout.u(i, j));
         }
     }
+    let mut past = Past::<M::Reg>::new(zero, layout);
+    for (row, value) in past.rows().enumerate() {
+        *value = load(tile, layout.past() + row);
+    }
     let mut phi = [zero; N];
-    for sample in samples.chunks_exact(n + 1) {
-        for i in 0..n {
-            phi[i] = M::of(&sample[i])[part];
+    let columns = layout.columns();
+    let is_given = layout.regressors == Regressors::Given;
+    for sample in samples.chunks_exact(columns + 1) {
+        let target = M::of(&sample[columns])[part];
+        if is_given {
+            for i in 0..n {
+                phi[i] = M::of(&sample[i])[part];
+            }
+            update(m, n, &settings, &mut state, &phi, target);
+        } else {
+            past.push_input(columns, |i| M::of(&sample[i])[part]);
+            past.regressor_into(&mut phi[..n], m.splat(T::one()));
+            update(m, n, &settings, &mut state, &phi, target);
+            past.push_bias(m.sub(zero, target));
         }
-        update(m, n, &settings, &mut state, &phi, M::of(&sample[n])[part]);
     }
     let mut store = |row: usize, value: M::Reg| M::of_mut(&mut tile[row])[part] = value;
     store(Layout::TRACE_BOUND, state.trace_bound);
@@ -172,6 +225,9 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
         for i in 0..j {
             store(layout.u(i, j), state.u[j][i]);
         }
+    }
+    for (row, value) in past.rows().enumerate() {
+        store(layout.past() + row, *value);
     }
     M::of_mut(&mut tally[0])[part] = state.skipped;
     M::of_mut(&mut tally[1])[part] = state.bounded;
