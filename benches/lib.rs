@@ -22,6 +22,10 @@ use fdiag::{
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+mod limit;
+
+pub use crate::limit::fused_multiply_adds;
+
 /// Whatever can go wrong before a benchmark starts.
 pub type Fallible<T> = Result<T, Box<dyn Error>>;
 

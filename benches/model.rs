@@ -43,12 +43,25 @@ fn analyses(c: &mut Criterion) {
     }
 }
 
+/// Truncation to 5 states, as its peer of another language does it.
+fn truncations(c: &mut Criterion) {
+    let mut group = c.benchmark_group("balanced truncation");
+    group.sample_size(10);
+    for nx in [17, 100, 500, 1000] {
+        let plant = random_plant(nx, 1).unwrap();
+        group.bench_function(format!("n = {nx}"), |b| {
+            b.iter(|| reduce::balanced_truncation(&plant, 5).unwrap());
+        });
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(SAMPLES)
         .warm_up_time(WARM_UP)
         .measurement_time(MEASUREMENT);
-    targets = reductions, analyses
+    targets = reductions, analyses, truncations
 }
 criterion_main!(benches);

@@ -31,6 +31,7 @@
 mod error;
 
 pub mod arx;
+pub mod batch;
 pub mod diagnostics;
 pub mod extended;
 pub mod hammerstein;

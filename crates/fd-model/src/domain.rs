@@ -33,19 +33,20 @@ pub trait TimeDomain: Copy + Sized {
     /// Returns an error when the sample times differ.
     fn join(self, other: Self) -> Result<Self, ModelError>;
 
-    /// A discrete pair `(A, B)` with the same controllability gramian as a stable pair on this
-    /// axis, given the eigenvalues of `A`.
+    /// Discrete matrices `(A, B, C)` with the same gramians as a stable model on this axis, given
+    /// the eigenvalues of `A`.
     ///
     /// # Errors
     ///
     /// Returns an error when `A` has an eigenvalue in the unstable region that the mapping sends
     /// to infinity.
-    fn smith_pair(
+    fn smith_system(
         &self,
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
+        c: MatRef<'_, f64>,
         poles: &[c64],
-    ) -> Result<(Mat<f64>, Mat<f64>), ModelError>;
+    ) -> Result<[Mat<f64>; 3], ModelError>;
 
     /// A continuous model with the same gains in another order of frequencies, and the same
     /// H-infinity norm.
@@ -104,18 +105,19 @@ impl TimeDomain for Continuous {
         Ok(self)
     }
 
-    fn smith_pair(
+    fn smith_system(
         &self,
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
+        c: MatRef<'_, f64>,
         poles: &[c64],
-    ) -> Result<(Mat<f64>, Mat<f64>), ModelError> {
+    ) -> Result<[Mat<f64>; 3], ModelError> {
         // Maps the slowest and the fastest mode to the same distance from the unit circle.
         let (slowest, fastest) =
             poles.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), pole| {
                 (low.min(pole.norm()), high.max(pole.norm()))
             });
-        cayley(a, b, (slowest * fastest).sqrt())
+        cayley(a, b, c, (slowest * fastest).sqrt())
     }
 
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {
@@ -158,13 +160,14 @@ impl TimeDomain for Discrete {
         }
     }
 
-    fn smith_pair(
+    fn smith_system(
         &self,
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
+        c: MatRef<'_, f64>,
         _: &[c64],
-    ) -> Result<(Mat<f64>, Mat<f64>), ModelError> {
-        Ok((a.to_owned(), b.to_owned()))
+    ) -> Result<[Mat<f64>; 3], ModelError> {
+        Ok([a.to_owned(), b.to_owned(), c.to_owned()])
     }
 
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {

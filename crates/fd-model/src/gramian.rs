@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::{
     domain::TimeDomain,
     error::ModelError,
-    linalg::{balance, smith_factor},
+    linalg::{balance, smith_factors},
     state_space::StateSpace,
 };
 
@@ -52,9 +52,8 @@ impl<D: TimeDomain> StateSpace<D> {
         }
         let scaling = balance(self.a(), self.b(), self.c());
         let (a, b, c) = (scaling.a(self.a()), scaling.b(self.b()), scaling.c(self.c()));
-        let (forward, b) = self.domain().smith_pair(a.as_ref(), b.as_ref(), &poles)?;
-        let (backward, c) = self.domain().smith_pair(a.transpose(), c.transpose(), &poles)?;
-        let (l_c, l_o) = (smith_factor(&forward, &b)?, smith_factor(&backward, &c)?);
+        let system = self.domain().smith_system(a.as_ref(), b.as_ref(), c.as_ref(), &poles)?;
+        let [l_c, l_o] = smith_factors(system)?;
         Ok(GramianFactors {
             controllability: scaling.undo_b(l_c.as_ref()),
             observability: scaling.undo_c(l_o.transpose()).transpose().to_owned(),

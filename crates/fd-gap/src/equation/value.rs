@@ -168,6 +168,12 @@ impl<const N: usize> Value for Lanes<N> {
     fn vectorized<W: Work<Self>>(work: W) {
         // Asking the processor what it can do takes longer than a short program.
         static ARCH: OnceLock<pulp::Arch> = OnceLock::new();
-        ARCH.get_or_init(pulp::Arch::new).dispatch(InLanes { work, lanes: PhantomData::<Self> });
+        let work = InLanes { work, lanes: PhantomData::<Self> };
+        match *ARCH.get_or_init(pulp::Arch::new) {
+            // Fewer lanes than the widest register has.
+            #[cfg(target_arch = "x86_64")]
+            pulp::Arch::V4(wide) if N % 8 != 0 => pulp::Simd::vectorize(*wide, work),
+            arch => arch.dispatch(work),
+        }
     }
 }

@@ -76,6 +76,11 @@ impl LeastSquares {
         Self { tolerance: Some(tolerance), ..self }
     }
 
+    /// Whether the rank is decided at the rounding of the data.
+    pub(crate) fn has_usual_tolerance(&self) -> bool {
+        self.tolerance.is_none()
+    }
+
     /// Solves for one target.
     ///
     /// # Errors

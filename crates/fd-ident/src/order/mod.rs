@@ -25,6 +25,7 @@
 mod criteria;
 mod problem;
 mod select;
+mod shared;
 mod table;
 
 pub use self::{

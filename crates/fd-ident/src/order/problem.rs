@@ -1,5 +1,7 @@
 //! The data of an order selection, compressed once for all candidates.
 
+use std::{collections::HashSet, sync::OnceLock};
+
 use faer::{Mat, MatRef};
 use fd_model::Record;
 
@@ -7,6 +9,7 @@ use crate::{
     arx::{ArxModel, ArxOrders, Regression, check_records},
     error::IdentError,
     least_squares::LeastSquares,
+    order::shared::{Columns, Fits, fit_all},
 };
 
 /// Anything that fits a model of given orders: least squares, or a closure around any other
@@ -45,8 +48,11 @@ pub trait FitOrders {
 #[derive(Clone, Debug)]
 pub struct OrderProblem<'r> {
     records: &'r [&'r Record],
+    candidates: HashSet<ArxOrders>,
     widest: ArxOrders,
     channels: Vec<Compressed>,
+    /// Least-squares fits of all candidates per channel, once somebody asks for one.
+    fits: OnceLock<Vec<Fits>>,
 }
 
 #[derive(Clone, Debug)]
@@ -73,7 +79,19 @@ impl<'r> OrderProblem<'r> {
         widest.checked_parameters(nu)?;
         let compress = |channel| Compressed::new(widest, nu, channel, records);
         let channels = (0..ny).map(compress).collect::<Result<_, _>>()?;
-        Ok(Self { records, widest, channels })
+        let candidates = candidates.iter().copied().collect();
+        Ok(Self { records, candidates, widest, channels, fits: OnceLock::new() })
+    }
+
+    /// The least-squares parameters of a candidate in one channel, from the factorisation that all
+    /// of them share; nothing when its columns may be dependent.
+    fn shared_fit(&self, orders: ArxOrders, nu: usize, channel: usize) -> Option<&[f64]> {
+        let at = Columns { na: self.widest.na, nu, constant: self.widest.parameters(nu) - 1 };
+        let fits = self.fits.get_or_init(|| {
+            let fit = |channel: &Compressed| fit_all(channel.r.as_ref(), at, &self.candidates);
+            self.channels.iter().map(fit).collect()
+        });
+        fits[channel].get(&orders).map(Vec::as_slice)
     }
 
     /// The training records.
@@ -166,7 +184,14 @@ impl FitOrders for LeastSquares {
         orders.checked_parameters(nu)?;
         let columns = problem.columns(orders, nu);
         let mut theta = Vec::with_capacity(columns.len() * ny);
-        for Compressed { regression, r, rows, .. } in &problem.channels {
+        for (channel, Compressed { regression, r, rows, .. }) in problem.channels.iter().enumerate()
+        {
+            if self.has_usual_tolerance()
+                && let Some(shared) = problem.shared_fit(orders, nu, channel)
+            {
+                theta.extend_from_slice(shared);
+                continue;
+            }
             let phi = Mat::from_fn(r.nrows(), columns.len(), |i, j| r[(i, columns[j])]);
             let target: Vec<f64> = r.col(r.ncols() - 1).iter().copied().collect();
             let fit = self

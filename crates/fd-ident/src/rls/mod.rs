@@ -9,6 +9,7 @@
 //! | [`UdRls`] | all samples, weighted by age | everything; the default |
 //! | [`WindowRls`] | exactly the last `W` samples | abrupt changes that must be forgotten completely |
 //! | [`ConventionalRls`] | as `UdRls` | comparison, never for `f32` |
+//! | [`QrRls`] | as `UdRls` | what the others are judged by |
 //!
 //! Assumes noise that is white in the equation error; otherwise the estimate is biased, as that
 //! of any least squares (see [`refine`](crate::refine)).
@@ -22,6 +23,7 @@ mod conventional;
 mod covariance;
 mod forgetting;
 mod kernel;
+mod qr;
 mod recursion;
 mod storage;
 mod ud;
@@ -32,6 +34,7 @@ pub use self::{
     covariance::Covariance,
     forgetting::{Forgetting, Guard, RlsDesign},
     kernel::RlsKernel,
+    qr::QrRls,
     recursion::Rls,
     storage::{Grid, RlsStorage, Static},
     ud::Ud,

@@ -39,6 +39,8 @@ pub struct Rls<T: Scalar, C: Covariance<T>> {
     /// Trace of `P₀` and the largest trace that forgetting may lead to.
     initial_trace: T,
     largest_trace: T,
+    /// At least the trace of `P`, as far as exponential forgetting changes it.
+    trace_bound: T,
     covariance: C,
     report: GuardReport,
     /// Axis that [`Forgetting::Bounded`] regularises next.
@@ -64,6 +66,7 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
             skip_silence: design.guard.skip_silence,
             initial_trace,
             largest_trace: initial_trace * T::from_design(design.guard.trace_limit),
+            trace_bound: initial_trace,
             covariance,
             report: GuardReport::default(),
             axis: 0,
@@ -82,25 +85,27 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         add_scaled(theta, gain * innovation, self.p_phi.as_ref());
     }
 
-    /// Takes in the sample with weight `w` and corrects the estimate.
-    fn learn(&mut self, weight: T, energy: T, innovation: T, theta: &mut [T]) {
-        self.covariance.absorb(weight, self.p_phi.as_mut());
-        self.correct(weight / (T::one() + weight * energy), innovation, theta);
-    }
-
     /// The forgetting factor of this sample: 1 while forgetting would lift `P` above its limit.
     fn guarded(&mut self, lambda: T) -> T {
-        if self.covariance.trace() <= self.largest_trace * lambda {
+        let largest = self.largest_trace * lambda;
+        if self.trace_bound <= largest {
+            return lambda;
+        }
+        // The bound may be too large: look at the trace itself.
+        self.trace_bound = self.covariance.trace();
+        if self.trace_bound <= largest {
             return lambda;
         }
         self.report.bounded += 1;
         T::one()
     }
 
-    fn learn_and_scale(&mut self, lambda: T, energy: T, innovation: T, theta: &mut [T]) {
-        let weight = T::one() / lambda;
-        self.learn(weight, energy, innovation, theta);
-        self.covariance.scale(weight);
+    /// Computes `P ← factor · P`.
+    fn scale(&mut self, factor: T) {
+        self.covariance.scale(factor);
+        // Learning lowers the trace. What the factors are rounded by is less than the margin.
+        let margin = T::one() + T::from_design(8.0) * T::default_epsilon();
+        self.trace_bound *= factor * margin;
     }
 
     /// Kulhavý's step: the information along `φ` changes by `w = λ − (1−λ)/φᵀPφ`.
@@ -144,6 +149,9 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
     }
 
     fn update(&mut self, phi: &[T], target: T, theta: &mut [T]) {
+        // Lengths that the compiler knows where the storage is fixed.
+        let n = self.parameters();
+        let (phi, theta) = (&phi[..n], &mut theta[..n]);
         let energy = self.covariance.energy(phi);
         let innovation = target - dot(phi, theta);
         let noise = match self.forgetting {
@@ -155,29 +163,38 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
             self.report.skipped += 1;
             return;
         }
-        match self.forgetting {
-            Forgetting::None | Forgetting::Equation18 { .. } => {
-                self.learn(T::one() / noise, energy, innovation, theta);
-            }
-            Forgetting::Exponential { lambda } => {
-                let lambda = self.guarded(lambda);
-                self.learn_and_scale(lambda, energy, innovation, theta);
-            }
+        // One place for most kinds, so that the step is compiled once.
+        let lambda = match self.forgetting {
             Forgetting::Directional { lambda } => {
                 self.learn_directionally(lambda, energy, innovation, theta);
+                return;
             }
+            Forgetting::None | Forgetting::Equation18 { .. } => None,
+            Forgetting::Bounded { lambda, .. } => Some(lambda),
+            Forgetting::Exponential { lambda } | Forgetting::Resetting { lambda, .. } => {
+                Some(self.guarded(lambda))
+            }
+        };
+        let weight = T::one() / lambda.unwrap_or(noise);
+        self.covariance.absorb(weight, self.p_phi.as_mut());
+        // The same inverse as in `absorb`.
+        let inverse = T::one() / (T::one() + weight * energy);
+        self.correct(weight * inverse, innovation, theta);
+        if lambda.is_some() {
+            self.scale(weight);
+        }
+        match self.forgetting {
             Forgetting::Bounded { lambda, variance } => {
-                self.learn_and_scale(lambda, energy, innovation, theta);
                 self.regularise_next_axis(lambda, variance);
             }
-            Forgetting::Resetting { lambda, floor } => {
-                let lambda = self.guarded(lambda);
-                self.learn_and_scale(lambda, energy, innovation, theta);
-                if self.covariance.trace() < floor * self.initial_trace {
-                    self.covariance.restart(self.prior_variance);
-                    self.report.bounded += 1;
-                }
+            Forgetting::Resetting { floor, .. }
+                if self.covariance.trace() < floor * self.initial_trace =>
+            {
+                self.covariance.restart(self.prior_variance);
+                self.trace_bound = self.initial_trace;
+                self.report.bounded += 1;
             }
+            _ => {}
         }
     }
 
@@ -193,12 +210,14 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
 impl<T: Scalar, C: Covariance<T>> Stage<T> for Rls<T, C> {
     fn reset(&mut self) {
         self.covariance.restart(self.prior_variance);
+        self.trace_bound = self.initial_trace;
         self.report = GuardReport::default();
         self.axis = 0;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         self.covariance.visit(visitor);
+        visitor.reals("trace bound", std::slice::from_mut(&mut self.trace_bound));
         let mut counts = [self.report.skipped, self.report.bounded, self.axis];
         visitor.counts("skipped, bounded, axis", &mut counts);
         [self.report.skipped, self.report.bounded, self.axis] = counts;

@@ -1,4 +1,10 @@
 //! The covariance as `U D Uᵀ`, which stays positive definite in any arithmetic.
+#![expect(
+    clippy::inline_always,
+    clippy::needless_range_loop,
+    reason = "inlined loops over indices are unrolled where the storage has a fixed size, which \
+              makes an update twice as fast; iterators over parts of columns are not"
+)]
 
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};
 
@@ -18,8 +24,12 @@ pub struct Ud<T: Scalar, S: RlsStorage<T> = Heap> {
     /// Strict upper triangle of `U`, column by column; the rest stays zero.
     u: S::Square,
     d: S::Parameters,
-    /// `Uᵀφ` of the remembered direction.
+    /// `f = Uᵀφ` of the remembered direction.
     f: S::Parameters,
+    /// `D f` of the remembered direction.
+    df: S::Parameters,
+    /// `Σ_{i≤j} f_i d_i f_i` of the remembered direction; the last one is `φᵀPφ`.
+    energies: S::Parameters,
 }
 
 impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
@@ -30,6 +40,8 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
             u: S::Square::zeros("factor U", Shape::new(n, n))?,
             d: S::Parameters::zeros("factor D", n)?,
             f: S::Parameters::zeros("projected regressor", n)?,
+            df: S::Parameters::zeros("scaled projected regressor", n)?,
+            energies: S::Parameters::zeros("partial energies", n)?,
         };
         p.restart(variance);
         Ok(p)
@@ -40,42 +52,55 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
         self.d.as_mut().fill(variance);
     }
 
+    #[inline(always)]
     fn energy(&mut self, phi: &[T]) -> T {
         let (u, d, f) = (self.u.as_slice(), self.d.as_ref(), self.f.as_mut());
+        let (df, energies) = (self.df.as_mut(), self.energies.as_mut());
         let n = d.len();
+        // One check of the length instead of one per entry.
+        let phi = &phi[..n];
         let mut energy = T::zero();
         for j in 0..n {
-            f[j] = phi[j] + dot(&u[j * n..j * n + j], &phi[..j]);
-            energy += f[j] * (d[j] * f[j]);
+            f[j] = phi[j];
+            for i in 0..j {
+                f[j] += u[j * n + i] * phi[i];
+            }
+            df[j] = d[j] * f[j];
+            energy += f[j] * df[j];
+            energies[j] = energy;
         }
         energy
     }
 
+    #[inline(always)]
     fn absorb(&mut self, weight: T, p_phi: &mut [T]) {
         let (u, d, f) = (self.u.as_mut_slice(), self.d.as_mut(), self.f.as_ref());
+        let (df, energies) = (self.df.as_ref(), self.energies.as_ref());
         let n = d.len();
-        // α_j = 1 + w Σ_{i≤j} f_i d_i f_i, the innovation variance so far; never below 1.
-        let mut alpha = T::one();
+        let p_phi = &mut p_phi[..n];
+        // α_j = 1 + w Σ_{i≤j} f_i d_i f_i, the innovation variance so far; never below 1. Its
+        // inverse is the one division of a column.
+        let (mut before, mut inverse_before) = (T::one(), T::one());
         for j in 0..n {
-            let before = alpha;
-            let g = d[j] * f[j];
-            alpha += weight * (f[j] * g);
-            d[j] *= before / alpha;
-            let factor = -(weight * f[j]) / before;
-            for (u, v) in u[j * n..j * n + j].iter_mut().zip(p_phi.iter_mut()) {
-                let old = *u;
-                *u = old + factor * *v;
-                *v += old * g;
+            let g = df[j];
+            let alpha = T::one() + weight * energies[j];
+            let inverse = T::one() / alpha;
+            d[j] *= before * inverse;
+            let factor = -(weight * f[j]) * inverse_before;
+            for i in 0..j {
+                let old = u[j * n + i];
+                u[j * n + i] = old + factor * p_phi[i];
+                p_phi[i] += old * g;
             }
             p_phi[j] = g;
+            (before, inverse_before) = (alpha, inverse);
         }
     }
 
     fn release(&mut self, weight: T, remainder: T, p_phi: &mut [T]) {
         let (u, d, f) = (self.u.as_mut_slice(), self.d.as_mut(), self.f.as_mut());
         let n = d.len();
-        for j in 0..n {
-            let g = d[j] * f[j];
+        for (j, &g) in self.df.as_ref().iter().enumerate() {
             add_scaled(&mut p_phi[..j], g, &u[j * n..j * n + j]);
             p_phi[j] = g;
         }

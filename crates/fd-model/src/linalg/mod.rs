@@ -22,7 +22,7 @@ pub(crate) use self::{
     cayley::cayley,
     eigenvalues::{eigenvalues, require_decay},
     exponential::exponential,
-    factor::smith_factor,
+    factor::smith_factors,
     pencil::{compress_rows, generalised_eigenvalues},
     positive::is_positive,
     schur::RealSchur,

@@ -1,6 +1,6 @@
 //! Linear systems whose matrix may be singular.
 
-use faer::{Mat, MatRef, prelude::Solve};
+use faer::{Mat, MatRef, linalg::solvers::PartialPivLu, prelude::Solve};
 
 use crate::error::ModelError;
 
@@ -15,16 +15,28 @@ pub(crate) fn solve(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
 ) -> Result<Mat<f64>, ModelError> {
-    let n = a.nrows();
-    if n == 0 {
+    if a.nrows() == 0 {
         return Ok(b.to_owned());
     }
+    Ok(checked_lu(role, a)?.solve(b))
+}
+
+/// Factorises a matrix of at least one row.
+///
+/// # Errors
+///
+/// As [`solve`].
+pub(crate) fn checked_lu(
+    role: &'static str,
+    a: MatRef<'_, f64>,
+) -> Result<PartialPivLu<f64>, ModelError> {
+    let n = a.nrows();
     let lu = a.partial_piv_lu();
     let inverse = lu.solve(Mat::<f64>::identity(n, n));
     let absolute = |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(i, j)].abs());
     let condition = absolute(inverse.as_ref()) * absolute(a);
     let worst = (0..n).map(|i| condition.row(i).sum()).fold(0.0, max_or_nan);
-    if worst < f64::EPSILON.recip() { Ok(lu.solve(b)) } else { Err(ModelError::Singular { role }) }
+    if worst < f64::EPSILON.recip() { Ok(lu) } else { Err(ModelError::Singular { role }) }
 }
 
 /// Solves `X A = B`.

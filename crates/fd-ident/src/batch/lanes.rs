@@ -1,0 +1,249 @@
+//! Numbers side by side in memory, and the registers that compute with them.
+use std::fmt::Debug;
+
+use fd_core::Scalar;
+use pulp::Simd;
+
+/// A number that estimators side by side can compute with: `f64` or `f32`.
+///
+/// One row of memory holds the same number of [`Self::WIDTH`] estimators, in 64 bytes: one
+/// register of the widest machine, several of a narrower one.
+pub trait LaneScalar: Scalar + sealed::Lanes {
+    /// Estimators in a row: 8 of `f64`, 16 of `f32`.
+    const WIDTH: usize;
+}
+
+impl LaneScalar for f64 {
+    const WIDTH: usize = 8;
+}
+
+impl LaneScalar for f32 {
+    const WIDTH: usize = 16;
+}
+
+pub(crate) mod sealed {
+    //! What no other crate needs to name.
+
+    use super::{Debug, Registers, Scalar, Simd};
+
+    /// The row of memory and the registers of a scalar.
+    pub trait Lanes: Scalar {
+        /// One number of each estimator of a tile.
+        type Row: Copy + Debug + Send + Sync + AsRef<[Self]> + AsMut<[Self]>;
+        /// Arithmetic on a machine.
+        type Registers<S: Simd>: Registers<Self>;
+
+        /// The same number for all.
+        fn row(value: Self) -> Self::Row;
+
+        /// Arithmetic on this machine.
+        fn registers<S: Simd>(simd: S) -> Self::Registers<S>;
+    }
+}
+
+use sealed::Lanes;
+
+/// Arithmetic on as many numbers as a register holds.
+pub trait Registers<T: Lanes>: Copy {
+    /// A register.
+    type Reg: Copy;
+    /// One truth value per lane.
+    type Mask: Copy;
+
+    /// The registers that make up a row.
+    fn of(row: &T::Row) -> &[Self::Reg];
+    /// The registers that make up a row, to be changed.
+    fn of_mut(row: &mut T::Row) -> &mut [Self::Reg];
+    /// The same number in all lanes.
+    fn splat(self, value: T) -> Self::Reg;
+    /// `a + b`.
+    fn add(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+    /// `a − b`.
+    fn sub(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+    /// `a b`.
+    fn mul(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+    /// `a / b`.
+    fn div(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+    /// `a b + c`, rounded once where the machine can.
+    fn mul_add(self, a: Self::Reg, b: Self::Reg, c: Self::Reg) -> Self::Reg;
+    /// `a < b`; false for what is not a number.
+    fn less(self, a: Self::Reg, b: Self::Reg) -> Self::Mask;
+    /// `a ≤ b`; false for what is not a number.
+    fn at_most(self, a: Self::Reg, b: Self::Reg) -> Self::Mask;
+    /// Both.
+    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Whether it holds in every lane.
+    fn all(self, mask: Self::Mask) -> bool;
+    /// `a` where the mask holds, else `b`.
+    fn select(self, mask: Self::Mask, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+}
+
+macro_rules! lanes {
+    (
+        $scalar:ident, $row:ident, $count:literal, $registers:ident, $doc:literal,
+        $reg:ident, $mask:ident, $bits:ident, $bit:ident, $split:ident, $split_mut:ident,
+        $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident,
+        $less:ident, $at_most:ident, $both:ident, $pick:ident
+    ) => {
+        #[doc = $doc]
+        #[derive(Clone, Copy, Debug)]
+        #[repr(C, align(64))]
+        pub struct $row([$scalar; $count]);
+
+        impl AsRef<[$scalar]> for $row {
+            #[inline(always)]
+            fn as_ref(&self) -> &[$scalar] {
+                &self.0
+            }
+        }
+
+        impl AsMut<[$scalar]> for $row {
+            #[inline(always)]
+            fn as_mut(&mut self) -> &mut [$scalar] {
+                &mut self.0
+            }
+        }
+
+        #[doc = $doc]
+        #[derive(Clone, Copy, Debug)]
+        pub struct $registers<S>(S);
+
+        impl Lanes for $scalar {
+            type Row = $row;
+            type Registers<S: Simd> = $registers<S>;
+
+            #[inline(always)]
+            fn row(value: Self) -> $row {
+                $row([value; $count])
+            }
+
+            #[inline(always)]
+            fn registers<S: Simd>(simd: S) -> $registers<S> {
+                $registers(simd)
+            }
+        }
+
+        impl<S: Simd> Registers<$scalar> for $registers<S> {
+            type Reg = S::$reg;
+            type Mask = S::$mask;
+
+            #[inline(always)]
+            fn of(row: &$row) -> &[S::$reg] {
+                S::$split(&row.0).0
+            }
+
+            #[inline(always)]
+            fn of_mut(row: &mut $row) -> &mut [S::$reg] {
+                S::$split_mut(&mut row.0).0
+            }
+
+            #[inline(always)]
+            fn splat(self, value: $scalar) -> S::$reg {
+                self.0.$splat(value)
+            }
+
+            #[inline(always)]
+            fn add(self, a: S::$reg, b: S::$reg) -> S::$reg {
+                self.0.$add(a, b)
+            }
+
+            #[inline(always)]
+            fn sub(self, a: S::$reg, b: S::$reg) -> S::$reg {
+                self.0.$sub(a, b)
+            }
+
+            #[inline(always)]
+            fn mul(self, a: S::$reg, b: S::$reg) -> S::$reg {
+                self.0.$mul(a, b)
+            }
+
+            #[inline(always)]
+            fn div(self, a: S::$reg, b: S::$reg) -> S::$reg {
+                self.0.$div(a, b)
+            }
+
+            #[inline(always)]
+            fn mul_add(self, a: S::$reg, b: S::$reg, c: S::$reg) -> S::$reg {
+                self.0.$mul_add(a, b, c)
+            }
+
+            #[inline(always)]
+            fn less(self, a: S::$reg, b: S::$reg) -> S::$mask {
+                self.0.$less(a, b)
+            }
+
+            #[inline(always)]
+            fn at_most(self, a: S::$reg, b: S::$reg) -> S::$mask {
+                self.0.$at_most(a, b)
+            }
+
+            #[inline(always)]
+            fn both(self, a: S::$mask, b: S::$mask) -> S::$mask {
+                self.0.$both(a, b)
+            }
+
+            #[inline(always)]
+            fn all(self, mask: S::$mask) -> bool {
+                let (ones, zeros) = (self.0.$splat(1.0), self.0.$splat(0.0));
+                let lanes = self.select(mask, zeros, ones);
+                // Where masks are bits, this becomes one test of the bits.
+                let bits: S::$bits = pulp::cast(lanes);
+                let words: &[$bit] = pulp::bytemuck::cast_slice(std::slice::from_ref(&bits));
+                words.iter().fold(0, |any, word| any | word) == 0
+            }
+
+            // pulp's `select` of floats is not inlined into code for wide registers.
+            #[inline(always)]
+            fn select(self, mask: S::$mask, a: S::$reg, b: S::$reg) -> S::$reg {
+                pulp::cast(self.0.$pick(mask, pulp::cast(a), pulp::cast(b)))
+            }
+        }
+    };
+}
+
+lanes!(
+    f64,
+    Doubles,
+    8,
+    DoubleRegisters,
+    "Double precision.",
+    f64s,
+    m64s,
+    u64s,
+    u64,
+    as_simd_f64s,
+    as_mut_simd_f64s,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    mul_add_e_f64s,
+    less_than_f64s,
+    less_than_or_equal_f64s,
+    and_m64s,
+    select_u64s
+);
+lanes!(
+    f32,
+    Singles,
+    16,
+    SingleRegisters,
+    "Single precision.",
+    f32s,
+    m32s,
+    u32s,
+    u32,
+    as_simd_f32s,
+    as_mut_simd_f32s,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    mul_add_e_f32s,
+    less_than_f32s,
+    less_than_or_equal_f32s,
+    and_m32s,
+    select_u32s
+);

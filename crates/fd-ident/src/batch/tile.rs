@@ -1,0 +1,234 @@
+//! The estimators that share rows of memory, and their way through a block of samples.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
+
+use pulp::{Simd, WithSimd};
+
+use super::{
+    kernel::{Settings, State, update},
+    lanes::{LaneScalar, Registers, sealed::Lanes},
+    machine::Machine,
+    past::Past,
+};
+use crate::arx::ArxOrders;
+
+/// Up to so many parameters each number has a kernel of its own.
+const UNROLLED: usize = 10;
+
+type Row<T> = <T as Lanes>::Row;
+
+/// Where the rows of a tile are: settings first, then what it remembers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    pub(super) n: usize,
+    pub(super) regressors: Regressors,
+}
+
+/// Where regressors come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Regressors {
+    /// From the samples.
+    Given,
+    /// From the past of `nu` inputs and a bias, which the tile remembers.
+    Past { orders: ArxOrders, nu: usize },
+}
+
+impl Regressors {
+    /// Past inputs, newest first, and past values of the negated bias.
+    pub(super) const fn past(self) -> (usize, usize) {
+        match self {
+            Self::Given => (0, 0),
+            Self::Past { orders: ArxOrders { nb: 0, na, .. }, .. } => (0, na),
+            Self::Past { orders, nu } => ((orders.delay + orders.nb) * nu, orders.na),
+        }
+    }
+}
+
+impl Layout {
+    /// Most parameters.
+    pub(super) const LARGEST: usize = 64;
+    /// Most rows of the past.
+    pub(super) const LONGEST: usize = 32;
+
+    pub(super) const NOISE: usize = 0;
+    pub(super) const MINUS_SCALE: usize = 1;
+    pub(super) const SILENCE: usize = 2;
+    pub(super) const GROWTH: usize = 3;
+    pub(super) const LARGEST_TRACE: usize = 4;
+    pub(super) const TRACE_BOUND: usize = 5;
+    pub(super) const D: usize = 6;
+
+    pub(super) const fn theta(self) -> usize {
+        Self::D + self.n
+    }
+
+    /// Entry `(i, j)` of `U`, `i < j`: columns packed one after the other.
+    pub(super) const fn u(self, i: usize, j: usize) -> usize {
+        self.theta() + self.n + j * (j - 1) / 2 + i
+    }
+
+    /// First row of the past: inputs, newest first, then the negated bias, newest first.
+    pub(super) const fn past(self) -> usize {
+        Self::D + 2 * self.n + self.n * (self.n - 1) / 2
+    }
+
+    /// Rows of one tile.
+    pub(super) const fn rows(self) -> usize {
+        let (inputs, bias) = self.regressors.past();
+        self.past() + inputs + bias
+    }
+
+    /// Rows of one sample besides the target.
+    pub(super) const fn columns(self) -> usize {
+        match self.regressors {
+            Regressors::Given => self.n,
+            Regressors::Past { nu, .. } => nu,
+        }
+    }
+}
+
+/// Samples that were skipped and pauses of forgetting of each lane, during one block.
+pub(super) type Tally<T> = [Row<T>; 2];
+
+/// Tiles and their samples, waiting for a machine.
+pub(super) struct Pass<'a, T: LaneScalar> {
+    pub(super) layout: Layout,
+    /// Whole tiles.
+    pub(super) tiles: &'a mut [Row<T>],
+    /// For each tile, for each sample: rows of regressors or inputs, and one of targets.
+    pub(super) samples: &'a [Row<T>],
+    /// Samples per tile.
+    pub(super) steps: usize,
+    /// One per tile.
+    pub(super) tallies: &'a mut [Tally<T>],
+}
+
+impl<T: LaneScalar> Pass<'_, T> {
+    /// Takes every tile through its samples.
+    pub(super) fn run(self, machine: Machine) {
+        // Sizes are told apart before machines, so that each pair becomes a function of its own.
+        match self.layout.n {
+            1 => self.of_size::<1>(machine),
+            2 => self.of_size::<2>(machine),
+            3 => self.of_size::<3>(machine),
+            4 => self.of_size::<4>(machine),
+            5 => self.of_size::<5>(machine),
+            6 => self.of_size::<6>(machine),
+            7 => self.of_size::<7>(machine),
+            8 => self.of_size::<8>(machine),
+            9 => self.of_size::<9>(machine),
+            10 => self.of_size::<10>(machine),
+            11..=16 => self.of_size::<16>(machine),
+            17..=32 => self.of_size::<32>(machine),
+            _ => self.of_size::<{ Layout::LARGEST }>(machine),
+        }
+    }
+
+    fn of_size<const N: usize>(self, machine: Machine) {
+        machine.run(Sized::<T, N>(self));
+    }
+}
+
+/// A pass of estimators with at most `N` parameters.
+struct Sized<'a, T: LaneScalar, const N: usize>(Pass<'a, T>);
+
+impl<T: LaneScalar, const N: usize> WithSimd for Sized<'_, T, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Pass { layout, tiles, samples, steps, tallies } = self.0;
+        let m = T::registers(simd);
+        let per_tile = steps * (layout.columns() + 1);
+        if per_tile == 0 {
+            return;
+        }
+        let tiles = tiles.chunks_exact_mut(layout.rows());
+        let tiles = tiles.zip(samples.chunks_exact(per_tile)).zip(tallies);
+        for ((tile, samples), tally) in tiles {
+            for part in 0..registers::<T, _>(m) {
+                learn::<T, _, N>(m, layout, part, tile, samples, tally);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn registers<T: LaneScalar, M: Registers<T>>(_: M) -> usize {
+    T::WIDTH * size_of::<T>() / size_of::<M::Reg>()
+}
+
+/// Takes the estimators in one register of each row through a block of samples.
+#[inline(always)]
+fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
+    m: M,
+    layout: Layout,
+    part: usize,
+    tile: &mut [Row<T>],
+    samples: &[Row<T>],
+    tally: &mut Tally<T>,
+) {
+    // Known to the compiler, which then unrolls everything.
+    let n = if N <= UNROLLED { N } else { layout.n };
+    let zero = m.splat(T::zero());
+    let load = |tile: &[Row<T>], row: usize| M::of(&tile[row])[part];
+    let settings = Settings {
+        noise: load(tile, Layout::NOISE),
+        minus_scale: load(tile, Layout::MINUS_SCALE),
+        silence: load(tile, Layout::SILENCE),
+        growth: load(tile, Layout::GROWTH),
+        largest_trace: load(tile, Layout::LARGEST_TRACE),
+    };
+    let mut state = State {
+        u: [[zero; N]; N],
+        d: [zero; N],
+        theta: [zero; N],
+        trace_bound: load(tile, Layout::TRACE_BOUND),
+        skipped: zero,
+        bounded: zero,
+    };
+    for j in 0..n {
+        state.d[j] = load(tile, Layout::D + j);
+        state.theta[j] = load(tile, layout.theta() + j);
+        for i in 0..j {
+            state.u[j][i] = load(tile, layout.u(i, j));
+        }
+    }
+    let mut past = Past::<M::Reg>::new(zero, layout);
+    for (row, value) in past.rows().enumerate() {
+        *value = load(tile, layout.past() + row);
+    }
+    let mut phi = [zero; N];
+    let columns = layout.columns();
+    let is_given = layout.regressors == Regressors::Given;
+    for sample in samples.chunks_exact(columns + 1) {
+        let target = M::of(&sample[columns])[part];
+        if is_given {
+            for i in 0..n {
+                phi[i] = M::of(&sample[i])[part];
+            }
+            update(m, n, &settings, &mut state, &phi, target);
+        } else {
+            past.push_input(columns, |i| M::of(&sample[i])[part]);
+            past.regressor_into(&mut phi[..n], m.splat(T::one()));
+            update(m, n, &settings, &mut state, &phi, target);
+            past.push_bias(m.sub(zero, target));
+        }
+    }
+    let mut store = |row: usize, value: M::Reg| M::of_mut(&mut tile[row])[part] = value;
+    store(Layout::TRACE_BOUND, state.trace_bound);
+    for j in 0..n {
+        store(Layout::D + j, state.d[j]);
+        store(layout.theta() + j, state.theta[j]);
+        for i in 0..j {
+            store(layout.u(i, j), state.u[j][i]);
+        }
+    }
+    for (row, value) in past.rows().enumerate() {
+        store(layout.past() + row, *value);
+    }
+    M::of_mut(&mut tally[0])[part] = state.skipped;
+    M::of_mut(&mut tally[1])[part] = state.bounded;
+}

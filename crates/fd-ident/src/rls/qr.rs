@@ -1,0 +1,197 @@
+//! Recursive least squares on the triangular factor of the information, for comparison.
+
+use fd_core::{
+    Buffer, Heap, Scalar, Shape, StateVisitor,
+    stage::{GuardReport, Stage},
+};
+
+use crate::{
+    error::IdentError,
+    rls::{
+        RlsKernel,
+        covariance::dot,
+        forgetting::{Forgetting, RlsDesign},
+        storage::{Grid, RlsStorage},
+    },
+};
+
+/// `P⁻¹ = RᵀR` with `R` upper triangular, renewed by Givens rotations (Gentleman 1973).
+///
+/// The rotations are orthogonal, so this is as accurate as a QR factorisation of all weighted
+/// samples at once: what other forms are judged by. With the innovation `e` in place of the
+/// target, `[R 0; φᵀ e]` is rotated into `[R⁺ z; 0 ·]`, and the estimate moves by `R⁺⁻¹ z`.
+///
+/// # When not to use it
+///
+/// In production: each sample costs a square root and a division per parameter and a
+/// back-substitution, the information is lost when excitation stops, and nothing guards against
+/// it. Use [`UdRls`](crate::rls::UdRls).
+///
+/// # Examples
+///
+/// ```
+/// use fd_ident::rls::{QrRls, RlsDesign, RlsKernel, Static};
+///
+/// let mut rls = QrRls::<f64, Static<2>>::new(2, &RlsDesign::default())?;
+/// let mut theta = [0.0; 2];
+/// for (phi, y) in [([1.0, 0.0], 2.0), ([1.0, 1.0], 1.0), ([0.0, 3.0], -3.0)] {
+///     rls.update(&phi, y, &mut theta);
+/// }
+/// assert!((theta[0] - 2.0).abs() < 1e-5 && (theta[1] + 1.0).abs() < 1e-5);
+/// # Ok::<(), fd_ident::IdentError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct QrRls<T: Scalar = f64, S: RlsStorage<T> = Heap> {
+    /// Square roots of the weights of a new sample and of what is known.
+    gain: T,
+    memory: T,
+    designed_memory: T,
+    prior: T,
+    /// `R`, row by row; below the diagonal it stays zero.
+    r: S::Square,
+    /// The new row, which is rotated into `R`.
+    row: S::Parameters,
+    z: S::Parameters,
+    skipped: u64,
+}
+
+impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
+    /// An estimator of `n` parameters. The guard of the design is not used.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a setting is out of range, the kind of forgetting is not `None`,
+    /// `Equation18` or `Exponential`, or the storage is fixed and has another size.
+    pub fn new(n: usize, design: &RlsDesign) -> Result<Self, IdentError> {
+        design.check()?;
+        let (gain, memory) = match design.forgetting {
+            Forgetting::None => (1.0, 1.0),
+            Forgetting::Equation18 { alpha } => (alpha.sqrt().recip(), 1.0),
+            Forgetting::Exponential { lambda } => (1.0, lambda.sqrt()),
+            Forgetting::Directional { lambda }
+            | Forgetting::Bounded { lambda, .. }
+            | Forgetting::Resetting { lambda, .. } => {
+                return Err(IdentError::Setting {
+                    setting: "forgetting factor of a kind that is not exponential, on QR,",
+                    expected: "absent",
+                    found: lambda,
+                });
+            }
+        };
+        let mut rls = Self {
+            gain: T::from_design(gain),
+            memory: T::from_design(memory),
+            designed_memory: T::from_design(memory),
+            prior: T::from_design(design.prior_variance.sqrt().recip()),
+            r: S::Square::zeros("information factor R", Shape::new(n, n))?,
+            row: S::Parameters::zeros("row to rotate", n)?,
+            z: S::Parameters::zeros("rotated innovation", n)?,
+            skipped: 0,
+        };
+        rls.reset();
+        Ok(rls)
+    }
+
+    /// Weighs what is known by `√λ = memory` for the next samples: for a forgetting that somebody
+    /// else decides about.
+    pub fn set_memory(&mut self, memory: T) {
+        self.memory = memory;
+    }
+
+    /// Sum of the variances of the parameters, relative to a noise of variance 1.
+    pub fn trace(&self) -> T {
+        let n = self.z.as_ref().len();
+        let mut column = self.z.clone();
+        (0..n).fold(T::zero(), |trace, j| {
+            self.column_of_inverse(j, column.as_mut());
+            trace + dot(&column.as_ref()[..=j], &column.as_ref()[..=j])
+        })
+    }
+
+    /// Condition `‖R‖ ‖R⁻¹‖` of the weighted regressors, in Frobenius norms.
+    pub fn condition(&self) -> T {
+        let r = self.r.as_slice();
+        (dot(r, r) * self.trace()).sqrt()
+    }
+
+    /// The first `j + 1` entries of column `j` of `R⁻¹`; the others are zero.
+    fn column_of_inverse(&self, j: usize, column: &mut [T]) {
+        let (r, n) = (self.r.as_slice(), column.len());
+        column[j] = T::one() / r[j * n + j];
+        for i in (0..j).rev() {
+            let sum = dot(&r[i * n + i + 1..=i * n + j], &column[i + 1..=j]);
+            column[i] = -sum / r[i * n + i];
+        }
+    }
+}
+
+impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for QrRls<T, S> {
+    fn parameters(&self) -> usize {
+        self.z.as_ref().len()
+    }
+
+    fn update(&mut self, phi: &[T], target: T, theta: &mut [T]) {
+        let n = self.parameters();
+        let (phi, theta) = (&phi[..n], &mut theta[..n]);
+        let innovation = target - dot(phi, theta);
+        if !innovation.is_finite() {
+            self.skipped += 1;
+            return;
+        }
+        let (r, row, z) = (self.r.as_mut_slice(), self.row.as_mut(), self.z.as_mut());
+        row.iter_mut().zip(phi).for_each(|(row, &phi)| *row = self.gain * phi);
+        let mut rest = self.gain * innovation;
+        for i in 0..n {
+            let line = &mut r[i * n..(i + 1) * n];
+            let (a, b) = (self.memory * line[i], row[i]);
+            let length = (a * a + b * b).sqrt();
+            let (c, s) =
+                if length > T::zero() { (a / length, b / length) } else { (T::one(), T::zero()) };
+            line[i] = length;
+            for (r, row) in line[i + 1..].iter_mut().zip(&mut row[i + 1..]) {
+                let old = self.memory * *r;
+                *r = c * old + s * *row;
+                *row = c * *row - s * old;
+            }
+            z[i] = s * rest;
+            rest *= c;
+        }
+        for i in (0..n).rev() {
+            let line = &r[i * n..(i + 1) * n];
+            z[i] = (z[i] - dot(&line[i + 1..], &z[i + 1..])) / line[i];
+            theta[i] += z[i];
+        }
+    }
+
+    fn variance_into(&self, variance: &mut [T]) {
+        let mut column = self.z.clone();
+        variance.fill(T::zero());
+        for j in 0..variance.len() {
+            self.column_of_inverse(j, column.as_mut());
+            for (variance, &entry) in variance.iter_mut().zip(&column.as_ref()[..=j]) {
+                *variance += entry * entry;
+            }
+        }
+    }
+
+    fn guard(&self) -> GuardReport {
+        GuardReport { skipped: self.skipped, bounded: 0 }
+    }
+}
+
+impl<T: Scalar, S: RlsStorage<T>> Stage<T> for QrRls<T, S> {
+    fn reset(&mut self) {
+        let n = self.parameters();
+        self.r.as_mut_slice().fill(T::zero());
+        let prior = self.prior;
+        self.r.as_mut_slice().iter_mut().step_by(n + 1).for_each(|r| *r = prior);
+        self.memory = self.designed_memory;
+        self.skipped = 0;
+    }
+
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
+        visitor.reals("information factor R", self.r.as_mut_slice());
+        visitor.reals("memory", std::slice::from_mut(&mut self.memory));
+        visitor.counts("skipped", std::slice::from_mut(&mut self.skipped));
+    }
+}

@@ -1,0 +1,110 @@
+//! How many instructions an update costs, counted by valgrind: a guard where time cannot be one.
+//!
+//! Skipped with a note where valgrind is not installed. The counts are those of the test profile
+//! on x86-64 with AVX2, which is what valgrind offers; they do not depend on the load of the
+//! machine. A compiler may change them by some per cent, a lost unrolling or an allocation per
+//! sample changes them by more than the margin.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+mod common;
+
+use std::{env, hint::black_box, process::Command};
+
+use common::noise;
+use fd_ident::{
+    batch::{BatchRls, SampleBlock},
+    rls::{ConventionalRls, Forgetting, RlsDesign, RlsKernel, Static, UdRls},
+};
+
+/// What the child process is to do: kind and number of updates.
+const WORK: &str = "FDIAG_COUNTED_WORK";
+const N: usize = 5;
+/// Updates that are counted: the difference of two runs, so that nothing else is.
+const UPDATES: usize = 16_384;
+/// More instructions than this part above the expected number fail.
+const MARGIN: f64 = 0.25;
+
+/// Kinds of work with the instructions that an update of 5 parameters costs.
+const EXPECTED: [(&str, f64); 4] =
+    [("ud", 388.0), ("conventional", 473.0), ("batch f64", 68.0), ("batch f32", 35.0)];
+
+fn design() -> RlsDesign {
+    let forgetting = Forgetting::Exponential { lambda: 0.999 };
+    RlsDesign { prior_variance: 100.0, ..RlsDesign::forgetting(forgetting) }
+}
+
+fn alone(mut kernel: impl RlsKernel<f64>, updates: usize) {
+    let numbers = noise(1, 64 * (N + 1));
+    let mut theta = [0.0; N];
+    for row in numbers.chunks_exact(N + 1).cycle().take(updates) {
+        kernel.update(&row[..N], row[N], &mut theta);
+    }
+    black_box(theta);
+}
+
+fn side_by_side<T: fd_ident::batch::LaneScalar>(updates: usize) {
+    let (estimators, steps) = (64, 64);
+    let mut batch = BatchRls::<T>::new(N, estimators, &design()).unwrap();
+    let mut block = SampleBlock::new(N, estimators, steps);
+    for estimator in 0..estimators {
+        for (step, row) in noise(2, steps * (N + 1)).chunks_exact(N + 1).enumerate() {
+            let row: Vec<T> = row.iter().map(|&v| T::from_design(v)).collect();
+            block.set(estimator, step, &row[..N], row[N]);
+        }
+    }
+    for _ in 0..updates / (estimators * steps) {
+        batch.update(&block).unwrap();
+    }
+    black_box(batch);
+}
+
+/// Run by the other test, in a process of its own.
+#[test]
+#[ignore = "does the work that is counted"]
+fn counted_work() {
+    let Ok(work) = env::var(WORK) else { return };
+    let (kind, updates) = work.split_once(':').unwrap();
+    let updates = updates.parse().unwrap();
+    match kind {
+        "ud" => alone(UdRls::<f64, Static<N>>::new(N, &design()).unwrap(), updates),
+        "conventional" => {
+            alone(ConventionalRls::<f64, Static<N>>::new(N, &design()).unwrap(), updates);
+        }
+        "batch f64" => side_by_side::<f64>(updates),
+        "batch f32" => side_by_side::<f32>(updates),
+        other => panic!("unknown work {other}"),
+    }
+}
+
+/// Instructions of a run, or nothing when valgrind cannot tell.
+fn instructions(kind: &str, updates: usize) -> Option<f64> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(env::current_exe().ok()?)
+        .args(["--exact", "counted_work", "--ignored", "--test-threads=1"])
+        .env(WORK, format!("{kind}:{updates}"))
+        .output()
+        .ok()?;
+    let log = String::from_utf8_lossy(&output.stderr);
+    let line = log.lines().find(|line| line.contains("Collected"))?;
+    output.status.success().then(|| line.rsplit(' ').next()?.parse().ok())?
+}
+
+#[test]
+fn updates_cost_no_more_instructions_than_they_did() {
+    if !cfg!(target_arch = "x86_64") || Command::new("valgrind").arg("--version").output().is_err()
+    {
+        println!("skipped: valgrind is not installed, or this is not x86-64");
+        return;
+    }
+    for (kind, expected) in EXPECTED {
+        let counts = (instructions(kind, UPDATES), instructions(kind, 2 * UPDATES));
+        let (Some(once), Some(twice)) = counts else {
+            println!("skipped: valgrind cannot run {kind} here");
+            continue;
+        };
+        let found = (twice - once) / UPDATES as f64;
+        println!("{kind}: {found:.1} instructions per update, expected {expected}");
+        assert!(found < (1.0 + MARGIN) * expected, "{kind}: {found:.1} instructions per update");
+    }
+}
