@@ -22,7 +22,7 @@ use fd_model::{Channel, Record};
 use self::features::{Example, Network};
 pub use self::result::{Ceiling, Compensation};
 use crate::{
-    diagnose::{Case, Diagnosis, Settings},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
     fit::{FitError, Horizon, Log},
     shrink::{Settled, closed, forecast_errors, gap_per_output},
     simulate::Simulator,
@@ -51,7 +51,7 @@ struct Trained {
 }
 
 /// Learns compensations from the training logs and scores them on the held-out ones; `None` without
-/// held-out logs, or when a simulation diverges.
+/// held-out logs, or when a simulation diverges. The monitor sees [`Stage::Ceiling`].
 ///
 /// ```
 /// use fd_gap::{
@@ -79,7 +79,7 @@ struct Trained {
 /// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
 /// let settings = Settings::default();
 /// let diagnosis = diagnose(&case, &settings, &())?;
-/// let found = ceiling(&case, &diagnosis, &settings)?.unwrap();
+/// let found = ceiling(&case, &diagnosis, &settings, &())?.unwrap();
 /// assert!(found.nonlinear.is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -91,7 +91,9 @@ pub fn ceiling(
     case: &Case<'_>,
     diagnosis: &Diagnosis,
     settings: &Settings,
+    monitor: &dyn Monitor,
 ) -> Result<Option<Ceiling>, FitError> {
+    monitor.begin(Stage::Ceiling, 3);
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let nominal = case.nominal.simulator(ts)?;
     let mut refit = case.nominal.patched(&diagnosis.refit.model, ts)?;
@@ -125,11 +127,14 @@ pub fn ceiling(
             closed: closed(&before, &after, floor.sqrt(), settings.replicas, settings.seed),
         })
     };
+    monitor.advance();
     let linear = linear(&training, outputs.len(), ts).and_then(|(orders, models)| {
         score(orders, &|log, c| simulate_linear(&models[c], log, c, ts))
     });
+    monitor.advance();
     let nonlinear = nonlinear(&training, outputs.len(), settings.seed)
         .and_then(|(na, networks)| score([na, 33], &|log, c| Some(networks[c].run(&drivers(log)))));
+    monitor.advance();
     let mut ceiling = Ceiling { linear, nonlinear, statement: String::new() };
     ceiling.statement = words(&ceiling);
     Ok(Some(ceiling))

@@ -17,6 +17,9 @@ const FEEDBACK: f64 = 5.0;
 const LEAST_FEEDBACK: f64 = 0.15;
 /// Samples into the future that are looked at.
 const AHEAD: usize = 20;
+/// Correlation of errors (simulated less measured) with the measured output below which the fit does
+/// not follow it at all.
+const LEFT: f64 = -0.9;
 /// By how much two columns must agree better with each other's simulation.
 const SWAPPED: f64 = 0.5;
 
@@ -84,6 +87,19 @@ pub fn inspect(
             }
         }
     }
+    let is_driven = (0..log.nu).any(|i| {
+        let first = log.u.get(i).copied();
+        log.u.iter().skip(i).step_by(log.nu).any(|u| Some(*u) != first)
+    });
+    if 0 < log.nu && !is_driven {
+        for ((errors, measured), channel) in
+            errors.into_iter().flatten().zip(&measured).zip(outputs)
+        {
+            if correlation(errors, measured) < LEFT {
+                add(&channel.name, Defect::Undriven);
+            }
+        }
+    }
     for (errors, channel) in errors.into_iter().flatten().zip(outputs) {
         for (i, input) in simulator.inputs().iter().enumerate() {
             let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
@@ -108,6 +124,23 @@ pub(super) fn agreement(a: &[f64], b: &[f64]) -> f64 {
         power += (a - ma).powi(2) + (b - mb).powi(2);
     }
     if 0.0 < power { product / power } else { 0.0 }
+}
+
+/// Correlation of two signals about their means.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let pairs: Vec<(f64, f64)> =
+        a.iter().zip(b).filter(|(a, b)| (**a * **b).is_finite()).map(|(a, b)| (*a, *b)).collect();
+    let n = pairs.len().max(1) as f64;
+    let sum = pairs.iter().fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
+    let (ma, mb) = (sum.0 / n, sum.1 / n);
+    let [mut product, mut left, mut right] = [0.0; 3];
+    for (a, b) in pairs {
+        product += (a - ma) * (b - mb);
+        left += (a - ma).powi(2);
+        right += (b - mb).powi(2);
+    }
+    let scale = f64::sqrt(left * right);
+    if 0.0 < scale { product / scale } else { 0.0 }
 }
 
 /// The power of a thousand that makes a measured signal agree with the simulated one, if it does

@@ -33,7 +33,8 @@ pub(super) fn headline(report: &Report) -> String {
 /// A finding that makes every answer void: a log that is not what it claims to be, or that says
 /// nothing at all.
 pub(super) fn spoiled(report: &Report) -> Option<&FindingReport> {
-    let mislabelled = report.findings.iter().find(|f| matches!(f.kind, "wrong-unit" | "swapped"));
+    let is_wrong = |f: &&FindingReport| matches!(f.kind, "wrong-unit" | "swapped" | "undriven");
+    let mislabelled = report.findings.iter().find(is_wrong);
     let is_still = |output: &str| {
         let still = |f: &&FindingReport| {
             f.channel == output && matches!(f.kind, "not-excited" | "constant")

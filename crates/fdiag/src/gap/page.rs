@@ -181,7 +181,7 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
 fn next(page: &mut Page, report: &Report) {
     let Some(advice) = &report.next else { return };
     page.heading("What would separate the rest");
-    page.text(&advice.statement);
+    page.text(format!("{}.", advice.statement));
     let mut table = Table::new("Experiments that were simulated", &["experiment", "separates by"]);
     for tried in &advice.tried {
         let least = tried.distances.iter().copied().fold(f64::INFINITY, f64::min);
@@ -194,7 +194,7 @@ fn next(page: &mut Page, report: &Report) {
 
 fn confusion(page: &mut Page, calibration: &CalibrationReport) {
     page.heading("What such a log can tell");
-    page.text(&calibration.statement);
+    page.text(format!("{}.", capital(&calibration.statement)));
     let letter = |i: usize| char::from(b'A' + u8::try_from(i % 26).unwrap_or(0)).to_string();
     let rows = calibration.truths.iter().zip(&calibration.counts).zip(&calibration.replicas);
     let rows = rows.enumerate().map(|(i, ((truth, counts), n))| {

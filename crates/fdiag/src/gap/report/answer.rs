@@ -206,6 +206,12 @@ impl PairReport {
         }
     }
 
+    /// Both causes, in words.
+    pub(in crate::gap) fn name(&self) -> String {
+        let names: Vec<&str> = self.causes.iter().map(|cause| cause.name.as_str()).collect();
+        names.join(" with ")
+    }
+
     /// All pairs of a diagnosis.
     pub(in crate::gap) fn all(diagnosis: &Diagnosis) -> Vec<Self> {
         let mut pairs: Vec<Self> = diagnosis.pairs.iter().map(Self::of).collect();
