@@ -302,8 +302,15 @@ fn nonlinear(training: &[Trained], ny: usize, seed: u64) -> Option<(usize, Vec<N
 fn words(ceiling: &Ceiling) -> String {
     let share = |kind: &str, compensation: &Option<Compensation>| {
         let closed = compensation.as_ref()?.closed?;
-        let [low, high] = closed.interval.map(|v| 100.0 * v);
-        Some(format!("{kind} {:.0} % ({low:.0}..{high:.0})", 100.0 * closed.fraction))
+        // Zero has no sign.
+        let [share, low, high] = [closed.fraction, closed.interval[0], closed.interval[1]]
+            .map(|v| (100.0 * v).round() + 0.0);
+        let is_nothing = share <= 0.0;
+        Some(if is_nothing {
+            format!("{kind} nothing ({low}..{high} %)")
+        } else {
+            format!("{kind} {share} % ({low}..{high})")
+        })
     };
     let shares: Vec<String> =
         [share("a linear one", &ceiling.linear), share("a nonlinear one", &ceiling.nonlinear)]

@@ -237,9 +237,14 @@ fn words(
         if reach.can_sample_faster && tried.iter().any(|t| 1 < t.experiment.faster) {
             also += ", nor does sampling four times faster";
         }
+        let distance = if most < now + 0.05 {
+            format!("stays at {now:.1}")
+        } else {
+            format!("rises from {now:.1} to at most {most:.1}")
+        };
         return format!(
-            "no input within reach separates {pair}{also}: the distance rises from {now:.1} to at \
-             most {most:.1} squares of the noise, where 9 are needed"
+            "no input within reach separates {pair}{also}: the distance {distance} squares of the \
+             noise, where 9 are needed"
         );
     };
     let rises = format!("from {now:.1} to {:.0} squares of the noise", best.least());

@@ -78,7 +78,7 @@ fn side(site: &SiteRef) -> Side {
 
 /// All places with the states whose equations they enter; a state that one force alone enters is not
 /// listed again. A shell around a black box has inputs and states that are none of the plant; and
-/// parameters of which nothing but the black box depends, which are places where there is a cause.
+/// parameters on which no equation depends, or several outputs, are places where there is a cause.
 fn sites(
     model: &Model,
     simulator: &dyn Simulator,
@@ -152,15 +152,17 @@ fn places_of(model: &Model, cause: &Cause, sites: &[(SiteRef, Vec<String>)]) -> 
             let states = model.states.iter();
             let touched = states.filter(|state| depends(model, state.law.expr(), name));
             let mut places: Vec<usize> = touched.filter_map(|s| of_state(&s.name)).collect();
-            if places.is_empty() {
+            let touches_outputs = places.is_empty();
+            if touches_outputs {
                 let outputs = model.outputs.iter().enumerate();
                 let touched = outputs.filter(|(_, output)| depends(model, &output.value, name));
                 places = touched
                     .filter_map(|(i, output)| place(&SiteRef::Output(i, output.name.clone())))
                     .collect();
             }
-            if places.is_empty() {
-                places.extend(place(&cause.site));
+            // Several outputs at once, or none: no place but its own.
+            if touches_outputs && 1 < places.len() || places.is_empty() {
+                places = place(&cause.site).into_iter().collect();
             }
             places.dedup();
             places

@@ -63,8 +63,8 @@ pub enum Defect {
         /// Slowest time constant of the plant, in seconds.
         memory: f64,
     },
-    /// No input changes, and what the output does all the same the model does not follow from any
-    /// initial state: the log lacks what moved it.
+    /// No input changes, and the output still moves when the model has come to rest: the log lacks what
+    /// moved it.
     Undriven,
     /// Two columns fit the simulation better when they are swapped.
     Swapped {

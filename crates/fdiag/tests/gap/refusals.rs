@@ -187,7 +187,7 @@ fn logs_without_an_answer_are_told_from_those_with_one() {
         (|_, row| row[2] = "0.25".into(), "constant", "does not change"),
         // The brake is on: the tacho shows its noise, of 4 mm/s.
         (
-            |k, row| row[2] = format!("{}", 0.004 * f64::from((k * 7919 % 13) as u32).sin()),
+            |k, row| row[2] = format!("{}", 0.004 * ((k * 7919 % 13) as f64).sin()),
             "not-excited",
             "no more than its noise",
         ),
@@ -223,7 +223,8 @@ fn logs_without_an_answer_are_told_from_those_with_one() {
 /// What is no log, or no model, at all.
 #[test]
 fn files_of_another_kind_are_refused() {
-    let rubbish: Vec<u8> = (0..4000_u32).map(|i| (i * i * 7919 % 251) as u8).collect();
+    let rubbish: Vec<u8> =
+        (0..4000_u32).map(|i| (i.wrapping_mul(i).wrapping_mul(7919) % 251) as u8).collect();
     let logs: [(&[u8], &[&str]); 6] = [
         (b"version = 1\nkind = \"equations\"\n", &["expected a column `time`", "version = 1"]),
         (b"<html><body>hello</body></html>\n", &["expected a column `time`", "<html>"]),
@@ -258,9 +259,10 @@ fn files_of_another_kind_are_refused() {
 fn a_simulator_that_diverges_for_some_parameters_is_fitted_all_the_same() {
     let desk = Desk::new();
     let good = desk.read("model.toml");
-    // A root of a negative number for masses above 1.3 kg, which are within the tolerance.
+    // A root of a negative number for masses above 1.22 kg: just beyond the true one, of 1.215 kg, and
+    // well within the tolerance.
     let risky = good
-        .replace("(force - d*v)/m", "(force - d*v)/m + 0*sqrt(1.3 - m)")
+        .replace("(force - d*v)/m", "(force - d*v)/m + 1e-9*sqrt(1.22 - m)")
         .replace("value = 1.2, tolerance = 0.03", "value = 1.2, tolerance = 0.2");
     assert_ne!(good, risky);
     desk.put("model.toml", &risky);
@@ -270,7 +272,7 @@ fn a_simulator_that_diverges_for_some_parameters_is_fitted_all_the_same() {
     assert_eq!(report["causes"][0]["label"], "coulomb-friction", "{}", report["headline"]);
     for parameter in report["parameters"].as_array().unwrap() {
         let is_mass = parameter["name"] == "m";
-        assert!(!is_mass || parameter["refitted"].as_f64().unwrap() <= 1.3, "{parameter}");
+        assert!(!is_mass || parameter["refitted"].as_f64().unwrap() <= 1.22, "{parameter}");
     }
 }
 

@@ -150,6 +150,10 @@ impl ParameterReport {
 
     /// Value, standard error and unit in words.
     pub(in crate::gap) fn words(&self) -> String {
+        // A limit that is not there.
+        if self.shown_value.is_infinite() {
+            return "none".to_owned();
+        }
         let value = words::with_error(self.shown_value, self.shown_error);
         match self.shown_unit.as_str() {
             "1" | "" => value,
