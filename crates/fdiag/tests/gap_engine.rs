@@ -5,13 +5,16 @@
 use fd_gap::{
     diagnose::Diagnosis,
     effect::{Effect, input::InputLag, sensor},
-    simulate::{Nominal, Outcome, Simulator},
+    simulate::{EquationSimulator, Nominal, Outcome, Simulator},
 };
 use fd_jetengine::engine17::{Engine17, Health, HealthParameter, Parameters};
-use fd_model::SampleTime;
+use fd_model::{
+    SampleTime,
+    file::{LogMap, read_log},
+};
 use fdiag::gap::engine_plant::{
     Answer, BLEED_LEAK, EngineCause, EngineKnowledge, EngineSimulator, HEAT_SOAK,
-    MODULE_EFFICIENCY, diagnose_engine, engine_log, simulator,
+    MODULE_EFFICIENCY, diagnose_engine, engine_log, linear_engine, simulator,
 };
 
 /// Samples every 40 ms, simulated in steps of 6.7 ms.
@@ -78,6 +81,50 @@ fn the_simulator_is_the_engine() {
         Outcome::Diverged { .. }
     ));
     assert_eq!(simulator.simulate(&nominal, &[0.0; 19], &fuel, &mut y), Outcome::Complete);
+}
+
+/// The logs to try `fdiag gap` on are what they are said to be.
+#[test]
+fn the_logs_of_the_example_are_those_of_this_engine() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/gap/engine/");
+    let known = EngineKnowledge::at(0.712, SampleTime::new(0.04).unwrap());
+    let worn = EngineCause::Health(HealthParameter::HpcEfficiency, -0.015);
+    for (file, cause, seed) in [("worn.csv", worn, 7), ("valve.csv", EngineCause::FuelLag(0.15), 8)]
+    {
+        let made = engine_log(&known, cause, 600, seed).unwrap();
+        let map = LogMap::for_channels(made.inputs(), made.outputs());
+        let log = read_log(format!("{folder}{file}"), &map).unwrap().record;
+        assert_eq!(log.len(), made.len());
+        let is_near = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-6;
+        for ((u, y), (u_made, y_made)) in log.samples().zip(made.samples()) {
+            // Seven digits.
+            assert!(u.iter().zip(u_made).all(is_near) && y.iter().zip(y_made).all(is_near));
+        }
+    }
+}
+
+#[test]
+fn the_linear_engine_settles_where_the_nonlinear_one_does() {
+    let known = known();
+    let linear = linear_engine(&known, &[]).unwrap();
+    let engine = Engine17::new(&Parameters::default()).unwrap();
+    let mut simulator = EquationSimulator::<f64>::new(&linear).unwrap();
+    for parameter in HealthParameter::ALL {
+        for shift in [-0.005, 0.015] {
+            let mut theta = linear.nominal();
+            let place = linear.parameters.iter().position(|p| p.name == parameter.name()).unwrap();
+            theta[place] += shift;
+            let mut y = vec![0.0; 5];
+            let x0 = linear.initial();
+            let _ = Simulator::simulate(&mut simulator, &theta, &x0, &[0.712], &mut y);
+            let health = Health::default().shifted(parameter, shift);
+            let settled = engine.clone().with_health(health).trim(0.712).unwrap().outputs();
+            for (y, settled) in y.iter().zip(settled) {
+                // A parabola through shifts of 1 % misses the third order, some (1.5 %)^3.
+                assert!((y / settled - 1.0).abs() < 2e-5, "{parameter:?} {shift}: {y} {settled}");
+            }
+        }
+    }
 }
 
 #[test]

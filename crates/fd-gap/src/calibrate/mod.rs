@@ -6,7 +6,8 @@
 //! probabilities mean what they say, and sets that hold the truth in 90 % of such logs.
 //!
 //! *When not to use:* it shows whether causes can be separated, and nothing about a cause that is
-//! not in the library. The strengths are the fitted ones: for an effect that was fitted weak, the
+//! not in the library. Logs that leave more than noise whatever the cause (regime above the floor) are
+//! simulated without that rest: rows are then too good, and the temperature means nothing. The strengths are the fitted ones: for an effect that was fitted weak, the
 //! row is that of a weak effect.
 
 mod replica;
@@ -21,7 +22,7 @@ use self::{
     verdicts::{Answers, Outcome, best_temperature, column},
 };
 use crate::{
-    diagnose::{Case, Cause, Diagnosis, Monitor, Settings, Stage, Start, diagnose},
+    diagnose::{Case, Cause, Diagnosis, Monitor, Regime, Settings, Stage, Start, diagnose},
     fit::FitError,
     locate::{bench::Bench, places::name},
 };
@@ -33,7 +34,7 @@ const OUTSIDE: f64 = 0.1;
 
 /// Diagnoses `replicas` simulated logs for each of the leading causes and for "no gap". The seed of
 /// the settings settles the answer, whatever the number of threads. The monitor sees one stage,
-/// [`Stage::Judge`], with a piece per replica.
+/// [`Stage::Calibrate`], with a piece per replica.
 ///
 /// ```
 /// use fd_gap::{
@@ -83,7 +84,7 @@ pub fn self_calibrate(
         std::iter::once(None).chain(leading.iter().map(|&i| Some(&diagnosis.causes[i]))).collect();
     let jobs: Vec<(usize, usize)> =
         (0..truths.len()).flat_map(|row| (0..replicas).map(move |i| (row, i))).collect();
-    monitor.begin(Stage::Judge, jobs.len());
+    monitor.begin(Stage::Calibrate, jobs.len());
     let outcomes: Vec<Outcome> = jobs
         .into_par_iter()
         .filter_map(|(row, i)| {
@@ -152,7 +153,7 @@ fn confusion(
         set,
         statement: String::new(),
     };
-    confusion.statement = words(&confusion);
+    confusion.statement = words(&confusion, diagnosis.regime);
     confusion
 }
 
@@ -186,7 +187,7 @@ fn seed(seed: u64, row: usize, replica: usize) -> u64 {
     seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((row as u64) << 32 | replica as u64)
 }
 
-fn words(confusion: &Confusion) -> String {
+fn words(confusion: &Confusion, regime: Regime) -> String {
     let Confusion { accuracy, confidence, temperature, set_size, .. } = confusion;
     let total: usize = confusion.replicas.iter().sum();
     if total == 0 {
@@ -194,11 +195,21 @@ fn words(confusion: &Confusion) -> String {
     }
     let blamed: usize = confusion.counts[0][1..confusion.columns.len() - 1].iter().sum();
     let null = confusion.replicas[0];
-    format!(
+    let right = format!(
         "on {total} simulated logs like this one the diagnosis is right in {:.0} % (and {:.0} % sure \
-         of it); it blames a cause in {blamed} of {null} logs without a gap; sets of {set_size:.1} \
-         answers hold the truth in 90 %, with temperature {temperature:.2}",
+         of it); it blames a cause in {blamed} of {null} logs without a gap",
         100.0 * accuracy,
         100.0 * confidence
-    )
+    );
+    match regime {
+        Regime::AtTheFloor => format!(
+            "{right}; sets of {set_size:.1} answers hold the truth in 90 %, with temperature \
+             {temperature:.2}"
+        ),
+        // What no effect explains is not simulated, and sharpens likelihoods.
+        Regime::AboveTheFloor => format!(
+            "{right}. These logs leave more than the noise, and the simulated ones do not: expect \
+             less, and do not use the temperature"
+        ),
+    }
 }

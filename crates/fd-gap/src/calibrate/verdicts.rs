@@ -44,15 +44,11 @@ enum Truth {
     Absent,
 }
 
-/// Whether two causes are the same effect at the same place.
-pub(super) fn is_same(a: &Cause, b: &Cause) -> bool {
-    (a.label, &a.site, &a.partner) == (b.label, &b.site, &b.partner)
-}
-
 impl Answers {
     /// `truth` is the true cause; `None` is "no gap".
     pub(super) fn of(diagnosis: &Diagnosis, truth: Option<&Cause>, no_gap: f64) -> Self {
-        let place = |truth: &Cause| diagnosis.causes.iter().position(|c| is_same(c, truth));
+        let place =
+            |truth: &Cause| diagnosis.causes.iter().position(|c| c.identity() == truth.identity());
         Self {
             no_gap,
             evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
@@ -134,7 +130,7 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
     let tied: Vec<&Cause> =
         tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
     let is_answered = |truth: Option<&Cause>| {
-        truth.is_some_and(|truth| tied.iter().any(|answer| is_same(answer, truth)))
+        truth.is_some_and(|truth| tied.iter().any(|answer| answer.identity() == truth.identity()))
     };
     if is_answered(truths[row]) {
         return row;

@@ -22,7 +22,7 @@ use fd_model::{Channel, Record};
 use self::features::{Example, Network};
 pub use self::result::{Ceiling, Compensation};
 use crate::{
-    diagnose::{Case, Diagnosis, Settings},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
     fit::{FitError, Horizon, Log},
     shrink::{Settled, closed, forecast_errors, gap_per_output},
     simulate::Simulator,
@@ -51,7 +51,7 @@ struct Trained {
 }
 
 /// Learns compensations from the training logs and scores them on the held-out ones; `None` without
-/// held-out logs, or when a simulation diverges.
+/// held-out logs, or when a simulation diverges. The monitor sees [`Stage::Ceiling`].
 ///
 /// ```
 /// use fd_gap::{
@@ -79,7 +79,7 @@ struct Trained {
 /// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
 /// let settings = Settings::default();
 /// let diagnosis = diagnose(&case, &settings, &())?;
-/// let found = ceiling(&case, &diagnosis, &settings)?.unwrap();
+/// let found = ceiling(&case, &diagnosis, &settings, &())?.unwrap();
 /// assert!(found.nonlinear.is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -91,7 +91,9 @@ pub fn ceiling(
     case: &Case<'_>,
     diagnosis: &Diagnosis,
     settings: &Settings,
+    monitor: &dyn Monitor,
 ) -> Result<Option<Ceiling>, FitError> {
+    monitor.begin(Stage::Ceiling, 3);
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let nominal = case.nominal.simulator(ts)?;
     let mut refit = case.nominal.patched(&diagnosis.refit.model, ts)?;
@@ -125,11 +127,14 @@ pub fn ceiling(
             closed: closed(&before, &after, floor.sqrt(), settings.replicas, settings.seed),
         })
     };
+    monitor.advance();
     let linear = linear(&training, outputs.len(), ts).and_then(|(orders, models)| {
         score(orders, &|log, c| simulate_linear(&models[c], log, c, ts))
     });
+    monitor.advance();
     let nonlinear = nonlinear(&training, outputs.len(), settings.seed)
         .and_then(|(na, networks)| score([na, 33], &|log, c| Some(networks[c].run(&drivers(log)))));
+    monitor.advance();
     let mut ceiling = Ceiling { linear, nonlinear, statement: String::new() };
     ceiling.statement = words(&ceiling);
     Ok(Some(ceiling))
@@ -297,8 +302,15 @@ fn nonlinear(training: &[Trained], ny: usize, seed: u64) -> Option<(usize, Vec<N
 fn words(ceiling: &Ceiling) -> String {
     let share = |kind: &str, compensation: &Option<Compensation>| {
         let closed = compensation.as_ref()?.closed?;
-        let [low, high] = closed.interval.map(|v| 100.0 * v);
-        Some(format!("{kind} {:.0} % ({low:.0}..{high:.0})", 100.0 * closed.fraction))
+        // Zero has no sign.
+        let [share, low, high] = [closed.fraction, closed.interval[0], closed.interval[1]]
+            .map(|v| (100.0 * v).round() + 0.0);
+        let is_nothing = share <= 0.0;
+        Some(if is_nothing {
+            format!("{kind} nothing ({low}..{high} %)")
+        } else {
+            format!("{kind} {share} % ({low}..{high})")
+        })
     };
     let shares: Vec<String> =
         [share("a linear one", &ceiling.linear), share("a nonlinear one", &ceiling.nonlinear)]

@@ -20,6 +20,14 @@ pub enum Stage {
     Pairs,
     /// Rivals are refitted to each other, and held-out logs are forecast.
     Judge,
+    /// Free signals are fitted at every place.
+    Locate,
+    /// Black boxes learn what is left.
+    Ceiling,
+    /// Experiments that would separate rivals are simulated.
+    Experiment,
+    /// Simulated logs of known cause are diagnosed.
+    Calibrate,
 }
 
 /// Nobody is told.

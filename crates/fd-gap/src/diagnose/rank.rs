@@ -74,7 +74,7 @@ pub(super) fn rank(
 
 /// Whether both are laws of one cause.
 pub(super) fn is_same(a: &Candidate, b: &Candidate) -> bool {
-    a.label == b.label && a.site == b.site && a.partner == b.partner
+    a.identity() == b.identity()
 }
 
 /// A cause of the measurement, next to a model that stays as it is.

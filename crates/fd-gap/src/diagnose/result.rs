@@ -134,6 +134,15 @@ pub struct Cause {
     pub model: Model,
 }
 
+impl Cause {
+    /// What makes it this cause: label, site and partner, as of the
+    /// [`Candidate`]s that are its laws.
+    #[must_use]
+    pub fn identity(&self) -> (&'static str, &SiteRef, Option<&SiteRef>) {
+        (self.label, &self.site, self.partner.as_ref())
+    }
+}
+
 /// Two causes that act together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {

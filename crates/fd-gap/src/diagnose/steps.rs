@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{prepare::with_step, trial::Trial};
 use crate::{
     fit::{FitError, NullFit, Problem, null_fit},
-    model::Model,
+    model::{Law, Model},
     shrink::gap_per_output,
     simulate::Nominal,
 };
@@ -18,13 +18,18 @@ const MOST_HALVINGS: usize = 3;
 const CHECKED: usize = 5;
 
 /// Halves the integration step, and fits the finalists and the model without any effect again,
-/// until the outputs of the best do not depend on it by more than a fifth of the noise.
+/// until the outputs of the best do not depend on it by more than a fifth of the noise. A model that is
+/// sampled itself stays as it is.
 pub(super) fn refine(
     nominal: &dyn Nominal,
     model: &mut Model,
     null: &mut NullFit,
     trials: &mut [Trial<'_>],
 ) -> Result<(), FitError> {
+    // A model that is sampled itself has no step that could be halved: that of a sample is its law.
+    if !model.all_states().any(|state| matches!(state.law, Law::Derivative(_))) {
+        return Ok(());
+    }
     for _ in 0..MOST_HALVINGS {
         let Some(step) = model.step.map(|step| 0.5 * step) else { return Ok(()) };
         let mut order: Vec<usize> = (0..trials.len()).filter(|i| trials[*i].is_final).collect();

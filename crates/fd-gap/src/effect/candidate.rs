@@ -112,6 +112,15 @@ pub struct Candidate {
     pub is_rough: bool,
 }
 
+impl Candidate {
+    /// What its laws have in common: label, site and partner, as of a
+    /// [`Cause`](crate::diagnose::Cause).
+    #[must_use]
+    pub fn identity(&self) -> (&'static str, &SiteRef, Option<&SiteRef>) {
+        (self.label, &self.site, self.partner.as_ref())
+    }
+}
+
 /// What an effect acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use fd_model::SampleTime;
 
+use super::rival::Contender;
 use crate::{
-    diagnose::{Case, Cause},
-    effect::Candidate,
+    diagnose::Case,
     equation::Expr,
     evidence::SEPARATED,
     fit::{
@@ -26,13 +26,6 @@ const ITERATIONS: usize = 12;
 const CHAOTIC: f64 = 1e3;
 /// Relative size of the tiny difference.
 const TINY: f64 = 1e-7;
-
-/// One cause with the candidate that it was fitted as.
-#[derive(Clone, Debug)]
-pub(super) struct Contender<'a> {
-    pub(super) cause: &'a Cause,
-    pub(super) candidate: Candidate,
-}
 
 /// The models of a comparison, with the sensor and the sampling of an experiment.
 #[derive(Debug)]
@@ -61,7 +54,7 @@ impl<'a> Arena<'a> {
     pub(super) fn new(
         case: &'a Case<'a>,
         bench: &Bench,
-        leader: &'a Cause,
+        leader: &'a Model,
         starts: Option<&[crate::diagnose::Start]>,
         sensor: Option<(String, f64)>,
         faster: u32,
@@ -70,7 +63,7 @@ impl<'a> Arena<'a> {
         let ts = if faster == 1 { bench.simulator.ts() } else { SampleTime::new(seconds).ok()? };
         let with_sensor = |model: &Model| measured(model, sensor.as_ref());
         let nominal = case.nominal.patched(&with_sensor(case.nominal.model())?, ts).ok()?;
-        let leader_simulator = case.nominal.patched(&with_sensor(&leader.model)?, ts).ok()?;
+        let leader_simulator = case.nominal.patched(&with_sensor(leader)?, ts).ok()?;
         let mut sigma = bench.sigma.clone();
         sigma.extend(sensor.as_ref().map(|(_, noise)| noise));
         let faster = faster as usize;
@@ -83,7 +76,7 @@ impl<'a> Arena<'a> {
             sensor,
             nominal,
             leader: leader_simulator,
-            leader_model: &leader.model,
+            leader_model: leader,
             sigma,
             window: window.map(|samples| samples * faster),
             present: Vec::new(),
@@ -193,16 +186,14 @@ impl<'a> Arena<'a> {
     }
 
     fn distance(&self, rival: &Contender<'_>, plan: &Arc<Plan>) -> Option<f64> {
-        let Contender { cause, candidate } = rival;
-        let model = measured(&candidate.model, self.sensor.as_ref())?;
+        let model = measured(&rival.model, self.sensor.as_ref())?;
         let simulator = self.case.nominal.patched(&model, self.ts).ok()?;
-        let effects: Vec<Variable> = (candidate.parameters.iter()).map(Variable::effect).collect();
         let weights = Weights::white(self.sigma.clone());
-        let mut problem = Problem::new(Arc::clone(plan), simulator, effects, weights).ok()?;
-        let fitted: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
+        let mut problem =
+            Problem::new(Arc::clone(plan), simulator, rival.effects.clone(), weights).ok()?;
         let known = |variable: &Variable| {
             let found: Option<&Parameter> =
-                cause.model.parameters.iter().find(|p| p.name == variable.name);
+                rival.fitted.parameters.iter().find(|p| p.name == variable.name);
             found.map_or(0.0, |p| variable.scaled(p.value))
         };
         let own = problem.layout().own * problem.layout().segments.len();
@@ -213,7 +204,7 @@ impl<'a> Arena<'a> {
         let mut least = f64::INFINITY;
         // From the rival's own fit, and from the leader's nuisances.
         for nuisances in [moved, origin] {
-            let z = problem.place(&nuisances, &fitted);
+            let z = problem.place(&nuisances, &rival.values);
             if let Some(minimum) = minimise(&mut problem, &z, None, search) {
                 least = least.min(minimum.cost);
             }

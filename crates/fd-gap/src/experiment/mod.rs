@@ -13,26 +13,23 @@
 mod arena;
 mod excitation;
 mod result;
+mod rival;
 
 use rayon::prelude::*;
 
-pub use self::result::{Advice, Excitation, Experiment, Reach, Separation};
+pub use self::result::{Advice, Excitation, Experiment, Reach, Rival, Separation};
 use self::{
-    arena::{Arena, Contender},
+    arena::Arena,
     excitation::{ALL, inputs},
+    rival::{between, contenders, leader},
 };
 use crate::{
-    diagnose::{Case, Cause, Diagnosis, Verdict},
+    diagnose::{Case, Diagnosis, Monitor, Stage},
     evidence::SEPARATED,
     fit::{FitError, Log},
-    locate::{
-        bench::{Bench, settled},
-        places::name,
-    },
+    locate::bench::{Bench, settled},
 };
 
-/// Most rivals that are refitted.
-const MOST_RIVALS: usize = 4;
 /// Most sensors that are tried.
 const MOST_SENSORS: usize = 4;
 /// Longest experiment that is simulated by default, in samples.
@@ -40,8 +37,9 @@ const LONGEST: usize = 1000;
 /// How many times faster sampling could be.
 const FASTER: u32 = 4;
 
-/// The experiment of least effort that would separate the leading cause from those that are tied
-/// with it, or else from its rivals.
+/// The experiment of least effort that would separate the leading cause, or pair of causes, from those
+/// that are tied with it, or else from its rivals; "no gap" is one as long as it is not out of the
+/// question. The monitor sees [`Stage::Experiment`], once per kind of experiment.
 ///
 /// ```
 /// use fd_gap::{
@@ -69,7 +67,7 @@ const FASTER: u32 = 4;
 /// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
 /// let settings = Settings::default();
 /// let diagnosis = diagnose(&case, &settings, &())?;
-/// let advice = next(&case, &diagnosis, &Reach::default())?;
+/// let advice = next(&case, &diagnosis, &Reach::default(), &())?;
 /// assert_eq!(advice.statement, "there is nothing to separate");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -77,25 +75,31 @@ const FASTER: u32 = 4;
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
-pub fn next(case: &Case<'_>, diagnosis: &Diagnosis, reach: &Reach) -> Result<Advice, FitError> {
+pub fn next(
+    case: &Case<'_>,
+    diagnosis: &Diagnosis,
+    reach: &Reach,
+    monitor: &dyn Monitor,
+) -> Result<Advice, FitError> {
     let between = between(diagnosis);
     let nothing = |statement: &str| Advice {
         between: Vec::new(),
+        names: Vec::new(),
         now: f64::INFINITY,
         tried: Vec::new(),
         best: None,
         statement: statement.to_owned(),
     };
-    let [leader, others @ ..] = between.as_slice() else {
+    let [first, others @ ..] = between.as_slice() else {
+        return Ok(nothing("there is nothing to separate"));
+    };
+    let Some((model, starts)) = leader(diagnosis, *first) else {
         return Ok(nothing("there is nothing to separate"));
     };
     let bench = Bench::new(case, diagnosis)?;
     let rivals = contenders(case, diagnosis, others);
-    let leader = &diagnosis.causes[*leader];
-    let is_best = diagnosis.best.model == leader.model;
-    let starts = is_best.then_some(diagnosis.best.starts.as_slice());
     let arena = |sensor: Option<(String, f64)>, faster: u32| {
-        Arena::new(case, &bench, leader, starts, sensor, faster)
+        Arena::new(case, &bench, model, starts, sensor, faster)
     };
     let present = arena(None, 1).and_then(|mut arena| arena.distances(&rivals, None));
     let Some(now) = present.filter(|_| rivals.len() == others.len()) else {
@@ -103,12 +107,14 @@ pub fn next(case: &Case<'_>, diagnosis: &Diagnosis, reach: &Reach) -> Result<Adv
     };
     let now = now.into_iter().fold(f64::INFINITY, f64::min);
     let try_all = |experiments: Vec<Experiment>| -> Vec<Separation> {
+        monitor.begin(Stage::Experiment, experiments.len());
         let mut tried: Vec<Separation> = experiments
             .into_par_iter()
             .filter_map(|experiment| {
-                let mut arena = arena(experiment.sensor.clone(), experiment.faster)?;
-                let distances = arena.distances(&rivals, Some(&experiment.u))?;
-                Some(Separation { experiment, distances })
+                let distances = arena(experiment.sensor.clone(), experiment.faster)
+                    .and_then(|mut arena| arena.distances(&rivals, Some(&experiment.u)));
+                monitor.advance();
+                Some(Separation { experiment, distances: distances? })
             })
             .collect();
         tried.sort_by(|a, b| b.least().total_cmp(&a.least()));
@@ -149,40 +155,9 @@ pub fn next(case: &Case<'_>, diagnosis: &Diagnosis, reach: &Reach) -> Result<Adv
         tried.extend(try_all(base.iter().map(experiment).collect()));
     }
     let best = tried.iter().position(|t| SEPARATED <= t.least());
-    let statement = words(leader, &rivals, now, &tried, best, reach);
-    Ok(Advice { between, now, tried, best, statement })
-}
-
-/// Causes to be told apart: the tied ones, or else the leader and its rivals.
-fn between(diagnosis: &Diagnosis) -> Vec<usize> {
-    if diagnosis.verdict == Verdict::NoGap || diagnosis.tied.is_empty() {
-        return Vec::new();
-    }
-    let rivals = diagnosis.rivals.iter().map(|(place, _)| *place);
-    let all: Vec<usize> = match diagnosis.tied.as_slice() {
-        [leader] => std::iter::once(*leader).chain(rivals).collect(),
-        tied => tied.to_vec(),
-    };
-    if all.len() < 2 { Vec::new() } else { all.into_iter().take(1 + MOST_RIVALS).collect() }
-}
-
-/// Causes with the candidates that they were fitted as.
-fn contenders<'a>(
-    case: &Case<'_>,
-    diagnosis: &'a Diagnosis,
-    places: &[usize],
-) -> Vec<Contender<'a>> {
-    let offers: Vec<_> = case.suspects.alone().into_iter().filter_map(Result::ok).collect();
-    let contender = |place: &usize| {
-        let cause = &diagnosis.causes[*place];
-        let candidate = offers.iter().find(|candidate| {
-            (candidate.label, candidate.law) == (cause.label, cause.law)
-                && candidate.site == cause.site
-                && candidate.partner == cause.partner
-        })?;
-        Some(Contender { cause, candidate: candidate.clone() })
-    };
-    places.iter().filter_map(contender).collect()
+    let names: Vec<String> = between.iter().map(|r| rival::words(diagnosis, *r)).collect();
+    let statement = words(&names, now, &tried, best, reach);
+    Ok(Advice { between, names, now, tried, best, statement })
 }
 
 fn other_inputs(bench: &Bench, reach: &Reach) -> Vec<Experiment> {
@@ -243,16 +218,16 @@ fn sensors(
 }
 
 fn words(
-    leader: &Cause,
-    rivals: &[Contender<'_>],
+    names: &[String],
     now: f64,
     tried: &[Separation],
     best: Option<usize>,
     reach: &Reach,
 ) -> String {
-    let cause = |cause: &Cause| format!("{} at {}", cause.label, name(&cause.site));
-    let others: Vec<String> = rivals.iter().map(|rival| cause(rival.cause)).collect();
-    let pair = format!("{} and {}", cause(leader), others.join(", "));
+    let pair = match names {
+        [first, second] => format!("{first} and {second}"),
+        names => names.join(", "),
+    };
     let Some(best) = best.map(|best| &tried[best]) else {
         let most = tried.iter().map(Separation::least).fold(now, f64::max);
         let mut also = String::new();
@@ -262,9 +237,14 @@ fn words(
         if reach.can_sample_faster && tried.iter().any(|t| 1 < t.experiment.faster) {
             also += ", nor does sampling four times faster";
         }
+        let distance = if most < now + 0.05 {
+            format!("stays at {now:.1}")
+        } else {
+            format!("rises from {now:.1} to at most {most:.1}")
+        };
         return format!(
-            "no input within reach separates {pair}{also}: the distance rises from {now:.1} to at \
-             most {most:.1} squares of the noise, where 9 are needed"
+            "no input within reach separates {pair}{also}: the distance {distance} squares of the \
+             noise, where 9 are needed"
         );
     };
     let rises = format!("from {now:.1} to {:.0} squares of the noise", best.least());

@@ -25,9 +25,10 @@ impl Default for Reach {
 /// What to do next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// Places in [`Diagnosis::causes`](crate::diagnose::Diagnosis::causes) of the causes that are to
-    /// be told apart, the leader first. Empty when there is nothing to separate.
-    pub between: Vec<usize>,
+    /// What is to be told apart, the leader first. Empty when there is nothing to separate.
+    pub between: Vec<Rival>,
+    /// Their names, as `statement` has them.
+    pub names: Vec<String>,
     /// Squares of the noise by which the present logs separate the leader from the nearest of the
     /// others.
     pub now: f64,
@@ -40,12 +41,23 @@ pub struct Advice {
     pub statement: String,
 }
 
+/// An explanation that is to be told from others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rival {
+    /// The model with refitted parameters.
+    NoGap,
+    /// A place in [`Diagnosis::causes`](crate::diagnose::Diagnosis::causes).
+    Cause(usize),
+    /// A place in [`Diagnosis::pairs`](crate::diagnose::Diagnosis::pairs).
+    Pair(usize),
+}
+
 /// How well an experiment separates causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separation {
     /// The experiment.
     pub experiment: Experiment,
-    /// For each cause but the leader: squares of the noise that remain when it is refitted to what
+    /// For each rival of the leader: squares of the noise that remain when it is refitted to what
     /// the leader predicts, on the present logs and the new one together.
     pub distances: Vec<f64>,
 }

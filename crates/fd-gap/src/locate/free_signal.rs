@@ -82,6 +82,11 @@ impl<'a> Probe<'a> {
         probe
     }
 
+    /// The nominal simulator.
+    pub(super) fn simulator(&self) -> &dyn Simulator {
+        &*self.bench.simulator
+    }
+
     /// The change of the outputs from `base` to `moved`, stacked, in units of the floor.
     fn change(&self, base: &Rows, moved: &Rows) -> Vec<f64> {
         let difference = |c: usize| -> Vec<Vec<f64>> {

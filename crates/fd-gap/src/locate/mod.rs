@@ -34,13 +34,14 @@ use self::{
     free_signal::Probe,
 };
 use crate::{
-    diagnose::{Case, Diagnosis},
+    diagnose::{Case, Diagnosis, Monitor},
     equation::Expr,
     fit::FitError,
     model::{Model, Output},
 };
 
-/// Says where the gap lies that a diagnosis has found.
+/// Says where the gap lies that a diagnosis has found. The monitor sees [`Stage::Locate`](crate::diagnose::Stage), with a piece
+/// per place.
 ///
 /// ```
 /// use fd_gap::{
@@ -68,7 +69,7 @@ use crate::{
 /// let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
 /// let settings = Settings::default();
 /// let diagnosis = diagnose(&case, &settings, &())?;
-/// let location = locate(&case, &diagnosis)?;
+/// let location = locate(&case, &diagnosis, &())?;
 /// assert!(location.channels[0].statement.starts_with("y: no gap"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -76,13 +77,17 @@ use crate::{
 /// # Errors
 ///
 /// Returns an error when the model cannot be simulated or does not fit the logs of the case.
-pub fn locate(case: &Case<'_>, diagnosis: &Diagnosis) -> Result<Location, FitError> {
+pub fn locate(
+    case: &Case<'_>,
+    diagnosis: &Diagnosis,
+    monitor: &dyn Monitor,
+) -> Result<Location, FitError> {
     let bench = Bench::new(case, diagnosis)?;
     let before = bench.residuals(&diagnosis.refit.outputs);
     let after = bench.residuals(&diagnosis.best.outputs);
     let probe = Probe::new(case, diagnosis, &bench, &before);
     let model = case.nominal.model();
-    let places = places::places(model, diagnosis, &probe);
+    let places = places::places(model, diagnosis, &probe, monitor);
     let motion = motion(case, diagnosis, &bench)?;
     Ok(Location {
         channels: channels::channels(&bench, diagnosis),

@@ -7,10 +7,11 @@ use super::{
     result::{FreeSignal, PlaceEvidence, SideEvidence},
 };
 use crate::{
-    diagnose::{Cause, Diagnosis},
+    diagnose::{Cause, Diagnosis, Monitor, Stage},
     effect::{Side, SiteRef},
     equation::Expr,
     model::Model,
+    simulate::Simulator,
 };
 
 /// Probability from which a place is named.
@@ -24,14 +25,17 @@ pub(super) fn places(
     model: &Model,
     diagnosis: &Diagnosis,
     probe: &Probe<'_>,
+    monitor: &dyn Monitor,
 ) -> Vec<PlaceEvidence> {
-    let sites = sites(model);
+    let sites = sites(model, probe.simulator(), diagnosis);
+    monitor.begin(Stage::Locate, sites.len());
     let weights = weights(model, diagnosis, &sites);
     let mut places: Vec<PlaceEvidence> = (sites.into_par_iter().zip(weights))
         .map(|((site, equations), probability)| {
             let free = probe.at(&site);
             let side = side(&site);
-            let statement = words(&site, probability, free.as_ref());
+            let statement = words(&site, probability, free.as_ref(), model.outputs.len());
+            monitor.advance();
             PlaceEvidence { site, side, equations, probability, free, statement }
         })
         .collect();
@@ -44,6 +48,7 @@ pub(super) fn places(
 }
 
 pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<SideEvidence> {
+    let outputs = diagnosis.sigma.len();
     let side = |(side, probability): &(Side, f64)| {
         let here = places.iter().filter(|place| place.side == *side);
         let shares = here.filter_map(|place| place.free.as_ref()).map(|free| free.share);
@@ -53,7 +58,8 @@ pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<Side
             Side::Dynamics => "in the plant (dynamics)",
             Side::Output => "behind the plant (sensor)",
         };
-        let free = free_share.map_or_else(String::new, |share| {
+        // With one output a free signal explains it from nearly anywhere, which says nothing.
+        let free = free_share.filter(|_| 1 < outputs).map_or_else(String::new, |share| {
             format!("; a free signal there explains up to {:.0} % of the gap", 100.0 * share)
         });
         let statement = format!("{name}: probability {probability:.2}{free}");
@@ -71,10 +77,19 @@ fn side(site: &SiteRef) -> Side {
 }
 
 /// All places with the states whose equations they enter; a state that one force alone enters is not
-/// listed again.
-fn sites(model: &Model) -> Vec<(SiteRef, Vec<String>)> {
+/// listed again. A shell around a black box has inputs and states that are none of the plant; and
+/// parameters on which no equation depends, or several outputs, are places where there is a cause.
+fn sites(
+    model: &Model,
+    simulator: &dyn Simulator,
+    diagnosis: &Diagnosis,
+) -> Vec<(SiteRef, Vec<String>)> {
     let mut all = Vec::new();
-    for (i, input) in model.inputs.iter().enumerate() {
+    let open = match model.controller {
+        Some(_) => model.inputs.len(),
+        None => simulator.inputs().len(),
+    };
+    for (i, input) in model.inputs.iter().enumerate().take(open) {
         all.push((SiteRef::Input(i, input.name.clone()), Vec::new()));
     }
     for (i, site) in model.sites.iter().enumerate() {
@@ -82,12 +97,21 @@ fn sites(model: &Model) -> Vec<(SiteRef, Vec<String>)> {
         all.push((SiteRef::Force(i, site.name.clone()), entered));
     }
     for (i, state) in model.states.iter().enumerate() {
-        if force_on(model, &state.name).is_none() {
+        let is_real = simulator.initial().iter().any(|known| known.channel.name == state.name);
+        if is_real && force_on(model, &state.name).is_none() {
             all.push((SiteRef::State(i, state.name.clone()), vec![state.name.clone()]));
         }
     }
     for (i, output) in model.outputs.iter().enumerate() {
         all.push((SiteRef::Output(i, output.name.clone()), Vec::new()));
+    }
+    for cause in &diagnosis.causes {
+        let is_hidden = matches!(cause.site, SiteRef::Parameter(..))
+            && places_of(model, cause, &all).is_empty()
+            && !all.iter().any(|(site, _)| *site == cause.site);
+        if is_hidden {
+            all.push((cause.site.clone(), Vec::new()));
+        }
     }
     all
 }
@@ -128,12 +152,17 @@ fn places_of(model: &Model, cause: &Cause, sites: &[(SiteRef, Vec<String>)]) -> 
             let states = model.states.iter();
             let touched = states.filter(|state| depends(model, state.law.expr(), name));
             let mut places: Vec<usize> = touched.filter_map(|s| of_state(&s.name)).collect();
-            if places.is_empty() {
+            let touches_outputs = places.is_empty();
+            if touches_outputs {
                 let outputs = model.outputs.iter().enumerate();
                 let touched = outputs.filter(|(_, output)| depends(model, &output.value, name));
                 places = touched
                     .filter_map(|(i, output)| place(&SiteRef::Output(i, output.name.clone())))
                     .collect();
+            }
+            // Several outputs at once, or none: no place but its own.
+            if touches_outputs && 1 < places.len() || places.is_empty() {
+                places = place(&cause.site).into_iter().collect();
             }
             places.dedup();
             places
@@ -164,7 +193,7 @@ pub(crate) fn name(site: &SiteRef) -> String {
     }
 }
 
-fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>) -> String {
+fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>, outputs: usize) -> String {
     let name = name(site);
     let said = if probability < NEGLIGIBLE {
         format!("{name}: no cause that was tried is here")
@@ -174,12 +203,17 @@ fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>) -> String 
         format!("{name}: the cause may be here, with probability {probability:.2}")
     };
     match free {
-        Some(free) if EVIDENT < free.log_evidence => format!(
-            "{said}; a free signal of {} {} here would explain {:.0} % of the gap",
-            super::channels::Short(free.rms),
-            free.unit,
-            100.0 * free.share
-        ),
+        Some(free) if EVIDENT < free.log_evidence => {
+            // One output can be brought to anything from anywhere.
+            let but =
+                if outputs == 1 { ", as it could nearly anywhere with one output" } else { "" };
+            format!(
+                "{said}; a free signal of {} {} here would explain {:.0} % of the gap{but}",
+                super::channels::Short(free.rms),
+                free.unit,
+                100.0 * free.share
+            )
+        }
         Some(_) => format!("{said}; a free signal here would explain nothing significant"),
         None => format!("{said}; a free signal cannot be added here, or is not seen"),
     }

@@ -63,6 +63,9 @@ pub enum Defect {
         /// Slowest time constant of the plant, in seconds.
         memory: f64,
     },
+    /// No input changes, and the output still moves when the model has come to rest: the log lacks what
+    /// moved it.
+    Undriven,
     /// Two columns fit the simulation better when they are swapped.
     Swapped {
         /// The other one.
@@ -92,9 +95,10 @@ impl Finding {
             | Defect::Feedback { .. }
             | Defect::Short { .. }
             | Defect::Constant => Severity::Warning,
-            Defect::NotExcited | Defect::WrongUnit { .. } | Defect::Swapped { .. } => {
-                Severity::Serious
-            }
+            Defect::NotExcited
+            | Defect::WrongUnit { .. }
+            | Defect::Undriven
+            | Defect::Swapped { .. } => Severity::Serious,
         }
     }
 }
@@ -131,6 +135,11 @@ impl fmt::Display for Finding {
                 f,
                 "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): what is slow \
                  cannot be told from where it started"
+            ),
+            Defect::Undriven => write!(
+                f,
+                "the output moves, and no input does: the log lacks what moved it (a constant column \
+                 in the place of an input?)"
             ),
             Defect::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")

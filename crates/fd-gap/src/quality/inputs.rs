@@ -1,4 +1,4 @@
-//! Inputs in a wrong unit, and swapped inputs: tried out in the simulation.
+//! Inputs in a wrong unit, and swapped columns: tried out in the simulation.
 
 use super::{finding::Defect, inspect::agreement};
 use crate::{fit::Log, simulate::Simulator};
@@ -9,6 +9,8 @@ const BETTER: f64 = 0.2;
 const BAD: f64 = 0.05;
 /// How well each output must agree then, on average.
 const GOOD: f64 = 0.8;
+/// How little an output agrees with the simulation when it is taken for an input.
+const POOR: f64 = 0.3;
 /// Factors of a wrong unit.
 const FACTORS: [f64; 2] = [1e-3, 1e3];
 
@@ -18,6 +20,7 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
     let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
     let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
     let names: Vec<String> = simulator.inputs().iter().map(|input| input.name.clone()).collect();
+    let outputs: Vec<String> = simulator.outputs().iter().map(|y| y.name.clone()).collect();
     let mut y = vec![0.0; log.y.len()];
     let mut total = |u: &[f64]| -> f64 {
         // What diverges is NaN, and agrees with nothing.
@@ -53,5 +56,34 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
             }
         }
     }
+    for i in 0..log.nu {
+        for c in (0..log.ny).filter(|c| crossed(&mut *simulator, log, i, *c)) {
+            found.push((i, Defect::Swapped { with: outputs[c].clone() }));
+        }
+    }
     found
+}
+
+/// Whether the column of an output, as an input, moves the simulated output as the column of the
+/// input shows; and as they are, the columns have nothing to do with each other.
+fn crossed(simulator: &mut dyn Simulator, log: &Log, input: usize, output: usize) -> bool {
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let column = |values: &[f64], width: usize, i: usize| -> Vec<f64> {
+        values.iter().skip(i).step_by(width).copied().collect()
+    };
+    let (given, shown) = (column(&log.u, log.nu, input), column(&log.y, log.ny, output));
+    let mut agree = |u: &[f64], wanted: &[f64]| {
+        let mut all = log.u.clone();
+        let mut last = 0.0;
+        for (k, value) in u.iter().enumerate() {
+            // A hole is bridged, as an input cannot have one.
+            last = if value.is_finite() { *value } else { last };
+            all[k * log.nu + input] = last;
+        }
+        let mut y = vec![0.0; log.y.len()];
+        let _ = simulator.simulate(&theta, &x0, &all, &mut y);
+        agreement(wanted, &column(&y, log.ny, output))
+    };
+    agree(&given, &shown) < POOR && GOOD < agree(&shown, &given)
 }

@@ -17,6 +17,8 @@ const FEEDBACK: f64 = 5.0;
 const LEAST_FEEDBACK: f64 = 0.15;
 /// Samples into the future that are looked at.
 const AHEAD: usize = 20;
+/// Part of the late motion of an output that a model must be able to make without its inputs.
+const FOLLOWED: f64 = 0.2;
 /// By how much two columns must agree better with each other's simulation.
 const SWAPPED: f64 = 0.5;
 
@@ -84,6 +86,20 @@ pub fn inspect(
             }
         }
     }
+    let is_driven = (0..log.nu).any(|i| {
+        let first = log.u.get(i).copied();
+        log.u.iter().skip(i).step_by(log.nu).any(|u| Some(*u) != first)
+    });
+    if 0 < log.nu && !is_driven {
+        let able = motions(&mut *simulator, &theta, &log);
+        for ((able, measured), channel) in able.iter().zip(&measured).zip(outputs) {
+            let late = &measured[measured.len() / 2..];
+            let is_noise = defects(late, None, false).contains(&Defect::NotExcited);
+            if !is_noise && able / FOLLOWED < spread(late) {
+                add(&channel.name, Defect::Undriven);
+            }
+        }
+    }
     for (errors, channel) in errors.into_iter().flatten().zip(outputs) {
         for (i, input) in simulator.inputs().iter().enumerate() {
             let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
@@ -108,6 +124,40 @@ pub(super) fn agreement(a: &[f64], b: &[f64]) -> f64 {
         power += (a - ma).powi(2) + (b - mb).powi(2);
     }
     if 0.0 < power { product / power } else { 0.0 }
+}
+
+/// Standard deviation of each output in the second half of a simulation: the largest of those from
+/// the nominal initial state, and with each state moved by its tolerance.
+fn motions(simulator: &mut dyn Simulator, theta: &[f64], log: &Log) -> Vec<f64> {
+    let initial = simulator.initial().to_vec();
+    let nominal: Vec<f64> = initial.iter().map(|state| state.value).collect();
+    let mut starts = vec![nominal.clone()];
+    for (i, state) in initial.iter().enumerate() {
+        let mut moved = nominal.clone();
+        moved[i] += state.tolerance.unwrap_or(0.0);
+        starts.push(moved);
+    }
+    let mut largest = vec![0.0_f64; log.ny];
+    let mut y = vec![0.0; log.y.len()];
+    for x0 in starts {
+        // What diverges moves.
+        let _ = simulator.simulate(theta, &x0, &log.u, &mut y);
+        for (c, largest) in largest.iter_mut().enumerate() {
+            let late = log.samples / 2 * log.ny;
+            let values: Vec<f64> = y[late..].iter().skip(c).step_by(log.ny).copied().collect();
+            let is_finite = values.iter().all(|v| v.is_finite());
+            *largest = largest.max(if is_finite { spread(&values) } else { f64::INFINITY });
+        }
+    }
+    largest
+}
+
+/// Standard deviation of what is there.
+fn spread(signal: &[f64]) -> f64 {
+    let values = || signal.iter().filter(|v| v.is_finite());
+    let n = values().count().max(1) as f64;
+    let mean = values().sum::<f64>() / n;
+    f64::sqrt(values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n)
 }
 
 /// The power of a thousand that makes a measured signal agree with the simulated one, if it does

@@ -90,11 +90,17 @@ impl LineCounter {
     }
 }
 
+/// Most bytes of what is no text that a message shows.
+const MOST_SHOWN: usize = 24;
+
 pub(super) fn utf8<'a>(file: &str, row: u64, cell: &'a [u8]) -> Result<&'a str, LogError> {
-    std::str::from_utf8(cell).map_err(|_| LogError::NotUtf8 {
-        file: file.to_owned(),
-        row,
-        found: format!("`{}`", cell.escape_ascii()),
+    // Zeros are text by the letter, and the mark of anything but text.
+    let text = std::str::from_utf8(cell).ok().filter(|text| !text.contains('\0'));
+    text.ok_or_else(|| {
+        let shown = &cell[..cell.len().min(MOST_SHOWN)];
+        let more = if shown.len() < cell.len() { "..." } else { "" };
+        let found = format!("`{}{more}`", shown.escape_ascii());
+        LogError::NotUtf8 { file: file.to_owned(), row, found }
     })
 }
 

@@ -58,8 +58,8 @@ pub(crate) enum Command {
     Compensate(CompensateArgs),
     /// Say which unmodelled effect separates a simulator from logs of the real system
     ///
-    /// Reads a model with equations as text (docs/model-equations.md) or a linear one, and logs of
-    /// the real thing (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
+    /// Reads a model with equations as text (docs/model-equations.md), a linear one or the jet engine
+    /// (kind = "engine17", docs/gap.md), and logs of the real thing (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
     /// effect at every place of the model, and says where the gap lies, which effect causes it and
     /// how sure that is, how far the gap shrinks on data that no fit has seen, and what experiment
     /// would settle what this log cannot. Writes report.html, report.json and patched.toml, the
@@ -81,7 +81,8 @@ Examples:
   fdiag gap --model cart.toml --log monday.csv
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
   fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
-  fdiag gap --model cart.toml --log monday.csv --exclude delay@force --calibrate 5";
+  fdiag gap --model cart.toml --log monday.csv --exclude delay@force --calibrate 5
+  fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
 
 #[derive(Debug, Default, Args)]
 pub(crate) struct EngineArgs {

@@ -4,8 +4,7 @@ use std::{process::ExitCode, time::Instant};
 
 use fdiag::{
     gap::{
-        FitError, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, TimingReport,
-        model_of,
+        FitError, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, TimingReport,
     },
     model::Disorder,
 };
@@ -15,7 +14,7 @@ use super::{args::GapArgs, failure::Failure, output::Output, progress::Stages, t
 pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let request = request(args)?;
     if args.print_model {
-        print!("{}", model_of(&request).map_err(|error| refusal(&error))?);
+        print!("{}", Subject::of(&request).map_err(|error| refusal(&error))?);
         return Ok(ExitCode::SUCCESS);
     }
     let output = Output::prepare(&args.output)?;

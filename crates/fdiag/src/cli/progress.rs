@@ -2,7 +2,9 @@
 
 use std::{
     io::IsTerminal,
-    time::{Duration, Instant},
+    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    thread::JoinHandle,
+    time::Duration,
 };
 
 use fdiag::gap::{Monitor, Stage};
@@ -10,6 +12,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Time after which somebody who waits wants to know for what.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Time between two drawings.
+const TICK: Duration = Duration::from_millis(200);
 
 /// A bar over `length` steps; invisible when standard error is not a terminal.
 pub(crate) fn bar(length: u64, what: &'static str) -> ProgressBar {
@@ -23,26 +27,44 @@ pub(crate) fn bar(length: u64, what: &'static str) -> ProgressBar {
         bar.set_style(style);
     }
     bar.set_message(what);
-    bar.enable_steady_tick(Duration::from_millis(200));
+    bar.enable_steady_tick(TICK);
     bar
 }
 
 /// Progress of a diagnosis, one stage after another; shown once it takes long.
 pub(crate) struct Stages {
     bar: ProgressBar,
-    begun: Instant,
+    /// Dropped at the end, which the thread that shows the bar hears.
+    ended: Option<Sender<()>>,
+    shown: Option<JoinHandle<()>>,
 }
 
 impl Stages {
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}") {
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {elapsed}") {
             bar.set_style(style);
         }
-        Self { bar, begun: Instant::now() }
+        let (ended, end) = channel();
+        let late = bar.clone();
+        let shown = std::io::stderr().is_terminal().then(|| {
+            std::thread::spawn(move || {
+                if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                    late.set_draw_target(ProgressDrawTarget::stderr());
+                    // Also within a long piece somebody sees that it lives.
+                    late.enable_steady_tick(TICK);
+                }
+            })
+        });
+        Self { bar, ended: Some(ended), shown }
     }
 
-    pub(crate) fn finish(&self) {
+    pub(crate) fn finish(mut self) {
+        self.ended = None;
+        if let Some(shown) = self.shown.take() {
+            // It only waits; when it has panicked there is nothing to clear.
+            let _ = shown.join();
+        }
         self.bar.finish_and_clear();
     }
 }
@@ -56,14 +78,14 @@ impl Monitor for Stages {
             Stage::Fit => "fitting",
             Stage::Pairs => "trying pairs",
             Stage::Judge => "judging",
+            Stage::Locate => "locating",
+            Stage::Ceiling => "learning black boxes",
+            Stage::Experiment => "trying experiments",
+            Stage::Calibrate => "diagnosing simulated logs",
         });
     }
 
     fn advance(&self) {
         self.bar.inc(1);
-        let is_awaited = self.bar.is_hidden() && PATIENCE < self.begun.elapsed();
-        if is_awaited && std::io::stderr().is_terminal() {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fd_gap::{
     fit::{FitError, Log},
-    model::{Law, Model},
+    model::Model,
     simulate::Simulator,
 };
 use fd_model::{
@@ -15,6 +15,7 @@ use fd_model::{
 use super::{
     error::GapError,
     request::{HeldOutChoice, Request},
+    subject::Subject,
 };
 
 /// Ratio of sample times from which a unit must be wrong.
@@ -62,8 +63,9 @@ pub(super) enum Pace {
 }
 
 impl Data {
-    pub(super) fn read(request: &Request, model: &Model) -> Result<Self, GapError> {
-        let (mut map, pace) = map(request, model);
+    pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
+        let model = subject.model();
+        let (mut map, pace) = map(request, subject);
         let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace };
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
             let log = read_log(path, &map)?;
@@ -168,12 +170,11 @@ impl Data {
 }
 
 /// The column map, completed with what the model and the user say.
-fn map(request: &Request, model: &Model) -> (LogMap, Pace) {
+fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
+    let [inputs, outputs] = subject.channels();
     let mut map = request.columns.clone().unwrap_or_default();
-    for (columns, channels) in
-        [(&mut map.inputs, model.external_inputs()), (&mut map.outputs, model.output_channels())]
-    {
-        for channel in &channels {
+    for (columns, channels) in [(&mut map.inputs, &inputs), (&mut map.outputs, &outputs)] {
+        for channel in channels {
             if !columns.iter().any(|column| column.name == channel.name) {
                 columns.push(ColumnMap::from(channel));
             }
@@ -185,17 +186,14 @@ fn map(request: &Request, model: &Model) -> (LogMap, Pace) {
     if request.resample.disorder != fd_model::Disorder::default() {
         policy.disorder = request.resample.disorder;
     }
-    let controller = model.controller.as_ref().and_then(|controller| controller.sample_time);
-    let is_discrete = !model.states.is_empty()
-        && model.states.iter().all(|state| matches!(state.law, Law::Update(_)));
     let is_stated = policy.sample_time.or(map.time.sample_time).is_some();
-    let pace = match (is_stated, controller.is_some() || is_discrete) {
+    let pace = match (is_stated, subject.keeps_pace()) {
         (true, _) => Pace::Stated,
         (false, true) => Pace::Model,
         (false, false) => Pace::FirstLog,
     };
     if pace == Pace::Model {
-        policy.sample_time = Some(model.sample_time);
+        policy.sample_time = Some(subject.model().sample_time);
     }
     (map, pace)
 }

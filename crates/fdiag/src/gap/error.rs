@@ -9,6 +9,8 @@ use fd_model::{
 };
 use thiserror::Error;
 
+use super::engine_plant::EngineFileError;
+
 /// A gap cannot be diagnosed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -19,6 +21,9 @@ pub enum GapError {
     /// The file of a linear model is wrong.
     #[error(transparent)]
     Linear(Box<ModelFileError>),
+    /// The model file of the engine is wrong.
+    #[error(transparent)]
+    Engine(Box<EngineFileError>),
     /// The model file is of a kind that cannot be diagnosed.
     #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
     Kind {
@@ -127,6 +132,7 @@ macro_rules! boxed {
 }
 
 boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
+boxed!(EngineFileError => Engine);
 boxed!(SimulateError => Simulate, ModelError => SampleTime);
 
 fn list(names: &[String]) -> String {

@@ -101,6 +101,8 @@ fn report(finding: &Finding, files: &[String]) -> FindingReport {
             Defect::Feedback { .. } => "feedback",
             Defect::WrongUnit { .. } => "wrong-unit",
             Defect::Swapped { .. } => "swapped",
+            Defect::Undriven => "undriven",
+            Defect::Short { .. } => "short",
             _ => "other",
         },
         file: files.get(finding.log - 1).cloned().unwrap_or_default(),

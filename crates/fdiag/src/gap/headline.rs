@@ -11,6 +11,8 @@ const NAMED: usize = 3;
 const MOSTLY: f64 = 0.7;
 /// Part of the bands beyond which "mostly" says nothing.
 const NARROW: f64 = 0.6;
+/// Share of the held-out gap below which what is not significant is nothing.
+const SHOWN: f64 = 0.05;
 
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
@@ -33,7 +35,8 @@ pub(super) fn headline(report: &Report) -> String {
 /// A finding that makes every answer void: a log that is not what it claims to be, or that says
 /// nothing at all.
 pub(super) fn spoiled(report: &Report) -> Option<&FindingReport> {
-    let mislabelled = report.findings.iter().find(|f| matches!(f.kind, "wrong-unit" | "swapped"));
+    let is_wrong = |f: &&FindingReport| matches!(f.kind, "wrong-unit" | "swapped" | "undriven");
+    let mislabelled = report.findings.iter().find(is_wrong);
     let is_still = |output: &str| {
         let still = |f: &&FindingReport| {
             f.channel == output && matches!(f.kind, "not-excited" | "constant")
@@ -128,6 +131,9 @@ fn none_of_these(report: &Report) -> String {
         shares.max_by(|a, b| a.fraction.total_cmp(&b.fraction))
     });
     let black_box = black_box.map_or_else(String::new, |closed| {
+        if closed.low <= 0.0 && closed.fraction < SHOWN {
+            return "; nor does a black-box compensation remove it from held-out data".to_owned();
+        }
         format!(
             "; a black-box compensation could remove {} of the gap on held-out data",
             share(closed.fraction, [closed.low, closed.high])
@@ -174,7 +180,10 @@ fn closes(report: &Report, adding: &str) -> String {
         _ if closed.fraction < 0.0 && report.findings.iter().any(|f| f.kind == "clock") => {
             ", as it depends on the time since the start of a run".to_owned()
         }
-        _ if closed.fraction < 0.0 => ": the held-out data contradict it".to_owned(),
+        _ if closed.high < 0.0 => ": the held-out data contradict it".to_owned(),
+        _ if closed.low < 0.0 && closed.fraction < SHOWN => {
+            ": the held-out data do not show it".to_owned()
+        }
         rest => format!("; {} remains{}", percent(rest), mostly(&report.location.spectra)),
     };
     format!("{adding} closes {} of {of}{rest}", share(closed.fraction, [closed.low, closed.high]))

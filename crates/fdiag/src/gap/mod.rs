@@ -9,7 +9,6 @@ mod error;
 mod findings;
 mod headline;
 mod law;
-mod load;
 mod memory;
 mod only;
 mod page;
@@ -18,6 +17,7 @@ mod pictures;
 mod report;
 mod request;
 mod study;
+mod subject;
 mod summary;
 mod tables;
 mod traces;
@@ -30,7 +30,6 @@ pub use fd_gap::{
 
 pub use self::{
     error::GapError,
-    load::model_of,
     report::{
         AdviceReport, BandReport, BinReport, CalibrationReport, CauseReport, CeilingReport,
         ChannelReport, ClosedReport, CompensationReport, FileReport, FindingReport, GroupReport,
@@ -42,4 +41,5 @@ pub use self::{
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
     study::GapStudy,
+    subject::Subject,
 };

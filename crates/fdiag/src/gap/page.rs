@@ -70,16 +70,21 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     if let Some(bar) = strongest {
         bar.is_strong = true;
     }
-    page.bars(groups);
+    if !groups.bars.is_empty() {
+        page.bars(groups);
+    }
     let mut causes = Bars { title: "Cause".to_owned(), bars: Vec::new() };
     let is_named = |place: usize| match report.verdict {
         "cause" => place == 0,
         "tied" => report.causes[place].is_tied,
         _ => false,
     };
+    // What is not the answer needs no law and no strength.
+    let is_answer = !matches!(report.verdict, "no-gap" | "none-of-these");
     for (place, cause) in report.causes.iter().enumerate().take(BARS) {
-        if SHOWN <= cause.probability || cause.is_tied {
-            let tied = if cause.is_tied { " (tied)" } else { "" };
+        let is_tied = cause.is_tied && is_answer;
+        if SHOWN <= cause.probability || is_tied {
+            let tied = if is_tied { " (tied)" } else { "" };
             let label = format!("{}{tied}", cause.name);
             let text = probability(cause.probability);
             let bar = Bar::new(label, cause.probability, text);
@@ -99,7 +104,12 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
             bar.is_strong = true;
         }
     }
-    page.bars(causes);
+    if !causes.bars.is_empty() {
+        page.bars(causes);
+    }
+    if !is_answer {
+        return Ok(());
+    }
     if report.causes.iter().any(|cause| cause.is_tied) {
         page.text(
             "Tied causes predict the same to within the noise of this log: it cannot tell them \
@@ -115,7 +125,7 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
 
 /// Parameters of the causes that are named.
 fn parameters(report: &Report) -> Table {
-    let mut table = Table::new("Fitted", &["cause", "law", "parameter", "value"]);
+    let mut table = Table::new("Fitted", &["cause", "value", "parameter", "law"]);
     let singles = report.causes.iter().enumerate().filter(|(i, c)| *i == 0 || c.is_tied);
     let causes: Vec<_> = match report.pairs.first().filter(|_| report.verdict == "pair") {
         Some(pair) => pair.causes.iter().collect(),
@@ -125,7 +135,7 @@ fn parameters(report: &Report) -> Table {
         for (i, parameter) in cause.parameters.iter().enumerate() {
             let first = |text: &str| if i == 0 { text.to_owned() } else { String::new() };
             let value = parameter.words();
-            table.push([first(&cause.name), first(cause.law), parameter.name.clone(), value]);
+            table.push([first(&cause.name), value, parameter.name.clone(), first(cause.law)]);
         }
     }
     table
@@ -181,7 +191,7 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
 fn next(page: &mut Page, report: &Report) {
     let Some(advice) = &report.next else { return };
     page.heading("What would separate the rest");
-    page.text(&advice.statement);
+    page.text(format!("{}.", advice.statement));
     let mut table = Table::new("Experiments that were simulated", &["experiment", "separates by"]);
     for tried in &advice.tried {
         let least = tried.distances.iter().copied().fold(f64::INFINITY, f64::min);
@@ -194,7 +204,7 @@ fn next(page: &mut Page, report: &Report) {
 
 fn confusion(page: &mut Page, calibration: &CalibrationReport) {
     page.heading("What such a log can tell");
-    page.text(&calibration.statement);
+    page.text(format!("{}.", capital(&calibration.statement)));
     let letter = |i: usize| char::from(b'A' + u8::try_from(i % 26).unwrap_or(0)).to_string();
     let rows = calibration.truths.iter().zip(&calibration.counts).zip(&calibration.replicas);
     let rows = rows.enumerate().map(|(i, ((truth, counts), n))| {

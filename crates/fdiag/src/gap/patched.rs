@@ -1,11 +1,8 @@
 //! Patched models as files: the simulator with the cause in it.
 
-use fd_gap::{
-    diagnose::{Cause, Diagnosis, Verdict},
-    model::Model,
-};
+use fd_gap::diagnose::{Cause, Diagnosis, Verdict};
 
-use super::{data::Data, findings::file_name, report::CauseReport};
+use super::{data::Data, findings::file_name, report::CauseReport, subject::Subject};
 
 /// A patched model as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +16,11 @@ pub(super) struct PatchedFile {
 }
 
 /// The best explanation, then the others that are tied with it.
-pub(super) fn patched_files(diagnosis: &Diagnosis, data: &Data) -> Vec<PatchedFile> {
+pub(super) fn patched_files(
+    subject: &Subject,
+    diagnosis: &Diagnosis,
+    data: &Data,
+) -> Vec<PatchedFile> {
     let logs: Vec<String> =
         data.parts.iter().filter(|p| !p.is_held_out).map(|p| file_name(&p.file)).collect();
     let logs = logs.join(", ");
@@ -45,18 +46,24 @@ pub(super) fn patched_files(diagnosis: &Diagnosis, data: &Data) -> Vec<PatchedFi
             format!("the model with {with}{doubt}")
         }
     };
-    let mut files = vec![file("patched.toml".to_owned(), content, &logs, &diagnosis.best.model)];
+    let mut files =
+        vec![file("patched.toml".to_owned(), content, &logs, &subject.text(&diagnosis.best.model))];
     if diagnosis.verdict == Verdict::Tied {
         for (i, &place) in diagnosis.tied.iter().enumerate().skip(1) {
             let cause = &diagnosis.causes[place];
             let content = format!("the model with {}, which fits as well", name(cause));
-            files.push(file(format!("patched-{}.toml", i + 1), content, &logs, &cause.model));
+            files.push(file(
+                format!("patched-{}.toml", i + 1),
+                content,
+                &logs,
+                &subject.text(&cause.model),
+            ));
         }
     }
     files
 }
 
-fn file(file: String, content: String, logs: &str, model: &Model) -> PatchedFile {
+fn file(file: String, content: String, logs: &str, model: &str) -> PatchedFile {
     let text = format!(
         "# Written by `fdiag gap`: {content}.\n\
          # Parameters and the initial state are those fitted to {logs}.\n\

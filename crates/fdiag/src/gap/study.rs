@@ -4,11 +4,10 @@ use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
     diagnose::{Case, Monitor, Settings, Verdict, diagnose},
-    effect::{EverySite, library},
+    effect::EverySite,
     experiment::{Reach, next},
     fit::{FitError, Horizon, Log},
     locate::locate,
-    simulate::Nominal,
 };
 use fd_model::SampleTime;
 
@@ -17,12 +16,12 @@ use super::{
     error::GapError,
     headline::headline,
     law::law,
-    load::model_of,
     memory::Memory,
     only::Chosen,
     patched::patched_files,
     report::Report,
     request::{HorizonChoice, Request},
+    subject::Subject,
     summary::{Parts, summary},
     traces::{Trace, trace},
 };
@@ -62,42 +61,39 @@ impl GapStudy {
     ///
     /// Returns the first file, setting or step that is wrong.
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
-        let model = model_of(request)?;
-        let data = Data::read(request, &model)?;
+        let subject = Subject::of(request)?;
+        let (nominal, model) = (subject.nominal(), subject.model());
+        let data = Data::read(request, &subject)?;
         let ts = data.ts().ok_or(FitError::NoLog)?;
-        let simulator = model.simulator(ts)?;
+        let simulator = nominal.simulator(ts)?;
         let logs = data.logs(&*simulator)?;
         let [fitted, _] = &logs;
         let (u, samples) = longest(fitted);
         let memory = Memory::of(&*simulator, &u, samples);
         check_length(request, &data, memory, ts)?;
         let settings = settings(request, memory, &logs, ts);
-        let every = EverySite::new(library(), &model, model.scales(ts, &u, samples)?);
-        let suspects = Chosen::new(every, &model, &request.exclude, &request.only)?;
-        let case = Case {
-            nominal: &model,
-            suspects: &suspects,
-            logs: &data.fit,
-            held_out: &data.held_out,
-        };
+        let every = EverySite::new(subject.effects(), model, nominal.scales(ts, &u, samples)?);
+        let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
+        let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let diagnosis = diagnose(&case, &settings, monitor)?;
-        let location = locate(&case, &diagnosis)?;
-        let ceiling = ceiling(&case, &diagnosis, &settings)?;
-        let advice = match diagnosis.verdict {
-            Verdict::Tied | Verdict::Unclear => {
-                Some(next(&case, &diagnosis, &Reach { seed: request.seed, ..Reach::default() })?)
-            }
-            _ => None,
+        let location = locate(&case, &diagnosis, monitor)?;
+        let ceiling = ceiling(&case, &diagnosis, &settings, monitor)?;
+        let is_open = match diagnosis.verdict {
+            Verdict::Tied | Verdict::Unclear => true,
+            Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
+            _ => false,
         };
+        let reach = Reach { seed: request.seed, ..Reach::default() };
+        let advice = is_open.then(|| next(&case, &diagnosis, &reach, monitor)).transpose()?;
         let calibration = request
             .calibrate
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
-        let law = law(&model, &diagnosis, &location, fitted, ts);
-        let models = patched_files(&diagnosis, &data);
+        let law = law(nominal, &diagnosis, &location, fitted, ts);
+        let models = patched_files(&subject, &diagnosis, &data);
         let parts = Parts {
             request,
-            model: &model,
+            model,
             data: &data,
             memory,
             settings: &settings,
@@ -111,7 +107,7 @@ impl GapStudy {
         };
         let mut report = summary(parts);
         report.headline = headline(&report);
-        let trace = trace(&model, &diagnosis, &data, &logs, settings.horizon, ts)?;
+        let trace = trace(nominal, &diagnosis, &data, &logs, settings.horizon, ts)?;
         Ok(Self { report, models: contents(models), trace })
     }
 }

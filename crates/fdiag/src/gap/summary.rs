@@ -47,7 +47,7 @@ pub(super) struct Parts<'a> {
 pub(super) fn summary(parts: Parts<'_>) -> Report {
     let Parts { model, diagnosis, location, .. } = parts;
     let outputs = model.output_channels();
-    let causes = CauseReport::all(diagnosis);
+    let (causes, pairs) = (CauseReport::all(diagnosis), PairReport::all(diagnosis));
     let mut report = Report {
         version: REPORT_VERSION,
         headline: String::new(),
@@ -60,14 +60,14 @@ pub(super) fn summary(parts: Parts<'_>) -> Report {
         none_of_these: diagnosis.none_of_these,
         groups: diagnosis.groups.iter().map(GroupReport::of).collect(),
         sides: SideReport::all(diagnosis, location),
-        pairs: PairReport::all(diagnosis),
         location: WhereReport::from(location),
         how_far: diagnosis.held_out.iter().map(|h| HorizonReport::of(h, &outputs)).collect(),
         remains: String::new(),
         ceiling: parts.ceiling.map(CeilingReport::of),
-        next: parts.advice.map(AdviceReport::of),
+        next: parts.advice.map(|advice| AdviceReport::of(advice, &causes, &pairs)),
         calibration: parts.calibration.map(|c| CalibrationReport::of(c, &causes)),
         causes,
+        pairs,
         findings: findings(diagnosis, parts.data, model),
         input: input(&parts),
         noise: noise(model, diagnosis),

@@ -9,10 +9,6 @@ use std::{
 use serde_json::Value;
 use tempfile::TempDir;
 
-pub(crate) fn example(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/gap/quick-start").join(file)
-}
-
 /// A folder with a model and two logs of the quick start, to be spoiled.
 pub(crate) struct Desk {
     folder: TempDir,
@@ -20,9 +16,15 @@ pub(crate) struct Desk {
 
 impl Desk {
     pub(crate) fn new() -> Self {
+        Self::of("quick-start", &["model.toml", "monday.csv", "friday.csv"])
+    }
+
+    /// A folder with files of an example.
+    pub(crate) fn of(example: &str, files: &[&str]) -> Self {
         let desk = Self { folder: tempfile::tempdir().unwrap() };
-        for file in ["model.toml", "monday.csv", "friday.csv"] {
-            fs::copy(example(file), desk.path(file)).unwrap();
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/gap").join(example);
+        for file in files {
+            fs::copy(root.join(file), desk.path(file)).unwrap();
         }
         desk
     }

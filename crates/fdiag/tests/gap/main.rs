@@ -3,4 +3,5 @@
 
 mod answers;
 mod desk;
+mod engine;
 mod refusals;

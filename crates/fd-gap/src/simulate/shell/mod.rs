@@ -142,6 +142,17 @@ impl Shell {
         Ok(self)
     }
 
+    /// Another model of this shell: with other tolerances or noise, or with effects in it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when it is not that of this shell.
+    pub fn with_model(mut self, model: Model) -> Result<Self, SimulateError> {
+        Wiring::new(&model, &self.names)?;
+        self.model = model;
+        Ok(self)
+    }
+
     /// The simulator inside.
     #[must_use]
     pub fn inside(&self) -> &dyn Simulator {

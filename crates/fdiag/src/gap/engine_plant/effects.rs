@@ -1,10 +1,7 @@
 //! What engines suffer from.
 
 use fd_gap::{
-    effect::{
-        Candidate, Effect, NotTestable, Offers, Reason, ReplayScales, SiteRef, Sketch, input,
-        sensor,
-    },
+    effect::{Effect, NotTestable, Offers, Reason, ReplayScales, SiteRef, Sketch, input, sensor},
     model::Model,
 };
 
@@ -12,9 +9,7 @@ use super::METAL_CONDUCTANCE;
 
 /// A change of some parameters of the engine, each on its own: `p + e`.
 ///
-/// In the nonlinear engine it shifts the parameter. In the linear one, where each parameter is a
-/// site of a force, it is such a force. The names of parameters are those of
-/// [`Health`](fd_jetengine::engine17::Health).
+/// The names of parameters are those of [`Health`](fd_jetengine::engine17::Health).
 #[derive(Clone, Copy, Debug)]
 pub struct EngineEffect {
     label: &'static str,
@@ -99,33 +94,20 @@ impl Effect for EngineEffect {
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let offers = self.parameters.iter().map(|name| {
             let parameter = nominal.parameters.iter().position(|known| known.name == *name);
-            let site = nominal.sites.iter().position(|known| known.name == *name);
-            match (parameter, site) {
-                (Some(i), _) => {
-                    let sketch = Sketch::of_parameter(self, "constant", nominal, scales, i);
-                    let sketch = sketch.strength("e", "shift", "1", self.scale, self.bounds);
-                    self.with_starts(sketch.wrap_parameter("p + e"))
-                }
-                (None, Some(i)) => {
-                    let sketch = Sketch::of_force(self, "constant", nominal, scales, i);
-                    let sketch = sketch.strength("e", "shift", "1", self.scale, self.bounds);
-                    self.with_starts(sketch.force("pull", "e"))
-                }
-                (None, None) => Err(NotTestable {
+            let Some(i) = parameter else {
+                return Err(NotTestable {
                     label: self.label,
                     law: "constant",
                     site: SiteRef::WholeModel,
                     reason: Box::new(Reason::Missing("such parameter")),
-                }),
-            }
+                });
+            };
+            let sketch = Sketch::of_parameter(self, "constant", nominal, scales, i);
+            let sketch = sketch.strength("e", "shift", "1", self.scale, self.bounds);
+            let sketch = sketch.wrap_parameter("p + e");
+            self.starts.iter().fold(sketch, |sketch, start| sketch.start(&[*start])).finish()
         });
         offers.collect()
-    }
-}
-
-impl EngineEffect {
-    fn with_starts(&self, sketch: Sketch<'_>) -> Result<Candidate, NotTestable> {
-        self.starts.iter().fold(sketch, |sketch, start| sketch.start(&[*start])).finish()
     }
 }
 

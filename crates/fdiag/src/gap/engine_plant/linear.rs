@@ -1,31 +1,34 @@
-//! The linear engine as a simulator, with a site for each parameter of its health.
+//! The linear engine as a simulator, settled where its health says.
 
 use fd_gap::{
     equation::Expr,
-    model::{LinearOptions, Model, Site},
+    model::{Definition, LinearOptions, Model},
 };
 use fd_jetengine::engine17::{
-    Engine17, Health, HealthParameter, NX, Parameters, Trim, input_channels, output_channels,
+    Engine17, Health, HealthParameter, MEASURED, NX, Parameters, Trim, input_channels,
     state_channels,
 };
 use fd_model::{
-    Channel, ChannelScale, Continuous, StateSpace,
+    Channel, ChannelScale, StateSpace,
     file::{LinearModel, LinearSystem, ModelChannel},
 };
 
 use super::{EngineKnowledge, EnginePlantError};
 
-/// Shift of a health parameter for its slopes: 1e-4 of 1, for an error of 1e-8 from curvature and
-/// of about 1e-11 from rounding.
-const STEP: f64 = 1e-4;
-/// How well the state is known in which a log begins, per unit: a worn engine settles elsewhere.
-const INITIAL_TOLERANCE: f64 = 0.02;
+/// Shift of a health parameter for the parabola of its settled points: where logs of worn engines
+/// lie, and large enough that trims, exact to 1e-12, leave no error in the curvature.
+const SHIFT: f64 = 0.01;
 
-/// The engine linearised where logs begin and sampled like them, as equations. Every parameter of
-/// its [`Health`] is a site at which a shift of the parameter acts as a force, so that effects on
-/// the health can be spliced in.
+/// The engine linearised where logs begin and sampled like them, as equations. Measured are
+/// deviations from the point in which the engine, in the health that it has, settles at the fuel
+/// flow where logs begin: for each parameter of its [`Health`] a parabola through three trims. A
+/// change of health thus shifts the outputs and leaves the dynamics as they are.
 ///
-/// What is unknown besides is a gain per output, the speed of the whole, and the initial state.
+/// Uncertain are the parameters of the health as far as the [`EngineKnowledge`] says, and, for what
+/// linearisation loses, a gain per output and the speed of the whole.
+///
+/// *When not to use:* logs that do not begin settled, or leave the operating point by more than a
+/// few percent; effects of two health parameters together, of which the parabolas lack the product.
 ///
 /// # Errors
 ///
@@ -36,28 +39,13 @@ pub fn linear_engine(
 ) -> Result<Model, EnginePlantError> {
     let engine = Engine17::new(&Parameters::default())?;
     let trim = engine.trim(known.fuel)?;
-    let per_unit = engine.linearise(&trim)?.per_unit()?;
-    let linear = &per_unit.model;
-    let slopes: Vec<[f64; NX]> =
-        HealthParameter::ALL.iter().map(|p| slope(&engine, &trim, *p)).collect();
-    let with_health = StateSpace::new(
-        linear.a().to_owned(),
-        faer::Mat::from_fn(NX, 1 + slopes.len(), |i, j| match j {
-            0 => linear.b()[(i, 0)],
-            j => slopes[j - 1][i],
-        }),
-        linear.c().to_owned(),
-        faer::Mat::zeros(linear.ny(), 1 + slopes.len()),
-        Continuous,
-    )?
-    .sample_zoh(known.ts)?;
-    let sampled = StateSpace::new(
-        with_health.a().to_owned(),
-        with_health.b().subcols(0, 1).to_owned(),
-        with_health.c().to_owned(),
-        with_health.d().subcols(0, 1).to_owned(),
-        with_health.domain(),
-    )?;
+    let sampled = engine.linearise(&trim)?.per_unit()?.model.sample_zoh(known.ts)?;
+    let rows: Vec<usize> = known.outputs.iter().filter(|i| **i < sampled.ny()).copied().collect();
+    let pick = |all: faer::MatRef<'_, f64>| {
+        faer::Mat::from_fn(rows.len(), all.ncols(), |i, j| all[(rows[i], j)])
+    };
+    let (a, b) = (sampled.a().to_owned(), sampled.b().to_owned());
+    let measured = StateSpace::new(a, b, pick(sampled.c()), pick(sampled.d()), sampled.domain())?;
     let scaled = |channels: Vec<Channel>, point: &[f64]| -> Vec<ModelChannel> {
         let pairs = channels.into_iter().zip(point);
         let scale = |point: &f64| ChannelScale::per_unit(*point, *point);
@@ -65,36 +53,68 @@ pub fn linear_engine(
     };
     let states = state_channels().into_iter();
     let states = states.map(|c| Channel::new(format!("{}_deviation", c.name), c.unit)).collect();
+    let settled: Vec<f64> = rows.iter().map(|i| trim.outputs()[*i]).collect();
     let file = LinearModel {
         name: Some("engine17, linear".to_owned()),
         inputs: scaled(input_channels(), &[trim.fuel]),
         states: scaled(states, &trim.x),
-        outputs: scaled(output_channels(), &trim.outputs()),
-        system: LinearSystem::Discrete(sampled),
+        outputs: scaled(known.output_channels(), &settled),
+        system: LinearSystem::Discrete(measured),
         allow_unstable: false,
     };
-    let options = LinearOptions {
-        initial_tolerance: Some(INITIAL_TOLERANCE),
-        noise: noise.to_vec(),
-        ..LinearOptions::default()
-    };
+    let options = LinearOptions { noise: noise.to_vec(), ..LinearOptions::default() };
     let mut draft = Model::from_linear(&file, known.ts, &options)?.into_draft();
-    for (i, parameter) in HealthParameter::ALL.into_iter().enumerate() {
-        let factor = |state: usize| Expr::Number(with_health.b()[(state, 1 + i)]);
-        let enters = (0..NX).map(|state| (draft.states[state].name.clone(), factor(state)));
-        let (name, enters) = (parameter.name().to_owned(), enters.collect());
-        let unit = "1".to_owned();
-        draft.sites.push(Site { name, unit, enters, position: None, velocity: None });
+    draft.parameters.splice(0..0, known.parameters());
+    let parabolas = HealthParameter::ALL
+        .into_iter()
+        .map(|parameter| Parabola::of(&engine, &trim, parameter))
+        .collect::<Result<Vec<_>, _>>()?;
+    for (row, output) in rows.into_iter().zip(&mut draft.outputs) {
+        let name = format!("{}_settled", output.name);
+        let shift = parabolas.iter().map(|parabola| parabola.expr(MEASURED[row]));
+        let shift = shift.reduce(|sum, term| sum + term).unwrap_or(Expr::Number(0.0));
+        let point = Expr::Number(trim.x[MEASURED[row]]);
+        output.value = output.value.clone() + Expr::name(&name);
+        draft.definitions.push(Definition { name, value: point * shift });
     }
     Ok(Model::try_from(draft)?)
 }
 
-/// Rates of the relative deviations per shift of a health parameter, per second.
-fn slope(engine: &Engine17<f64>, trim: &Trim, parameter: HealthParameter) -> [f64; NX] {
-    let rates = |shift: f64| {
-        let health = Health::default().shifted(parameter, shift);
-        engine.clone().with_health(health).rhs(&trim.x, trim.fuel)
-    };
-    let (up, down) = (rates(STEP), rates(-STEP));
-    std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * STEP) / trim.x[i])
+/// Where the engine settles as one parameter of its health shifts, relative to where it settles
+/// without.
+struct Parabola {
+    parameter: HealthParameter,
+    slope: [f64; NX],
+    bend: [f64; NX],
+}
+
+impl Parabola {
+    fn of(
+        engine: &Engine17<f64>,
+        trim: &Trim,
+        parameter: HealthParameter,
+    ) -> Result<Self, EnginePlantError> {
+        let settled = |shift: f64| {
+            let health = Health::default().shifted(parameter, shift);
+            engine.clone().with_health(health).trim_from(trim.fuel, &trim.x)
+        };
+        let (up, down) = (settled(SHIFT)?.x, settled(-SHIFT)?.x);
+        let relative = |i: usize| [up[i] / trim.x[i] - 1.0, down[i] / trim.x[i] - 1.0];
+        Ok(Self {
+            parameter,
+            slope: std::array::from_fn(|i| (relative(i)[0] - relative(i)[1]) / (2.0 * SHIFT)),
+            bend: std::array::from_fn(|i| {
+                (relative(i)[0] + relative(i)[1]) / (2.0 * SHIFT * SHIFT)
+            }),
+        })
+    }
+
+    /// `slope e + bend e^2` of a state, where `e` is the shift of the parameter.
+    fn expr(&self, state: usize) -> Expr {
+        let nominal = Health::<f64>::default().get(self.parameter);
+        let name = Expr::name(self.parameter.name());
+        let shift = if nominal == 0.0 { name } else { name - Expr::Number(nominal) };
+        let bent = Expr::Number(self.slope[state]) + Expr::Number(self.bend[state]) * shift.clone();
+        bent * shift
+    }
 }

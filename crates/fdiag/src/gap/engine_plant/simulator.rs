@@ -37,9 +37,12 @@ pub struct EngineKnowledge {
     pub module_tolerance: f64,
     /// How well the heating value of the fuel is known, as a fraction.
     pub fuel_tolerance: f64,
+    /// What is measured, as places among `N_L, N_H, T_7, P_6, T_29`.
+    pub outputs: Vec<usize>,
 }
 
-/// engine17 as a simulator: fuel flow in; `N_L, N_H, T_7, P_6, T_29` out, in physical units.
+/// engine17 as a simulator: fuel flow in; `N_L, N_H, T_7, P_6, T_29` or some of them out, in
+/// physical units.
 ///
 /// Parameters are the thirteen of [`Health`] and [`METAL_CONDUCTANCE`]. A run starts in the
 /// equilibrium that the engine, in the health it has, finds at the fuel flow of the
@@ -70,6 +73,8 @@ pub struct EngineSimulator {
     steps: u32,
     inputs: Vec<Channel>,
     outputs: Vec<Channel>,
+    /// States that are measured.
+    measured: Vec<usize>,
     parameters: Vec<Parameter>,
     initial: Vec<Initial>,
     /// Equilibrium in the health of this run, and that of the nominal engine.
@@ -83,10 +88,32 @@ pub struct EngineSimulator {
 }
 
 impl EngineKnowledge {
-    /// The default: integration steps of at most 5 ms, modules known to 0.2 % and fuel to 0.5 %.
+    /// The default: integration steps of at most 5 ms, modules known to 0.2 % and fuel to 0.5 %,
+    /// all outputs measured.
     #[must_use]
     pub fn at(fuel: f64, ts: SampleTime) -> Self {
-        Self { fuel, ts, step: 5e-3, module_tolerance: 2e-3, fuel_tolerance: 5e-3 }
+        let outputs = (0..NY).collect();
+        Self { fuel, ts, step: 5e-3, module_tolerance: 2e-3, fuel_tolerance: 5e-3, outputs }
+    }
+
+    /// The parameters of the engine's health, with what is known of them.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let health = Health::<f64>::default();
+        let each = HealthParameter::ALL.into_iter().map(|parameter| {
+            let tolerance = match parameter {
+                HealthParameter::HeatingValue => self.fuel_tolerance,
+                _ if HealthParameter::MODULES.contains(&parameter) => self.module_tolerance,
+                _ => 0.0,
+            };
+            Parameter { tolerance, ..Parameter::new(parameter.name(), "1", health.get(parameter)) }
+        });
+        each.collect()
+    }
+
+    /// Channels of what is measured.
+    pub(super) fn output_channels(&self) -> Vec<Channel> {
+        let all = output_channels();
+        self.outputs.iter().filter_map(|i| all.get(*i).cloned()).collect()
     }
 }
 
@@ -99,21 +126,7 @@ impl EngineSimulator {
     pub fn new(known: &EngineKnowledge) -> Result<Self, EngineError> {
         let engine = Engine17::new(&Parameters::default())?;
         let nominal = engine.trim(known.fuel)?;
-        let health = Health::<f64>::default();
-        let mut parameters: Vec<Parameter> = HealthParameter::ALL
-            .into_iter()
-            .map(|parameter| {
-                let tolerance = match parameter {
-                    HealthParameter::HeatingValue => known.fuel_tolerance,
-                    _ if HealthParameter::MODULES.contains(&parameter) => known.module_tolerance,
-                    _ => 0.0,
-                };
-                Parameter {
-                    tolerance,
-                    ..Parameter::new(parameter.name(), "1", health.get(parameter))
-                }
-            })
-            .collect();
+        let mut parameters = known.parameters();
         parameters.push(Parameter::new(METAL_CONDUCTANCE, "1", 0.0));
         let metal = ["HPT metal", "LPT metal"].map(|name| Channel::new(name, "K"));
         let state = |channel: Channel| Initial {
@@ -134,7 +147,8 @@ impl EngineSimulator {
             fuel: known.fuel,
             steps,
             inputs: input_channels(),
-            outputs: output_channels(),
+            outputs: known.output_channels(),
+            measured: known.outputs.iter().filter_map(|i| MEASURED.get(*i).copied()).collect(),
             parameters,
             initial: state_channels().into_iter().chain(metal).map(state).collect(),
             settled: Some(nominal.clone()),
@@ -190,7 +204,10 @@ impl EngineSimulator {
 
     fn note_deviation(&mut self) {
         let settled = self.settled.as_ref().map_or([f64::NAN; STATES], Self::equilibrium);
-        self.deviation = std::array::from_fn(|i| self.x[i] / settled[i] - 1.0);
+        // Metal that takes up no heat is no state of the engine.
+        let is_state = |i: usize| i < NX || self.conductance > 0.0;
+        self.deviation =
+            std::array::from_fn(|i| if is_state(i) { self.x[i] / settled[i] - 1.0 } else { 0.0 });
     }
 }
 
@@ -235,8 +252,8 @@ impl Simulator for EngineSimulator {
     }
 
     fn step(&mut self, u: &[f64], _u_next: &[f64], _f: &[f64], y: &mut [f64]) {
-        for (y, state) in y[..NY].iter_mut().zip(MEASURED) {
-            *y = self.x[state];
+        for (y, state) in y.iter_mut().zip(&self.measured) {
+            *y = self.x[*state];
         }
         let h = self.ts.seconds() / f64::from(self.steps);
         for _ in 0..self.steps {
@@ -246,8 +263,8 @@ impl Simulator for EngineSimulator {
     }
 
     fn measure(&mut self, _u: &[f64], y: &mut [f64]) -> bool {
-        for (y, state) in y[..NY].iter_mut().zip(MEASURED) {
-            *y = self.x[state];
+        for (y, state) in y.iter_mut().zip(&self.measured) {
+            *y = self.x[*state];
         }
         true
     }

@@ -150,6 +150,10 @@ impl ParameterReport {
 
     /// Value, standard error and unit in words.
     pub(in crate::gap) fn words(&self) -> String {
+        // A limit that is not there.
+        if self.shown_value.is_infinite() {
+            return "none".to_owned();
+        }
         let value = words::with_error(self.shown_value, self.shown_error);
         match self.shown_unit.as_str() {
             "1" | "" => value,
@@ -204,6 +208,12 @@ impl PairReport {
             gap_sigma: pair.gap,
             is_tied: false,
         }
+    }
+
+    /// Both causes, in words.
+    pub(in crate::gap) fn name(&self) -> String {
+        let names: Vec<&str> = self.causes.iter().map(|cause| cause.name.as_str()).collect();
+        names.join(" with ")
     }
 
     /// All pairs of a diagnosis.

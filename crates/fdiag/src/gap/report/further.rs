@@ -3,11 +3,13 @@
 use fd_gap::{
     calibrate::Confusion,
     ceiling::{Ceiling, Compensation},
-    experiment::Advice,
+    experiment::{Advice, Rival},
 };
 use serde::Serialize;
 
-use super::{CauseReport, ClosedReport};
+use crate::gap::headline::capital;
+
+use super::{CauseReport, ClosedReport, PairReport};
 
 /// What a black-box compensation could remove, whatever the cause.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -34,8 +36,10 @@ pub struct CompensationReport {
 /// What would separate causes that this log cannot tell apart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AdviceReport {
-    /// Places in `causes` of those to be told apart, the first one first.
+    /// Places in `causes` of those to be told apart, the first one first; neither pairs nor "no gap".
     pub between: Vec<usize>,
+    /// Everything that is to be told apart, in words, the first one first.
+    pub rivals: Vec<String>,
     /// Squares of the noise by which the present logs separate them.
     pub now: f64,
     /// Experiments that were simulated.
@@ -102,7 +106,25 @@ impl CeilingReport {
 }
 
 impl AdviceReport {
-    pub(in crate::gap) fn of(advice: &Advice) -> Self {
+    pub(in crate::gap) fn of(
+        advice: &Advice,
+        causes: &[CauseReport],
+        pairs: &[PairReport],
+    ) -> Self {
+        let place = |rival: &Rival| match rival {
+            Rival::Cause(place) => Some(*place),
+            Rival::NoGap | Rival::Pair(_) => None,
+        };
+        let cause = |place: &usize| causes.get(*place).map(|cause| cause.name.clone());
+        let name = |rival: &Rival| match rival {
+            Rival::NoGap => Some("no gap".to_owned()),
+            Rival::Cause(place) => cause(place),
+            Rival::Pair(place) => pairs.get(*place).map(PairReport::name),
+        };
+        let rivals: Vec<String> = advice.between.iter().filter_map(name).collect();
+        // The same names as everywhere in the report.
+        let pairs = advice.names.iter().zip(&rivals);
+        let statement = pairs.fold(advice.statement.clone(), |s, (from, to)| s.replace(from, to));
         let tried = advice.tried.iter().map(|separation| TriedExperiment {
             name: separation.experiment.name.clone(),
             sensor: separation.experiment.sensor.as_ref().map(|(state, _)| state.clone()),
@@ -110,11 +132,12 @@ impl AdviceReport {
             distances: separation.distances.clone(),
         });
         Self {
-            between: advice.between.clone(),
+            between: advice.between.iter().filter_map(place).collect(),
             now: advice.now,
             tried: tried.collect(),
             best: advice.best,
-            statement: advice.statement.clone(),
+            statement: capital(&statement),
+            rivals,
         }
     }
 }

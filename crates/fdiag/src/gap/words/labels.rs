@@ -2,8 +2,8 @@
 
 use fd_gap::effect::SiteRef;
 
-/// Labels of the library that are more than their dashes turned to spaces.
-const LABELS: [(&str, &str); 13] = [
+/// Labels of the library and of the engine that are more than their dashes turned to spaces.
+const LABELS: [(&str, &str); 18] = [
     ("coulomb-friction", "Coulomb friction"),
     ("drag", "quadratic drag"),
     ("linear-stiffness", "linear stiffness"),
@@ -17,6 +17,11 @@ const LABELS: [(&str, &str); 13] = [
     ("force-map", "unknown force"),
     ("sensor-map", "unknown curve of the sensor"),
     ("state-coupling", "coupling of states"),
+    ("module-efficiency", "shift"),
+    ("flow-capacity", "shift"),
+    ("bleed-leak", "shift"),
+    ("nozzle-area", "shift"),
+    ("combustion", "shift"),
 ];
 
 /// A label in words, such as `Coulomb friction`.
@@ -32,6 +37,9 @@ pub(in crate::gap) fn label(label: &str) -> String {
 pub(in crate::gap) fn family(family: &str) -> String {
     match family {
         "map" => "unknown law".to_owned(),
+        "parameter" => "error".to_owned(),
+        // What engines suffer from is one parameter of their health each.
+        "module" | "bleed" | "nozzle" | "combustion" => "condition".to_owned(),
         family => family.replace('-', " "),
     }
 }

@@ -1,0 +1,24 @@
+//! Diagnoses: fits, evidence, answers, and what is said around them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stdout,
+    reason = "tests panic to fail, compare numbers that are exact, and print what they saw"
+)]
+
+mod bad_input;
+mod bench_cases;
+mod calibrate;
+mod diagnose;
+mod evidence;
+mod experiment;
+mod fit;
+mod forecasts;
+mod frequency;
+mod lanes;
+mod locate;
+mod measurement;
+mod quality;
+mod real_logs;
+mod reproduce;

@@ -1,0 +1,82 @@
+//! Effects of the measurement, and gaps that nothing in the library explains.
+
+use crate::bench_cases::{Reality, example, expr, record};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
+    effect::{EverySite, ReplayScales, library},
+    model::Model,
+    patch::Patch,
+};
+use fd_model::{Record, signal::WhiteNoise};
+
+const FEW: [&str; 6] = [
+    "coulomb-friction",
+    "sensor-bias",
+    "input-gain",
+    "sensor-quantisation",
+    "sensor-outliers",
+    "sensor-noise",
+];
+
+fn run(log: Record) -> Diagnosis {
+    let model = example("mass_spring_damper");
+    let u: Vec<f64> = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
+    let scales = ReplayScales::of(&model, log.ts(), &u, log.len()).unwrap();
+    let effects = library().into_iter().filter(|e| FEW.contains(&e.label())).collect();
+    let suspects = EverySite::new(effects, &model, scales);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &[log], held_out: &[] };
+    diagnose(&case, &Settings::default(), &()).unwrap()
+}
+
+fn log(truth: &Model) -> Record {
+    let reality =
+        Reality { samples: 600, amplitude: 10.0, parameter_error: 0.03, colour: 0.0, seed: 12 };
+    record(truth, reality, 1)
+}
+
+fn measured(log: &Record, change: impl Fn(usize, f64) -> f64) -> Record {
+    let u = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
+    let y = (0..log.len()).map(|k| change(k, log.y(k)[0])).collect();
+    Record::new(log.inputs().to_vec(), log.outputs().to_vec(), u, y, log.ts()).unwrap()
+}
+
+/// The noise of the model is 0.5 mm.
+#[test]
+fn effects_of_the_measurement_are_named() {
+    let clean = log(&example("mass_spring_damper"));
+    let extra = WhiteNoise::new(0.001, 5).values(600).unwrap();
+    let step = 0.002;
+    let cases: [(&str, f64, Record); 3] = [
+        ("sensor-noise", 0.001, measured(&clean, |k, y| y + extra[k])),
+        (
+            "sensor-outliers",
+            0.02,
+            measured(
+                &clean,
+                |k, y| if k % 50 == 7 { y + 0.02 * f64::from(k % 3 == 0) - 0.01 } else { y },
+            ),
+        ),
+        ("sensor-quantisation", step, measured(&clean, |_, y| step * (y / step).round())),
+    ];
+    for (label, value, log) in cases {
+        let diagnosis = run(log);
+        let first = &diagnosis.causes[0];
+        assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, label));
+        let estimate = &first.parameters[0];
+        let tolerance = 4.0 * estimate.standard_error + 1e-9;
+        assert!((estimate.value - value).abs() < tolerance, "{label}: {estimate:?}");
+    }
+    let diagnosis = run(clean);
+    assert_eq!(diagnosis.verdict, Verdict::NoGap);
+    assert!(diagnosis.not_tested.iter().any(|n| n.label == "sensor-quantisation"));
+}
+
+#[test]
+fn a_cause_that_the_library_lacks_is_none_of_these() {
+    let mut patch = Patch::of(&example("mass_spring_damper"));
+    let force = expr("0.5*sin(2*pi*1.7*t) + 0.4*sin(2*pi*0.45*t)");
+    patch.add_force("carriage", "shaking", force).unwrap();
+    let diagnosis = run(log(&patch.finish().unwrap()));
+    assert_eq!(diagnosis.verdict, Verdict::NoneOfThese);
+    assert!(0.9 < diagnosis.none_of_these && diagnosis.is_unexplained);
+}
