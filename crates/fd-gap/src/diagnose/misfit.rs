@@ -173,7 +173,7 @@ fn believe(causes: &mut [(Option<usize>, Cause)], wins: &[[f64; 2]]) {
         cause.probability = 0.0;
     }
     let all: Vec<Cause> = causes[..wins.len()].iter().map(|(_, cause)| cause.clone()).collect();
-    for Group { causes: members, .. } in groups(&all) {
+    for Group { causes: members, .. } in groups(&all, &[]) {
         let sum = |value: &dyn Fn([f64; 2]) -> f64| -> f64 {
             members.iter().map(|c| value(wins[*c])).sum()
         };
