@@ -3,7 +3,7 @@
 use super::{prepare::KnownNoise, result::Leftover};
 use crate::{
     evidence::{NoisePrior, likelihood},
-    fit::Problem,
+    fit::{Problem, Segment},
     quality::pattern,
 };
 
@@ -75,13 +75,19 @@ fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Vec<Vec<f64>>> 
     let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
         (from..to).map(|k| rows[k * width + i]).collect()
     };
+    // With a controller on logged outputs, a command that is an output as well follows their noise
+    // at once: only what was before is no part of it.
+    let delay = usize::from(inputs < first.nu);
     let inputs = (0..inputs.min(first.nu)).map(|i| -> Vec<Vec<f64>> {
         let of = segments.iter();
         of.map(|s| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to)).collect()
     });
     let outputs = (0..first.ny).map(|i| -> Vec<Vec<f64>> {
-        let of = segments.iter();
-        of.map(|s| column(&outputs[s.log], first.ny, i, s.from, s.to)).collect()
+        let late = |s: &Segment| -> Vec<f64> {
+            let now = column(&outputs[s.log], first.ny, i, s.from, s.to);
+            (0..now.len()).map(|k| now[k.saturating_sub(delay)]).collect()
+        };
+        segments.iter().map(late).collect()
     });
     inputs.chain(outputs).collect()
 }

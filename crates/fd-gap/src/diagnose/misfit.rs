@@ -32,7 +32,7 @@ const WORTH_A_NAME: f64 = 0.2;
 /// … at so many horizons.
 const AT_HORIZONS: usize = 2;
 /// The family of free curves, which are no law.
-const CATCH_ALL: &str = "map";
+pub(super) const CATCH_ALL: &str = "map";
 
 /// Whether the simulation without any effect has little to do with some output.
 pub(super) fn is_lost(null: &NullFit) -> bool {
