@@ -7,11 +7,12 @@
 //!    and fitted a little from the best three.
 //! 3. The best causes (effect and site, all their laws) are fitted to the end; the integration step
 //!    is halved until their outputs do not depend on it.
-//! 4. If the best one leaves more than noise, second causes are tried beside the first ones.
+//! 4. If the best one leaves more than noise, or is a free curve, second causes are tried beside
+//!    the first ones.
 //! 5. If what is left then has a colour, everything is fitted again with whitened errors.
 //! 6. Evidence, pooled over the laws of a cause; effects of the measurement, which change the
 //!    likelihood and not the simulation, compete; what the log cannot separate; probabilities, that
-//!    of "none of these" among them, from what the best explanation leaves.
+//!    of "none of these" among them, from what the best explanation leaves and how it forecasts.
 //! 7. Where nothing comes near the noise, forecasts judge instead of evidence.
 //! 8. Forecasts of held-out logs, without and with the best explanation.
 //!
@@ -197,6 +198,9 @@ pub fn diagnose(
     })
 }
 
+/// Rivals of the best cause whose forecasts are looked at.
+const MOST_RIVALS: usize = 4;
+
 /// What was made of the evidence.
 struct Judged {
     regime: Regime,
@@ -221,9 +225,26 @@ fn by_evidence(
     let beside = observed_beside(causes, best, &offers.observed, noise, found.is_coloured);
     let (mut pairs, tied_pairs) = merge(duos, beside, causes, settings);
     let (nominal, null) = (weighing.base.simulator(), &found.null);
-    let outlook = outlook(nominal, null, best, held_out, (noise, &rest.floor), settings)?;
-    let left = unknown_gain(&rest.leftover, outlook);
-    let judgement = judge(causes, &mut pairs, best, left, settings);
+    let forecast =
+        |answer: &Answer| outlook(nominal, null, answer, held_out, (noise, &rest.floor), settings);
+    let mut outlook = forecast(best)?;
+    if 0.0 < outlook.loss && best.effects == 1 {
+        // A free curve may forecast badly where a law that fits as well does not.
+        let near = best.log_evidence - settings.bayes_factor.ln();
+        let rivals = causes.iter().skip(1).take_while(|(_, cause)| near < cause.log_evidence);
+        for (trial, cause) in rivals.take(MOST_RIVALS) {
+            let Some(trial) = trial.map(|trial| &found.trials[trial]) else { continue };
+            let Some(at) = &trial.best else { continue };
+            let evidence = cause.log_evidence;
+            let rival = Answer::of(&trial.model, &trial.problem, at, 1, evidence);
+            let other = rival.as_ref().map(&forecast).transpose()?;
+            if let Some(other) = other.filter(|other| other.loss < outlook.loss) {
+                outlook = other;
+            }
+        }
+    }
+    let gain = unknown_gain(best, &rest.leftover, outlook);
+    let judgement = judge(causes, &mut pairs, best, gain, settings);
     let report_horizons = settings.report_horizons.clone();
     let regime = Regime::AtTheFloor;
     Ok(Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons })

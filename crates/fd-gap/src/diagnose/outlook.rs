@@ -54,8 +54,7 @@ pub(super) fn outlook(
         let nuisances: Vec<(String, f64)> =
             nuisances(problem, &at.z).into_iter().map(|(name, value, _)| (name, value)).collect();
         let values = problem.effect_values(&at.z);
-        let effects: Vec<(Variable, f64)> =
-            problem.effects().iter().cloned().zip(values).collect();
+        let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
         let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);
         let settled = Settled { simulator, nuisances, effects };
         forecast_errors(nominal, settled, logs, *horizon, &noise.sigma)

@@ -102,9 +102,8 @@ pub(super) fn observed_cause(
 /// Probabilities that mechanisms at places are at work, alone or as one of two.
 pub(super) fn groups(causes: &[Cause], pairs: &[Pair]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    let is_of = |group: &Group, cause: &Cause| {
-        group.family == cause.family && group.site == cause.site
-    };
+    let is_of =
+        |group: &Group, cause: &Cause| group.family == cause.family && group.site == cause.site;
     for (place, cause) in causes.iter().enumerate() {
         if let Some(group) = groups.iter_mut().find(|group| is_of(group, cause)) {
             group.probability += cause.probability;

@@ -98,7 +98,8 @@ impl<'a> LoggedLoop<'a> {
         });
         let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
         let inputs = [record.inputs(), &channels].concat();
-        let row = |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
+        let row =
+            |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
         let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
         let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
         let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
