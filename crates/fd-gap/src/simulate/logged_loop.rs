@@ -158,8 +158,8 @@ fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
     for pair in known.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let (a, slope) = (signal[from], (signal[to] - signal[from]) / (to - from) as f64);
-        for k in from + 1..to {
-            signal[k] = a + slope * (k - from) as f64;
+        for (i, value) in signal[from..to].iter_mut().enumerate() {
+            *value = a + slope * i as f64;
         }
     }
     signal
