@@ -2,7 +2,7 @@
 
 use super::{
     explain::explain,
-    leftover::leftover,
+    leftover::{Known, leftover},
     prepare::KnownNoise,
     rank::Ranking,
     result::{Explanation, Leftover},
@@ -95,7 +95,10 @@ impl Answer {
         let is_unexplained =
             gaps[1].iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
         let outputs = &self.explanation.outputs;
-        let leftover = leftover(base, outputs, &self.errors, noise, gaps, &floor);
+        // A controller on logged outputs has these for inputs as well, with their noise.
+        let inputs = refit.explanation.model.external_inputs().len();
+        let known = Known { problem: base, inputs, outputs };
+        let leftover = leftover(known, &self.errors, noise, gaps, &floor);
         Rest { floor, is_unexplained, leftover }
     }
 }

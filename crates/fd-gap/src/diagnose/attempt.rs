@@ -5,6 +5,7 @@ use super::{
     case::Case,
     explain::explain,
     judge::worth,
+    misfit::CATCH_ALL,
     monitor::Monitor,
     observe::{Observed, observe},
     offered::Offered,
@@ -138,7 +139,11 @@ impl<'a> Attempt<'a> {
         let rest =
             |answer: &Answer| answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured);
         let mut left = rest(&best);
-        let is_open = left.is_unexplained || SOMETHING < left.leftover.gain();
+        // A free curve is no law, and two laws may draw it.
+        let first = weighing.causes.first().and_then(|(trial, _)| *trial);
+        let is_curve = best.effects == 1
+            && first.is_some_and(|trial| found.trials[trial].candidate.family == CATCH_ALL);
+        let is_open = left.is_unexplained || SOMETHING < left.leftover.gain() || is_curve;
         if depth == Depth::All && (is_near && is_open || !is_near && is_coloured) {
             duos = seek(&found, &weighing);
         }

@@ -2,6 +2,7 @@
 
 use super::{
     answer::Answer,
+    outlook::Outlook,
     rank::Ranking,
     result::{Leftover, Pair, Verdict},
     settings::Settings,
@@ -24,13 +25,22 @@ pub(super) struct Judgement {
     pub(super) none_of_these: f64,
 }
 
-/// Sets the probabilities of causes and pairs, and returns those of the other answers. `left` is
-/// what the `best` explanation leaves; something unknown, alone or beside it, could leave nothing.
+/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves
+/// `left` and forecasts as `outlook` says. What forecasts well is the right mechanism; what
+/// forecasts badly puts no more in doubt than it has gained.
+pub(super) fn unknown_gain(best: &Answer, left: &Leftover, outlook: Outlook) -> f64 {
+    let is_other = OTHER < left.share && !outlook.is_confirmed;
+    let fitted = if is_other { left.gain() } else { 0.0 };
+    fitted + outlook.loss.min(best.log_evidence.max(0.0))
+}
+
+/// Sets the probabilities of causes and pairs, and returns those of the other answers. Something
+/// unknown, alone or beside the `best` explanation, could gain `gain`.
 pub(super) fn judge(
     causes: &mut Ranking,
     pairs: &mut [Pair],
     best: &Answer,
-    left: &Leftover,
+    gain: f64,
     settings: &Settings,
 ) -> Judgement {
     let Settings { no_gap, unknown, two, temperature, .. } = *settings;
@@ -40,7 +50,6 @@ pub(super) fn judge(
     // Two causes out of n, of which only the promising ones were tried.
     let n = causes.len();
     let each_pair = share((1.0 - no_gap) * two, n * n.saturating_sub(1) / 2);
-    let gain = if OTHER < left.share { left.gain() } else { 0.0 };
     let prior = [no_gap, each, each_pair][best.effects.min(2)] * unknown / (1.0 - unknown);
     let mut answers = vec![(0.0, no_gap), (best.log_evidence + gain - STRENGTH, prior)];
     answers.extend(causes.iter().map(|(_, cause)| (cause.log_evidence, each)));

@@ -3,7 +3,7 @@
 use super::{prepare::KnownNoise, result::Leftover};
 use crate::{
     evidence::{NoisePrior, likelihood},
-    fit::Problem,
+    fit::{Problem, Segment},
     quality::pattern,
 };
 
@@ -14,18 +14,28 @@ pub(super) const COLOURED: f64 = 0.985;
 /// than white noise, by this factor of the spread.
 const SHARP: f64 = 0.4;
 
+/// Signals that residuals may depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known<'a> {
+    /// Its logs have the inputs, cut as the errors are.
+    pub(super) problem: &'a Problem,
+    /// How many of them, from the first, come from outside.
+    pub(super) inputs: usize,
+    /// Simulated outputs of each log.
+    pub(super) outputs: &'a [Vec<f64>],
+}
+
 /// What the errors of an explanation (in sigma) hold beyond noise. `gaps` are those of the
 /// refitted model and of the explanation, per output, and `floor` is that of the noise.
 pub(super) fn leftover(
-    problem: &Problem,
-    outputs: &[Vec<f64>],
+    known: Known<'_>,
     errors: &[Vec<Vec<f64>>],
     noise: &KnownNoise,
     [before, after]: [&[f64]; 2],
     floor: &[f64],
 ) -> Leftover {
     let priors = noise.priors(true);
-    let signals = signals(problem, outputs);
+    let signals = signals(known);
     let level = errors.iter().zip(&priors).map(|(errors, prior)| raised(errors, *prior)).sum();
     // Errors of rounding follow the output by themselves.
     let pattern = errors
@@ -59,19 +69,25 @@ fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
 }
 
 /// Inputs of the logs and outputs of the simulation, cut as the errors are.
-fn signals(problem: &Problem, outputs: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Vec<Vec<f64>>> {
     let plan = problem.plan();
     let (Some(first), segments) = (plan.logs.first(), plan.segments()) else { return Vec::new() };
     let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
         (from..to).map(|k| rows[k * width + i]).collect()
     };
-    let inputs = (0..first.nu).map(|i| -> Vec<Vec<f64>> {
+    // With a controller on logged outputs, a command that is an output as well follows their noise
+    // at once: only what was before is no part of it.
+    let delay = usize::from(inputs < first.nu);
+    let inputs = (0..inputs.min(first.nu)).map(|i| -> Vec<Vec<f64>> {
         let of = segments.iter();
         of.map(|s| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to)).collect()
     });
     let outputs = (0..first.ny).map(|i| -> Vec<Vec<f64>> {
-        let of = segments.iter();
-        of.map(|s| column(&outputs[s.log], first.ny, i, s.from, s.to)).collect()
+        let late = |s: &Segment| -> Vec<f64> {
+            let now = column(&outputs[s.log], first.ny, i, s.from, s.to);
+            (0..now.len()).map(|k| now[k.saturating_sub(delay)]).collect()
+        };
+        segments.iter().map(late).collect()
     });
     inputs.chain(outputs).collect()
 }

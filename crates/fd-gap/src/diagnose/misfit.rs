@@ -32,7 +32,7 @@ const WORTH_A_NAME: f64 = 0.2;
 /// … at so many horizons.
 const AT_HORIZONS: usize = 2;
 /// The family of free curves, which are no law.
-const CATCH_ALL: &str = "map";
+pub(super) const CATCH_ALL: &str = "map";
 
 /// Whether the simulation without any effect has little to do with some output.
 pub(super) fn is_lost(null: &NullFit) -> bool {
@@ -173,7 +173,7 @@ fn believe(causes: &mut [(Option<usize>, Cause)], wins: &[[f64; 2]]) {
         cause.probability = 0.0;
     }
     let all: Vec<Cause> = causes[..wins.len()].iter().map(|(_, cause)| cause.clone()).collect();
-    for Group { causes: members, .. } in groups(&all) {
+    for Group { causes: members, .. } in groups(&all, &[]) {
         let sum = |value: &dyn Fn([f64; 2]) -> f64| -> f64 {
             members.iter().map(|c| value(wins[*c])).sum()
         };

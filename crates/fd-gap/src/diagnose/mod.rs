@@ -1,15 +1,18 @@
 //! From a model, candidates and logs to an answer.
 //!
+//! 0. A controller in the loop is run on the logged outputs, if it did see these
+//!    ([`LoggedLoop`](crate::simulate::LoggedLoop)).
 //! 1. The nuisances are fitted alone ([`null_fit`](crate::fit::null_fit)).
 //! 2. Every candidate is scored at every start by what it could explain besides the nuisances,
 //!    and fitted a little from the best three.
 //! 3. The best causes (effect and site, all their laws) are fitted to the end; the integration step
 //!    is halved until their outputs do not depend on it.
-//! 4. If the best one leaves more than noise, second causes are tried beside the first ones.
+//! 4. If the best one leaves more than noise, or is a free curve, second causes are tried beside
+//!    the first ones.
 //! 5. If what is left then has a colour, everything is fitted again with whitened errors.
 //! 6. Evidence, pooled over the laws of a cause; effects of the measurement, which change the
 //!    likelihood and not the simulation, compete; what the log cannot separate; probabilities, that
-//!    of "none of these" among them, from what the best explanation leaves.
+//!    of "none of these" among them, from what the best explanation leaves and how it forecasts.
 //! 7. Where nothing comes near the noise, forecasts judge instead of evidence.
 //! 8. Forecasts of held-out logs, without and with the best explanation.
 //!
@@ -19,6 +22,7 @@ mod answer;
 mod attempt;
 mod case;
 mod explain;
+mod feedback;
 mod held_out;
 mod judge;
 mod leftover;
@@ -26,6 +30,7 @@ mod misfit;
 mod monitor;
 mod observe;
 mod offered;
+mod outlook;
 mod pairs;
 mod prepare;
 mod rank;
@@ -39,10 +44,12 @@ mod trial;
 use self::{
     answer::Answer,
     attempt::{Attempt, Depth, Weighing},
-    explain::nominal_explanation,
+    explain::{explain, nominal_explanation},
+    feedback::Feedback,
     held_out::compare,
-    judge::{Judgement, judge, verdict},
+    judge::{Judgement, judge, unknown_gain, verdict},
     offered::Offered,
+    outlook::outlook,
     pairs::{merge, observed_beside},
     prepare::inspect_all,
     rank::{Yardstick, groups, sides},
@@ -59,7 +66,8 @@ pub use self::{
 };
 use crate::{
     effect::Candidate,
-    fit::{FitError, Horizon, Log, Problem},
+    fit::{FitError, Horizon, Log, Minimum, Problem},
+    model::Model,
     shrink::Rules,
 };
 
@@ -101,6 +109,9 @@ pub fn diagnose(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Diagnosis, FitError> {
+    let feedback = Feedback::of(case, settings.horizon);
+    let whole = case;
+    let case = &feedback.case(case);
     let mut offers = Offered::of(case.suspects);
     let mut not_tested = std::mem::take(&mut offers.refused);
     let mut attempt = Attempt::new(case, &offers, settings.horizon, Depth::All, settings, monitor)?;
@@ -112,23 +123,44 @@ pub fn diagnose(
     let Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons } = if is_far {
         by_forecasts(case, &offers, &mut attempt, &held_out, settings, monitor)?
     } else {
-        by_evidence(&offers, &mut attempt, settings)
+        by_evidence(&offers, &mut attempt, &held_out, settings)?
     };
     monitor.advance();
 
     let Attempt { model, noise, found, weighing, duos, mut best, mut rest } = attempt;
-    let Weighing { base, refitted, observed, mut causes, .. } = weighing;
+    let Weighing { base, mut refitted, observed, mut causes, .. } = weighing;
     let verdict = verdict(judgement, &causes, &tied, &pairs);
     if verdict == Verdict::NoGap {
         best = refitted.clone();
         rest = best.rest(&refitted, &base, &noise, found.is_coloured);
     }
-    let findings = inspect_all(case.logs, &base, &noise.stated, &refitted.errors)?;
-    let leader = best.fit.as_ref().map(|(problem, minimum)| (problem, minimum));
+    // What is reported is the simulator as it came, with its loop closed.
+    let closed = feedback.closed(whole, &model, &base)?;
+    let leader = match &best.fit {
+        Some((problem, at)) => {
+            Some((feedback.closed(whole, &best.explanation.model, problem)?, at.clone()))
+        }
+        None => None,
+    };
+    let null = &found.null;
+    let again = |model: &Model, problem: &Problem, at: &Minimum| {
+        explain(model, &mut problem.clone(), &at.z).filter(|_| feedback.is_logged())
+    };
+    if let Some(explanation) = again(&model, &closed, &null.minimum) {
+        refitted.explanation = explanation;
+    }
+    let told = match &leader {
+        Some((problem, at)) => again(&best.explanation.model, problem, at),
+        None => Some(refitted.explanation.clone()),
+    };
+    best.explanation = told.unwrap_or(best.explanation);
+    let findings = inspect_all(whole.logs, &closed, &noise.stated, &refitted.errors)?;
+    let leader = leader.as_ref().map(|(problem, at)| (problem, at));
     let settings = &Settings { report_horizons, ..settings.clone() };
-    let (null, floor) = (&found.null, &rest.floor);
+    let floor = &rest.floor;
+    let held_out = Log::all(whole.held_out, closed.simulator(), whole.logs)?;
     let held_out =
-        compare(base.simulator(), null, leader, &held_out, [&noise.sigma, floor], settings)?;
+        compare(closed.simulator(), null, leader, &held_out, [&noise.sigma, floor], settings)?;
     monitor.advance();
 
     let is_seen = |candidate: &Candidate| observed.iter().any(|(c, _)| std::ptr::eq(*c, candidate));
@@ -141,17 +173,18 @@ pub fn diagnose(
     Ok(Diagnosis {
         verdict,
         regime,
+        is_logged_loop: feedback.is_logged(),
         no_gap: judgement.no_gap,
         none_of_these: judgement.none_of_these,
-        groups: groups(&causes),
-        sides: sides(&causes),
+        groups: groups(&causes, &pairs),
+        sides: sides(&causes, &pairs),
         causes,
         tied,
         rivals,
         pairs,
         tied_pairs,
         leftover: rest.leftover,
-        nominal: nominal_explanation(&model, &base)?,
+        nominal: nominal_explanation(&model, &closed)?,
         refit: refitted.explanation,
         is_unexplained: rest.is_unexplained,
         best: best.explanation,
@@ -165,6 +198,9 @@ pub fn diagnose(
     })
 }
 
+/// Rivals of the best cause whose forecasts are looked at.
+const MOST_RIVALS: usize = 4;
+
 /// What was made of the evidence.
 struct Judged {
     regime: Regime,
@@ -177,16 +213,41 @@ struct Judged {
 }
 
 /// The best explanation comes near the noise: likelihoods speak.
-fn by_evidence(offers: &Offered, attempt: &mut Attempt<'_>, settings: &Settings) -> Judged {
+fn by_evidence(
+    offers: &Offered,
+    attempt: &mut Attempt<'_>,
+    held_out: &[Log],
+    settings: &Settings,
+) -> Result<Judged, FitError> {
     let Attempt { noise, found, weighing, duos, best, rest, .. } = attempt;
     let causes = &mut weighing.causes;
     let (tied, rivals) = separate(causes, &mut found.trials, settings);
     let beside = observed_beside(causes, best, &offers.observed, noise, found.is_coloured);
     let (mut pairs, tied_pairs) = merge(duos, beside, causes, settings);
-    let judgement = judge(causes, &mut pairs, best, &rest.leftover, settings);
+    let (nominal, null) = (weighing.base.simulator(), &found.null);
+    let forecast =
+        |answer: &Answer| outlook(nominal, null, answer, held_out, (noise, &rest.floor), settings);
+    let mut outlook = forecast(best)?;
+    if 0.0 < outlook.loss && best.effects == 1 {
+        // A free curve may forecast badly where a law that fits as well does not.
+        let near = best.log_evidence - settings.bayes_factor.ln();
+        let rivals = causes.iter().skip(1).take_while(|(_, cause)| near < cause.log_evidence);
+        for (trial, cause) in rivals.take(MOST_RIVALS) {
+            let Some(trial) = trial.map(|trial| &found.trials[trial]) else { continue };
+            let Some(at) = &trial.best else { continue };
+            let evidence = cause.log_evidence;
+            let rival = Answer::of(&trial.model, &trial.problem, at, 1, evidence);
+            let other = rival.as_ref().map(&forecast).transpose()?;
+            if let Some(other) = other.filter(|other| other.loss < outlook.loss) {
+                outlook = other;
+            }
+        }
+    }
+    let gain = unknown_gain(best, &rest.leftover, outlook);
+    let judgement = judge(causes, &mut pairs, best, gain, settings);
     let report_horizons = settings.report_horizons.clone();
     let regime = Regime::AtTheFloor;
-    Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons }
+    Ok(Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons })
 }
 
 /// Nothing comes near the noise: forecasts speak.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::{
     answer::Answer,
+    misfit::CATCH_ALL,
     monitor::{Monitor, Stage},
     observe::{Observed, observe},
     prepare::{KnownNoise, with_step},
@@ -68,7 +69,7 @@ pub(super) fn seek_pairs(
     let singles: Vec<&Trial<'_>> = ranking
         .iter()
         .filter_map(|(trial, _)| trial.map(|trial| &trials[trial]))
-        .filter(|trial| trial.candidate.family != "map" && trial.best.is_some())
+        .filter(|trial| trial.candidate.family != CATCH_ALL && trial.best.is_some())
         .take(SINGLES)
         .collect();
     let firsts = &singles[..FIRSTS.min(singles.len())];
@@ -110,7 +111,7 @@ fn beside(
         .beside(first.candidate)
         .into_iter()
         .flatten()
-        .filter(|second| second.kind == Kind::Simulation && second.family != "map")
+        .filter(|second| second.kind == Kind::Simulation && second.family != CATCH_ALL)
         .filter(|second| !is_same(second, first.candidate))
         .map(|second| match first.model.step {
             Some(step) => Candidate { model: with_step(&second.model, step), ..second },

@@ -3,7 +3,7 @@
 use super::{
     explain::settle,
     observe::Observed,
-    result::{Cause, Estimate, Explanation, Group},
+    result::{Cause, Estimate, Explanation, Group, Pair},
     trial::Trial,
 };
 use crate::{
@@ -99,12 +99,13 @@ pub(super) fn observed_cause(
     }
 }
 
-/// Sums of probabilities over mechanisms at places.
-pub(super) fn groups(causes: &[Cause]) -> Vec<Group> {
+/// Probabilities that mechanisms at places are at work, alone or as one of two.
+pub(super) fn groups(causes: &[Cause], pairs: &[Pair]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
+    let is_of =
+        |group: &Group, cause: &Cause| group.family == cause.family && group.site == cause.site;
     for (place, cause) in causes.iter().enumerate() {
-        let same = |group: &&mut Group| group.family == cause.family && group.site == cause.site;
-        if let Some(group) = groups.iter_mut().find(same) {
+        if let Some(group) = groups.iter_mut().find(|group| is_of(group, cause)) {
             group.probability += cause.probability;
             group.causes.push(place);
         } else {
@@ -117,15 +118,21 @@ pub(super) fn groups(causes: &[Cause]) -> Vec<Group> {
             });
         }
     }
+    for group in &mut groups {
+        let with = pairs.iter().filter(|pair| pair.causes.iter().any(|cause| is_of(group, cause)));
+        group.probability += with.map(|pair| pair.probability).sum::<f64>();
+    }
     groups.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     groups
 }
 
-/// Sums of probabilities over sides of the plant.
-pub(super) fn sides(causes: &[Cause]) -> Vec<(Side, f64)> {
+/// Probabilities that something is at work on a side of the plant.
+pub(super) fn sides(causes: &[Cause], pairs: &[Pair]) -> Vec<(Side, f64)> {
     let of = |side| {
-        let causes = causes.iter().filter(|cause| cause.side == side);
-        (side, causes.map(|cause| cause.probability).sum())
+        let alone = causes.iter().filter(|cause| cause.side == side).map(|cause| cause.probability);
+        let is_there = |pair: &&Pair| pair.causes.iter().any(|cause| cause.side == side);
+        let paired = pairs.iter().filter(is_there).map(|pair| pair.probability);
+        (side, alone.chain(paired).sum())
     };
     let mut sides: [(Side, f64); 3] = [Side::Input, Side::Dynamics, Side::Output].map(of);
     sides.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -15,15 +15,21 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What the probabilities rest on.
     pub regime: Regime,
+    /// Whether the controller in the loop was run on the logged outputs, which it did see: causes
+    /// are weighed with the commands that the plant really had
+    /// ([`LoggedLoop`](crate::simulate::LoggedLoop)). Explanations and held-out gaps are of the
+    /// simulator as it came, with its loop closed.
+    pub is_logged_loop: bool,
     /// Probability that the nominal model, with its parameters refitted, explains the log.
     pub no_gap: f64,
     /// Probability that no cause that was tried, nor a pair of them, is the right one.
     pub none_of_these: f64,
     /// Single causes, the most probable first.
     pub causes: Vec<Cause>,
-    /// Mechanisms at places, the most probable first: sums over `causes`.
+    /// Mechanisms at places, the most probable first: sums over `causes` and `pairs`. As two
+    /// mechanisms may be at work together, probabilities of groups may add up to more than 1.
     pub groups: Vec<Group>,
-    /// Sides of the plant, the most probable first.
+    /// Sides of the plant, the most probable first; sums as those of `groups`.
     pub sides: Vec<(Side, f64)>,
     /// Places in `causes` of the causes that this log cannot tell from the first one, which is the
     /// first of them: refitted to its noise-free simulation they leave less than 9 squares of the
@@ -101,7 +107,7 @@ pub struct Group {
     pub site: SiteRef,
     /// Side of the plant.
     pub side: Side,
-    /// Sum of the probabilities of its causes.
+    /// Probability that it is at work, alone or as one of two.
     pub probability: f64,
     /// Places of its causes in [`Diagnosis::causes`].
     pub causes: Vec<usize>,

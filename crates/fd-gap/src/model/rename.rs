@@ -1,6 +1,6 @@
 //! Changes that touch every expression or every name of a draft.
 
-use super::draft::{Definition, Delay, Draft, Output, Site, State};
+use super::draft::{Controller, Definition, Delay, Draft, Output, Site, State};
 use crate::equation::Expr;
 
 impl Draft {
@@ -20,9 +20,7 @@ impl Draft {
         all.extend(times);
         all.extend(inputs.iter_mut().flat_map(|input| input.saturation.iter_mut().flatten()));
         if let Some(controller) = controller {
-            all.extend(controller.states.iter_mut().map(|state| state.law.expr_mut()));
-            all.extend(controller.definitions.iter_mut().map(|definition| &mut definition.value));
-            all.extend(controller.signals.iter_mut().map(|signal| &mut signal.value));
+            all.extend(controller.expressions_mut());
         }
         all
     }
@@ -69,6 +67,17 @@ impl Draft {
             all.extend(controller.definitions.iter_mut().map(|entry| &mut entry.name));
             all.extend(controller.signals.iter_mut().map(|entry| &mut entry.input));
         }
+        all
+    }
+}
+
+impl Controller {
+    /// All expressions of the controller: laws of its states, definitions, signals.
+    pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
+        let mut all: Vec<&mut Expr> = Vec::new();
+        all.extend(self.states.iter_mut().map(|state| state.law.expr_mut()));
+        all.extend(self.definitions.iter_mut().map(|definition| &mut definition.value));
+        all.extend(self.signals.iter_mut().map(|signal| &mut signal.value));
         all
     }
 }

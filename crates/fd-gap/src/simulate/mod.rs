@@ -5,7 +5,8 @@
 //! runs a [`Model`](crate::model::Model) and shows them all; [`BlackBox`] makes a simulator of any
 //! [`Plant`](fd_core::stage::Plant) or linear model.
 //!
-//! What is diagnosed is a [`Nominal`]: equations, or a [`Shell`] around any other simulator.
+//! What is diagnosed is a [`Nominal`]: equations, or a [`Shell`] around any other simulator; or a
+//! [`LoggedLoop`], of which the controller acts on what was logged.
 //!
 //! Integration is Runge-Kutta of order 4 on an even grid of sub-steps between samples. The length
 //! `h` of a sub-step follows from the fastest eigenvalue of the linearised model, `h |λ| < 0.3`,
@@ -28,6 +29,7 @@ mod error;
 mod flat;
 mod jacobian;
 mod linearize;
+mod logged_loop;
 mod nominal;
 mod shell;
 mod simulator;
@@ -38,6 +40,7 @@ pub use self::{
     equations::EquationSimulator,
     error::SimulateError,
     linearize::{OperatingPoint, linearize, linearize_discrete},
+    logged_loop::LoggedLoop,
     nominal::Nominal,
     shell::{Shell, ShellSimulator},
     simulator::{Initial, Outcome, Port, Run, Simulator},

@@ -32,6 +32,8 @@ pub struct Answer {
     pub tied: Vec<usize>,
     /// All causes that act together, when the diagnosis names more than one.
     pub together: Vec<Named>,
+    /// Pairs of causes that may act together, with their probabilities.
+    pub pairs: Vec<Together>,
     /// Root mean square of the training residual of each output, parameters refitted, with the
     /// answer, and that of the noise floor; in the unit of the output.
     pub gaps: [Vec<f64>; 3],
@@ -69,6 +71,16 @@ pub struct Named {
     /// The other end of a coupling.
     pub partner: Option<String>,
     /// Probability.
+    pub probability: f64,
+}
+
+/// Two causes that may act together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Together {
+    /// Both of them.
+    pub causes: [Named; 2],
+    /// Probability that it is these two.
     pub probability: f64,
 }
 

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use fd_gap::{
-    diagnose::{self, Cause, Settings, Verdict, diagnose},
+    diagnose::{self, Cause, Pair, Settings, Verdict, diagnose},
     effect::{EverySite, ReplayScales, Side, Suspects, library, with_default_sites},
     model::Model,
 };
 use fd_model::Record;
 
 use super::{
-    answer::{Answer, Named, Share, UNCLEAR},
+    answer::{Answer, Named, Share, Together, UNCLEAR},
     error::BlindError,
 };
 
@@ -58,6 +58,7 @@ pub(super) fn answer(
         causes: diagnosis.causes.iter().take(KEPT).map(named).collect(),
         tied: diagnosis.tied.clone(),
         together,
+        pairs: diagnosis.pairs.iter().take(KEPT).map(together_with).collect(),
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
             .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
@@ -79,6 +80,10 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::NoneOfThese => "none of these",
         Verdict::Unclear => UNCLEAR,
     }
+}
+
+fn together_with(pair: &Pair) -> Together {
+    Together { causes: pair.causes.each_ref().map(named), probability: pair.probability }
 }
 
 fn named(cause: &Cause) -> Named {

@@ -34,11 +34,13 @@ impl Effect for InputSaturation {
                     .shape("n", "sharpness", "1", 1.0, [1.2, 40.0], 40.0)
                     // Below 1e-9 the power is lost in rounding, and its slope stays finite.
                     .wrap_input("u/(1 + max(s*abs(u), 1e-9)^n)^(1/n)")
-                    .starts([[1.0 / 0.92, 8.0], [1.0 / 0.8, 3.0], [1.0 / 0.5, 3.0]]),
+                    // The last one takes 2 % of the largest input.
+                    .starts([[1.0 / 0.92, 8.0], [1.0 / 0.8, 3.0], [1.0 / 0.5, 3.0], [0.4, 3.0]]),
                 limit(sketch("tanh"), input)
                     .bind("S", 1e-9 / input.peak())
                     .wrap_input("if(s > 0, tanh(s*u)/max(s, S), u)")
-                    .starts([[0.5], [1.0], [1.6]]),
+                    // The first one takes 1 % of the largest input.
+                    .starts([[0.17], [0.5], [1.0], [1.6]]),
                 limit(sketch("asymmetric"), input)
                     .shape("a", "limit_asymmetry", "1", 1.0, [-1.0, 1.0], 0.0)
                     .wrap_input("u/max(1, s*(abs(u) + a*u))")

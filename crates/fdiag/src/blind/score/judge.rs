@@ -186,8 +186,11 @@ pub(super) fn judge(
             causes.filter(|(i, c)| *i == 0 || wanted(*i, c)).map(|(_, c)| c.probability).sum()
         };
         verdict.probability = sum(&|i, _| answer.tied.contains(&i));
+        // A mechanism is at work alone, or as one of two.
+        let with = answer.pairs.iter().filter(|p| p.causes.iter().any(|c| is_one_group(first, c)));
         verdict.group_probability =
-            sum(&|i, cause| answer.tied.contains(&i) || is_one_group(first, cause));
+            sum(&|i, cause| answer.tied.contains(&i) || is_one_group(first, cause))
+                + with.map(|pair| pair.probability).sum::<f64>();
     }
     if let (Some(effect), Some(first)) = (effect, first) {
         verdict.is_exact = is_exact(effect, &first.label, &first.site, first.partner.as_deref());
