@@ -13,6 +13,7 @@ mod calibrate;
 mod diagnose;
 mod evidence;
 mod experiment;
+mod feedback;
 mod fit;
 mod forecasts;
 mod frequency;

@@ -1,9 +1,4 @@
 //! A controller in the loop sees the noise of the sensors, and the diagnosis knows it.
-#![allow(clippy::unwrap_used, reason = "tests panic to fail")]
-
-mod bench_cases;
-
-use bench_cases::{example, excitation, expr};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, diagnose},
     effect::{EverySite, ReplayScales, library},
@@ -11,6 +6,8 @@ use fd_gap::{
     patch::Patch,
     simulate::{EquationSimulator, LoggedLoop, Nominal, Simulator},
 };
+
+use crate::bench_cases::{example, excitation, expr};
 use fd_model::{
     Record,
     signal::{ArNoise, WhiteNoise},
