@@ -29,7 +29,7 @@ const KINDS: [&str; 14] = [
 
 fn spec(generator: &str) -> PipelineSpec {
     let text = format!(
-        "generator = {{ {generator} }}\nsettle_s = 5.0\nbias.orders = {{ kind = \"fixed\", na = 1, nb = 2 }}"
+        "generator = {{ {generator} }}\nsettle_s = 5.0\nbias.orders = {{ kind = \"fixed\", na = 0, nb = 3 }}"
     );
     toml::from_str(&text).unwrap()
 }
