@@ -1,4 +1,10 @@
 //! Every structure and every way of learning a bias is a line of a spec away, and works.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "helpers of tests may stop at the first surprise and say what they measured"
+)]
 
 mod support;
 

@@ -11,7 +11,7 @@ use crate::{
     least_squares::{LeastSquares, LinearFit},
 };
 
-/// Iterated extended least squares, see the [module](self).
+/// Iterated extended least squares, see the [module](super).
 ///
 /// # Examples
 ///

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Recursive extended least squares, one estimator per residual channel, see the
-/// [module](self).
+/// [module](super).
 ///
 /// [`Identifier::theta`] shows the parameters of the bias model alone, so that it fits any
 /// [`ArxSimulator`](crate::arx::ArxSimulator); those of the noise are at

@@ -22,7 +22,7 @@ use crate::{
     refine::Sriv,
 };
 
-/// A prediction-error estimator of `μ = B/A u + C/D e`, see the [module](self).
+/// A prediction-error estimator of `μ = B/A u + C/D e`, see the [module](super).
 ///
 /// # Examples
 ///

@@ -57,7 +57,7 @@ impl Default for RandomWalkDesign {
     }
 }
 
-/// A Kalman filter for the parameters of one target, see the [module](self).
+/// A Kalman filter for the parameters of one target, see the [module](super).
 ///
 /// # Examples
 ///

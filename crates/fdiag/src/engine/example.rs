@@ -147,7 +147,7 @@ impl Benchmark {
                 Ok((
                     omega,
                     truth,
-                    model.frequency_response(0, 0, omega).map_or(f64::NAN, |g| g.norm()),
+                    model.frequency_response(0, 0, omega).map_or(f64::NAN, faer::c64::norm),
                 ))
             })
             .collect()

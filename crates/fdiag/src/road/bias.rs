@@ -23,7 +23,7 @@ pub enum LearnedBias {
     /// Local equations, blended over the operating range.
     Scheduled(ScheduledModel),
     /// One state-space model for all channels.
-    StateSpace(StateSpaceBias),
+    StateSpace(Box<StateSpaceBias>),
 }
 
 impl LearnedBias {

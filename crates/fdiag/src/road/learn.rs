@@ -95,7 +95,7 @@ fn learn_states(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, Road
     if offset {
         subspace = subspace.with_offset();
     }
-    let bias = LearnedBias::StateSpace(subspace.fit(records)?.model);
+    let bias = LearnedBias::StateSpace(Box::new(subspace.fit(records)?.model));
     Ok(Learned { bias, selection: None, events: Vec::new() })
 }
 
