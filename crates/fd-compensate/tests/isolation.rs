@@ -113,8 +113,8 @@ fn probabilities_and_intervals_keep_what_they_say() {
             .max_by(|a, b| rule.probabilities()[*a].total_cmp(&rule.probabilities()[*b]));
         let best = best.unwrap();
         let p = rule.probabilities()[best];
-        let tenth = (1..10).find(|&tenth| 10.0 * p < f64::from(tenth)).unwrap_or(10);
-        let bin = &mut bins[tenth as usize - 1];
+        let tenth = (1_usize..10).find(|&tenth| 10.0 * p < tenth as f64).unwrap_or(10);
+        let bin = &mut bins[tenth - 1];
         *bin = (bin.0 + 1, bin.1 + p, bin.2 + u32::from(best == truth));
         right += u32::from(best == truth);
         if let Some([low, high]) = fault.size_interval.filter(|_| fault.hypothesis == Some(truth)) {
@@ -203,6 +203,23 @@ fn a_structure_matrix_isolates_without_signatures() {
     Stage::<f64>::reset(&mut rule);
     let found = last(&mut rule, &faulty(&mut noise, &[1.0, 1.0, 1.0], 1.0, 300));
     assert_eq!(found.hypothesis, None);
+}
+
+/// A residual that wanders is worth little, so that a mean as large as its wandering says nothing.
+#[test]
+fn a_drifting_residual_concludes_nothing_in_haste() {
+    let drift: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
+    let noise = FaultFree::from_samples(SampleRows::new(1, &drift).unwrap()).unwrap();
+    let set = [signature("a", &[1.0])];
+    let mut rule =
+        IsolatingDebounce::new(&noise, &set, Debouncing::default(), &Isolation::default()).unwrap();
+    let verdict = Verdict { statistic: 2.0, threshold: 1.0 };
+    // Mean 0.5, spread 0.29: a mean of 0.85 is 1.2 spreads out.
+    for k in 0..100 {
+        rule.decide(Evidence { k, phase: Phase::Compensating, verdict, r_star: &[0.85] });
+    }
+    // A hundred samples count as one: the mean is no further out than one sample may be.
+    assert!(rule.probabilities()[2] > 0.3, "{:?}", rule.probabilities());
 }
 
 #[test]

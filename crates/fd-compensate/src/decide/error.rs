@@ -31,14 +31,6 @@ pub enum RuleError {
     /// The fault-free residual does not say what is normal.
     #[error(transparent)]
     FaultFree(#[from] DetectorError),
-    /// The fault-free residual does not forget itself, so that no mean of it is worth anything.
-    #[error(
-        "the fault-free record of {samples} samples does not forget itself: it drifts or is too short"
-    )]
-    Drift {
-        /// Samples of the record.
-        samples: usize,
-    },
     /// A signature cannot be told from no fault, or does not belong to this residual.
     #[error(
         "signature of hypothesis {hypothesis} `{name}`: expected {residual_len} finite gains, not all \
