@@ -54,8 +54,8 @@ impl<R: Copy> Past<R> {
     #[inline(always)]
     pub(super) fn regressor_into(&self, phi: &mut [R], one: R) {
         let inputs = self.inputs - self.waiting;
-        for i in 0..phi.len() {
-            phi[i] = if i < self.bias {
+        for (i, phi) in phi.iter_mut().enumerate() {
+            *phi = if i < self.bias {
                 self.rows[self.inputs + i]
             } else if i < self.bias + inputs {
                 self.rows[self.waiting + i - self.bias]

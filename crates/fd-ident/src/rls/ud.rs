@@ -1,9 +1,7 @@
 //! The covariance as `U D Uᵀ`, which stays positive definite in any arithmetic.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
-    reason = "inlined loops over indices are unrolled where the storage has a fixed size, which \
-              makes an update twice as fast; iterators over parts of columns are not"
+    reason = "inlined loops over indices are unrolled where the storage has a fixed size"
 )]
 
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};

@@ -1,4 +1,6 @@
 //! Long runs of a register full of estimators, next to a QR reference in double precision.
+#![allow(dead_code, reason = "the test and the example each use their own part")]
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use fd_core::{Scalar, stage::GuardReport};
 use fd_ident::{

@@ -25,14 +25,14 @@ pub(crate) fn smith_factors([a, b, c]: [Mat<f64>; 3]) -> Result<[Mat<f64>; 2], M
     let (mut controllability, mut observability) = (None, None);
     for _ in 0..DOUBLINGS {
         if let Some(factor) = l_c.take() {
-            match doubled(&factor, &power * &factor) {
+            match doubled(&factor, &(&power * &factor)) {
                 Step::Converged => controllability = Some(factor),
                 Step::Goes(factor) => l_c = Some(factor),
                 Step::Diverged => break,
             }
         }
         if let Some(factor) = l_o.take() {
-            match doubled(&factor, power.transpose() * &factor) {
+            match doubled(&factor, &(power.transpose() * &factor)) {
                 Step::Converged => observability = Some(factor),
                 Step::Goes(factor) => l_o = Some(factor),
                 Step::Diverged => break,
@@ -57,7 +57,7 @@ enum Step {
 }
 
 /// The factor with what it has moved to, `[L, A L]`.
-fn doubled(factor: &Mat<f64>, moved: Mat<f64>) -> Step {
+fn doubled(factor: &Mat<f64>, moved: &Mat<f64>) -> Step {
     let (step, size) = (moved.norm_l2(), factor.norm_l2());
     if !size.is_finite() || !step.is_finite() {
         Step::Diverged
