@@ -153,6 +153,15 @@ fn a_worn_compressor_is_named_by_the_nonlinear_simulator() {
     assert!(matches!(answer, Answer::Right | Answer::Tied), "{answer:?}");
 }
 
+/// The linear engine is sampled: a sample is its step, and cannot be halved.
+#[test]
+fn the_linear_engine_blames_nothing_for_its_fuel() {
+    let (answer, diagnosis) = find(&known(), true, few(), EngineCause::Nothing, 300, 3);
+    assert_eq!(answer, Answer::Right, "{:?}", diagnosis.verdict);
+    // A standard deviation of 300 samples is 1 ± 0.04, of which the largest of five is within 0.2.
+    assert!(diagnosis.refit.gap.iter().all(|gap| *gap < 1.2), "{:?}", diagnosis.refit.gap);
+}
+
 #[test]
 fn a_slow_fuel_valve_comes_first_with_both() {
     for is_linear in [true, false] {
