@@ -35,8 +35,11 @@ macro_rules! chains {
 chains!(Doubles, F64_LANES, splat_f64s, mul_add_e_f64s);
 chains!(Singles, F32_LANES, splat_f32s, mul_add_e_f32s);
 
+/// A name and what does so many multiply-adds.
+pub type Work = (&'static str, fn() -> u64);
+
 /// Runs of multiply-adds, each of which returns how many numbers it has computed.
 #[must_use]
-pub fn fused_multiply_adds() -> [(&'static str, fn() -> u64); 2] {
+pub fn fused_multiply_adds() -> [Work; 2] {
     [("f64", || Arch::new().dispatch(Doubles)), ("f32", || Arch::new().dispatch(Singles))]
 }

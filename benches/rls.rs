@@ -119,7 +119,9 @@ fn block<T: LaneScalar>(n: usize, (estimators, steps): (usize, usize)) -> Sample
     let mut phi = vec![T::zero(); n];
     for estimator in 0..estimators {
         for step in 0..steps {
-            phi.iter_mut().for_each(|phi| *phi = T::from_design(rng.random_range(-1.0..1.0)));
+            for phi in &mut phi {
+                *phi = T::from_design(rng.random_range(-1.0..1.0));
+            }
             block.set(estimator, step, &phi, T::from_design(rng.random_range(-1.0..1.0)));
         }
     }

@@ -1,4 +1,5 @@
 //! The tournament: fair, repeatable, to be continued, and right about what is known.
+#![allow(clippy::unwrap_used, reason = "tests panic to fail")]
 
 use std::{
     fs,
@@ -12,9 +13,9 @@ use fdiag::compare::{
 
 /// One linear scenario, one observer, with and without bias model.
 fn small() -> CompareConfig {
-    let mut config = CompareConfig::default();
-    config.engines =
+    let engines =
         Engines { thresholds: 3, test: 3, calibration_runs: 6, threshold_runs: 40, test_runs: 4 };
+    let mut config = CompareConfig { engines, ..CompareConfig::default() };
     config.scenarios.retain(|scenario| scenario.name == "linear");
     config.generators.retain(|generator| generator.name == "observer");
     config.biases.retain(|bias| bias.name == "none" || bias.name == "arx-filtered");

@@ -172,7 +172,7 @@ impl<const N: usize> Value for Lanes<N> {
         match *ARCH.get_or_init(pulp::Arch::new) {
             // Fewer lanes than the widest register has.
             #[cfg(target_arch = "x86_64")]
-            pulp::Arch::V4(wide) if N % 8 != 0 => pulp::Simd::vectorize(*wide, work),
+            pulp::Arch::V4(wide) if !N.is_multiple_of(8) => pulp::Simd::vectorize(*wide, work),
             arch => arch.dispatch(work),
         }
     }
