@@ -24,7 +24,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 mod limit;
 
-pub use crate::limit::fused_multiply_adds;
+pub use crate::limit::{Work, fused_multiply_adds};
 
 /// Whatever can go wrong before a benchmark starts.
 pub type Fallible<T> = Result<T, Box<dyn Error>>;

@@ -8,7 +8,7 @@ pub mod blind;
 pub mod compare;
 pub mod engine;
 pub mod gap;
-mod journal;
+pub mod journal;
 pub mod logs;
 pub mod report;
 pub mod road;

@@ -1,10 +1,11 @@
 //! What a diagnosis said of a case, one line of JSON per case.
 
-use std::{fs, io::Write, path::Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::{baselines::Baselines, error::BlindError};
+use crate::journal;
 
 /// The word for an answer that names nothing.
 pub(super) const UNCLEAR: &str = "unclear";
@@ -114,43 +115,12 @@ impl Answer {
 ///
 /// # Errors
 ///
-/// Returns an error when the file cannot be read or a line before the last is not an answer.
+/// Returns an error when the file cannot be read or a line is not an answer.
 pub fn read_answers(file: &Path) -> Result<Vec<Answer>, BlindError> {
-    if !file.exists() {
-        return Ok(Vec::new());
-    }
-    let text = fs::read_to_string(file).map_err(BlindError::file(file))?;
     let mut answers: Vec<Answer> = Vec::new();
-    let lines: Vec<&str> = text.lines().collect();
-    for (i, line) in lines.iter().enumerate() {
-        match serde_json::from_str::<Answer>(line) {
-            Ok(answer) => {
-                answers.retain(|known| known.case != answer.case);
-                answers.push(answer);
-            }
-            // A run that was killed while it wrote.
-            Err(_) if i + 1 == lines.len() && !text.ends_with('\n') => {}
-            Err(error) => {
-                return Err(BlindError::content(file, format!("line {}: {error}", i + 1)));
-            }
-        }
+    for answer in journal::read::<Answer>(file)? {
+        answers.retain(|known| known.case != answer.case);
+        answers.push(answer);
     }
     Ok(answers)
-}
-
-/// Adds an answer to a file.
-pub(super) fn append(file: &mut fs::File, path: &Path, answer: &Answer) -> Result<(), BlindError> {
-    let mut line = serde_json::to_string(answer).map_err(|e| BlindError::content(path, e))?;
-    line.push('\n');
-    file.write_all(line.as_bytes()).map_err(BlindError::file(path))
-}
-
-/// Cuts off what a killed run left of a line.
-pub(super) fn mend(file: &Path) -> Result<(), BlindError> {
-    let Ok(text) = fs::read(file) else { return Ok(()) };
-    let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-    if whole < text.len() {
-        fs::write(file, &text[..whole]).map_err(BlindError::file(file))?;
-    }
-    Ok(())
 }

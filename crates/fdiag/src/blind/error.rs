@@ -7,6 +7,8 @@ use fd_jetengine::EngineError;
 use fd_model::{ModelError, file::LogError};
 use thiserror::Error;
 
+use crate::journal::JournalError;
+
 /// A blind test cannot be made, run or scored.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -40,6 +42,9 @@ pub enum BlindError {
         /// What the system says.
         error: std::io::Error,
     },
+    /// The file of answers.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     /// A file is not what it should be.
     #[error("{}: {what}", file.display())]
     Content {

@@ -3,7 +3,6 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::Mutex,
 };
 
 use fd_gap::model::Model;
@@ -14,12 +13,13 @@ use fd_model::{
 use rayon::prelude::*;
 
 use super::{
-    answer::{Answer, append, mend, read_answers},
+    answer::{Answer, read_answers},
     baselines,
     diagnose::answer,
     error::BlindError,
     make::{CASES, COMMITMENT},
 };
+use crate::journal::Journal;
 
 /// Name of the file of answers.
 pub(super) const ANSWERS: &str = "answers.jsonl";
@@ -107,11 +107,9 @@ pub fn run(
     done: impl Fn() + Sync,
 ) -> Result<(), BlindError> {
     let path = directory.join(ANSWERS);
-    mend(&path)?;
     let known = read_answers(&path)?;
     let cases = cases(directory)?;
-    let file = fs::OpenOptions::new().create(true).append(true).open(&path);
-    let file = Mutex::new(file.map_err(BlindError::file(&path))?);
+    let journal = Journal::open(&path)?;
     cases
         .par_iter()
         .filter(|case| !known.iter().any(|answer| answer.case == case.name))
@@ -122,8 +120,7 @@ pub fn run(
                 no_gap: 1.0,
                 ..Answer::default()
             });
-            let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            append(&mut file, &path, &answer)?;
+            journal.append(&answer)?;
             done();
             Ok(())
         })

@@ -1,9 +1,6 @@
 //! Every choice of a comparison.
 
-use fd_compensate::{
-    calibrate::{Beyond, CalibrationPlan},
-    decide::Debouncing,
-};
+use fd_compensate::decide::Debouncing;
 use fd_model::fault::Site;
 use serde::{Deserialize, Serialize};
 
@@ -54,9 +51,6 @@ pub struct CompareConfig {
     pub settle_s: Option<f64>,
     /// When an alarm is raised; the same for all entries.
     pub rule: Debouncing,
-    /// How a detector finds its own threshold, before all thresholds are brought to the same rate of
-    /// false alarms.
-    pub calibration: CalibrationPlan,
     /// What the methods are compared on.
     pub scenarios: Vec<Scenario>,
     /// Samples to residuals.
@@ -145,7 +139,7 @@ pub struct Bias {
 pub struct Detector {
     /// A short name.
     pub name: String,
-    /// The detector. Its own threshold matters only relative to itself.
+    /// The detector. The rate of false alarms in it plays no part: that of the comparison counts.
     pub spec: DetectorSpec,
 }
 
@@ -170,13 +164,6 @@ impl Default for CompareConfig {
             faults: FaultGrid::default(),
             settle_s: Some(0.0),
             rule: Debouncing::default(),
-            // A rough threshold will do: all are brought to the same rate of false alarms anyway.
-            calibration: CalibrationPlan {
-                runs: 100,
-                records: 20,
-                beyond: Beyond::Extrapolate,
-                ..CalibrationPlan::default()
-            },
             scenarios: defaults::scenarios(),
             generators: defaults::generators(),
             biases: defaults::biases(),
@@ -204,7 +191,6 @@ impl CompareConfig {
             generator: generator.spec.clone(),
             weighting: generator.weighting.clone(),
             bias: bias.clone(),
-            calibration: self.calibration.clone(),
             rule: self.rule,
             settle_s: self.settle_s,
             ..PipelineSpec::default()

@@ -47,7 +47,7 @@ impl Scene<'_> {
                         residual.zip(trained.as_ref().ok()).and_then(|(residual, trained)| {
                             let (primary, star) = trained.calibration();
                             let rows = if bias.spec.is_some() { star } else { primary };
-                            let mut detector = trained.detector_of(&detector.spec, rows).ok()?;
+                            let mut detector = trained.scaled(&detector.spec, rows).ok()?;
                             let (nu, channels) =
                                 (trained.design().io().nu, trained.design().residual_len());
                             let samples = rows.len() / channels;

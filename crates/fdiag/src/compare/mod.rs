@@ -2,8 +2,8 @@
 //! engines, at the same rate of false alarms.
 //!
 //! Thresholds of different detectors are in different units and promise different things, so all are
-//! brought to one rate: each detector is scaled on healthy runs of its own engine, then multiplied by
-//! the factor at which the wanted share of fault-free runs of *other* engines alarms. What is found at
+//! brought to one rate: each detector is scaled on healthy runs of its own engine, then its threshold is
+//! multiplied by the factor at which the wanted share of fault-free runs of *other* engines alarms. What is found at
 //! that factor on engines that neither saw is the result. For one engine of one type, as in a plant
 //! with no sister, this is not the way to set a threshold: calibrate it on its own data.
 
@@ -35,4 +35,3 @@ pub use self::{
     run::Watcher,
     share::Share,
 };
-pub use crate::journal::JournalError;

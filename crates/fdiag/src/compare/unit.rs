@@ -118,7 +118,7 @@ impl Judge<'_> {
         let scale = if self.compensated { compensated } else { primary };
         let channels = trained.design().residual_len();
         let rows = SampleRows::new(channels, scale)?;
-        let mut detector = trained.detector_of(&detector.spec, scale)?;
+        let mut detector = trained.scaled(&detector.spec, scale)?;
         let mut margins = |(record, trace): (&Record, &Trace)| {
             margins(detector.as_mut(), record, residual(trace, self.compensated), config.rule)
         };

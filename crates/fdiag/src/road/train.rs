@@ -224,21 +224,30 @@ impl Trained {
 
     /// The detector of the spec, calibrated on one of the two fault-free residuals.
     pub(crate) fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, RoadError> {
-        self.detector_of(&self.spec.detector, healthy)
+        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
+        self.detector_from(&self.spec.detector, healthy, Some(&plan))
     }
 
-    /// Another detector, calibrated in the same way.
-    pub(crate) fn detector_of(
+    /// Another detector with the scales of fault-free residuals, its threshold not calibrated.
+    pub(crate) fn scaled(
         &self,
         detector: &DetectorSpec,
         healthy: &[f64],
     ) -> Result<Box<dyn Detector>, RoadError> {
-        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
+        self.detector_from(detector, healthy, None)
+    }
+
+    fn detector_from(
+        &self,
+        detector: &DetectorSpec,
+        healthy: &[f64],
+        plan: Option<&CalibrationPlan>,
+    ) -> Result<Box<dyn Detector>, RoadError> {
         let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
         let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
         let data = DetectorData {
             healthy: DrivenRows::new(inputs, residuals)?,
-            plan: &plan,
+            plan,
             model: &self.nominal,
             design: self.design.as_ref(),
         };

@@ -112,8 +112,9 @@ pub enum DetectorSpec {
 pub struct DetectorData<'a> {
     /// Fault-free residuals with their inputs.
     pub healthy: DrivenRows<'a>,
-    /// How a threshold is found for a rate of false alarms.
-    pub plan: &'a CalibrationPlan,
+    /// How a threshold is found for a rate of false alarms; without it the detector is scaled but
+    /// its threshold is left at 1, for who sets it otherwise.
+    pub plan: Option<&'a CalibrationPlan>,
     /// The nominal model.
     pub model: &'a StateSpace<Discrete>,
     /// What makes the residual.
@@ -191,7 +192,8 @@ impl DetectorData<'_> {
         wanted: FalseAlarms,
         with: impl FnOnce(D, f64) -> Result<D, DetectorError>,
     ) -> Result<Box<dyn Detector>, DetectorSpecError> {
-        let threshold = calibrate(&mut detector, self.healthy, wanted, self.plan)?.threshold;
+        let Some(plan) = self.plan else { return Ok(Box::new(detector)) };
+        let threshold = calibrate(&mut detector, self.healthy, wanted, plan)?.threshold;
         Ok(Box::new(with(detector, threshold)?))
     }
 
