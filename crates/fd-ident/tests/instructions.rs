@@ -4,7 +4,7 @@
 //! on x86-64 with AVX2, which is what valgrind offers; they do not depend on the load of the
 //! machine. A compiler may change them by some per cent, a lost unrolling or an allocation per
 //! sample changes them by more than the margin.
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 
 mod common;
 
