@@ -10,6 +10,7 @@ pub mod engine;
 pub mod gap;
 pub mod journal;
 pub mod logs;
+mod quantile;
 pub mod report;
 pub mod road;
 pub mod spec;

@@ -1,8 +1,24 @@
 //! The mean of the residual since the first alarm.
 
-use fd_core::{Scalar, StateVisitor};
+use fd_core::{
+    Scalar, StateVisitor,
+    stage::{Evidence, Phase},
+};
 
-use super::error::RuleError;
+use super::{debounce::Debounce, error::RuleError};
+
+/// Where an alarm stands.
+pub(super) enum Alarm {
+    /// Nothing is suspected.
+    None,
+    /// Too few samples have alarmed so far.
+    Pending,
+    /// A fault is reported.
+    Raised {
+        /// Sample of the first alarm.
+        since: u64,
+    },
+}
 
 /// Running mean that begins some samples after the first alarm and, with a memory, forgets.
 #[derive(Clone, Debug)]
@@ -56,6 +72,23 @@ impl<T: Scalar> FaultMean<T> {
         for (mean, &r) in self.mean.iter_mut().zip(r) {
             *mean += gain * (r - *mean);
         }
+    }
+
+    /// Lets an alarm judge a sample, and takes the sample in where it belongs to the fault.
+    pub(super) fn follow(&mut self, alarm: &mut Debounce, evidence: Evidence<'_, T>) -> Alarm {
+        let Evidence { k, phase, verdict, r_star } = evidence;
+        let Some(since) = alarm.judge(k, phase, verdict.alarm()) else {
+            if alarm.pending(k).is_none() {
+                return Alarm::None;
+            }
+            // It may yet be raised, and then these samples count.
+            self.add(r_star);
+            return Alarm::Pending;
+        };
+        if phase == Phase::Compensating {
+            self.add(r_star);
+        }
+        Alarm::Raised { since }
     }
 
     pub(super) fn forget(&mut self) {

@@ -2,14 +2,14 @@
 
 use fd_core::{
     Scalar, StateVisitor,
-    stage::{Decision, DecisionRule, Evidence, Fault, Phase, Stage},
+    stage::{Decision, DecisionRule, Evidence, Fault, Stage},
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
     debounce::{Debounce, Debouncing},
     error::RuleError,
-    mean::FaultMean,
+    mean::{Alarm, FaultMean},
 };
 
 /// What may have happened: a fault with a known lasting effect on the residual.
@@ -180,19 +180,14 @@ impl<T: Scalar> DecisionRule<T> for SizedDebounce<T> {
     }
 
     fn decide(&mut self, evidence: Evidence<'_, T>) -> Decision<T> {
-        let Evidence { k, phase, verdict, r_star } = evidence;
-        let Some(since) = self.alarm.judge(k, phase, verdict.alarm()) else {
-            // Not yet raised: an alarm may be pending, and its samples count.
-            if self.alarm.pending(k).is_some() {
-                self.mean.add(r_star);
-            } else {
+        let since = match self.mean.follow(&mut self.alarm, evidence) {
+            Alarm::None => {
                 self.forget();
+                return Decision::Nominal;
             }
-            return Decision::Nominal;
+            Alarm::Pending => return Decision::Nominal,
+            Alarm::Raised { since } => since,
         };
-        if phase == Phase::Compensating {
-            self.mean.add(r_star);
-        }
         let hypothesis = self.explain();
         let size = hypothesis.map(|index| self.sizes[index]);
         Decision::Fault(Fault { hypothesis, size, ..Fault::since(since) })

@@ -1,8 +1,6 @@
-//! Quadrature and the normal distribution, for run lengths from integral equations.
+//! Quadrature, for run lengths from integral equations.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
-use statrs::function::erf::erfc;
+use std::f64::consts::PI;
 
 /// Nodes and weights of Gauss-Legendre quadrature on `[0, length]`, by Newton's method on the Legendre
 /// polynomial from the classical starting values.
@@ -34,14 +32,4 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
         (before, value) = (value, ((2.0 * i - 1.0) * x * value - (i - 1.0) * before) / i);
     }
     (value, n as f64 * (x * value - before) / (x * x - 1.0))
-}
-
-/// Distribution function of `N(0, 1)`.
-pub(super) fn normal_cdf(x: f64) -> f64 {
-    0.5 * erfc(-x * FRAC_1_SQRT_2)
-}
-
-/// Density of `N(0, 1)`.
-pub(super) fn normal_density(x: f64) -> f64 {
-    (-0.5 * x * x).exp() / (2.0 * PI).sqrt()
 }

@@ -1,5 +1,7 @@
 //! From inputs and bias samples to parameters.
 
+use std::iter::Sum;
+
 use crate::{scalar::Scalar, stage::Stage};
 
 /// A recursive estimator of the parameters of a bias model, as seen from `u` to each residual
@@ -48,5 +50,15 @@ impl GuardReport {
     #[must_use]
     pub fn acted(self) -> bool {
         self.skipped + self.bounded > 0
+    }
+}
+
+/// The safeguards of several estimators together.
+impl Sum for GuardReport {
+    fn sum<I: Iterator<Item = Self>>(reports: I) -> Self {
+        reports.fold(Self::default(), |sum, report| Self {
+            skipped: sum.skipped + report.skipped,
+            bounded: sum.bounded + report.bounded,
+        })
     }
 }

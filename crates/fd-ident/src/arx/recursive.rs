@@ -1,14 +1,14 @@
 //! Difference equations learned sample by sample.
 
 use fd_core::{
-    Scalar, Shape, ShapeError, StateVisitor,
+    Scalar, StateVisitor,
     stage::{GuardReport, Identifier, Stage},
 };
 
 use crate::{
     arx::{ArxOrders, history::History},
     error::IdentError,
-    rls::{RlsKernel, UdRls},
+    rls::{RlsKernel, UdRls, check_parameters},
 };
 
 /// One recursive estimator per residual channel, all with the same orders.
@@ -55,10 +55,7 @@ impl<T: Scalar, K: RlsKernel<T>> RecursiveArx<T, K> {
         kernel: K,
     ) -> Result<Self, IdentError> {
         let n = orders.checked_parameters(nu)?;
-        if kernel.parameters() != n {
-            let (expected, found) = (Shape::new(n, 1), Shape::new(kernel.parameters(), 1));
-            return Err(ShapeError { role: "parameters of the kernel", expected, found }.into());
-        }
+        check_parameters(&kernel, n)?;
         Ok(Self {
             history: History::new(orders, nu, residual_len),
             kernels: vec![kernel; residual_len],
@@ -107,13 +104,7 @@ impl<T: Scalar, K: RlsKernel<T>> Identifier<T> for RecursiveArx<T, K> {
     }
 
     fn guard(&self) -> GuardReport {
-        self.kernels.iter().fold(GuardReport::default(), |sum, kernel| {
-            let report = kernel.guard();
-            GuardReport {
-                skipped: sum.skipped + report.skipped,
-                bounded: sum.bounded + report.bounded,
-            }
-        })
+        self.kernels.iter().map(K::guard).sum()
     }
 }
 

@@ -1,14 +1,14 @@
 //! Extended least squares sample by sample.
 
 use fd_core::{
-    Scalar, Shape, ShapeError, StateVisitor,
+    Scalar, StateVisitor,
     stage::{GuardReport, Identifier, Stage},
 };
 
 use crate::{
     arx::{ArxOrders, History},
     error::IdentError,
-    rls::{RlsKernel, UdRls, dot},
+    rls::{RlsKernel, UdRls, check_parameters, dot},
 };
 
 /// Recursive extended least squares, one estimator per residual channel, see the
@@ -61,10 +61,7 @@ impl<T: Scalar, K: RlsKernel<T>> RecursiveArmax<T, K> {
         kernel: K,
     ) -> Result<Self, IdentError> {
         let n = orders.checked_parameters(nu)?;
-        if kernel.parameters() != n + nc {
-            let (expected, found) = (Shape::new(n + nc, 1), Shape::new(kernel.parameters(), 1));
-            return Err(ShapeError { role: "parameters of the kernel", expected, found }.into());
-        }
+        check_parameters(&kernel, n + nc)?;
         let zeros = |len: usize| vec![T::zero(); len];
         Ok(Self {
             history: History::new(orders, nu, residual_len),
@@ -150,13 +147,7 @@ impl<T: Scalar, K: RlsKernel<T>> Identifier<T> for RecursiveArmax<T, K> {
     }
 
     fn guard(&self) -> GuardReport {
-        self.kernels.iter().fold(GuardReport::default(), |sum, kernel| {
-            let report = kernel.guard();
-            GuardReport {
-                skipped: sum.skipped + report.skipped,
-                bounded: sum.bounded + report.bounded,
-            }
-        })
+        self.kernels.iter().map(K::guard).sum()
     }
 }
 

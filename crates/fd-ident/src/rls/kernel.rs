@@ -1,7 +1,7 @@
 //! What a recursive estimator of one target does, whatever it remembers.
 
 use fd_core::{
-    Scalar,
+    Scalar, Shape, ShapeError,
     stage::{GuardReport, Stage},
 };
 
@@ -21,4 +21,16 @@ pub trait RlsKernel<T: Scalar>: Stage<T> + Clone {
 
     /// What the safeguards have done since the last reset.
     fn guard(&self) -> GuardReport;
+}
+
+/// Refuses a kernel that has another number of parameters than the equations.
+pub(crate) fn check_parameters<T: Scalar>(
+    kernel: &impl RlsKernel<T>,
+    expected: usize,
+) -> Result<(), ShapeError> {
+    let (expected, found) = (Shape::new(expected, 1), Shape::new(kernel.parameters(), 1));
+    if expected == found {
+        return Ok(());
+    }
+    Err(ShapeError { role: "parameters of the kernel", expected, found })
 }

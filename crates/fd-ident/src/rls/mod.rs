@@ -43,6 +43,7 @@ pub use self::{
 pub(crate) use self::{
     covariance::{add_scaled, dot},
     forgetting::positive,
+    kernel::check_parameters,
 };
 
 /// Recursive least squares on `U D Uᵀ`.

@@ -1,7 +1,7 @@
 //! Scheduled models learned sample by sample, one region at a time.
 
 use fd_core::{
-    Scalar, Shape, ShapeError, StateVisitor,
+    Scalar, StateVisitor,
     stage::{GuardReport, Identifier, Stage},
 };
 
@@ -9,7 +9,7 @@ use super::{Regions, Scheduler};
 use crate::{
     arx::{ArxOrders, History},
     error::IdentError,
-    rls::{RlsKernel, UdRls},
+    rls::{RlsKernel, UdRls, check_parameters},
 };
 
 /// One recursive estimator per region and residual channel; only the nearest region learns.
@@ -64,10 +64,7 @@ impl<T: Scalar, K: RlsKernel<T>> RecursiveScheduled<T, K> {
         kernel: K,
     ) -> Result<Self, IdentError> {
         let n = orders.checked_parameters(nu)?;
-        if kernel.parameters() != n {
-            let (expected, found) = (Shape::new(n, 1), Shape::new(kernel.parameters(), 1));
-            return Err(ShapeError { role: "parameters of the kernel", expected, found }.into());
-        }
+        check_parameters(&kernel, n)?;
         if regions.input() >= nu {
             let (setting, expected) = ("scheduling input", "below the number of inputs");
             let found = regions.input() as f64;
@@ -128,13 +125,7 @@ impl<T: Scalar, K: RlsKernel<T>> Identifier<T> for RecursiveScheduled<T, K> {
     }
 
     fn guard(&self) -> GuardReport {
-        self.kernels.iter().fold(GuardReport::default(), |sum, kernel| {
-            let report = kernel.guard();
-            GuardReport {
-                skipped: sum.skipped + report.skipped,
-                bounded: sum.bounded + report.bounded,
-            }
-        })
+        self.kernels.iter().map(K::guard).sum()
     }
 
     fn retrain(&mut self, theta: &[T]) -> bool {

@@ -9,7 +9,7 @@ use std::{
 use clap::{Args, Subcommand};
 use fdiag::blind::{BlindError, CaseKind, Order, SealKey, make, progress, run, score};
 
-use super::{args::OutputArgs, failure::Failure, output::Output, progress::bar};
+use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::bar};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BlindCommand {
@@ -155,15 +155,11 @@ fn beside(cases: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::analysis)
-}
-
 /// Files are the fault of who named them, all else of what was asked for.
 fn refusal(error: BlindError) -> Failure {
     match &error {
-        BlindError::File { file, .. } | BlindError::Content { file, .. } => {
-            Failure::input(file.clone(), &error)
+        BlindError::File { .. } | BlindError::Content { .. } | BlindError::Journal(_) => {
+            Failure::of_input(error)
         }
         _ => Failure::analysis(error),
     }

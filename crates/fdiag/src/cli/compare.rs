@@ -8,7 +8,9 @@ use fdiag::{
 };
 use indicatif::ProgressBar;
 
-use super::{args::CompareArgs, failure::Failure, output::Output, progress::bar, toml_file};
+use super::{
+    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+};
 
 /// Name of the file of finished engines.
 const JOURNAL: &str = "progress.jsonl";
@@ -31,10 +33,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
             _ => {}
         }
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.output.threads)
-        .build()
-        .map_err(Failure::analysis)?;
+    let pool = pool(args.output.threads)?;
     let shown = Shown(bar(1, "engines"));
     let comparison =
         pool.install(|| Comparison::run(&config, Some(&journal), &shown)).map_err(refused)?;
@@ -76,14 +75,10 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
     if let Some(first) = args.first_seed {
         config.first_seed = first;
     }
-    for (chosen, list) in [(&args.scenario, "scenario")] {
-        for name in chosen {
-            if !config.scenarios.iter().any(|scenario| scenario.name == *name) {
-                let known: Vec<&str> = config.scenarios.iter().map(|s| s.name.as_str()).collect();
-                let text = format!("there is no {list} `{name}`; there are {}", known.join(", "));
-                return Err(Failure::analysis(text));
-            }
-        }
+    let known: Vec<&str> = config.scenarios.iter().map(|s| s.name.as_str()).collect();
+    if let Some(name) = args.scenario.iter().find(|name| !known.contains(&name.as_str())) {
+        let text = format!("there is no scenario `{name}`; there are {}", known.join(", "));
+        return Err(Failure::analysis(text));
     }
     if !args.scenario.is_empty() {
         config.scenarios.retain(|scenario| args.scenario.contains(&scenario.name));
@@ -96,6 +91,7 @@ fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
     let setting = matches!(error, CompareError::Version { .. } | CompareError::Setting { .. });
     match &args.config {
         Some(file) if setting => Failure::input(file, error),
+        _ if matches!(error, CompareError::Journal(_)) => Failure::of_input(error),
         _ => Failure::analysis(error),
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
             LogStudyError::Road(_) | LogStudyError::Model(_) | LogStudyError::NoExcitation => {
                 Failure::analysis(reason)
             }
-            _ => Failure::Input { file: None, reason },
+            _ => Failure::of_input(reason),
         }
     })?;
     progress.finish_and_clear();

@@ -7,7 +7,9 @@ use fdiag::{
     report::{Table, figure},
 };
 
-use super::{args::EngineArgs, failure::Failure, output::Output, progress::bar, toml_file};
+use super::{
+    args::EngineArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+};
 
 /// Size of the pictures that are written as files, in pixels.
 const PICTURE_SIZE: (u32, u32) = (720, 400);
@@ -19,10 +21,7 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let output = Output::prepare(&args.output)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.output.threads)
-        .build()
-        .map_err(Failure::analysis)?;
+    let pool = pool(args.output.threads)?;
     let refused = |error| refusal(args, &error);
     let benchmark = Benchmark::new(config).map_err(refused)?;
     let begun = Instant::now();

@@ -18,6 +18,11 @@ impl Failure {
         Self::Input { file: Some(file.into()), reason: reason.to_string() }
     }
 
+    /// An input file is wrong, and the reason says which.
+    pub(crate) fn of_input(reason: impl fmt::Display) -> Self {
+        Self::Input { file: None, reason: reason.to_string() }
+    }
+
     pub(crate) fn analysis(reason: impl fmt::Display) -> Self {
         Self::Analysis(reason.to_string())
     }

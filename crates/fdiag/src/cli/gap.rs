@@ -9,7 +9,9 @@ use fdiag::{
     model::Disorder,
 };
 
-use super::{args::GapArgs, failure::Failure, output::Output, progress::Stages, toml_file};
+use super::{
+    args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,
+};
 
 pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let request = request(args)?;
@@ -18,10 +20,7 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let output = Output::prepare(&args.output)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.output.threads)
-        .build()
-        .map_err(Failure::analysis)?;
+    let pool = pool(args.output.threads)?;
     let begun = Instant::now();
     let progress = Stages::new();
     let study = pool.install(|| GapStudy::run(&request, &progress));
@@ -70,5 +69,5 @@ fn refusal(error: &GapError) -> Failure {
         _ => false,
     };
     let reason = error.to_string();
-    if is_analysis { Failure::Analysis(reason) } else { Failure::Input { file: None, reason } }
+    if is_analysis { Failure::Analysis(reason) } else { Failure::of_input(reason) }
 }

@@ -8,6 +8,7 @@ mod engine;
 mod failure;
 mod gap;
 mod output;
+mod pool;
 mod progress;
 mod toml_file;
 

@@ -8,7 +8,7 @@ use fd_model::Record;
 use super::{scene::Scene, tally::Role};
 use crate::{
     engine::EngineStudyError,
-    road::{Healthy, RoadError, Trained, train},
+    road::{RoadError, Trained},
 };
 
 /// The run is timed so many times; the quickest counts, as everything else is something else's
@@ -37,10 +37,7 @@ impl Scene<'_> {
         for generator in &self.config.generators {
             for bias in &self.config.biases {
                 let spec = bias.spec.clone().unwrap_or_default();
-                let mut healthy = vec![Healthy::learn(&runs.training)];
-                healthy.extend(runs.calibration.iter().map(Healthy::calibrate));
-                let pipeline = self.config.pipeline(generator, &spec);
-                let trained = train(&pipeline, &runs.model, &healthy);
+                let trained = runs.train(&self.config.pipeline(generator, &spec));
                 let residual = trained.as_ref().ok().and_then(|t| residual_ns(t, record).ok());
                 for detector in &self.config.detectors {
                     let both =

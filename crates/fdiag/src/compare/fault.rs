@@ -143,13 +143,8 @@ impl FaultGrid {
     }
 
     /// The fault of one size in a run of `duration_s`.
-    pub(super) fn spec(
-        &self,
-        kind: &FaultKind,
-        signed_size: f64,
-        start_s: f64,
-        duration_s: f64,
-    ) -> FaultSpec {
+    pub(super) fn spec(&self, kind: &FaultKind, signed_size: f64, duration_s: f64) -> FaultSpec {
+        let start_s = self.start_s;
         let profile = match kind.profile {
             ProfileKind::Abrupt => FaultProfile::abrupt(signed_size),
             ProfileKind::Incipient => FaultProfile::incipient(signed_size, self.rise_s),

@@ -10,7 +10,7 @@ use super::{
     share::Share,
     tally::{Alarms, Outcome, Unit},
 };
-use crate::engine::quantile;
+use crate::quantile::median;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;
@@ -265,7 +265,7 @@ impl FaultResult {
                 SizeResult {
                     size,
                     found: Share::new(delays.len() as u64, found.looked),
-                    delay_s: (!delays.is_empty()).then(|| quantile(&mut delays, 0.5)),
+                    delay_s: (!delays.is_empty()).then(|| median(&mut delays)),
                 }
             })
             .collect();

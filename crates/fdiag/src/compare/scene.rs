@@ -12,7 +12,11 @@ use super::{
     fault::FaultKind,
     tally::Role,
 };
-use crate::engine::{Benchmark, Case, Draw, EngineStudyError, Reality};
+use crate::{
+    engine::{Benchmark, Case, Draw, EngineStudyError, Reality},
+    road::{RoadError, Trained, train_on},
+    spec::PipelineSpec,
+};
 
 /// A scenario ready to run.
 pub(super) struct Scene<'a> {
@@ -35,6 +39,13 @@ pub(super) struct Runs {
     pub(super) healthy: Vec<Record>,
     /// The same with each kind of fault in each size; none for engines that set thresholds.
     pub(super) faulty: Vec<Vec<Vec<Record>>>,
+}
+
+impl Runs {
+    /// A pipeline that has learned from these runs.
+    pub(super) fn train(&self, spec: &PipelineSpec) -> Result<Trained, RoadError> {
+        train_on(spec, &self.model, &self.training, &self.calibration)
+    }
 }
 
 impl<'a> Scene<'a> {
@@ -156,7 +167,7 @@ impl<'a> Scene<'a> {
             // Both signs in turn.
             let sign = if (run + s).is_multiple_of(2) { 1.0 } else { -1.0 };
             let size = sign * kind.sizes[s];
-            let fault = faults.spec(kind, size, faults.start_s, self.config.duration_s());
+            let fault = faults.spec(kind, size, self.config.duration_s());
             if matches!(kind.site, Site::Sensor(_)) {
                 // What the sensor says changes nothing in the engine.
                 let mut record = healthy.clone();

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::watch::first_above;
+
 /// One engine of one scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Unit {
@@ -77,6 +79,34 @@ impl Alarms {
             roc: vec![(0, 0); levels],
             confusion: vec![vec![0; sensors]; sensors],
         }
+    }
+
+    /// Counts a run with a fault, by kind and size, that begins at sample `start`; says whether it is
+    /// found at the wanted rate. An alarm before the fault is a false one, and no look at the fault.
+    pub(super) fn look(
+        &mut self,
+        (kind, size): (usize, usize),
+        margins: &[f64],
+        start: usize,
+        factors: &[f64],
+    ) -> bool {
+        let (before, after) = margins.split_at(start.min(margins.len()));
+        let found = |factor: f64| first_above(after, factor);
+        let is_quiet = |factor: f64| first_above(before, factor).is_none();
+        for (sum, &factor) in self.roc.iter_mut().zip(factors) {
+            if is_quiet(factor) {
+                sum.0 += 1;
+                sum.1 += u64::from(found(factor).is_some());
+            }
+        }
+        let Some(wanted) = factors.first().copied().filter(|&factor| is_quiet(factor)) else {
+            return false;
+        };
+        let of = &mut self.faults[kind][size];
+        of.looked += 1;
+        let delay = found(wanted);
+        of.delays.extend(delay.map(|delay| u32::try_from(delay).unwrap_or(u32::MAX)));
+        delay.is_some()
     }
 
     pub(super) fn add(&mut self, other: &Self) {

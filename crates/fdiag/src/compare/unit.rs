@@ -8,11 +8,11 @@ use super::{
     isolate::Isolation,
     scene::{Runs, Scene},
     tally::{Alarms, Outcome, Role, Unit},
-    watch::{first_above, margins, peak, residual},
+    watch::{margins, peak, residual},
 };
 use crate::{
     engine::EngineStudyError,
-    road::{Healthy, RoadError, Trace, Trained, sensor_signatures, train},
+    road::{RoadError, Trace, Trained, sensor_signatures},
     spec::BiasSpec,
 };
 
@@ -85,9 +85,7 @@ impl Fit {
         bias: &BiasSpec,
         runs: &Runs,
     ) -> Result<Self, RoadError> {
-        let mut healthy = vec![Healthy::learn(&runs.training)];
-        healthy.extend(runs.calibration.iter().map(Healthy::calibrate));
-        let trained = train(&config.pipeline(generator, bias), &runs.model, &healthy)?;
+        let trained = runs.train(&config.pipeline(generator, bias))?;
         let watch = |record: &Record| trained.watch(record);
         let all = |records: &Vec<Record>| records.iter().map(watch).collect::<Result<_, _>>();
         let kinds = |kinds: &Vec<Vec<Record>>| kinds.iter().map(all).collect::<Result<_, _>>();
@@ -133,6 +131,7 @@ impl Judge<'_> {
                 factors => factors,
             },
         };
+        let start = self.scene.fault_start();
         let isolation = Isolation::new(&sensor_signatures(trained)?, rows);
         let sizes: Vec<usize> = self.scene.kinds.iter().map(|kind| kind.sizes.len()).collect();
         let mut alarms = Alarms::none(&sizes, factors.len(), trained.design().io().ny);
@@ -143,32 +142,18 @@ impl Judge<'_> {
                 *count += u64::from(peak > *factor);
             }
         }
-        let start = self.scene.fault_start();
+        let window = self.scene.samples(NAMING_S);
         for (record, faulty) in self.runs.healthy.iter().zip(&self.fit.faulty) {
             for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
+                let truth = self.scene.sensor(kind);
                 for (s, trace) in sizes.iter().enumerate() {
-                    let margins = margins((record, trace));
-                    let start = start.min(margins.len());
-                    let (before, after) = margins.split_at(start);
-                    let quiet = |factor: f64| first_above(before, factor).is_none();
-                    for (sum, &factor) in alarms.roc.iter_mut().zip(factors) {
-                        let looked = quiet(factor);
-                        sum.0 += u64::from(looked);
-                        sum.1 += u64::from(looked && first_above(after, factor).is_some());
-                    }
-                    let found = &mut alarms.faults[k][s];
-                    if !quiet(factors[0]) {
+                    let is_found = alarms.look((k, s), &margins((record, trace)), start, factors);
+                    let (true, Some(isolation), Some(truth)) = (is_found, &isolation, truth) else {
                         continue;
-                    }
-                    found.looked += 1;
-                    let Some(delay) = first_above(after, factors[0]) else { continue };
-                    found.delays.push(u32::try_from(delay).unwrap_or(u32::MAX));
-                    if let (Some(isolation), Some(truth)) = (&isolation, self.scene.sensor(kind)) {
-                        let window = self.scene.samples(NAMING_S);
-                        let residual = residual(trace, self.compensated);
-                        if let Some(named) = isolation.name(residual, window) {
-                            alarms.confusion[truth][named] += 1;
-                        }
+                    };
+                    let residual = residual(trace, self.compensated);
+                    if let Some(named) = isolation.name(residual, window) {
+                        alarms.confusion[truth][named] += 1;
                     }
                 }
             }

@@ -5,7 +5,6 @@ mod config;
 mod error;
 mod example;
 mod excitation;
-mod quantile;
 mod reality;
 mod report;
 mod study;
@@ -25,6 +24,5 @@ pub use self::{
 };
 pub(crate) use self::{
     benchmark::{Case, Draw},
-    quantile::quantile,
     reality::Reality,
 };

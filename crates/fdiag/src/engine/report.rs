@@ -2,10 +2,12 @@
 
 use super::{
     example::{Example, FaultyRun, Residuals},
-    quantile::median,
     study::{Range, Study},
 };
-use crate::report::{Line, Page, Picture, PictureError, Table, figure};
+use crate::{
+    quantile::median,
+    report::{Line, Page, Picture, PictureError, Table, figure},
+};
 
 /// A picture with the name of its file.
 #[derive(Clone, Debug, PartialEq)]

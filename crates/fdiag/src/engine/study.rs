@@ -3,10 +3,8 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, quantile::quantile,
-    trial::Trial,
-};
+use super::{benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, trial::Trial};
+use crate::quantile::quantile;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;

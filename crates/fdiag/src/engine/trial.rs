@@ -15,9 +15,11 @@ use serde::{Deserialize, Serialize};
 use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
-    quantile::median,
 };
-use crate::road::{Healthy, RoadError, Trace, Trained, sensor_sizes, train};
+use crate::{
+    quantile::median,
+    road::{RoadError, Trace, Trained, sensor_sizes, train_on},
+};
 
 /// Largest fault that is tried, relative to the reading.
 const LARGEST_FAULT: f64 = 10.0;
@@ -154,9 +156,7 @@ impl Benchmark {
         for _ in 0..self.config().calibration_runs {
             calibration.push(self.calibration_run(case)?);
         }
-        let mut healthy = vec![Healthy::learn(&training)];
-        healthy.extend(calibration.iter().map(Healthy::calibrate));
-        Ok(train(&self.config().pipeline, &case.model, &healthy)?)
+        Ok(train_on(&self.config().pipeline, &case.model, &training, &calibration)?)
     }
 
     fn tests(&self, case: &mut Case, trained: &Trained) -> Result<Tests, EngineStudyError> {

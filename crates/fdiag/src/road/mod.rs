@@ -18,6 +18,7 @@ mod structure;
 mod trace;
 mod train;
 
+pub(crate) use self::train::train_on;
 pub use self::{
     bias::LearnedBias,
     error::RoadError,

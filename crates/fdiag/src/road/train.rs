@@ -139,6 +139,18 @@ pub fn train(
     Ok(trained)
 }
 
+/// Learns from one log and calibrates on others, as the benchmarks do.
+pub(crate) fn train_on(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+    training: &Record,
+    calibration: &[Record],
+) -> Result<Trained, RoadError> {
+    let mut healthy = vec![Healthy::learn(training)];
+    healthy.extend(calibration.iter().map(Healthy::calibrate));
+    train(spec, model, &healthy)
+}
+
 impl Trained {
     /// What was chosen.
     #[must_use]

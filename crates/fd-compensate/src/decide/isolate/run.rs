@@ -2,7 +2,7 @@
 
 use fd_core::{
     HeapMap, LinMap, Scalar, StateVisitor,
-    stage::{Decision, DecisionRule, Evidence, Fault, Phase, Stage},
+    stage::{Decision, DecisionRule, Evidence, Fault, Stage},
 };
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -10,7 +10,7 @@ use super::design::{Candidate, Effect, FaultFree, Isolation};
 use crate::decide::{
     debounce::{Debounce, Debouncing},
     error::RuleError,
-    mean::FaultMean,
+    mean::{Alarm, FaultMean},
 };
 
 /// Raises debounced alarms and says which candidate explains them, with what probability, and how large it
@@ -270,19 +270,14 @@ impl<T: Scalar> DecisionRule<T> for IsolatingDebounce<T> {
     }
 
     fn decide(&mut self, evidence: Evidence<'_, T>) -> Decision<T> {
-        let Evidence { k, phase, verdict, r_star } = evidence;
-        let Some(since) = self.alarm.judge(k, phase, verdict.alarm()) else {
-            // Not yet raised: an alarm may be pending, and its samples count.
-            if self.alarm.pending(k).is_some() {
-                self.mean.add(r_star);
-            } else {
+        let since = match self.mean.follow(&mut self.alarm, evidence) {
+            Alarm::None => {
                 self.forget();
+                return Decision::Nominal;
             }
-            return Decision::Nominal;
+            Alarm::Pending => return Decision::Nominal,
+            Alarm::Raised { since } => since,
         };
-        if phase == Phase::Compensating {
-            self.mean.add(r_star);
-        }
         Decision::Fault(self.explain(since))
     }
 }

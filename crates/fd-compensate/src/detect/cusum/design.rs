@@ -1,12 +1,13 @@
 //! Exact average run length of the cumulative sum, and the threshold for a wanted one.
 
 use faer::{Mat, linalg::solvers::Solve};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use crate::{
     count::whole,
     detect::{
         error::{DetectorError, finite, positive},
-        quadrature::{gauss_legendre, normal_cdf, normal_density},
+        quadrature::gauss_legendre,
     },
 };
 
@@ -93,12 +94,13 @@ fn one_sided(h: f64, drift: f64) -> f64 {
     let size = nodes.len() + 1;
     // Unknowns: L(0), then L at the nodes.
     let start = |i: usize| if i == 0 { 0.0 } else { nodes[i - 1].0 };
+    let normal = Normal::standard();
     let system = Mat::from_fn(size, size, |i, j| {
         let transition = if j == 0 {
-            normal_cdf(drift - start(i))
+            normal.cdf(drift - start(i))
         } else {
             let (x, weight) = nodes[j - 1];
-            weight * normal_density(x + drift - start(i))
+            weight * normal.pdf(x + drift - start(i))
         };
         f64::from(u8::from(i == j)) - transition
     });

@@ -2,12 +2,13 @@
 
 use faer::{Mat, linalg::solvers::Solve};
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use crate::{
     count::whole,
     detect::{
         error::{DetectorError, finite, positive},
-        quadrature::{gauss_legendre, normal_cdf, normal_density},
+        quadrature::gauss_legendre,
     },
 };
 
@@ -103,12 +104,13 @@ pub fn operating_characteristic(
     // Unknowns: at the start 0, then at the nodes.
     let size = nodes.len() + 1;
     let start = |i: usize| if i == 0 { 0.0 } else { nodes[i - 1].0 };
+    let normal = Normal::standard();
     let system = Mat::from_fn(size, size, |i, j| {
         let transition = if j == 0 {
             0.0
         } else {
             let (x, weight) = nodes[j - 1];
-            weight * normal_density(x - start(i) - drift)
+            weight * normal.pdf(x - start(i) - drift)
         };
         f64::from(u8::from(i == j)) - transition
     });
@@ -117,7 +119,7 @@ pub fn operating_characteristic(
             size,
             2,
             |i, column| {
-                if column == 0 { 1.0 } else { normal_cdf(start(i) + drift - upper) }
+                if column == 0 { 1.0 } else { normal.cdf(start(i) + drift - upper) }
             },
         );
     let solution = system.partial_piv_lu().solve(right);

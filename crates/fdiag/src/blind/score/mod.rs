@@ -9,11 +9,11 @@ use std::{fs, path::Path};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use self::judge::judge;
 pub use self::{
     judge::Verdict,
     statistics::{Bin, Calibration, Rate},
 };
-use self::{judge::judge, statistics::quantile};
 use super::{
     answer::{Answer, read_answers},
     error::BlindError,
@@ -22,6 +22,7 @@ use super::{
     seal::SealKey,
     truth::Truth,
 };
+use crate::quantile::{median, quantile};
 
 /// Share of wrong abstentions at which "none of these" is counted.
 const FALSE_ABSTENTION: f64 = 0.03;
@@ -151,8 +152,8 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     let is_sure = |v: &&Verdict| SURE < v.probability && !v.says_none;
     let sure: Vec<&Verdict> = alone.iter().copied().filter(is_sure).collect();
 
-    let known: Vec<f64> = singles.iter().map(|v| v.none_score).collect();
-    let threshold = quantile(&known, 1.0 - FALSE_ABSTENTION);
+    let mut known: Vec<f64> = singles.iter().map(|v| v.none_score).collect();
+    let threshold = quantile(&mut known, 1.0 - FALSE_ABSTENTION);
     let calibration = |all: &[&Verdict], group: bool| {
         let said = all.iter().filter(|v| v.blamed > 0.5);
         let pairs: Vec<(f64, bool)> = said
@@ -168,10 +169,9 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     };
     let none = of("none");
     let covered: Vec<bool> = verdicts.iter().filter_map(|v| v.is_covered).collect();
-    let times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
-    let median = |values: Vec<f64>| quantile(&values, 0.5);
+    let mut times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
     let closed_by =
-        |i: usize| median(singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
+        |i: usize| median(&mut singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
     Score {
         version: 1,
         cases: verdicts.len(),
@@ -200,9 +200,9 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
             Rate::of(&pairs, |v| v.is_half_exact),
             Rate::of(&pairs, |v| v.is_floor_reached),
         ],
-        closed: median(singles.iter().filter_map(|v| v.closed).collect()),
+        closed: median(&mut singles.iter().filter_map(|v| v.closed).collect()),
         coverage: Rate::of(&covered, |covered| *covered),
-        seconds: [median(times.clone()), quantile(&times, 0.9)],
+        seconds: [median(&mut times), quantile(&mut times, 0.9)],
         baseline_top: [0, 1].map(|i| Rate::of(&singles, |v| v.baseline_right[i])),
         baseline_closed: [0, 1, 2].map(closed_by),
         verdicts,
