@@ -2,7 +2,8 @@
 //!
 //! The paper's pipeline: observer of 5 states and 5 outputs, `W`, a bias model of second order,
 //! magnitude, debouncing. Its sizes are known to the compiler (`fixed`) or at construction
-//! (`heap`), its methods to the compiler or at run time (`boxed`).
+//! (`heap`), its methods to the compiler or at run time (`boxed`). A `fleet` is 1024 units that learn
+//! and compensate side by side.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
@@ -18,13 +19,15 @@ use fdiag::{
         Buffer, DynStages, Fixed, Heap, LinMap, Pipeline, Scalar, Stages, Storage,
         stage::{Compensator, DecisionRule, Detector, Phase, ResidualGenerator, Stage},
     },
+    fleet::{Fleet, FleetBlock, FleetDesign, FleetScalar},
     ident::{
         arx::{ArxFit, ArxModel, ArxOrders, ArxSimulator, RecursiveArx},
         rls::{RlsDesign, RlsStorage, Static, UdRls},
     },
-    residual::{observer::Observer, weighted::Weighted},
+    residual::{GeneratorDesign, observer::Observer, weighted::Weighted},
 };
 use fdiag_benches::{MEASUREMENT, PaperCase, SAMPLES, WARM_UP};
+use rayon::ThreadPoolBuilder;
 
 const ORDERS: ArxOrders = ArxOrders::paper(2);
 
@@ -165,8 +168,52 @@ fn scalar<T: Scalar>(c: &mut Criterion, design: &Design, scalar: &str) {
     }
 }
 
+/// The same pipeline for many units at once, on one core and on two.
+fn fleet<T: FleetScalar>(c: &mut Criterion, design: &Design, scalar: &str) {
+    const UNITS: usize = 1024;
+    let samples = design.samples::<T>();
+    let io = design.case.generator.io();
+    let mut block = FleetBlock::new(io, UNITS, samples.len());
+    for unit in 0..UNITS {
+        for (step, (u, y)) in samples.iter().enumerate() {
+            block.set(unit, step, u, y);
+        }
+    }
+    let mut bench = |phase, training, threads| {
+        let design = FleetDesign {
+            generator: design.case.generator.form().unwrap(),
+            orders: ORDERS,
+            // A prior that f32 can hold too.
+            learning: RlsDesign { prior_variance: 1e2, ..RlsDesign::default() },
+            settling: 0,
+            training,
+            detector: Magnitude::<T>::new(&[1.0], 0.01).unwrap(),
+            rule: Debounce::new(1, Debouncing::consecutive(3)).unwrap(),
+        };
+        let mut fleet = Fleet::<T, _, _>::new(&design, UNITS).unwrap();
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut group = c.benchmark_group(format!("sample, {phase}"));
+        group.throughput(Throughput::Elements((UNITS * samples.len()) as u64)).sample_size(10);
+        let before = fleet.unit(0).samples;
+        group.bench_function(format!("fleet {scalar}, threads: {threads}"), |b| {
+            b.iter(|| pool.install(|| fleet.update_on_all_cores(&block).unwrap()));
+        });
+        group.finish();
+        // All samples but the first few were of the phase that the figure is about.
+        let compensates = fleet.unit(0).phase == Phase::Compensating;
+        assert_eq!(compensates, phase == "compensating");
+        assert!(fleet.unit(0).samples > before + 1000);
+    };
+    for threads in [1, 2] {
+        bench("training", u64::MAX, threads);
+        bench("compensating", 100, threads);
+    }
+}
+
 fn pipelines(c: &mut Criterion) {
     let design = Design::new();
+    fleet::<f64>(c, &design, "f64");
+    fleet::<f32>(c, &design, "f32");
     scalar::<f64>(c, &design, "f64");
     scalar::<f32>(c, &design, "f32");
 }

@@ -2,11 +2,12 @@
 //!
 //! The facade of the workspace: the method crates under short names, pipelines described as data
 //! ([`spec`]), the whole road from healthy logs to a diagnosis ([`road`]), its two uses - the engine
-//! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]).
+//! benchmark ([`engine`]) and a user's own logs ([`logs`]) - and reports ([`report`]). Many units at once are a [`fleet`].
 
 pub mod blind;
 pub mod compare;
 pub mod engine;
+pub mod fleet;
 pub mod gap;
 pub mod journal;
 pub mod logs;

@@ -256,6 +256,18 @@ fn wrong_files_are_refused_with_the_place() {
 }
 
 #[test]
+fn a_broken_journal_is_bad_input_not_a_defect() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("out")).unwrap();
+    desk.put("out/progress.jsonl", "no line of ours\n");
+    let words = ["progress.jsonl", "line 1"];
+    desk.refuses("compare --out out", 3, &words);
+    fs::create_dir(desk.path("cases")).unwrap();
+    desk.put("cases/answers.jsonl", "no line of ours\n");
+    desk.refuses("blind run cases", 3, &["answers.jsonl", "line 1"]);
+}
+
+#[test]
 fn wrong_settings_are_refused_with_the_known_ones() {
     let desk = Desk::new();
     desk.put("spec.toml", "[generator]\nkind = \"obsrver\"\nrate = 2\n");

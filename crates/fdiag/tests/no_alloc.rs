@@ -20,6 +20,7 @@ use fdiag::{
         EventKind, Fixed, MissingSamples, Pipeline, Stages, Storage,
         stage::{Compensator, DecisionRule, Detector, Phase, ResidualGenerator},
     },
+    fleet::{Fleet, FleetBlock, FleetDesign},
     ident::{
         arx::{ArxOrders, ArxSimulator, RecursiveArx},
         rls::{RlsDesign, Static, UdRls},
@@ -149,6 +150,38 @@ fn a_boxed_pipeline_from_a_spec_does_not_allocate() {
     spec.hold_missing = 3;
     let trained = train(&spec, &nominal(), &healthy).unwrap();
     assert_free(&tally(&mut trained.compensated().unwrap(), &with_gaps()));
+}
+
+/// Training and compensation of two parts, one of them not full, in blocks of several lengths.
+#[test]
+fn a_fleet_does_not_allocate() {
+    let observer = ObserverDesign::faster(&nominal(), 2.0).unwrap();
+    let design = FleetDesign {
+        generator: observer.form().unwrap(),
+        orders: ArxOrders::paper(2),
+        learning: RlsDesign::default(),
+        settling: 10,
+        training: 100,
+        detector: Magnitude::new(&[1.0, 1.0], 0.01).unwrap(),
+        rule: Debounce::new(2, Debouncing::consecutive(3)).unwrap(),
+    };
+    let units = 200;
+    let mut fleet = Fleet::<f64, _, _>::new(&design, units).unwrap();
+    let record = training();
+    let io = fdiag::core::IoDims { nu: 1, ny: 2 };
+    let mut first = 0;
+    for steps in [1, 60, 7, 90] {
+        let mut block = FleetBlock::new(io, units, steps);
+        for (unit, step) in (0..units).flat_map(|unit| (0..steps).map(move |step| (unit, step))) {
+            let k = first + step;
+            block.set(unit, step, record.u(k), record.y(k));
+        }
+        let before = ALLOCATIONS.get();
+        fleet.update(&block).unwrap();
+        assert_eq!(ALLOCATIONS.get(), before, "{steps} samples from {first} on");
+        first += steps;
+    }
+    assert_eq!(fleet.unit(199).phase, Phase::Compensating);
 }
 
 /// The counter counts.

@@ -64,6 +64,37 @@ impl<T: LaneScalar> SampleBlock<T> {
         self.write(estimator, step, phi.iter().copied().take(self.columns).chain([target]));
     }
 
+    /// Writes sample `step` of all estimators: `phi` has one number per estimator for each column,
+    /// column by column, and `targets` one per estimator.
+    ///
+    /// # Panics
+    ///
+    /// Panics when there is no such step, or numbers are missing.
+    pub fn set_all(&mut self, step: usize, phi: &[T], targets: &[T]) {
+        let per_tile = self.steps * (self.columns + 1);
+        let sample = step * (self.columns + 1)..(step + 1) * (self.columns + 1);
+        for (tile, rows) in self.rows.chunks_exact_mut(per_tile).enumerate() {
+            let rows = &mut rows[sample.clone()];
+            let first = tile * T::WIDTH;
+            let last = (first + T::WIDTH).min(self.estimators);
+            for (column, row) in rows.iter_mut().enumerate() {
+                let numbers =
+                    if column < self.columns { &phi[column * self.estimators..] } else { targets };
+                row.as_mut()[..last - first].copy_from_slice(&numbers[first..last]);
+            }
+        }
+    }
+
+    /// Makes room for `steps` samples of each estimator, all of them missing. Allocates only when
+    /// there have never been so many.
+    pub fn restart(&mut self, steps: usize) {
+        let missing = T::row(T::zero() / T::zero());
+        self.steps = steps;
+        self.rows.clear();
+        let rows = self.estimators.div_ceil(T::WIDTH) * steps * (self.columns + 1);
+        self.rows.resize(rows, missing);
+    }
+
     /// Removes sample `step` of one estimator, which will skip it.
     ///
     /// # Panics
