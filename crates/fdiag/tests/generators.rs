@@ -10,7 +10,7 @@ use fdiag::{
 };
 use support::{input, nominal, plant, run};
 
-const KINDS: [&str; 14] = [
+const KINDS: [&str; 16] = [
     r#"kind = "simulation""#,
     r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
     r#"kind = "parity", order = 2"#,
@@ -19,6 +19,8 @@ const KINDS: [&str; 14] = [
     r#"kind = "decoupled", disturbance = { kind = "learned", rank = 1, duration_s = 2.0 }, rate = 2.0"#,
     r#"kind = "eigenstructure", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }"#,
     r#"kind = "eigenstructure", disturbance = { kind = "learned", rank = 1 }, rate = 3.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "perturbed", rank = 1, models = 20, perturbation = { fraction = 0.03 } }, rate = 2.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.02, -0.01], [0.01, 0.02]], b = [[-0.01], [0.01]] }] }, rate = 2.0"#,
     r#"kind = "optimal", process_noise = 0.01, output_noise = 1.0, attenuated = { kind = "learned", rank = 1 }"#,
     r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "dedicated" }"#,
     r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "rows", rows = ["10", "11"] }, rate = 2.0"#,
@@ -62,6 +64,9 @@ fn a_learned_disturbance_takes_out_most_of_the_error() {
     let plain = size(r#"kind = "observer", rate = 2.0"#);
     let learned = size(KINDS[3]);
     assert!(learned < 0.3 * plain, "{learned} {plain}");
+    // Told what is wrong with the model, it knows the direction as well as the logs do.
+    let told = size(KINDS[9]);
+    assert!(told < 0.3 * plain, "{told} {plain}");
 }
 
 #[test]
@@ -72,6 +77,8 @@ fn what_cannot_be_designed_says_why() {
     };
     let two = r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 2 }, rate = 2.0"#;
     assert_eq!(refusal(two), DesignError::NothingLeft { inputs: 2, outputs: 2 });
+    let narrow = r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.1]], b = [[0.0], [0.0]] }] }, rate = 2.0"#;
+    assert!(refusal(narrow).to_string().contains("shift of A"), "{}", refusal(narrow));
     let none =
         r#"kind = "structured", faults = [{ sensor = 0 }], structure = { kind = "dedicated" }"#;
     assert!(matches!(refusal(none), DesignError::Index { what: "output", .. }));

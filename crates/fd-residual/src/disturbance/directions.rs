@@ -4,7 +4,7 @@ use faer::{Mat, MatRef, Scale, Side};
 use fd_core::Shape;
 use fd_model::{Discrete, ModelError, Record, StateSpace, TimeDomain};
 
-use super::estimate::{Expectation, second_moment};
+use super::estimate::{Expectation, check_record, second_moment};
 use crate::{
     error::DesignError,
     matrix::{blocks, check_shape},
@@ -71,6 +71,55 @@ impl Directions {
             Mat::from_fn(n, errors.ncols(), |i, j| errors[(i, j)] * energy[j % (n + nu)]);
         let count = f64::from(u32::try_from(perturbed.len()).unwrap_or(u32::MAX));
         Self::principal((Scale(count.recip()) * (&weighted * weighted.transpose())).as_ref())
+    }
+
+    /// What [`from_models`](Self::from_models) takes as `energy`: root mean squares of the states of
+    /// a model that is driven by the inputs of logs from rest, then of those inputs. Missing inputs
+    /// count as zero.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a log has other inputs or another sample time than the model, or there
+    /// is no sample.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Channel, Discrete, Record, SampleTime, StateSpace};
+    /// use fd_residual::disturbance::Directions;
+    ///
+    /// let ts = SampleTime::new(1.0)?;
+    /// let (a, domain) = (mat![[0.0]], Discrete { ts });
+    /// let model = StateSpace::new(a, mat![[2.0]], mat![[1.0]], mat![[0.0]], domain)?;
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let log = Record::new(u, y, vec![1.0; 4], vec![0.0; 4], ts)?;
+    /// // x = 0, 2, 2, 2
+    /// assert_eq!(Directions::energy(&model, &[log])?, [3.0_f64.sqrt(), 1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn energy(
+        model: &StateSpace<Discrete>,
+        records: &[Record],
+    ) -> Result<Vec<f64>, DesignError> {
+        let (n, nu) = (model.nx(), model.nu());
+        let (mut squares, mut count) = (vec![0.0; n + nu], 0_u32);
+        for record in records {
+            check_record(model, record)?;
+            let mut x = Mat::<f64>::zeros(n, 1);
+            for k in 0..record.len() {
+                let present = |u: f64| if u.is_finite() { u } else { 0.0 };
+                let u = Mat::from_fn(nu, 1, |i, _| present(record.u(k)[i]));
+                let signals = (0..n).map(|i| x[(i, 0)]).chain((0..nu).map(|i| u[(i, 0)]));
+                squares.iter_mut().zip(signals).for_each(|(sum, value)| *sum += value * value);
+                count += 1;
+                x = model.a() * &x + model.b() * &u;
+            }
+        }
+        if count == 0 {
+            return Err(DesignError::Empty { what: "sample of a healthy log" });
+        }
+        Ok(squares.into_iter().map(|sum| (sum / f64::from(count)).sqrt()).collect())
     }
 
     /// The directions of the disturbances that explain healthy logs, see [`Expectation`].

@@ -106,7 +106,10 @@ impl Filter {
     }
 }
 
-fn check_record(model: &StateSpace<Discrete>, record: &Record) -> Result<(), DesignError> {
+pub(super) fn check_record(
+    model: &StateSpace<Discrete>,
+    record: &Record,
+) -> Result<(), DesignError> {
     model.domain().join(Discrete { ts: record.ts() })?;
     let (expected, found) = (
         Shape::new(model.ny(), model.nu()),
