@@ -1,19 +1,23 @@
 //! Published problems, solved by the design rooms: Varga (2017) and the user's guide of FDITOOLS.
-//! All in continuous time.
+//! All in continuous time but for the decisions.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 mod common;
 
 use common::transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise};
 use faer::{Mat, Scale, c64, mat};
-use fd_model::{Continuous, StateSpace};
+use fd_core::Frame;
+use fd_model::{Continuous, SampleTime, StateSpace};
 use fd_residual::{
-    DesignError, ResidualForm,
+    DesignError, GeneratorDesign, ResidualForm,
     analysis::{UnknownInputs, fault_effects, fault_to_noise_gap},
     decouple::LeftNullSpace,
     observer::ErrorPoles,
     optimal::{Exposure, OptimalDesign},
+    structured::{RowMethod, Structure, StructuredDesign},
 };
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// A plant with one known input, realised together with its unknown ones.
 struct Problem {
@@ -175,9 +179,8 @@ fn fditools_example_8_has_the_gap_two() {
     assert_equal(&noisy.residual_of(&gw).unwrap(), &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])]]));
 }
 
-/// Niemann (1998): one residual per fault, decoupled from the other and from the disturbance.
-#[test]
-fn niemann_faults_are_isolated() {
+/// Niemann (1998): `A`, `B_d` and `B_u = B_f`; all states are measured.
+fn niemann() -> [Mat<f64>; 3] {
     let scaled = |m: Mat<f64>| Scale(1000.0) * m;
     let a = scaled(mat![
         [-0.0782, 0.2939, 0.0220, 0.0208, -0.0291],
@@ -194,6 +197,13 @@ fn niemann_faults_are_isolated() {
         [1.322_502, 0.020_147],
         [-0.082_265, 0.024_388]
     ];
+    [a, bd, bu]
+}
+
+/// One residual per fault, decoupled from the other and from the disturbance.
+#[test]
+fn niemann_faults_are_isolated() {
+    let [a, bd, bu] = niemann();
     let plant =
         StateSpace::new(a, bu.clone(), Mat::identity(5, 5), Mat::zeros(5, 2), Continuous).unwrap();
     let faults = UnknownInputs::new("f", bu, Mat::zeros(5, 2)).unwrap();
@@ -206,4 +216,53 @@ fn niemann_faults_are_isolated() {
         assert_eq!((space.residual_len(), space.order()), (expected, expected));
         assert_eq!(space.detects(&faults).unwrap().to_string(), signature);
     }
+}
+
+/// The same plant sampled at 10 ms, watched by a bank of structure I: which fault, decided sample by
+/// sample. Unit gains at rest, Narendra's evaluation `θ ← γ θ + β |r|` with `β = 1.1`, `γ = 0.7` and
+/// threshold 1, as the published test of the toolbox has it.
+#[test]
+fn niemann_faults_are_named_over_time() {
+    let [a, bd, bu] = niemann();
+    let ts = SampleTime::new(0.01).unwrap();
+    let b = Mat::from_fn(5, 3, |i, j| if j < 2 { bu[(i, j)] } else { bd[(i, 0)] });
+    let (c, d) = (Mat::<f64>::identity(5, 5), Mat::zeros(5, 3));
+    let whole = StateSpace::new(a, b, c.clone(), d, Continuous).unwrap().sample_zoh(ts).unwrap();
+    let columns = |from, count| whole.b().subcols(from, count).to_owned();
+    let (a, domain) = (whole.a().to_owned(), whole.domain());
+    let plant = StateSpace::new(a, columns(0, 2), c, Mat::zeros(5, 2), domain).unwrap();
+    let faults = UnknownInputs::new("f", columns(0, 2), Mat::zeros(5, 2)).unwrap();
+    let disturbance = UnknownInputs::new("d", columns(2, 1), Mat::zeros(5, 1)).unwrap();
+    let structure = Structure::Dedicated;
+    let method = RowMethod::Parity { longest: 8 };
+    let bank = StructuredDesign::new(&plant, &faults, &disturbance, &structure, method).unwrap();
+    assert_eq!(bank.orders(), [1, 1]);
+    let gf = faults.system(&plant).unwrap();
+    let gains = bank.form().unwrap().residual_of(&gf).unwrap().dc_gain().unwrap();
+
+    let decisions = |sizes: [f64; 2]| {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(51);
+        let mut generator = bank.build().unwrap();
+        let (mut x, mut evaluated, mut named) = (Mat::<f64>::zeros(5, 1), [0.0; 2], [false; 2]);
+        for k in 0..=100 {
+            let u = [(std::f64::consts::TAU * 0.01 * f64::from(k)).sin(); 2];
+            let y: Vec<f64> = (0..5).map(|i| x[(i, 0)]).collect();
+            let mut r = [0.0; 2];
+            generator.step(Frame::new(generator.io(), 0, &u, &y).unwrap(), &mut r);
+            for i in 0..2 {
+                evaluated[i] = 0.7 * evaluated[i] + 1.1 * (r[i] / gains[(i, i)]).abs();
+                named[i] |= evaluated[i] > 1.0;
+            }
+            // Standard deviation 0.1, as published.
+            let noise = 0.1 * 3.0_f64.sqrt() * rng.random_range(-1.0..1.0);
+            let fault = |i: usize| if k >= 5 { sizes[i] } else { 0.0 };
+            let v = mat![[u[0] + fault(0)], [u[1] + fault(1)], [noise]];
+            x = whole.a() * x + whole.b() * v;
+        }
+        named
+    };
+    assert_eq!(decisions([0.0, 0.0]), [false, false]);
+    assert_eq!(decisions([0.5, 0.0]), [true, false]);
+    assert_eq!(decisions([0.0, 0.5]), [false, true]);
+    assert_eq!(decisions([0.5, 0.5]), [true, true]);
 }
