@@ -4,7 +4,11 @@ use std::f64::consts::PI;
 
 use faer::{Mat, MatRef, c64};
 
-use crate::{error::ModelError, linalg::cayley, state_space::StateSpace};
+use crate::{
+    error::ModelError,
+    linalg::{cayley, central_rate},
+    state_space::StateSpace,
+};
 
 /// A time axis on which a linear model lives.
 pub trait TimeDomain: Copy + Sized {
@@ -33,8 +37,8 @@ pub trait TimeDomain: Copy + Sized {
     /// Returns an error when the sample times differ.
     fn join(self, other: Self) -> Result<Self, ModelError>;
 
-    /// Discrete matrices `(A, B, C)` with the same gramians as a stable model on this axis, given
-    /// the eigenvalues of `A`.
+    /// Discrete matrices `(A, B, C)` with the same gramians as a model on this axis, and stable
+    /// if it is.
     ///
     /// # Errors
     ///
@@ -45,7 +49,6 @@ pub trait TimeDomain: Copy + Sized {
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
         c: MatRef<'_, f64>,
-        poles: &[c64],
     ) -> Result<[Mat<f64>; 3], ModelError>;
 
     /// A continuous model with the same gains in another order of frequencies, and the same
@@ -110,14 +113,9 @@ impl TimeDomain for Continuous {
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
         c: MatRef<'_, f64>,
-        poles: &[c64],
     ) -> Result<[Mat<f64>; 3], ModelError> {
         // Maps the slowest and the fastest mode to the same distance from the unit circle.
-        let (slowest, fastest) =
-            poles.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), pole| {
-                (low.min(pole.norm()), high.max(pole.norm()))
-            });
-        cayley(a, b, c, (slowest * fastest).sqrt())
+        cayley(a, b, c, central_rate(a))
     }
 
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {
@@ -165,7 +163,6 @@ impl TimeDomain for Discrete {
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
         c: MatRef<'_, f64>,
-        _: &[c64],
     ) -> Result<[Mat<f64>; 3], ModelError> {
         Ok([a.to_owned(), b.to_owned(), c.to_owned()])
     }

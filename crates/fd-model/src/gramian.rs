@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::{
     domain::TimeDomain,
     error::ModelError,
-    linalg::{balance, smith_factors},
+    linalg::{SmithFactors, balance, smith_factors},
     state_space::StateSpace,
 };
 
@@ -43,7 +43,6 @@ impl<D: TimeDomain> StateSpace<D> {
 
     /// Factors of both gramians, without ever squaring them.
     pub(crate) fn gramian_factors(&self, what: &'static str) -> Result<GramianFactors, ModelError> {
-        let poles = self.stable_poles(what)?;
         if self.nx() == 0 {
             return Ok(GramianFactors {
                 controllability: Mat::zeros(0, self.nu()),
@@ -52,11 +51,19 @@ impl<D: TimeDomain> StateSpace<D> {
         }
         let scaling = balance(self.a(), self.b(), self.c());
         let (a, b, c) = (scaling.a(self.a()), scaling.b(self.b()), scaling.c(self.c()));
-        let system = self.domain().smith_system(a.as_ref(), b.as_ref(), c.as_ref(), &poles)?;
-        let [l_c, l_o] = smith_factors(system)?;
+        let system = self.domain().smith_system(a.as_ref(), b.as_ref(), c.as_ref());
+        let factors = system.and_then(|system| {
+            let order = self.nx();
+            smith_factors(system).ok_or(ModelError::NoConvergence { what: "the gramian", order })
+        });
+        // Eigenvalues cost as much as the factors: they are asked only without another proof.
+        if !factors.as_ref().is_ok_and(|factors| factors.proves_stability) {
+            self.stable_poles(what)?;
+        }
+        let SmithFactors { controllability, observability, .. } = factors?;
         Ok(GramianFactors {
-            controllability: scaling.undo_b(l_c.as_ref()),
-            observability: scaling.undo_c(l_o.transpose()).transpose().to_owned(),
+            controllability: scaling.undo_b(controllability.as_ref()),
+            observability: scaling.undo_c(observability.transpose()).transpose().to_owned(),
         })
     }
 }

@@ -9,9 +9,12 @@
 //! C.-S. Wang, "Structure-preserving algorithms for periodic discrete-time algebraic Riccati
 //! equations", Int. J. Control 77(8), 2004): quadratic convergence, no reordered Schur form.
 //! The pair must be stabilisable (detectable for the filter), with no closed-loop eigenvalue on
-//! the unit circle.
+//! the unit circle. Modes of `A` that `Q` does not see may be unstable: the stabilising solution
+//! then moves them to their mirror images in the unit circle, and is not the smallest solution, to
+//! which doubling converges. Newton's method (Kleinman 1968, Hewer 1971) is then started from the
+//! solution for a larger `Q`.
 
-use faer::{Mat, MatRef, prelude::Solve};
+use faer::{Mat, MatRef, Scale, prelude::Solve};
 use fd_core::Shape;
 
 use crate::{
@@ -40,7 +43,8 @@ pub struct DiscreteRiccati {
 /// # Errors
 ///
 /// Returns an error when sizes do not fit, `Q` is not symmetric positive semidefinite or `R` not
-/// definite, or no stabilising solution exists.
+/// definite, or no stabilising solution exists: [`ModelError::NotStabilisable`] names the
+/// eigenvalue that stays outside of the unit circle or, for a mode that `Q` does not see, on it.
 ///
 /// # Examples
 ///
@@ -74,10 +78,14 @@ pub fn discrete_regulator(
 /// The steady-state Kalman filter of `x⁺ = A x + w`, `y = C x + v` with `cov w = Q`, `cov v = R`
 /// and `w`, `v` independent.
 ///
+/// `Q` may be zero: stable modes are then not filtered at all, and the filter follows an unstable
+/// mode `λ` with one of `1/λ`.
+///
 /// # Errors
 ///
 /// Returns an error when sizes do not fit, `Q` is not symmetric positive semidefinite or `R` not
-/// definite, or no stabilising solution exists.
+/// definite, or no stabilising solution exists: [`ModelError::NotStabilisable`] names the
+/// eigenvalue that stays outside of the unit circle or, for a mode that `Q` does not see, on it.
 ///
 /// # Examples
 ///
@@ -134,21 +142,42 @@ fn solve_regulator(
         r_role,
     };
     let g = &problem.b * solve(r_role, r, problem.b.transpose())?;
-    let p = double(&problem.a, symmetric(g.as_ref()), problem.q.clone())
-        .ok_or(ModelError::NoConvergence { what, order: a.nrows() })?;
-    let p = problem.refine(p)?;
-    let p = scaling.undo_c(scaling.undo_c(p.as_ref()).transpose());
-    let weight = r + b.transpose() * &p * b;
-    let gain = solve(r_role, weight.as_ref(), (b.transpose() * &p * a).as_ref())?;
+    let g = symmetric(g.as_ref());
+    let doubled = |weight: Mat<f64>| {
+        double(&problem.a, g.clone(), weight)
+            .ok_or(ModelError::NoConvergence { what, order: a.nrows() })
+    };
+    let finish = |p: Mat<f64>, edge: f64| {
+        let p = problem.refine(p)?;
+        let p = scaling.undo_c(scaling.undo_c(p.as_ref()).transpose());
+        let weight = r + b.transpose() * &p * b;
+        let gain = solve(r_role, weight.as_ref(), (b.transpose() * &p * a).as_ref())?;
 
-    let closed = a - b * &gain;
-    require_decay(what, &eigenvalues(closed.as_ref())?, unit_disk_margin).map_err(|error| {
-        match error {
-            ModelError::Unstable { what, re, im } => ModelError::NotStabilisable { what, re, im },
-            other => other,
-        }
-    })?;
-    Ok(DiscreteRiccati { p, gain, weight })
+        let closed = a - b * &gain;
+        let margin = |eigenvalue| unit_disk_margin(eigenvalue) - edge;
+        require_decay(what, &eigenvalues(closed.as_ref())?, margin).map_err(not_stabilisable)?;
+        Ok(DiscreteRiccati { p, gain, weight })
+    };
+    let smallest = doubled(problem.q.clone()).and_then(|p| finish(p, 0.0));
+    smallest.or_else(|error| {
+        let n = a.nrows();
+        // In units of a solution that moves an unstable mode.
+        let more = Scale(g.norm_l2().max(f64::MIN_POSITIVE).recip());
+        doubled(&problem.q + more * Mat::<f64>::identity(n, n))
+            .and_then(|p| finish(problem.descend(p)?, EDGE))
+            .map_err(|_| error)
+    })
+}
+
+/// A pair of eigenvalues on the unit circle moves by `√ε` of a perturbation of `ε`, so that one
+/// this close cannot be told from one that stays on it.
+const EDGE: f64 = 1.5e-8;
+
+fn not_stabilisable(error: ModelError) -> ModelError {
+    match error {
+        ModelError::Unstable { what, re, im } => ModelError::NotStabilisable { what, re, im },
+        other => other,
+    }
 }
 
 /// The regulator problem in balanced coordinates.
@@ -161,6 +190,24 @@ struct Problem {
 }
 
 impl Problem {
+    /// Newton's method from a solution that stabilises the loop for a larger weight: falls to the
+    /// largest solution, every loop on the way being stable.
+    fn descend(&self, mut p: Mat<f64>) -> Result<Mat<f64>, ModelError> {
+        // Halves what is left at least, so that these span the range of a number; then quadratic.
+        const STEPS: usize = 100;
+        const NEARLY: f64 = 1e-4;
+
+        for _ in 0..STEPS {
+            let (closed, residual) = self.closed_loop(&p)?;
+            let step = lyapunov::discrete(closed.transpose(), residual.as_ref())?;
+            p += &step;
+            if step.norm_l2() <= NEARLY * p.norm_l2() {
+                break;
+            }
+        }
+        Ok(p)
+    }
+
     /// Newton's method (Hewer 1971) from a solution that is nearly right, for as long as it
     /// halves the residual.
     fn refine(&self, mut p: Mat<f64>) -> Result<Mat<f64>, ModelError> {

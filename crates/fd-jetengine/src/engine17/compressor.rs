@@ -14,17 +14,10 @@ pub(super) struct Compression<T> {
 }
 
 impl<T: Scalar> Compression<T> {
-    /// Compresses from `(t, h)` by `pressure_ratio`; `guess` is a first temperature in K.
+    /// Compresses from `(t, h)` by `pressure_ratio`.
     #[inline]
-    pub(super) fn new(
-        air: &Gas<T>,
-        t: T,
-        h: T,
-        pressure_ratio: T,
-        efficiency: T,
-        guess: T,
-    ) -> Self {
-        let ideal = air.isentropic(t, pressure_ratio, guess);
+    pub(super) fn new(air: &Gas<T>, t: T, h: T, pressure_ratio: T, efficiency: T) -> Self {
+        let ideal = air.isentropic(t, pressure_ratio);
         let h = h + (air.enthalpy(ideal) - h) / efficiency;
         Self { h, t: air.temperature_of_enthalpy(h, ideal) }
     }

@@ -73,13 +73,12 @@ impl Parameters {
         let pi_lpc = r.p_2 / p_1;
         let pi_outer = 1.0 + (pi_lpc - 1.0) * self.outer_stream;
         let efficiency = self.lpc_efficiency;
-        let core = Compression::new(&air, t_1, h_1, pi_lpc, efficiency, t_1 * pi_lpc.powf(0.286));
-        let bypass =
-            Compression::new(&air, t_1, h_1, pi_outer, efficiency, t_1 * pi_lpc.powf(0.286));
+        let core = Compression::new(&air, t_1, h_1, pi_lpc, efficiency);
+        let bypass = Compression::new(&air, t_1, h_1, pi_outer, efficiency);
         let (t_2, h_2, t_b, h_b) = (core.t, core.h, bypass.t, bypass.h);
         let p_b = p_1 * pi_outer;
         let pi_hpc = r.p_3 / r.p_2;
-        let delivery = Compression::new(&air, t_2, h_2, pi_hpc, self.hpc_efficiency, t_2 * 1.6);
+        let delivery = Compression::new(&air, t_2, h_2, pi_hpc, self.hpc_efficiency);
         let (t_3, h_3) = (delivery.t, delivery.h);
 
         // Combustor.
@@ -96,7 +95,7 @@ impl Parameters {
         // High-pressure turbine: its efficiency follows from the power balance of the shaft.
         let power_h = w_3 * (h_3 - h_2) / self.mechanical_efficiency + self.accessory_power;
         let h_45 = h_4 - power_h / w_4;
-        let ideal = gas_4.isentropic(t_4, r.p_5 / p_4, 950.0);
+        let ideal = gas_4.isentropic(t_4, r.p_5 / p_4);
         let hpt_efficiency = (h_4 - h_45) / (h_4 - gas_4.enthalpy(ideal));
 
         // Low-pressure turbine, likewise.
@@ -106,7 +105,7 @@ impl Parameters {
         let t_5 = gas_5.temperature_of_enthalpy(h_5, 950.0);
         let power_l = (r.w_2 * (h_2 - h_1) + r.w_b * (h_b - h_1)) / self.mechanical_efficiency;
         let h_6 = h_5 - power_l / w_5;
-        let ideal = gas_5.isentropic(t_5, r.p_6 / r.p_5, 820.0);
+        let ideal = gas_5.isentropic(t_5, r.p_6 / r.p_5);
         let lpt_efficiency = (h_5 - h_6) / (h_5 - gas_5.enthalpy(ideal));
         let t_6 = gas_5.temperature_of_enthalpy(h_6, 820.0);
 

@@ -27,9 +27,11 @@ const PRODUCTS: [f64; TERMS] = [
     0.0,
 ];
 
-/// Newton passes of the inverse functions; fixed, so that every result is a smooth function of
-/// its arguments and finite differences see no change of the pass count.
-const PASSES: usize = 5;
+/// Passes of Chebyshev's method, which cubes the error, in the inverse functions; fixed, so that
+/// every result is a smooth function of its arguments and finite differences see no change of
+/// the pass count.
+const ENTHALPY_PASSES: usize = 3;
+const ENTROPY_PASSES: usize = 2;
 
 /// A gas of one composition, with variable heat capacity.
 ///
@@ -47,12 +49,16 @@ const PASSES: usize = 5;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gas<T> {
-    /// `c_i`.
-    heat: [T; TERMS],
+    /// `c_0`.
+    first: T,
+    /// `c_i`, `i > 0`.
+    heat: [T; TERMS - 1],
+    /// `i c_i`: coefficients of the slope of `cp`.
+    slope: [T; TERMS - 1],
     /// `c_i / (i + 1)`: coefficients of the enthalpy.
-    enthalpy: [T; TERMS],
-    /// `c_i / i` for `i > 0`, and `c_0` of the logarithm: coefficients of the entropy function.
-    entropy: [T; TERMS],
+    enthalpy: [T; TERMS - 1],
+    /// `c_i / i`: coefficients of the entropy function.
+    entropy: [T; TERMS - 1],
 }
 
 impl<T: Scalar> Gas<T> {
@@ -73,70 +79,85 @@ impl<T: Scalar> Gas<T> {
         Self::from_heat(heat)
     }
 
-    fn from_heat(heat: [T; TERMS]) -> Self {
-        const RECIPROCALS: [f64; TERMS + 1] = [
-            1.0,
-            1.0,
-            1.0 / 2.0,
-            1.0 / 3.0,
-            1.0 / 4.0,
-            1.0 / 5.0,
-            1.0 / 6.0,
-            1.0 / 7.0,
-            1.0 / 8.0,
-            1.0 / 9.0,
-        ];
-        let mut enthalpy = heat;
-        let mut entropy = heat;
-        for i in 0..TERMS {
-            enthalpy[i] *= T::from_design(RECIPROCALS[i + 1]);
-            entropy[i] *= T::from_design(RECIPROCALS[i]);
+    fn from_heat([first, heat @ ..]: [T; TERMS]) -> Self {
+        const ORDERS: [f64; TERMS - 1] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+        let scaled = |factor: fn(f64) -> f64| -> [T; TERMS - 1] {
+            std::array::from_fn(|i| heat[i] * T::from_design(factor(ORDERS[i])))
+        };
+        Self {
+            first,
+            heat,
+            slope: scaled(|order| order),
+            enthalpy: scaled(|order| (order + 1.0).recip()),
+            entropy: scaled(f64::recip),
         }
-        Self { heat, enthalpy, entropy }
     }
 
     /// Heat capacity at constant pressure in J/(kg K), at a temperature in K.
     #[inline]
     pub fn cp(&self, t: T) -> T {
-        k::<T>(1e3) * horner(&self.heat, t * k(1e-3))
+        let z = t * k(1e-3);
+        k::<T>(1e3) * (self.first + z * polynomial(&self.heat, z))
+    }
+
+    /// `T / cp dcp/dT`.
+    #[inline]
+    fn relative_slope(&self, t: T, cp: T) -> T {
+        let z = t * k(1e-3);
+        k::<T>(1e3) * z * polynomial(&self.slope, z) / cp
     }
 
     /// Enthalpy above 0 K in J/kg, at a temperature in K.
     #[inline]
     pub fn enthalpy(&self, t: T) -> T {
         let z = t * k(1e-3);
-        k::<T>(1e6) * horner(&self.enthalpy, z) * z
+        k::<T>(1e6) * (self.first + z * polynomial(&self.enthalpy, z)) * z
     }
 
     /// Entropy function `φ(T) = ∫ cp / T dT` in J/(kg K), at a temperature in K.
     #[inline]
     pub fn entropy(&self, t: T) -> T {
         let z = t * k(1e-3);
-        k::<T>(1e3) * (self.entropy[0] * z.ln() + horner(&self.entropy[1..], z) * z)
+        k::<T>(1e3) * (self.first * z.ln() + polynomial(&self.entropy, z) * z)
     }
 
-    /// Temperature in K of an enthalpy in J/kg, by Newton's method from `guess`.
+    /// Temperature in K of an enthalpy in J/kg, from `guess`: from one within 40 % the result is
+    /// exact to rounding.
     ///
-    /// Five passes: from a guess within 40 % the result is exact to rounding.
+    /// Chebyshev's method: with `ε = (h - h(T)) / (cp T)` and `κ = T cp' / cp`, a step to
+    /// `T (1 + ε (1 - κ ε / 2))`.
     #[inline]
     pub fn temperature_of_enthalpy(&self, enthalpy: T, guess: T) -> T {
         let mut t = guess;
-        for _ in 0..PASSES {
-            t -= (self.enthalpy(t) - enthalpy) / self.cp(t);
+        for _ in 0..ENTHALPY_PASSES {
+            let cp = self.cp(t);
+            let step = (enthalpy - self.enthalpy(t)) / cp;
+            t += step * (T::one() - k::<T>(0.5) * self.relative_slope(t, cp) * step / t);
         }
         t
     }
 
-    /// Temperature in K after an isentropic change of pressure from `t` (K) by `pressure_ratio`,
-    /// by Newton's method from `guess` (K): `φ(T₂) = φ(T₁) + R ln π`.
+    /// Temperature in K after an isentropic change of pressure from `t` (K) by `pressure_ratio`:
+    /// `φ(T₂) = φ(T₁) + R ln π`.
+    ///
+    /// Chebyshev's method for `u = ln(T₂ / T₁)`, from that of constant `cp`, which is off by 4 % at
+    /// a ratio of 10 and by 13 % at one of 100. Two passes are exact to rounding.
     #[inline]
-    pub fn isentropic(&self, t: T, pressure_ratio: T, guess: T) -> T {
-        let target = self.entropy(t) + k::<T>(GAS_CONSTANT) * pressure_ratio.ln();
-        let mut t = guess;
-        for _ in 0..PASSES {
-            t -= (self.entropy(t) - target) * t / self.cp(t);
+    pub fn isentropic(&self, t: T, pressure_ratio: T) -> T {
+        let polynomials = |t: T| {
+            let z = t * k(1e-3);
+            k::<T>(1e3) * z * polynomial(&self.entropy, z)
+        };
+        let added = k::<T>(GAS_CONSTANT) * pressure_ratio.ln();
+        let target = added + polynomials(t);
+        let mut u = added / self.cp(t);
+        for _ in 0..ENTROPY_PASSES {
+            let after = t * u.exp();
+            let cp = self.cp(after);
+            let step = (target - polynomials(after) - k::<T>(1e3) * self.first * u) / cp;
+            u += step * (T::one() - k::<T>(0.5) * self.relative_slope(after, cp) * step);
         }
-        t
+        t * u.exp()
     }
 
     /// Ratio of heat capacities `γ = cp / (cp - R)` at a temperature in K.
@@ -153,9 +174,13 @@ pub(crate) fn k<T: Scalar>(value: f64) -> T {
     T::from_design(value)
 }
 
+/// `Σ c_i z^i` in the order of Estrin: Horner's takes three times as long, each operation waiting
+/// for the one before.
 #[inline]
-fn horner<T: Scalar>(coefficients: &[T], z: T) -> T {
-    coefficients.iter().rev().fold(T::zero(), |sum, &c| sum * z + c)
+fn polynomial<T: Scalar>(c: &[T; TERMS - 1], z: T) -> T {
+    let z_2 = z * z;
+    let cubic = |i: usize| (c[i] + c[i + 1] * z) + (c[i + 2] + c[i + 3] * z) * z_2;
+    cubic(0) + cubic(4) * (z_2 * z_2)
 }
 
 #[cfg(test)]
@@ -179,13 +204,23 @@ mod tests {
             prop_assert!((slope * t / gas.cp(t) - 1.0).abs() < 1e-8);
         }
 
-        /// Newton doubles the digits per pass: five passes from 20 % off reach rounding, n · eps.
+        /// The error of 40 % goes to about 3e-3, 2e-9 and rounding, n · eps.
         #[test]
-        fn inverses_invert(t in 250.0..1800.0, far in 0.0..0.04, off in 0.8..1.2) {
+        fn inverses_invert(t in 250.0..1800.0, far in 0.0..0.04, off in 0.6..1.4) {
             let gas = Gas::<f64>::products(far);
             let back = gas.temperature_of_enthalpy(gas.enthalpy(t), t * off);
             prop_assert!((back / t - 1.0).abs() < 1e-13);
-            prop_assert!((gas.isentropic(t, 1.0, t * off) / t - 1.0).abs() < 1e-13);
+        }
+
+        /// Rounding of the entropy function, n · eps, over cp.
+        #[test]
+        fn isentropic_changes_keep_their_entropy(
+            t in 250.0..900.0, far in 0.0..0.04, log_ratio in -3.0..3.0_f64,
+        ) {
+            let gas = Gas::<f64>::products(far);
+            let after = gas.isentropic(t, log_ratio.exp());
+            let change = gas.entropy(after) - gas.entropy(t);
+            prop_assert!((change - GAS_CONSTANT * log_ratio).abs() < 1e-14 * gas.entropy(t).abs().max(1e4));
         }
 
         #[test]
@@ -193,9 +228,9 @@ mod tests {
             t in 250.0..600.0_f64, p in 1.1..4.0_f64, q in 1.1..4.0_f64,
         ) {
             let air = Gas::<f64>::air();
-            let once = air.isentropic(t, p * q, t * (p * q).powf(0.28));
-            let middle = air.isentropic(t, p, t * p.powf(0.28));
-            let twice = air.isentropic(middle, q, middle * q.powf(0.28));
+            let once = air.isentropic(t, p * q);
+            let middle = air.isentropic(t, p);
+            let twice = air.isentropic(middle, q);
             prop_assert!(t < middle && middle < once);
             prop_assert!((twice / once - 1.0).abs() < 1e-12);
         }

@@ -100,8 +100,7 @@ impl<T: Scalar> Hpc<T> {
             + self.efficiency_loading * square(y - one);
         let efficiency = (self.efficiency * (one - loss)).max(k(0.3)) * health.hpc_efficiency;
 
-        let guess = t_2 * pi.max(one).powf(k(0.28));
-        let exit = Compression::new(air, t_2, h_2, pi.max(k(1.0001)), efficiency, guess);
+        let exit = Compression::new(air, t_2, h_2, pi.max(k(1.0001)), efficiency);
         HpcExit { pi, w_3, h_3: exit.h, t_3: exit.t, y, efficiency }
     }
 }

@@ -107,17 +107,9 @@ impl<T: Scalar> Lpc<T> {
             + self.efficiency_flow * square(x - one);
         let efficiency = (self.efficiency * (one - loss)).max(k(0.3)) * health.lpc_efficiency;
 
-        let core = Compression::new(
-            air,
-            inlet.t_1,
-            inlet.h_1,
-            pi,
-            efficiency,
-            inlet.t_1 * pi.powf(k(0.286)),
-        );
+        let core = Compression::new(air, inlet.t_1, inlet.h_1, pi, efficiency);
         let pi_b = (one + (pi - one) * self.outer_stream).max(k(0.5));
-        let guess = inlet.t_1 * pi_b.powf(k(0.286));
-        let outer = Compression::new(air, inlet.t_1, inlet.h_1, pi_b, efficiency, guess);
+        let outer = Compression::new(air, inlet.t_1, inlet.h_1, pi_b, efficiency);
         LpcExit {
             pi,
             p_13: inlet.p_1 * pi,

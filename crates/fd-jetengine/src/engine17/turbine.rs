@@ -65,8 +65,7 @@ impl<T: Scalar> Turbine<T> {
         let speed = n / root_t / self.reference_speed - T::one();
         let efficiency =
             self.efficiency * (T::one() - self.curvature * speed * speed) * efficiency_factor;
-        let guess = inlet.t * ratio.powf(k(0.25));
-        let ideal = inlet.gas.isentropic(inlet.t, ratio.min(k(0.9999)), guess);
+        let ideal = inlet.gas.isentropic(inlet.t, ratio.min(k(0.9999)));
         Expansion { w, h: inlet.h - efficiency * (inlet.h - inlet.gas.enthalpy(ideal)) }
     }
 }

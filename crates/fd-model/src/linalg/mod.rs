@@ -19,10 +19,10 @@ mod sylvester;
 pub(crate) use self::{
     balance::balance,
     blocks::{beside, diagonal, lower, stack},
-    cayley::cayley,
+    cayley::{cayley, central_rate},
     eigenvalues::{eigenvalues, require_decay},
     exponential::exponential,
-    factor::smith_factors,
+    factor::{SmithFactors, smith_factors},
     pencil::{compress_rows, generalised_eigenvalues},
     positive::is_positive,
     schur::RealSchur,

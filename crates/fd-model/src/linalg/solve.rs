@@ -1,6 +1,10 @@
 //! Linear systems whose matrix may be singular.
 
-use faer::{Mat, MatRef, linalg::solvers::PartialPivLu, prelude::Solve};
+use faer::{
+    Mat, MatRef,
+    linalg::solvers::{DenseSolveCore, PartialPivLu},
+    prelude::Solve,
+};
 
 use crate::error::ModelError;
 
@@ -18,25 +22,45 @@ pub(crate) fn solve(
     if a.nrows() == 0 {
         return Ok(b.to_owned());
     }
-    Ok(checked_lu(role, a)?.solve(b))
+    let (lu, _) = factorise(role, a)?;
+    Ok(lu.solve(b))
 }
 
-/// Factorises a matrix of at least one row.
+/// The inverse of a matrix of at least one row, for those who need all of it.
 ///
 /// # Errors
 ///
 /// As [`solve`].
-pub(crate) fn checked_lu(
+pub(crate) fn inverse(role: &'static str, a: MatRef<'_, f64>) -> Result<Mat<f64>, ModelError> {
+    let (_, inverse) = factorise(role, a)?;
+    Ok(inverse)
+}
+
+fn factorise(
     role: &'static str,
     a: MatRef<'_, f64>,
-) -> Result<PartialPivLu<f64>, ModelError> {
-    let n = a.nrows();
+) -> Result<(PartialPivLu<f64>, Mat<f64>), ModelError> {
     let lu = a.partial_piv_lu();
-    let inverse = lu.solve(Mat::<f64>::identity(n, n));
-    let absolute = |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(i, j)].abs());
-    let condition = absolute(inverse.as_ref()) * absolute(a);
-    let worst = (0..n).map(|i| condition.row(i).sum()).fold(0.0, max_or_nan);
-    if worst < f64::EPSILON.recip() { Ok(lu) } else { Err(ModelError::Singular { role }) }
+    let inverse = lu.inverse();
+    // The row sums of |A⁻¹| |A|.
+    let sums = absolute_times(inverse.as_ref(), &absolute_times(a, &vec![1.0; a.ncols()]));
+    let worst = sums.into_iter().fold(0.0, max_or_nan);
+    if worst < f64::EPSILON.recip() {
+        Ok((lu, inverse))
+    } else {
+        Err(ModelError::Singular { role })
+    }
+}
+
+/// `|A| x`.
+fn absolute_times(a: MatRef<'_, f64>, x: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; a.nrows()];
+    for (column, x) in a.col_iter().zip(x) {
+        for (sum, entry) in product.iter_mut().zip(column.iter()) {
+            *sum += entry.abs() * x;
+        }
+    }
+    product
 }
 
 /// Solves `X A = B`.

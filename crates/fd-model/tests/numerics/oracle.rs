@@ -2,7 +2,7 @@
 //! python-control 0.10.2 (`ab13dd`, `ab13bd`, `ab08nd`, `ab09ad`, `ab09nd`, `sb02od`).
 
 use faer::{Mat, Scale, c64};
-use fd_model::{Continuous, StateSpace, reduce, riccati};
+use fd_model::{Continuous, Discrete, StateSpace, reduce, riccati};
 
 use crate::{
     engines::{engine17, f100},
@@ -121,4 +121,44 @@ fn reduced_models_agree() {
         (-2.329_897_086_026_582, 0.0),
     ];
     same_points(&residualised.poles().unwrap(), &expected, 1e-10);
+}
+
+/// A plant of 100 states that any language makes exactly: entries from residues modulo 211. Its
+/// spectral radius is 0.923.
+fn plant_of_residues() -> StateSpace<Discrete> {
+    let entry = |i: usize, j: usize| {
+        ((37 * i + 101 * j + 13 * i * i * j + 7 * i * j * j) % 211) as f64 / 211.0 - 0.5
+    };
+    let n = 100;
+    let a = Mat::from_fn(n, n, |i, j| 0.32 * entry(i, j));
+    let b = Mat::from_fn(n, 2, |i, j| entry(i, n + j));
+    let c = Mat::from_fn(3, n, |i, j| entry(n + i, j));
+    StateSpace::new(a, b, c, Mat::zeros(3, 2), Discrete { ts: ts(1.0) }).unwrap()
+}
+
+/// Both compute singular values of a product of factors, with errors of some `n ε` of the largest
+/// value, which promises 1e-10 of a value itself from `n ε / 1e-10 = 2e-4` of the largest on, and
+/// nothing below `n ε` of it. Factors that were never squared do better: 1e-10 of the value down
+/// to 1e-9 of the largest.
+#[test]
+fn hankel_values_of_a_hundred_states_agree() {
+    let expected: Vec<f64> =
+        include_str!("hankel_100.txt").lines().map(|line| line.parse().unwrap()).collect();
+    let model = plant_of_residues();
+    let found = model.hankel_singular_values().unwrap();
+    let truncated = reduce::balanced_truncation(&model, 5).unwrap();
+    let largest = expected[0];
+    let n = expected.len();
+    assert_eq!(n, 100);
+    for values in [&found, &truncated.hankel] {
+        assert_eq!(values.len(), n);
+        for (value, expected) in values.iter().zip(&expected) {
+            let error = (value - expected).abs();
+            println!("{expected:.3e} {:.1e} {:.1e}", error / largest, error / expected);
+            assert!(error <= n as f64 * f64::EPSILON * largest, "{value} is not {expected}");
+            if 1e-9 * largest <= *expected {
+                assert!(error <= 1e-10 * expected, "{value} is not {expected}");
+            }
+        }
+    }
 }

@@ -34,6 +34,34 @@ fn unreachable_unstable_modes_cannot_be_stabilised() {
     );
 }
 
+/// `p = a²p / (1 + b²p/r)` has the solutions 0 and `r (a² − 1) / b²`; the second stabilises, and
+/// puts the closed loop at `1/a`.
+#[test]
+fn unstable_modes_without_a_weight_are_mirrored() {
+    let none = mat![[0.0]];
+    for (a, b, r) in [(1.25, 1.0, 1.0), (-3.0, 0.2, 5.0), (1.0 + 1e-5, 2.0, 0.1)] {
+        let (ma, mb, mr) = (mat![[a]], mat![[b]], mat![[r]]);
+        let filter = riccati::discrete_filter(ma.as_ref(), mb.as_ref(), none.as_ref(), mr.as_ref());
+        let filter = filter.unwrap();
+        let p: f64 = r * (a * a - 1.0) / (b * b);
+        // The margin of the loop amplifies rounding.
+        let tolerance = 16.0 * f64::EPSILON / (1.0 - 1.0 / f64::abs(a));
+        assert!((filter.p[(0, 0)] / p - 1.0).abs() < tolerance, "{} {p}", filter.p[(0, 0)]);
+        assert!((a - filter.gain[(0, 0)] * b - 1.0 / a).abs() < tolerance);
+    }
+    // A mode on the circle stays there; a stable one needs nothing.
+    let (one, half) = (mat![[1.0]], mat![[0.5]]);
+    let regulator = |a: &Mat<f64>| {
+        riccati::discrete_regulator(a.as_ref(), one.as_ref(), none.as_ref(), one.as_ref())
+    };
+    let what = "the discrete regulator";
+    assert_eq!(
+        regulator(&one).unwrap_err(),
+        ModelError::NotStabilisable { what, re: 1.0, im: 0.0 }
+    );
+    assert!(regulator(&half).unwrap().p[(0, 0)].abs() <= 0.0);
+}
+
 #[test]
 fn indefinite_weights_are_rejected() {
     let one = mat![[1.0]];
@@ -47,6 +75,29 @@ fn indefinite_weights_are_rejected() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// The closed loop has the stable eigenvalues of `A` and the inverses of the others.
+    #[test]
+    fn filters_without_process_noise_mirror_what_is_unstable(recipe in recipes(8)) {
+        let mut rng = rng(recipe.seed);
+        let (n, p) = (recipe.nx, recipe.ny);
+        let a = random(n, n, &mut rng);
+        let c = random(p, n, &mut rng);
+        let poles = a.eigenvalues().unwrap();
+        prop_assume!(poles.iter().all(|z| (z.norm() - 1.0).abs() > 0.05));
+        let (none, r) = (Mat::<f64>::zeros(n, n), Mat::<f64>::identity(p, p));
+        let filter =
+            riccati::discrete_filter(a.as_ref(), c.as_ref(), none.as_ref(), r.as_ref()).unwrap();
+        let closed = (&a - &filter.gain * &c).eigenvalues().unwrap();
+        // Coefficients of polynomials are smooth where eigenvalues are not: compare the sums of
+        // powers, to 1e-6 because the modes may be nearly undetectable.
+        let mirrored = |z: &faer::c64| if z.norm() < 1.0 { *z } else { z.conj().inv() };
+        for power in 1..=3 {
+            let found: f64 = closed.iter().map(|z| z.powi(power).re).sum();
+            let expected: f64 = poles.iter().map(|z| mirrored(z).powi(power).re).sum();
+            prop_assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
+    }
 
     #[test]
     fn regulator_solves_its_equation_and_stabilises(recipe in recipes(12), scale in -3.0..3.0_f64) {
