@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     config::CompareConfig,
     error::CompareError,
-    result::{Comparison, REPORT_VERSION, ScenarioResult, factors, overall},
+    overall::overall,
+    result::{Comparison, REPORT_VERSION, ScenarioResult, factors},
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };

@@ -141,23 +141,31 @@ fn upper_envelope(features: &[Vec<f64>], values: &[f64], level: f64, quantile: f
         .map(|l| features.iter().map(|f| f[l].abs()).fold(0.0, f64::max))
         .map(|peak| if peak > 0.0 { peak } else { 1.0 })
         .collect();
-    let rows: Vec<Vec<f64>> =
-        features.iter().map(|f| f.iter().zip(&scale).map(|(f, s)| f / s).collect()).collect();
+    // In one piece: this is gone over many times.
+    let rows: Vec<f64> =
+        features.iter().flat_map(|f| f.iter().zip(&scale).map(|(f, s)| f / s)).collect();
     let mut weights = vec![level / count as f64; count];
+    let mut triangle = vec![0.0; count * (count + 1) / 2];
+    let mut right = vec![0.0; count];
     for _ in 0..ROUNDS {
-        let mut normal = Mat::<f64>::zeros(count, count);
-        let mut right = vec![0.0; count];
-        for (row, &value) in rows.iter().zip(values) {
+        triangle.fill(0.0);
+        right.fill(0.0);
+        for (row, &value) in rows.chunks_exact(count).zip(values) {
             let fitted: f64 = row.iter().zip(&weights).map(|(f, w)| f * w).sum();
             // The quadratic that touches the loss at the present deviation.
             let curvature = ((value - fitted).abs() + LEAST_LEVEL * level).recip();
-            for l in 0..count {
-                right[l] += row[l] * (curvature * value + 2.0 * quantile - 1.0);
-                for m in 0..count {
-                    normal[(l, m)] += curvature * row[l] * row[m];
-                }
+            let pull = curvature * value + 2.0 * quantile - 1.0;
+            let mut entries = triangle.iter_mut();
+            for (l, (right, f)) in right.iter_mut().zip(row).enumerate() {
+                *right += f * pull;
+                let curved = curvature * f;
+                row[..=l].iter().zip(entries.by_ref()).for_each(|(f, entry)| *entry += curved * f);
             }
         }
+        let normal = Mat::from_fn(count, count, |l, m| {
+            let (row, column) = (l.max(m), l.min(m));
+            triangle[row * (row + 1) / 2 + column]
+        });
         weights = minimise(&normal, &right, weights);
     }
     weights.iter().zip(&scale).map(|(w, s)| w / s).collect()
