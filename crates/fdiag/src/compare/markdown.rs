@@ -41,7 +41,8 @@ impl Comparison {
         section(
             "## Ways to be robust",
             "Smallest fault in per cent, geometric mean over all kinds, of the best entry of each family \
-             that keeps its rate, with the geometric means of the ends of the intervals.",
+             that keeps its rate (`!`: none does), with the geometric means of the ends of the intervals. \
+             Which entry is the best is decided by these same numbers, which flatters it a little.",
             &self.by_family(),
         );
         section("### Their best entries", &self.common_size(), &self.family_entries());

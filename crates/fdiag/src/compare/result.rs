@@ -151,25 +151,27 @@ pub(super) fn factors(config: &CompareConfig, units: &[&Unit]) -> Vec<Vec<f64>> 
 }
 
 impl ScenarioResult {
-    pub(super) fn of(scene: &Scene<'_>, units: &[&Unit]) -> Self {
+    pub(super) fn of(scene: &Scene<'_>, thresholds: &[&Unit], tests: &[&Unit]) -> Self {
         let (config, kinds) = (scene.config, &scene.kinds);
         let scenario = &config.scenarios[scene.index];
         let (mut entries, mut failed) = (Vec::new(), Vec::new());
         for (i, entry) in names(config).into_iter().enumerate() {
             let mut engines: Vec<&Alarms> = Vec::new();
-            let (mut failed_engines, mut reason) = (0, None);
-            for unit in units {
+            let mut failed_engines = 0;
+            for unit in tests {
                 match &unit.entries[i] {
                     Outcome::Alarms(alarms) => engines.push(alarms),
-                    Outcome::Failed(why) => {
-                        failed_engines += 1;
-                        reason.get_or_insert_with(|| why.clone());
-                    }
+                    Outcome::Failed(_) => failed_engines += 1,
                     Outcome::Peaks(_) => {}
                 }
             }
             if engines.is_empty() {
-                failed.push((entry, reason.unwrap_or_else(|| "no engine ran".to_owned())));
+                // What kept a threshold from being set says more than that there is none.
+                let why = thresholds.iter().chain(tests).find_map(|unit| match &unit.entries[i] {
+                    Outcome::Failed(why) => Some(why.clone()),
+                    _ => None,
+                });
+                failed.push((entry, why.unwrap_or_else(|| "no engine ran".to_owned())));
             } else {
                 let present = scenario.present.is_some();
                 let mut result = EntryResult::of(config, entry, kinds, &engines, present);
