@@ -6,6 +6,7 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use fdiag::{
+    compensate::decide::Isolation,
     ident::{arx::ArxOrders, order::Criterion},
     logs::{LogStudy, Request},
     model::{
@@ -13,7 +14,7 @@ use fdiag::{
         fault::{FaultProfile, FaultSpec, Site},
         file::write_log,
     },
-    spec::{DetectorSpec, LearningSpec, OrderSpec, PipelineSpec},
+    spec::{DetectorSpec, FaultSites, IsolationSpec, LearningSpec, OrderSpec, PipelineSpec},
 };
 use support::{input, plant, run};
 
@@ -110,6 +111,23 @@ fn a_sensor_fault_is_found_where_it_is() {
     let text = serde_json::to_string(&study).unwrap();
     assert_eq!(serde_json::from_str::<LogStudy>(&text).unwrap(), study);
     assert_eq!(LogStudy::run(&request, || ()).unwrap().0, study);
+
+    // Nothing is named unless it was asked for; then with how sure and how large, in K.
+    assert_eq!(faulty.named, None);
+    let faults = FaultSites::Both;
+    let isolation = IsolationSpec::Bayes { faults, settings: Isolation::default() };
+    let asked = Request { spec: PipelineSpec { isolation, ..request.spec.clone() }, ..request };
+    let (study, traces) = LogStudy::run(&asked, || ()).unwrap();
+    assert_eq!((&study.logs[0].named, &study.logs[1].named), (&None, &None));
+    let named = study.logs[2].named.as_ref().unwrap();
+    assert_eq!((named.name.as_deref(), named.unit.as_str()), (Some("sensor temperature"), "K"));
+    assert!(named.confidence.is_some_and(|p| (0.5..=1.0).contains(&p)), "{named:?}");
+    let [low, high] = named.size_interval.unwrap();
+    // The bias that is left is a few hundredths of the fault.
+    assert!(low < high && low < 1.1 && high > 0.9, "{named:?}");
+    assert!(named.size.is_some_and(|size| (size - 1.0).abs() < 0.2), "{named:?}");
+    let page = study.page(&traces).unwrap().to_html();
+    assert!(page.contains("Which fault it is") && page.contains("sensor temperature"));
 }
 
 /// A continuous model has no time base of its own: that of the first log counts, and the others are

@@ -47,7 +47,7 @@ pub(crate) enum Command {
     ///
     /// Brings all of them to the same rate of false alarms on engines of their own, then counts on
     /// other engines which sensor and component faults they find, how soon, and whether they name the
-    /// right sensor. Writes report.html and report.json. A run that was killed continues where it
+    /// right sensor. Writes report.html, report.md and report.json. A run that was killed continues where it
     /// stopped when it is started again with the same settings and directory. docs/compare.md says
     /// which method to choose when.
     Compare(CompareArgs),

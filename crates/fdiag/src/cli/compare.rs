@@ -23,7 +23,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     }
     let refused = |error| refusal(args, &error);
     config.check().map_err(refused)?;
-    let output = Output::prepare(&args.output)?;
+    let output = Output::prepare(&args.output)?.compact();
     let journal = args.output.out.join(JOURNAL);
     if args.restart {
         match fs::remove_file(&journal) {
@@ -42,10 +42,17 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     page.heading("Configuration");
     page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
     let tables: Vec<Table> = comparison.tables();
+    output.write("report.md", &comparison.markdown(&command()))?;
     output.finish(&comparison.headline(), &tables, &page, &comparison)?;
     // Everything in it is in the report now.
     fs::remove_file(&journal).map_err(|error| Failure::output(&journal, error))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The command line as it was given, the program by its name alone.
+fn command() -> String {
+    let arguments = std::env::args().skip(1);
+    ["fdiag".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 struct Shown(ProgressBar);

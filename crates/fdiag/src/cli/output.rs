@@ -22,6 +22,8 @@ const DEFAULT_WIDTH: u16 = 110;
 pub(crate) struct Output<'a> {
     directory: &'a Path,
     json: bool,
+    /// Whether JSON is written without line breaks.
+    compact: bool,
     /// Directories that were not there before, innermost first.
     made: Vec<&'a Path>,
 }
@@ -40,9 +42,16 @@ impl<'a> Output<'a> {
     pub(crate) fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let made = args.out.ancestors().take_while(missing).collect();
-        let output = Self { directory: &args.out, json: args.json, made };
+        let output = Self { directory: &args.out, json: args.json, compact: false, made };
         fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
         Ok(output)
+    }
+
+    /// Writes JSON without line breaks, for data that are large and that nobody reads.
+    pub(crate) fn compact(self) -> Self {
+        let mut output = self;
+        output.compact = true;
+        output
     }
 
     /// Writes a file as a whole: it appears complete or not at all.
@@ -60,8 +69,10 @@ impl<'a> Output<'a> {
         page: &Page,
         data: &impl Serialize,
     ) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(data)
-            .map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
+        let written =
+            if self.compact { serde_json::to_string } else { serde_json::to_string_pretty };
+        let json =
+            written(data).map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
         self.write("report.json", &json)?;
         self.write("report.html", &page.to_html())?;
         let mut out = std::io::stdout().lock();

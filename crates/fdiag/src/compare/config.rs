@@ -73,8 +73,10 @@ pub struct Engines {
     pub calibration_runs: u64,
     /// Fault-free runs per engine that set the thresholds.
     pub threshold_runs: u64,
-    /// Runs per test engine, each fault-free and with every fault.
+    /// Runs per test engine without an injected fault, in which no alarm may be.
     pub test_runs: u64,
+    /// How many of these are also run with every fault in every size.
+    pub fault_runs: u64,
 }
 
 /// What the methods are compared on.
@@ -145,7 +147,14 @@ pub struct Detector {
 
 impl Default for Engines {
     fn default() -> Self {
-        Self { thresholds: 10, test: 10, calibration_runs: 10, threshold_runs: 20, test_runs: 4 }
+        Self {
+            thresholds: 20,
+            test: 20,
+            calibration_runs: 10,
+            threshold_runs: 20,
+            test_runs: 15,
+            fault_runs: 2,
+        }
     }
 }
 
@@ -236,6 +245,7 @@ impl CompareConfig {
             ("engines.calibration_runs", self.engines.calibration_runs),
             ("engines.threshold_runs", self.engines.threshold_runs),
             ("engines.test_runs", self.engines.test_runs),
+            ("engines.fault_runs", self.engines.fault_runs),
             ("scenarios", self.scenarios.len() as u64),
             ("generators", self.generators.len() as u64),
             ("biases", self.biases.len() as u64),
@@ -245,6 +255,12 @@ impl CompareConfig {
             if count == 0 {
                 return setting(name, "at least 1", "0".to_owned());
             }
+        }
+        let Engines { test_runs, fault_runs, .. } = self.engines;
+        if fault_runs > test_runs {
+            let expected = "at most engines.test_runs: faults are laid on runs that are there";
+            let found = format!("{fault_runs} of {test_runs} runs");
+            return setting("engines.fault_runs", expected, found);
         }
         let runs = self.engines.thresholds * self.engines.threshold_runs;
         let resolved = self.false_alarms * (runs + 1) as f64;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use fd_core::stage::Stage;
 use fd_model::Record;
 
-use super::{scene::Scene, tally::Role};
+use super::scene::Scene;
 use crate::{
     engine::EngineStudyError,
     road::{RoadError, Trained},
@@ -31,7 +31,7 @@ impl Cost {
 impl Scene<'_> {
     /// Times every entry on one engine; none for entries that cannot be built.
     pub(super) fn costs(&self, seed: u64) -> Result<Vec<Option<Cost>>, EngineStudyError> {
-        let runs = self.runs(seed, Role::Thresholds)?;
+        let runs = self.runs(seed, 1, false)?;
         let record = &runs.healthy[0];
         let mut costs = Vec::with_capacity(self.config.entries());
         for generator in &self.config.generators {

@@ -4,6 +4,7 @@ use fd_model::fault::{FaultProfile, FaultSpec, Site};
 use serde::{Deserialize, Serialize};
 
 use super::error::CompareError;
+use crate::report::figure;
 
 /// The faults: every site with every profile in every size, both signs in turn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,6 +121,11 @@ impl FaultKind {
     #[must_use]
     pub fn name(&self) -> String {
         format!("{} {}", self.site.target(), self.profile.name())
+    }
+
+    /// What is said of the smallest size found when none of those tried is, in per cent.
+    pub(super) fn beyond(&self) -> String {
+        format!("> {}", figure(100.0 * self.sizes.last().copied().unwrap_or(f64::NAN)))
     }
 }
 

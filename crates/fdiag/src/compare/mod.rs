@@ -11,10 +11,15 @@ mod config;
 mod cost;
 mod defaults;
 mod error;
+mod family;
 mod fault;
 mod isolate;
+mod markdown;
+mod overall;
 mod report;
+mod residuals;
 mod result;
+mod rounded;
 mod run;
 mod scene;
 mod share;
@@ -27,10 +32,12 @@ pub use self::{
         Bias, CONFIG_VERSION, CompareConfig, Detector, Engines, Generator, Present, Scenario,
     },
     error::CompareError,
+    family::Family,
     fault::{FaultGrid, FaultKind, ProfileKind, Sizes},
+    overall::Overall,
     result::{
-        Comparison, EntryName, EntryResult, FaultResult, IsolationResult, Overall, REPORT_VERSION,
-        RocPoint, ScenarioResult, SizeResult,
+        Comparison, EntryName, EntryResult, FaultResult, IsolationResult, REPORT_VERSION, RocPoint,
+        ScenarioResult,
     },
     run::Watcher,
     share::Share,

@@ -1,13 +1,13 @@
 //! The comparison as a sentence, tables, pictures and a page.
 
 use super::{
-    result::{Comparison, EntryResult, Overall, ScenarioResult},
-    share::Share,
+    overall::Overall,
+    result::{Comparison, EntryResult, ScenarioResult},
 };
 use crate::report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table, figure};
 
 /// Entries shown of all; the rest is in the JSON.
-const SHOWN: usize = 12;
+pub(super) const SHOWN: usize = 12;
 /// Lines in a picture.
 const LINES: usize = 5;
 
@@ -82,14 +82,14 @@ impl Comparison {
         self.config.biases.iter().any(|known| known.name == bias && known.spec.is_none())
     }
 
-    fn overall_table(&self, rows: usize) -> Table {
+    pub(super) fn overall_table(&self, rows: usize) -> Table {
         let mut table = Table::new(
             format!(
                 "All scenarios, best {} of {} entries",
                 rows.min(self.overall.len()),
                 self.overall.len()
             ),
-            &["generator | bias | detector", "times best", "keeps rate", "wins", "ns/sample"],
+            &["generator · bias · detector", "times best", "keeps rate", "wins", "ns/sample"],
         );
         for overall in self.overall.iter().take(rows) {
             table.push([
@@ -130,7 +130,7 @@ impl Comparison {
     }
 
     /// The best entry with each part, so that one sees what each part is worth.
-    fn by_part(&self) -> Table {
+    pub(super) fn by_part(&self) -> Table {
         let mut table =
             Table::new("The best entry with each part", &["part", "name", "times best", "with"]);
         let parts: [(&str, Part, Vec<&String>); 3] = [
@@ -165,9 +165,7 @@ impl Comparison {
 impl ScenarioResult {
     fn table(&self, rows: usize) -> Table {
         let mut header = vec!["entry", "false alarms [%]", "isolated [%]", "kappa"];
-        let kinds: Vec<String> = self.entries.first().map_or_else(Vec::new, |entry| {
-            entry.faults.iter().map(|f| format!("{} {} [%]", f.site, f.profile.name())).collect()
-        });
+        let kinds: Vec<String> = self.faults.iter().map(|f| f.name() + " [%]").collect();
         header.extend(kinds.iter().map(String::as_str));
         let mut table = Table::new(
             format!("{}: {}; smallest fault found in half of the runs", self.name, self.about),
@@ -182,16 +180,16 @@ impl ScenarioResult {
             let mut row = vec![
                 entry.entry.text(),
                 alarms,
-                isolation.map_or_else(|| "-".to_owned(), |i| percent(i.accuracy.share)),
+                isolation.map_or_else(|| "-".to_owned(), |i| percent(i.accuracy.share())),
                 isolation.and_then(|i| i.kappa).map_or_else(|| "-".to_owned(), figure),
             ];
-            row.extend(entry.faults.iter().map(|fault| {
-                let largest = fault.sizes.last().map_or(f64::NAN, |size| size.size);
-                match fault.smallest {
-                    Some(size) => percent(size),
-                    None => format!("> {}", percent(largest)),
-                }
-            }));
+            row.extend(
+                entry
+                    .faults
+                    .iter()
+                    .zip(&self.faults)
+                    .map(|(fault, kind)| fault.smallest.map_or_else(|| kind.beyond(), percent)),
+            );
             table.push(row);
         }
         table
@@ -214,29 +212,27 @@ impl ScenarioResult {
                 chosen.push(entry);
             }
         }
-        let found = |share: &Share| 100.0 * share.share;
         let mut gallery = Vec::new();
-        for kind in 0..chosen.first().map_or(0, |entry| entry.faults.len()) {
-            let fault = &chosen[0].faults[kind];
+        for (k, kind) in self.faults.iter().enumerate() {
             let lines = chosen.iter().map(|entry| {
-                let points = entry.faults[kind].sizes.iter();
-                Line::new(entry.entry.text(), points.map(|s| (100.0 * s.size, found(&s.found))))
+                let points = kind.sizes.iter().enumerate();
+                let points = points.map(|(s, size)| (100.0 * size, 100.0 * entry.found(k, s)));
+                Line::new(entry.entry.text(), points)
             });
             gallery.push((
                 Picture {
-                    title: format!("{} {}", fault.site, fault.profile.name()),
+                    title: kind.name(),
                     x_label: "size [%]".to_owned(),
                     y_label: "found [% of runs]".to_owned(),
                     log_x: true,
                     lines: lines.collect(),
                     ..Picture::default()
                 },
-                format!("Faults of {} that are found, by size.", fault.site),
+                format!("Faults of {} that are found, by size.", kind.site.target()),
             ));
         }
         let lines = chosen.iter().map(|entry| {
-            let points =
-                entry.roc.iter().map(|point| (found(&point.false_alarms), found(&point.found)));
+            let points = entry.roc.iter().map(|p| (100.0 * p.false_alarms, 100.0 * p.found));
             let mut points: Vec<(f64, f64)> = points.collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             Line::new(entry.entry.text(), points)
@@ -286,6 +282,6 @@ fn confusion_shares(outputs: &[String], confusion: &[Vec<u64>]) -> Vec<(String, 
     rows.collect()
 }
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     figure(100.0 * share)
 }

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     config::CompareConfig,
-    cost::Cost,
-    fault::{FaultKind, ProfileKind},
+    fault::FaultKind,
+    overall::Overall,
+    rounded::rounded,
     scene::Scene,
     share::Share,
     tally::{Alarms, Outcome, Unit},
@@ -13,10 +14,10 @@ use super::{
 use crate::quantile::median;
 
 /// The version of the JSON report.
-pub const REPORT_VERSION: u32 = 1;
+pub const REPORT_VERSION: u32 = 2;
 
 /// A fault that is never found counts as this many times the largest that was tried.
-const NEVER: f64 = 2.0;
+pub(super) const NEVER: f64 = 2.0;
 
 /// The result of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,23 +45,6 @@ pub struct EntryName {
     pub detector: String,
 }
 
-/// An entry over all scenarios.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Overall {
-    /// The entry.
-    pub entry: EntryName,
-    /// Its smallest faults relative to those of the best entry of each scenario, geometric mean; a
-    /// scenario in which it fails or does not hold its rate of false alarms counts as if it found
-    /// nothing.
-    pub times_best: f64,
-    /// Scenarios in which it could be built and holds its rate of false alarms.
-    pub holds: usize,
-    /// Scenarios in which it is the best.
-    pub wins: usize,
-    /// Time per sample in ns on one core.
-    pub cost_ns: Option<f64>,
-}
-
 /// A scenario with its entries.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScenarioResult {
@@ -70,6 +54,8 @@ pub struct ScenarioResult {
     pub about: String,
     /// Names of the outputs, in the order of the confusion matrices.
     pub outputs: Vec<String>,
+    /// The faults that were to be found.
+    pub faults: Vec<FaultKind>,
     /// Entries, the best first.
     pub entries: Vec<EntryResult>,
     /// Entries that could not be built, with the reason of the first engine.
@@ -84,12 +70,17 @@ pub struct EntryResult {
     /// Smallest faults of all kinds, geometric mean; one that is never found counts as twice the
     /// largest tried.
     pub score: f64,
+    /// The same of the lower and of the upper ends of the intervals of all kinds: wider than the
+    /// interval of the mean, as if all kinds erred to the same side.
+    pub score_interval: [f64; 2],
     /// Runs without an injected fault that alarm. In a scenario with a fault that was there before,
     /// these are the runs in which *that* is seen.
     pub false_alarms: Share,
     /// Whether the wanted rate lies within or above the interval of the false alarms.
     pub holds: bool,
-    /// Every kind of fault.
+    /// Runs of each fault of each size in which no alarm came before the fault.
+    pub looked: u64,
+    /// Every kind of fault, in the order of the scenario.
     pub faults: Vec<FaultResult>,
     /// Receiver operating characteristic: for each rate the false alarms and the share of all faults
     /// found.
@@ -103,27 +94,15 @@ pub struct EntryResult {
 /// A kind of fault as an entry finds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultResult {
-    /// Place.
-    pub site: String,
-    /// Development.
-    pub profile: ProfileKind,
     /// Smallest size that is found in half of the runs; none if no size that was tried is.
     pub smallest: Option<f64>,
     /// Its interval from those of the shares; none where it is beyond the sizes tried.
     pub interval: [Option<f64>; 2],
-    /// Every size.
-    pub sizes: Vec<SizeResult>,
-}
-
-/// One size of a fault.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SizeResult {
-    /// The size, a share of the reading or of the component's parameter.
-    pub size: f64,
-    /// Runs in which it is found.
-    pub found: Share,
-    /// Median delay in s from the start of the fault, over the runs in which it is found.
-    pub delay_s: Option<f64>,
+    /// For each size the runs in which it is found.
+    pub found: Vec<u64>,
+    /// For each size the median delay in s from the start of the fault, over the runs in which it is
+    /// found.
+    pub delays_s: Vec<Option<f64>>,
 }
 
 /// A point of the receiver operating characteristic.
@@ -131,10 +110,10 @@ pub struct SizeResult {
 pub struct RocPoint {
     /// Rate of false alarms that the threshold was set for.
     pub rate: f64,
-    /// Rate in the test runs.
-    pub false_alarms: Share,
-    /// Faults of all kinds and sizes that are found.
-    pub found: Share,
+    /// Share of the fault-free test runs that alarm.
+    pub false_alarms: f64,
+    /// Share of the faults of all kinds and sizes that are found.
+    pub found: f64,
 }
 
 /// Which sensor is broken.
@@ -172,34 +151,32 @@ pub(super) fn factors(config: &CompareConfig, units: &[&Unit]) -> Vec<Vec<f64>> 
 }
 
 impl ScenarioResult {
-    pub(super) fn of(scene: &Scene<'_>, units: &[&Unit]) -> Self {
+    pub(super) fn of(scene: &Scene<'_>, thresholds: &[&Unit], tests: &[&Unit]) -> Self {
         let (config, kinds) = (scene.config, &scene.kinds);
         let scenario = &config.scenarios[scene.index];
         let (mut entries, mut failed) = (Vec::new(), Vec::new());
         for (i, entry) in names(config).into_iter().enumerate() {
-            let mut sum: Option<Alarms> = None;
-            let (mut failed_engines, mut reason) = (0, None);
-            for unit in units {
+            let mut engines: Vec<&Alarms> = Vec::new();
+            let mut failed_engines = 0;
+            for unit in tests {
                 match &unit.entries[i] {
-                    Outcome::Alarms(alarms) => match &mut sum {
-                        Some(sum) => sum.add(alarms),
-                        None => sum = Some(alarms.clone()),
-                    },
-                    Outcome::Failed(why) => {
-                        failed_engines += 1;
-                        reason.get_or_insert_with(|| why.clone());
-                    }
+                    Outcome::Alarms(alarms) => engines.push(alarms),
+                    Outcome::Failed(_) => failed_engines += 1,
                     Outcome::Peaks(_) => {}
                 }
             }
-            match sum {
-                Some(sum) => {
-                    let present = scenario.present.is_some();
-                    let mut result = EntryResult::of(config, entry, kinds, &sum, present);
-                    result.failed_engines = failed_engines;
-                    entries.push(result);
-                }
-                None => failed.push((entry, reason.unwrap_or_else(|| "no engine ran".to_owned()))),
+            if engines.is_empty() {
+                // What kept a threshold from being set says more than that there is none.
+                let why = thresholds.iter().chain(tests).find_map(|unit| match &unit.entries[i] {
+                    Outcome::Failed(why) => Some(why.clone()),
+                    _ => None,
+                });
+                failed.push((entry, why.unwrap_or_else(|| "no engine ran".to_owned())));
+            } else {
+                let present = scenario.present.is_some();
+                let mut result = EntryResult::of(config, entry, kinds, &engines, present);
+                result.failed_engines = failed_engines;
+                entries.push(result);
             }
         }
         entries.sort_by(|a, b| b.holds.cmp(&a.holds).then(a.score.total_cmp(&b.score)));
@@ -207,6 +184,7 @@ impl ScenarioResult {
             name: scenario.name.clone(),
             about: scenario.about.clone(),
             outputs: scene.outputs(),
+            faults: kinds.clone(),
             entries,
             failed,
         }
@@ -218,66 +196,87 @@ impl EntryResult {
         config: &CompareConfig,
         entry: EntryName,
         kinds: &[FaultKind],
-        sum: &Alarms,
+        engines: &[&Alarms],
         present: bool,
     ) -> Self {
         let rates = config.rates();
-        let ts = config.sample_time_s;
-        let faults: Vec<FaultResult> = kinds
-            .iter()
-            .zip(&sum.faults)
-            .map(|(kind, found)| FaultResult::of(kind, found, ts))
+        let faults: Vec<FaultResult> = (0..kinds.len())
+            .map(|kind| FaultResult::of(kinds, kind, engines, config.sample_time_s))
             .collect();
-        let logs = faults.iter().zip(kinds).map(|(fault, kind)| {
-            let never = NEVER * kind.sizes.last().copied().unwrap_or(f64::NAN);
-            fault.smallest.unwrap_or(never).ln()
-        });
-        let score = (logs.sum::<f64>() / faults.len().max(1) as f64).exp();
-        let alarms = |level: usize| Share::new(sum.healthy[level], sum.healthy_runs);
-        let false_alarms = alarms(0);
-        let roc = (0..sum.roc.len()).map(|level| RocPoint {
-            rate: rates[level],
-            false_alarms: alarms(level),
-            found: Share::new(sum.roc[level].1, sum.roc[level].0),
+        let mean = |size: fn(&FaultResult) -> Option<f64>| {
+            let logs = faults.iter().zip(kinds).map(|(fault, kind)| {
+                let never = NEVER * kind.sizes.last().copied().unwrap_or(f64::NAN);
+                size(fault).unwrap_or(never).ln()
+            });
+            rounded((logs.sum::<f64>() / faults.len().max(1) as f64).exp())
+        };
+        let alarms = |level: usize| -> Vec<(u64, u64)> {
+            engines.iter().map(|engine| (engine.healthy[level], engine.healthy_runs)).collect()
+        };
+        let false_alarms = Share::clustered(&alarms(0));
+        let levels = engines.first().map_or(0, |engine| engine.roc.len());
+        let roc = (0..levels).map(|level| {
+            let (healthy, with_fault) = (
+                total(alarms(level)),
+                total(engines.iter().map(|e| {
+                    let (looked, found) = e.roc[level];
+                    (found, looked)
+                })),
+            );
+            let [false_alarms, found] = [healthy, with_fault].map(|share| rounded(share.share()));
+            RocPoint { rate: rates[level], false_alarms, found }
         });
         Self {
             entry,
-            score,
+            score: mean(|fault| fault.smallest),
+            score_interval: [mean(|f| f.interval[0]), mean(|f| f.interval[1])],
             false_alarms,
             holds: present || false_alarms.low <= config.false_alarms,
+            looked: engines.iter().filter_map(|e| Some(e.faults.first()?.first()?.looked)).sum(),
             faults,
             roc: roc.collect(),
-            isolation: IsolationResult::of(&sum.confusion),
+            isolation: IsolationResult::of(engines),
             failed_engines: 0,
         }
     }
+
+    /// Share of the runs in which a fault of this kind and size is found.
+    #[must_use]
+    pub fn found(&self, kind: usize, size: usize) -> f64 {
+        self.faults[kind].found[size] as f64 / self.looked as f64
+    }
+}
+
+/// All engines as if their runs were independent.
+fn total(engines: impl IntoIterator<Item = (u64, u64)>) -> Share {
+    let (hits, of) = engines.into_iter().fold((0, 0), |sum, e| (sum.0 + e.0, sum.1 + e.1));
+    Share::new(hits, of)
 }
 
 impl FaultResult {
-    fn of(kind: &FaultKind, found: &[super::tally::Found], ts: f64) -> Self {
-        let sizes: Vec<SizeResult> = kind
-            .sizes
-            .iter()
-            .zip(found)
-            .map(|(&size, found)| {
-                let mut delays: Vec<f64> =
-                    found.delays.iter().map(|&samples| f64::from(samples) * ts).collect();
-                SizeResult {
-                    size,
-                    found: Share::new(delays.len() as u64, found.looked),
-                    delay_s: (!delays.is_empty()).then(|| median(&mut delays)),
-                }
+    fn of(kinds: &[FaultKind], kind: usize, engines: &[&Alarms], ts: f64) -> Self {
+        let sizes = &kinds[kind].sizes;
+        let of_size = |size: usize| engines.iter().map(move |engine| &engine.faults[kind][size]);
+        let shares: Vec<Share> = (0..sizes.len())
+            .map(|size| {
+                let found = of_size(size).map(|found| (found.delays.len() as u64, found.looked));
+                Share::clustered(&found.collect::<Vec<_>>())
             })
             .collect();
+        let delay = |size: usize| {
+            let delays = of_size(size).flat_map(|found| &found.delays);
+            let mut delays: Vec<f64> = delays.map(|&samples| f64::from(samples) * ts).collect();
+            (!delays.is_empty()).then(|| rounded(median(&mut delays)))
+        };
         let reached = |share: fn(&Share) -> f64| {
-            half_way(sizes.iter().map(|size| (size.size, share(&size.found))))
+            half_way(sizes.iter().zip(&shares).map(|(&size, found)| (size, share(found))))
+                .map(rounded)
         };
         Self {
-            site: kind.site.target().to_string(),
-            profile: kind.profile,
-            smallest: reached(|found| found.share),
+            smallest: reached(Share::share),
             interval: [reached(|found| found.high), reached(|found| found.low)],
-            sizes,
+            found: shares.iter().map(|found| found.hits).collect(),
+            delays_s: (0..sizes.len()).map(delay).collect(),
         }
     }
 }
@@ -302,12 +301,17 @@ fn half_way(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 }
 
 impl IsolationResult {
-    fn of(confusion: &[Vec<u64>]) -> Option<Self> {
-        let total: u64 = confusion.iter().flatten().sum();
+    fn of(engines: &[&Alarms]) -> Option<Self> {
+        let right = |confusion: &[Vec<u64>]| (0..confusion.len()).map(|i| confusion[i][i]).sum();
+        let all = |confusion: &[Vec<u64>]| confusion.iter().flatten().sum::<u64>();
+        let of_engine = |engine: &&Alarms| (right(&engine.confusion), all(&engine.confusion));
+        let accuracy = Share::clustered(&engines.iter().map(of_engine).collect::<Vec<_>>());
+        let mut confusion = engines.first()?.confusion.clone();
+        engines[1..].iter().for_each(|engine| add_all(&mut confusion, &engine.confusion));
+        let (right, total) = (accuracy.hits, accuracy.of);
         if total == 0 {
             return None;
         }
-        let right: u64 = (0..confusion.len()).map(|i| confusion[i][i]).sum();
         let n = total as f64;
         let by_chance: f64 = (0..confusion.len())
             .map(|i| {
@@ -317,49 +321,14 @@ impl IsolationResult {
             })
             .sum();
         let kappa = (right as f64 / n - by_chance) / (1.0 - by_chance);
-        Some(Self {
-            accuracy: Share::new(right, total),
-            kappa: kappa.is_finite().then_some(kappa),
-            confusion: confusion.to_vec(),
-        })
+        Some(Self { accuracy, kappa: kappa.is_finite().then_some(rounded(kappa)), confusion })
     }
 }
 
-/// All entries over all scenarios, the best first.
-pub(super) fn overall(
-    config: &CompareConfig,
-    scenarios: &[ScenarioResult],
-    costs: &[Option<Cost>],
-) -> Vec<Overall> {
-    let mut all: Vec<Overall> = names(config)
-        .into_iter()
-        .zip(costs)
-        .map(|(entry, cost)| {
-            let (mut sum, mut holds, mut wins) = (0.0, 0, 0);
-            for scenario in scenarios {
-                let best = scenario.entries.first().map_or(f64::NAN, |best| best.score);
-                let own = scenario.entries.iter().position(|result| result.entry == entry);
-                let own = own.filter(|&i| scenario.entries[i].holds);
-                holds += usize::from(own.is_some());
-                wins += usize::from(own == Some(0));
-                let score =
-                    own.map_or_else(|| nothing_found(scenario), |i| scenario.entries[i].score);
-                sum += (score / best).ln();
-            }
-            let times_best = (sum / scenarios.len().max(1) as f64).exp();
-            Overall { entry, times_best, holds, wins, cost_ns: cost.map(Cost::total_ns) }
-        })
-        .collect();
-    all.sort_by(|a, b| a.times_best.total_cmp(&b.times_best));
-    all
-}
-
-/// The score of an entry that finds nothing.
-fn nothing_found(scenario: &ScenarioResult) -> f64 {
-    let faults = scenario.entries.first().map_or(&[][..], |entry| &entry.faults);
-    let largest = faults.iter().filter_map(|fault| fault.sizes.last()).map(|size| size.size.ln());
-    let count = faults.len().max(1) as f64;
-    NEVER * (largest.sum::<f64>() / count).exp()
+fn add_all(sums: &mut [Vec<u64>], more: &[Vec<u64>]) {
+    for (sum, more) in sums.iter_mut().flatten().zip(more.iter().flatten()) {
+        *sum += more;
+    }
 }
 
 /// The entries in the order of their outcomes.
@@ -383,6 +352,6 @@ impl EntryName {
     /// In one line.
     #[must_use]
     pub fn text(&self) -> String {
-        format!("{} | {} | {}", self.generator, self.bias, self.detector)
+        format!("{} · {} · {}", self.generator, self.bias, self.detector)
     }
 }

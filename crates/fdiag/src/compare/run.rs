@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     config::CompareConfig,
     error::CompareError,
-    result::{Comparison, REPORT_VERSION, ScenarioResult, factors, overall},
+    overall::overall,
+    result::{Comparison, REPORT_VERSION, ScenarioResult, factors},
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };
@@ -93,7 +94,10 @@ impl Comparison {
         })?;
         let scenarios: Vec<ScenarioResult> = scenes
             .iter()
-            .map(|scene| ScenarioResult::of(scene, &of(&tests, scene.index)))
+            .map(|scene| {
+                let [thresholds, tests] = [&thresholds, &tests].map(|units| of(units, scene.index));
+                ScenarioResult::of(scene, &thresholds, &tests)
+            })
             .collect();
         let costs = scenes[0].costs(test_seeds[0]).unwrap_or_else(|_| vec![None; config.entries()]);
         Ok(Self {

@@ -10,7 +10,6 @@ use super::{
     config::{CompareConfig, Present, Scenario},
     error::CompareError,
     fault::FaultKind,
-    tally::Role,
 };
 use crate::{
     engine::{Benchmark, Case, Draw, EngineStudyError, Reality},
@@ -37,7 +36,7 @@ pub(super) struct Runs {
     pub(super) calibration: Vec<Record>,
     /// Runs without an injected fault that thresholds or results are taken from.
     pub(super) healthy: Vec<Record>,
-    /// The same with each kind of fault in each size; none for engines that set thresholds.
+    /// The first of them with each kind of fault in each size; none for engines that set thresholds.
     pub(super) faulty: Vec<Vec<Vec<Record>>>,
 }
 
@@ -113,8 +112,14 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// All runs of an engine. The same seed gives the same runs whatever they are for.
-    pub(super) fn runs(&self, seed: u64, role: Role<'_>) -> Result<Runs, EngineStudyError> {
+    /// All runs of an engine, `fresh_runs` of them for thresholds or, if `tested`, for results. The same
+    /// seed gives the same runs whatever they are for.
+    pub(super) fn runs(
+        &self,
+        seed: u64,
+        fresh_runs: u64,
+        tested: bool,
+    ) -> Result<Runs, EngineStudyError> {
         let mut case = self.benchmark.case(seed)?;
         let worn = self.worn(&case)?;
         let constant = self.constant_fault();
@@ -125,11 +130,8 @@ impl<'a> Scene<'a> {
         };
         let engines = self.config.engines;
         let calibration = fresh(&mut case, engines.calibration_runs)?;
-        let (count, tested) = match role {
-            Role::Thresholds => (engines.threshold_runs, false),
-            Role::Test(_) => (engines.test_runs, true),
-        };
-        let draws = fresh(&mut case, count)?;
+        let with_faults = if tested { engines.fault_runs } else { 0 };
+        let draws = fresh(&mut case, fresh_runs)?;
         let new = (&case.training, &case.moved);
         let (learned, moved) = worn.as_ref().map_or(new, |(learned, moved)| (learned, moved));
         // The engine and what its sensors do, while learning and afterwards.
@@ -139,12 +141,9 @@ impl<'a> Scene<'a> {
         let run = |at: (&Reality, &[FaultSpec]), draw: &Draw| self.benchmark.run(at.0, draw, at.1);
         let healthy: Vec<Record> =
             draws.iter().map(|draw| run(after, draw)).collect::<Result<_, _>>()?;
-        let faulty = if tested {
-            let one = |(i, draw)| self.faulty(after, draw, &healthy[i], i);
-            draws.iter().enumerate().map(one).collect::<Result<_, _>>()?
-        } else {
-            Vec::new()
-        };
+        let faulty = (0..).zip(draws.iter().zip(&healthy)).take_while(|(i, _)| *i < with_faults);
+        let faulty = faulty.map(|(i, (draw, healthy))| self.faulty(after, draw, healthy, i));
+        let faulty = faulty.collect::<Result<_, _>>()?;
         Ok(Runs {
             training: run(before, &training)?,
             calibration: calibration.iter().map(|d| run(before, d)).collect::<Result<_, _>>()?,
@@ -160,12 +159,12 @@ impl<'a> Scene<'a> {
         (plant, constant): (&Reality, &[FaultSpec]),
         draw: &Draw,
         healthy: &Record,
-        run: usize,
+        run: u64,
     ) -> Result<Vec<Vec<Record>>, EngineStudyError> {
         let faults = &self.config.faults;
         let one = |kind: &FaultKind, s: usize| -> Result<Record, EngineStudyError> {
             // Both signs in turn.
-            let sign = if (run + s).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let sign = if (run + s as u64).is_multiple_of(2) { 1.0 } else { -1.0 };
             let size = sign * kind.sizes[s];
             let fault = faults.spec(kind, size, self.config.duration_s());
             if matches!(kind.site, Site::Sensor(_)) {

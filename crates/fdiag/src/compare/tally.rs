@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::watch::first_above;
+use super::watch::Rest;
 
 /// One engine of one scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,13 +62,6 @@ pub(super) struct Found {
     pub(super) delays: Vec<u32>,
 }
 
-impl Found {
-    pub(super) fn add(&mut self, other: &Self) {
-        self.looked += other.looked;
-        self.delays.extend_from_slice(&other.delays);
-    }
-}
-
 impl Alarms {
     /// Nothing seen yet.
     pub(super) fn none(sizes: &[usize], levels: usize, sensors: usize) -> Self {
@@ -81,49 +74,28 @@ impl Alarms {
         }
     }
 
-    /// Counts a run with a fault, by kind and size, that begins at sample `start`; says whether it is
-    /// found at the wanted rate. An alarm before the fault is a false one, and no look at the fault.
+    /// Counts a run with a fault, by kind and size; says whether it is found at the wanted rate.
+    /// `before` is the largest margin before the fault: an alarm there is a false one, and no look at
+    /// the fault.
     pub(super) fn look(
         &mut self,
         (kind, size): (usize, usize),
-        margins: &[f64],
-        start: usize,
+        before: f64,
+        rest: Rest,
         factors: &[f64],
     ) -> bool {
-        let (before, after) = margins.split_at(start.min(margins.len()));
-        let found = |factor: f64| first_above(after, factor);
-        let is_quiet = |factor: f64| first_above(before, factor).is_none();
         for (sum, &factor) in self.roc.iter_mut().zip(factors) {
-            if is_quiet(factor) {
+            if before <= factor {
                 sum.0 += 1;
-                sum.1 += u64::from(found(factor).is_some());
+                sum.1 += u64::from(rest.peak > factor);
             }
         }
-        let Some(wanted) = factors.first().copied().filter(|&factor| is_quiet(factor)) else {
+        if factors.first().is_none_or(|&wanted| before > wanted) {
             return false;
-        };
+        }
         let of = &mut self.faults[kind][size];
         of.looked += 1;
-        let delay = found(wanted);
-        of.delays.extend(delay.map(|delay| u32::try_from(delay).unwrap_or(u32::MAX)));
-        delay.is_some()
+        of.delays.extend(rest.alarm.map(|delay| u32::try_from(delay).unwrap_or(u32::MAX)));
+        rest.alarm.is_some()
     }
-
-    pub(super) fn add(&mut self, other: &Self) {
-        self.healthy_runs += other.healthy_runs;
-        add_all(&mut self.healthy, &other.healthy);
-        for (kind, more) in self.faults.iter_mut().zip(&other.faults) {
-            kind.iter_mut().zip(more).for_each(|(found, more)| found.add(more));
-        }
-        for (sum, more) in self.roc.iter_mut().zip(&other.roc) {
-            *sum = (sum.0 + more.0, sum.1 + more.1);
-        }
-        for (row, more) in self.confusion.iter_mut().zip(&other.confusion) {
-            add_all(row, more);
-        }
-    }
-}
-
-fn add_all(sums: &mut [u64], more: &[u64]) {
-    sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
 }

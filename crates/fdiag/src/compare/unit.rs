@@ -4,15 +4,16 @@ use fd_compensate::SampleRows;
 use fd_model::Record;
 
 use super::{
-    config::{CompareConfig, Detector, Generator},
+    config::{CompareConfig, Detector},
     isolate::Isolation,
+    residuals::Residuals,
     scene::{Runs, Scene},
     tally::{Alarms, Outcome, Role, Unit},
-    watch::{margins, peak, residual},
+    watch::{Fork, Watch},
 };
 use crate::{
     engine::EngineStudyError,
-    road::{RoadError, Trace, Trained, sensor_signatures},
+    road::{RoadError, Trained, sensor_signatures},
     spec::BiasSpec,
 };
 
@@ -23,38 +24,54 @@ impl Scene<'_> {
     /// Runs one engine. Entries that cannot be built on it say why; the error is for an engine that
     /// cannot be run at all.
     pub(super) fn unit(&self, seed: u64, role: Role<'_>) -> Result<Unit, EngineStudyError> {
-        let runs = self.runs(seed, role)?;
-        let config = self.config;
+        let (config, start) = (self.config, self.fault_start());
+        let runs = match role {
+            Role::Thresholds => self.runs(seed, config.engines.threshold_runs, false)?,
+            Role::Test(_) => self.runs(seed, config.engines.test_runs, true)?,
+        };
         let mut entries = Vec::with_capacity(config.entries());
         for generator in &config.generators {
-            let fits: Vec<Option<Result<Fit, String>>> = config
-                .biases
-                .iter()
-                .map(|bias| bias.spec.as_ref().map(|spec| Fit::new(config, generator, spec, &runs)))
-                .collect();
+            let train = |bias: &BiasSpec| {
+                runs.train(&config.pipeline(generator, bias)).map_err(|error| error.to_string())
+            };
+            let biases = config.biases.iter();
+            let fits: Vec<Option<Result<Trained, String>>> =
+                biases.map(|bias| bias.spec.as_ref().map(train)).collect();
             // The primary residual is the same whatever is learned from it.
-            let primary = fits.iter().flatten().find(|fit| fit.is_ok());
             let learned;
-            let primary = if let Some(fit) = primary {
+            let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
                 fit
             } else {
-                learned = Fit::new(config, generator, &BiasSpec::default(), &runs);
+                learned = train(&BiasSpec::default());
                 &learned
             };
+            let primary = plain.as_ref().map_err(String::clone).and_then(|trained| {
+                Residuals::primary(trained, &runs, start).map_err(|error| error.to_string())
+            });
             for fit in &fits {
-                let (fit, compensated) = fit.as_ref().map_or((primary, false), |fit| (fit, true));
-                let judge = fit.as_ref().map(|fit| Judge {
-                    scene: self,
-                    runs: &runs,
-                    fit,
-                    compensated,
-                    role,
-                });
-                for detector in &config.detectors {
-                    entries.push(match &judge {
-                        Ok(judge) => judge.outcome(detector, entries.len()),
-                        Err(reason) => Outcome::Failed((*reason).clone()),
-                    });
+                let judged = |trained: &Trained, residuals: &Residuals, scale: &[f64]| {
+                    let judge = Judge::new(self, &runs, trained, residuals, scale)?;
+                    Ok(judge.outcomes(role, entries.len()))
+                };
+                let outcomes = match (fit, plain, &primary) {
+                    (Some(Err(reason)), ..) | (None, Err(reason), _) | (.., Err(reason)) => {
+                        Err(reason.clone())
+                    }
+                    (Some(Ok(trained)), _, Ok(primary)) => primary
+                        .compensated(trained, &runs, start)
+                        .and_then(|own| judged(trained, &own, trained.calibration().1))
+                        .map_err(|error| error.to_string()),
+                    (None, Ok(trained), Ok(primary)) => {
+                        judged(trained, primary, trained.calibration().0)
+                            .map_err(|error| error.to_string())
+                    }
+                };
+                match outcomes {
+                    Ok(outcomes) => entries.extend(outcomes),
+                    Err(reason) => {
+                        let failed = Outcome::Failed(reason);
+                        entries.extend(std::iter::repeat_n(failed, config.detectors.len()));
+                    }
                 }
             }
         }
@@ -62,102 +79,110 @@ impl Scene<'_> {
     }
 }
 
-/// A trained generator with its bias model, and all runs through both.
-struct Fit {
-    trained: Trained,
-    healthy: Vec<Trace>,
-    faulty: Vec<Vec<Vec<Trace>>>,
-}
-
-impl Fit {
-    fn new(
-        config: &CompareConfig,
-        generator: &Generator,
-        bias: &BiasSpec,
-        runs: &Runs,
-    ) -> Result<Self, String> {
-        Self::try_new(config, generator, bias, runs).map_err(|error| error.to_string())
-    }
-
-    fn try_new(
-        config: &CompareConfig,
-        generator: &Generator,
-        bias: &BiasSpec,
-        runs: &Runs,
-    ) -> Result<Self, RoadError> {
-        let trained = runs.train(&config.pipeline(generator, bias))?;
-        let watch = |record: &Record| trained.watch(record);
-        let all = |records: &Vec<Record>| records.iter().map(watch).collect::<Result<_, _>>();
-        let kinds = |kinds: &Vec<Vec<Record>>| kinds.iter().map(all).collect::<Result<_, _>>();
-        let healthy = all(&runs.healthy)?;
-        let faulty = runs.faulty.iter().map(kinds).collect::<Result<_, _>>()?;
-        Ok(Self { trained, healthy, faulty })
-    }
-}
-
-/// A fit as one detector after another sees it.
+/// A generator with or without its bias model, as one detector after another sees it.
 struct Judge<'a> {
     scene: &'a Scene<'a>,
+    config: &'a CompareConfig,
     runs: &'a Runs,
-    fit: &'a Fit,
-    compensated: bool,
-    role: Role<'a>,
+    trained: &'a Trained,
+    residuals: &'a Residuals,
+    /// The fault-free residual that scales the detectors.
+    scale: &'a [f64],
+    isolation: Option<Isolation>,
 }
 
-impl Judge<'_> {
-    fn outcome(&self, detector: &Detector, entry: usize) -> Outcome {
-        self.try_outcome(detector, entry).unwrap_or_else(|error| Outcome::Failed(error.to_string()))
+impl<'a> Judge<'a> {
+    fn new(
+        scene: &'a Scene<'a>,
+        runs: &'a Runs,
+        trained: &'a Trained,
+        residuals: &'a Residuals,
+        scale: &'a [f64],
+    ) -> Result<Self, RoadError> {
+        let rows = SampleRows::new(trained.design().residual_len(), scale)?;
+        let isolation = Isolation::new(&sensor_signatures(trained)?, rows);
+        Ok(Self { scene, config: scene.config, runs, trained, residuals, scale, isolation })
     }
 
-    fn try_outcome(&self, detector: &Detector, entry: usize) -> Result<Outcome, RoadError> {
-        let config = self.scene.config;
-        let trained = &self.fit.trained;
-        let (primary, compensated) = trained.calibration();
-        let scale = if self.compensated { compensated } else { primary };
-        let channels = trained.design().residual_len();
-        let rows = SampleRows::new(channels, scale)?;
-        let mut detector = trained.scaled(&detector.spec, scale)?;
-        let mut margins = |(record, trace): (&Record, &Trace)| {
-            margins(detector.as_mut(), record, residual(trace, self.compensated), config.rule)
+    /// One outcome for each detector, the first of which is entry `first`.
+    fn outcomes(&self, role: Role<'_>, first: usize) -> Vec<Outcome> {
+        let outcome = |(i, detector): (usize, &Detector)| {
+            let outcome = match role {
+                Role::Thresholds => self.peaks(detector).map(Outcome::Peaks),
+                Role::Test(factors) => match factors[first + i].as_slice() {
+                    [] => return Outcome::Failed("no threshold could be set".to_owned()),
+                    factors => self.alarms(detector, factors).map(Outcome::Alarms),
+                },
+            };
+            outcome.unwrap_or_else(|error| Outcome::Failed(error.to_string()))
         };
-        let healthy = || self.runs.healthy.iter().zip(&self.fit.healthy);
-        let factors = match self.role {
-            Role::Thresholds => {
-                let peaks = healthy().map(|run| peak(&margins(run)));
-                return Ok(Outcome::Peaks(peaks.collect()));
-            }
-            Role::Test(factors) => match factors[entry].as_slice() {
-                [] => return Ok(Outcome::Failed("no threshold could be set".to_owned())),
-                factors => factors,
-            },
-        };
-        let start = self.scene.fault_start();
-        let isolation = Isolation::new(&sensor_signatures(trained)?, rows);
+        self.config.detectors.iter().enumerate().map(outcome).collect()
+    }
+
+    fn watch(&self, detector: &Detector) -> Result<Watch, RoadError> {
+        Ok(Watch::new(self.trained.scaled(&detector.spec, self.scale)?, self.config.rule))
+    }
+
+    fn peaks(&self, detector: &Detector) -> Result<Vec<f64>, RoadError> {
+        let mut watch = self.watch(detector)?;
+        let runs = self.runs.healthy.iter().zip(&self.residuals.healthy);
+        Ok(runs.map(|(record, residual)| watch.peak(record, residual)).collect())
+    }
+
+    fn alarms(&self, detector: &Detector, factors: &[f64]) -> Result<Alarms, RoadError> {
+        let mut watch = self.watch(detector)?;
         let sizes: Vec<usize> = self.scene.kinds.iter().map(|kind| kind.sizes.len()).collect();
-        let mut alarms = Alarms::none(&sizes, factors.len(), trained.design().io().ny);
-        for run in healthy() {
-            let peak = peak(&margins(run));
+        let mut alarms = Alarms::none(&sizes, factors.len(), self.trained.design().io().ny);
+        for (run, (record, residual)) in
+            self.runs.healthy.iter().zip(&self.residuals.healthy).enumerate()
+        {
+            let peak = match self.residuals.faulty.get(run) {
+                None => watch.peak(record, residual),
+                Some(faulty) => {
+                    let start = self.scene.fault_start().min(record.len());
+                    let channels = residual.len() / record.len().max(1);
+                    let (before, after) = residual.split_at(start * channels);
+                    let fork = watch.fork(record, before);
+                    let never = f64::INFINITY;
+                    let rest = watch.rest(&fork, record, start, after, never, never);
+                    self.look(&mut watch, &fork, (record, faulty), factors, &mut alarms);
+                    fork.peak.max(rest.peak)
+                }
+            };
             alarms.healthy_runs += 1;
             for (count, factor) in alarms.healthy.iter_mut().zip(factors) {
                 *count += u64::from(peak > *factor);
             }
         }
-        let window = self.scene.samples(NAMING_S);
-        for (record, faulty) in self.runs.healthy.iter().zip(&self.fit.faulty) {
-            for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
-                let truth = self.scene.sensor(kind);
-                for (s, trace) in sizes.iter().enumerate() {
-                    let is_found = alarms.look((k, s), &margins((record, trace)), start, factors);
-                    let (true, Some(isolation), Some(truth)) = (is_found, &isolation, truth) else {
-                        continue;
-                    };
-                    let residual = residual(trace, self.compensated);
-                    if let Some(named) = isolation.name(residual, window) {
-                        alarms.confusion[truth][named] += 1;
-                    }
+        Ok(alarms)
+    }
+
+    /// All faults on one run, which is as it was up to the fork.
+    fn look(
+        &self,
+        watch: &mut Watch,
+        fork: &Fork,
+        (record, faulty): (&Record, &[Vec<Vec<f64>>]),
+        factors: &[f64],
+        alarms: &mut Alarms,
+    ) {
+        let (start, window) = (self.scene.fault_start(), self.scene.samples(NAMING_S));
+        // A margin above the highest factor that was not reached before settles all of them.
+        let open = factors.iter().copied().filter(|&factor| fork.peak <= factor);
+        let Some(enough) = open.reduce(f64::max) else { return };
+        for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
+            let truth = self.scene.sensor(kind);
+            for (s, residual) in sizes.iter().enumerate() {
+                let rest = watch.rest(fork, record, start, residual, factors[0], enough);
+                let is_found = alarms.look((k, s), fork.peak, rest, factors);
+                let (true, Some(isolation), Some(truth)) = (is_found, &self.isolation, truth)
+                else {
+                    continue;
+                };
+                if let Some(named) = isolation.name(residual, window) {
+                    alarms.confusion[truth][named] += 1;
                 }
             }
         }
-        Ok(Outcome::Alarms(alarms))
     }
 }

@@ -1,45 +1,155 @@
 //! A detector over recorded residuals: how near it came to an alarm, and when it raised one.
 
-use fd_compensate::{decide::Debouncing, evaluate::debounced_statistics};
-use fd_core::stage::Detector;
+use std::collections::VecDeque;
+
+use fd_compensate::decide::Debouncing;
+use fd_core::{Snapshot, stage::Detector};
 use fd_model::Record;
 
-use crate::road::Trace;
+/// A detector whose margins are asked for: statistic over threshold, sample by sample, as the rule sees
+/// it. A margin above `factor` means an alarm when all thresholds are taken `factor` times.
+pub(super) struct Watch {
+    detector: Box<dyn Detector>,
+    recent: Recent,
+}
 
-/// Statistic over threshold, sample by sample, as the rule sees it: above `factor` means an alarm
-/// when all thresholds are taken `factor` times. The record gives the inputs; it has no missing
-/// samples.
-pub(super) fn margins(
-    detector: &mut dyn Detector,
-    record: &Record,
-    residual: &[f64],
+/// A detector after the first samples of a run.
+pub(super) struct Fork {
+    detector: Snapshot,
+    recent: Recent,
+    /// The largest margin up to here.
+    pub(super) peak: f64,
+}
+
+/// How a run with a fault went on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rest {
+    /// First sample after the fork with an alarm.
+    pub(super) alarm: Option<usize>,
+    /// The largest margin, as far as it was looked at.
+    pub(super) peak: f64,
+}
+
+impl Watch {
+    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing) -> Self {
+        Self { detector, recent: Recent { rule, ratios: VecDeque::new() } }
+    }
+
+    /// The largest margin of a run without missing samples.
+    pub(super) fn peak(&mut self, record: &Record, residual: &[f64]) -> f64 {
+        self.detector.reset();
+        self.recent.ratios.clear();
+        self.on(record, 0, residual, f64::INFINITY, f64::INFINITY).peak
+    }
+
+    /// The detector after the samples of a run that `residual` holds.
+    pub(super) fn fork(&mut self, record: &Record, residual: &[f64]) -> Fork {
+        let peak = self.peak(record, residual);
+        let detector = Snapshot::of(&mut self.detector);
+        Fork { detector, recent: self.recent.clone(), peak }
+    }
+
+    /// Goes on from a fork, where the residual begins, at sample `start` of the record, until a margin
+    /// lies above `enough`; an alarm is a margin above `factor`.
+    pub(super) fn rest(
+        &mut self,
+        fork: &Fork,
+        record: &Record,
+        start: usize,
+        residual: &[f64],
+        factor: f64,
+        enough: f64,
+    ) -> Rest {
+        let restored = fork.detector.restore(&mut self.detector);
+        debug_assert!(restored.is_ok(), "the same detector: {restored:?}");
+        self.recent = fork.recent.clone();
+        self.on(record, start, residual, factor, enough)
+    }
+
+    fn on(
+        &mut self,
+        record: &Record,
+        start: usize,
+        residual: &[f64],
+        factor: f64,
+        enough: f64,
+    ) -> Rest {
+        let channels = self.detector.residual_len();
+        let (mut alarm, mut peak) = (None, 0.0_f64);
+        for (k, r) in residual.chunks_exact(channels).enumerate() {
+            let verdict = self.detector.update(record.u(start + k), r);
+            let margin = self.recent.add(verdict.statistic / verdict.threshold);
+            if alarm.is_none() && margin > factor {
+                alarm = Some(k);
+            }
+            peak = peak.max(margin);
+            if peak > enough {
+                break;
+            }
+        }
+        // Finite, so that it can be written as JSON.
+        Rest { alarm, peak: peak.min(f64::MAX) }
+    }
+}
+
+/// The last statistics that the rule looks at.
+#[derive(Clone, Debug)]
+struct Recent {
     rule: Debouncing,
-) -> Vec<f64> {
-    let channels = detector.residual_len();
-    detector.reset();
-    let ratios: Vec<f64> = residual
-        .chunks_exact(channels)
-        .enumerate()
-        .map(|(k, r)| {
-            let verdict = detector.update(record.u(k), r);
-            verdict.statistic / verdict.threshold
-        })
-        .collect();
-    debounced_statistics(&ratios, rule)
+    ratios: VecDeque<f64>,
 }
 
-/// The largest margin of a run.
-pub(super) fn peak(margins: &[f64]) -> f64 {
-    // Finite, so that it can be written as JSON.
-    margins.iter().fold(0.0, |most: f64, &margin| most.max(margin)).min(f64::MAX)
+impl Recent {
+    /// The `raise`-th largest of the last `out_of`, as
+    /// [`debounced_statistics`](fd_compensate::evaluate::debounced_statistics) has it.
+    fn add(&mut self, ratio: f64) -> f64 {
+        let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+        let (raise, out_of) = (count(self.rule.raise), count(self.rule.out_of));
+        if out_of <= 1 {
+            return ratio;
+        }
+        if self.ratios.len() >= out_of {
+            self.ratios.pop_front();
+        }
+        self.ratios.push_back(ratio);
+        let mut sorted: Vec<f64> = self.ratios.iter().copied().collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted.len().checked_sub(raise).map_or(f64::NEG_INFINITY, |i| sorted[i])
+    }
 }
 
-/// First sample above `factor`.
-pub(super) fn first_above(margins: &[f64], factor: f64) -> Option<usize> {
-    margins.iter().position(|&margin| margin > factor)
-}
+#[cfg(test)]
+mod tests {
+    use fd_compensate::{detect::Magnitude, evaluate::debounced_statistics};
+    use fd_model::{Channel, SampleTime};
 
-/// The residual of a trace with or without compensation.
-pub(super) fn residual(trace: &Trace, compensated: bool) -> &[f64] {
-    if compensated { &trace.compensated } else { &trace.residual }
+    use super::*;
+
+    /// What is found from a fork, sample by sample, is what the whole run shows.
+    #[test]
+    fn a_fork_goes_on_as_the_whole_run() {
+        let residual: Vec<f64> = (0..200).map(|k| (f64::from(k).powi(2) * 0.618).sin()).collect();
+        let one = Channel::numbered("c", 1);
+        let ts = SampleTime::new(1.0).unwrap();
+        let record = Record::new(one.clone(), one, vec![0.0; 200], vec![0.0; 200], ts).unwrap();
+        for rule in [Debouncing::default(), Debouncing::consecutive(3)] {
+            let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
+            let mut watch = Watch::new(Box::new(detector), rule);
+            let ratios: Vec<f64> = residual.iter().map(|r| r.abs() / 0.5).collect();
+            let margins = debounced_statistics(&ratios, rule);
+            let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, &m| most.max(m));
+            let fork = watch.fork(&record, &residual[..90]);
+            assert_eq!(fork.peak.to_bits(), largest(&margins[..90]).to_bits());
+            for factor in [0.5, 1.2, 1.9, 2.5] {
+                let rest = watch.rest(&fork, &record, 90, &residual[90..], factor, 10.0);
+                let alarm = margins[90..].iter().position(|&m| m > factor);
+                assert_eq!(rest, Rest { alarm, peak: largest(&margins[90..]) });
+                // Cut short, the alarm is the same and the peak is above what is enough.
+                let short = watch.rest(&fork, &record, 90, &residual[90..], factor, factor);
+                assert_eq!((short.alarm, short.peak > factor), (alarm, alarm.is_some()));
+            }
+            let peak = watch.peak(&record, &residual);
+            assert_eq!(peak.to_bits(), largest(&margins).to_bits());
+        }
+    }
 }

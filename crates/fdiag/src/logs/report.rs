@@ -132,6 +132,9 @@ impl LogStudy {
             if self.residuals.len() > 1 {
                 page.picture(&statistic_picture(with), "Test statistic over all residuals.")?;
             }
+            if let Some(named) = &log.named {
+                page.table(named.table());
+            }
             if let Some(sizes) = &log.sensor_sizes {
                 let mut table =
                     Table::new("If it is a lasting sensor fault", &["of sensor", "size"]);

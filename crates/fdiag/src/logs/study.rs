@@ -9,7 +9,7 @@ use fd_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::error::LogStudyError;
+use super::{error::LogStudyError, named::NamedFault};
 use crate::{
     road::{Healthy, RoadError, Trace, sensor_sizes, train},
     spec::PipelineSpec,
@@ -105,6 +105,9 @@ pub struct LogResult {
     /// After an alarm that stands at the end of the log: the size that a lasting fault of each
     /// output's sensor would have to explain it, in the unit of the output.
     pub sensor_sizes: Option<Vec<f64>>,
+    /// After an alarm: which fault it was ascribed to, when the spec asks for isolation.
+    #[serde(default)]
+    pub named: Option<NamedFault>,
     /// What happened.
     pub events: Vec<Event>,
     /// Samples refused because they were missing.
@@ -192,6 +195,7 @@ impl LogStudy {
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
                 sensor_sizes: sensor_sizes(&trained, &with)?
                     .map(|sizes| sizes.iter().zip(&outputs).map(|(s, o)| s * o.scale).collect()),
+                named: NamedFault::of(&with, &request.spec.isolation, &file.inputs, &file.outputs),
                 events: with.events.clone(),
                 refused: with.refused,
             });

@@ -61,4 +61,23 @@ impl Table {
         }
         format!("{}\n{table}", self.title)
     }
+
+    /// The header and the rows as Markdown, without the title; bars in cells are escaped.
+    ///
+    /// ```
+    /// # use fdiag::report::Table;
+    /// let mut table = Table::new("Faults", &["sensor", "size [%]"]);
+    /// table.push(["a|b", "0.5"]);
+    /// assert_eq!(table.to_markdown(), "| sensor | size [%] |\n|---|---|\n| a\\|b | 0.5 |\n");
+    /// ```
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        let line = |cells: &[String]| {
+            let escaped: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            format!("| {} |\n", escaped.join(" | "))
+        };
+        let rule = format!("|{}\n", "---|".repeat(self.header.len()));
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        line(&self.header) + &rule + &rows
+    }
 }

@@ -10,6 +10,7 @@
 mod bias;
 mod error;
 mod learn;
+mod replay;
 mod residuals;
 mod running;
 mod silent;
@@ -18,7 +19,6 @@ mod structure;
 mod trace;
 mod train;
 
-pub(crate) use self::train::train_on;
 pub use self::{
     bias::LearnedBias,
     error::RoadError,
@@ -27,4 +27,8 @@ pub use self::{
     size::{sensor_signatures, sensor_sizes},
     trace::Trace,
     train::{Healthy, Trained, train},
+};
+pub(crate) use self::{
+    replay::{Subtracted, Subtraction},
+    train::train_on,
 };

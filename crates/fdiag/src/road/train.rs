@@ -280,7 +280,7 @@ impl Trained {
         Ok(Pipeline::new(stages)?.with_missing_samples(missing))
     }
 
-    fn compensator(
+    pub(super) fn compensator(
         &self,
     ) -> Result<ResidualCompensator<f64, DynIdentifier, RunningBias>, RoadError> {
         let nu = self.design.io().nu;
@@ -292,7 +292,7 @@ impl Trained {
 
     /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
     /// held.
-    pub(crate) fn watch(&self, record: &Record) -> Result<Trace, RoadError> {
+    fn watch(&self, record: &Record) -> Result<Trace, RoadError> {
         Ok(Trace::of(&mut self.silent()?, record)?)
     }
 

@@ -11,19 +11,23 @@ const TOLERANCE: f64 = 1e-10;
 /// Minimises `½ xᵀ A x − bᵀ x` over `x ≥ 0` for a positive semidefinite `A`, one unknown at a time, which
 /// converges for every such problem (Tseng 2001); an unknown without curvature stays as it is.
 pub(super) fn minimise(a: &Mat<f64>, b: &[f64], mut x: Vec<f64>) -> Vec<f64> {
+    let n = x.len();
+    // Row by row in one piece: the sweeps are many and short.
+    let rows: Vec<f64> = (0..n).flat_map(|i| (0..n).map(move |j| a[(i, j)])).collect();
+    let roots: Vec<f64> = (0..n).map(|i| a[(i, i)].max(0.0).sqrt()).collect();
     for _ in 0..MOST_SWEEPS {
         let mut largest = 0.0_f64;
-        for i in 0..x.len() {
-            if a[(i, i)] <= 0.0 {
+        for (i, row) in rows.chunks_exact(n).enumerate() {
+            if row[i] <= 0.0 {
                 continue;
             }
-            let slope: f64 = x.iter().enumerate().map(|(j, x)| a[(i, j)] * x).sum::<f64>() - b[i];
-            let moved = (x[i] - slope / a[(i, i)]).max(0.0);
+            let slope: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>() - b[i];
+            let moved = (x[i] - slope / row[i]).max(0.0);
             // Changes are weighed by what they do to the quadratic form.
-            largest = largest.max((moved - x[i]).abs() * a[(i, i)].sqrt());
+            largest = largest.max((moved - x[i]).abs() * roots[i]);
             x[i] = moved;
         }
-        let size = (0..x.len()).map(|i| x[i] * a[(i, i)].sqrt()).fold(0.0, f64::max);
+        let size = x.iter().zip(&roots).map(|(x, root)| x * root).fold(0.0, f64::max);
         if largest <= TOLERANCE * size {
             break;
         }

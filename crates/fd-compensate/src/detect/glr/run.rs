@@ -1,11 +1,12 @@
 //! The running generalised likelihood ratio.
 
+use faer::Mat;
 use fd_core::{
-    HeapMap, LinMap, Scalar, StateVisitor,
+    Scalar, StateVisitor,
     stage::{Detector, Stage, Verdict},
 };
 
-use super::design::{Course, GlrDesign};
+use super::design::{Course, GlrDesign, Pattern};
 use crate::detect::{
     error::{DetectorError, positive},
     whiten::Whitener,
@@ -21,8 +22,6 @@ pub struct Glr<T: Scalar> {
     threshold: T,
     /// Samples since the last reset, as far as they matter: at most the window.
     seen: u64,
-    /// Ring slot of the oldest onset, where the next one goes.
-    next: u64,
     change: Option<Change>,
     size: Vec<T>,
 }
@@ -39,17 +38,118 @@ pub struct Change {
 }
 
 /// Run-time form of one course along one signature or all directions.
+///
+/// Everything that depends on the age of an onset lies with the ages next to each other, so that one
+/// sample is a few passes over short rows of equal work, one element for each onset.
 #[derive(Clone, Debug)]
 struct Running<T: Scalar> {
     course: Course,
     signature: Option<usize>,
-    /// `F(t)ᵀ`.
-    effect: Vec<HeapMap<T>>,
-    root: Vec<HeapMap<T>>,
     sizes: usize,
-    /// `c` of each onset, in a ring.
+    window: usize,
+    /// `F(t)ᵀ`, age by age up to [`Self::settled`], sizes by channels.
+    effect: Vec<T>,
+    /// Age from which `F` stays as it is; at most the last of the window.
+    settled: usize,
+    /// Rows of the lower triangle of `L⁻¹`, entry by entry, over the ages.
+    root: Vec<T>,
+    /// Components of `c`, over the ages.
     correlation: Vec<T>,
+    /// A row of `L⁻¹ c`, and `l(k, t)`, over the ages.
     scaled: Vec<T>,
+    ratio: Vec<T>,
+}
+
+impl<T: Scalar> Running<T> {
+    fn new(pattern: &Pattern, window: usize) -> Self {
+        let sizes = pattern.effect.first().map_or(0, Mat::ncols);
+        let last = pattern.effect.last();
+        let stays = |age: &usize| pattern.effect[*age..].iter().all(|f| Some(f) == last);
+        let settled = (0..window).find(stays).unwrap_or(window - 1);
+        let by_size = |f: &Mat<f64>| -> Vec<T> {
+            (0..sizes)
+                .flat_map(|i| (0..f.nrows()).map(move |c| T::from_design(f[(c, i)])))
+                .collect()
+        };
+        let triangle = (0..sizes).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let root = triangle.flat_map(|at| pattern.root.iter().map(move |m| T::from_design(m[at])));
+        Self {
+            course: pattern.course,
+            signature: pattern.signature,
+            sizes,
+            window,
+            effect: pattern.effect[..=settled].iter().flat_map(by_size).collect(),
+            settled,
+            root: root.collect(),
+            correlation: vec![T::zero(); sizes * window],
+            scaled: vec![T::zero(); window],
+            ratio: vec![T::zero(); window],
+        }
+    }
+
+    /// Row `i`, column `j <= i` of `L⁻¹` over the ages.
+    fn root(&self, i: usize, j: usize) -> &[T] {
+        let entry = i * (i + 1) / 2 + j;
+        &self.root[entry * self.window..(entry + 1) * self.window]
+    }
+
+    /// Makes all onsets one sample older, begins one, and adds `F(t)ᵀ e` to each of the `seen`.
+    fn add(&mut self, white: &[T], seen: usize) {
+        let per_age = self.sizes * white.len();
+        for (i, sums) in self.correlation.chunks_exact_mut(self.window).enumerate() {
+            sums.copy_within(..self.window - 1, 1);
+            sums[0] = T::zero();
+            let row = i * white.len()..(i + 1) * white.len();
+            let step = |effect: &[T]| {
+                effect[row.clone()].iter().zip(white).fold(T::zero(), |s, (&f, &e)| s + f * e)
+            };
+            let young = seen.min(self.settled);
+            for (sum, effect) in sums[..young].iter_mut().zip(self.effect.chunks_exact(per_age)) {
+                *sum += step(effect);
+            }
+            let settled = step(&self.effect[self.settled * per_age..]);
+            sums[young..seen].iter_mut().for_each(|sum| *sum += settled);
+        }
+    }
+
+    /// The most likely age of an onset, and its ratio.
+    fn most_likely(&mut self, seen: usize) -> (usize, T) {
+        self.ratio[..seen].fill(T::zero());
+        let mut entries = self.root.chunks_exact(self.window);
+        for i in 0..self.sizes {
+            self.scaled[..seen].fill(T::zero());
+            let sums = self.correlation.chunks_exact(self.window);
+            for (root, sums) in entries.by_ref().take(i + 1).zip(sums) {
+                let terms = root.iter().zip(sums);
+                for (scaled, (&root, &sum)) in self.scaled[..seen].iter_mut().zip(terms) {
+                    *scaled += root * sum;
+                }
+            }
+            for (ratio, &scaled) in self.ratio[..seen].iter_mut().zip(&self.scaled) {
+                *ratio += scaled * scaled;
+            }
+        }
+        let first = (0, self.ratio[0]);
+        (1..seen).fold(
+            first,
+            |best, age| {
+                if self.ratio[age] > best.1 { (age, self.ratio[age]) } else { best }
+            },
+        )
+    }
+
+    /// `θ̂ = J⁻¹ c = L⁻ᵀ (L⁻¹ c)` of an onset.
+    fn size_into(&self, age: usize, size: &mut [T]) {
+        size.fill(T::zero());
+        for i in 0..self.sizes {
+            let scaled = (0..=i).fold(T::zero(), |sum, j| {
+                sum + self.root(i, j)[age] * self.correlation[j * self.window + age]
+            });
+            for (j, size) in size.iter_mut().enumerate().take(i + 1) {
+                *size += self.root(i, j)[age] * scaled;
+            }
+        }
+    }
 }
 
 impl<T: Scalar> Glr<T> {
@@ -76,29 +176,8 @@ impl<T: Scalar> Glr<T> {
     /// Returns an error when the threshold is not positive and finite.
     pub fn new(design: &GlrDesign, threshold: f64) -> Result<Self, DetectorError> {
         positive("threshold", threshold)?;
-        let patterns: Vec<Running<T>> = design
-            .patterns
-            .iter()
-            .map(|pattern| {
-                let sizes = pattern.effect.first().map_or(0, faer::Mat::ncols);
-                let frozen = |m: &faer::Mat<f64>, transposed: bool| {
-                    let (rows, cols) =
-                        if transposed { (m.ncols(), m.nrows()) } else { (m.nrows(), m.ncols()) };
-                    HeapMap::from_fn(rows, cols, |i, j| {
-                        T::from_design(if transposed { m[(j, i)] } else { m[(i, j)] })
-                    })
-                };
-                Running {
-                    course: pattern.course,
-                    signature: pattern.signature,
-                    effect: pattern.effect.iter().map(|m| frozen(m, true)).collect(),
-                    root: pattern.root.iter().map(|m| frozen(m, false)).collect(),
-                    sizes,
-                    correlation: vec![T::zero(); sizes * design.window],
-                    scaled: vec![T::zero(); sizes],
-                }
-            })
-            .collect();
+        let running = |pattern| Running::new(pattern, design.window);
+        let patterns: Vec<Running<T>> = design.patterns.iter().map(running).collect();
         let sizes = patterns.iter().map(|p| p.sizes).max().unwrap_or(0);
         Ok(Self {
             whitener: Whitener::new(&design.whitener),
@@ -106,7 +185,6 @@ impl<T: Scalar> Glr<T> {
             window: design.window as u64,
             threshold: T::from_design(threshold),
             seen: 0,
-            next: 0,
             change: None,
             size: vec![T::zero(); sizes],
         })
@@ -145,7 +223,6 @@ impl<T: Scalar> Stage<T> for Glr<T> {
             pattern.correlation.fill(T::zero());
         }
         self.seen = 0;
-        self.next = 0;
         self.change = None;
         self.size.fill(T::zero());
     }
@@ -155,10 +232,9 @@ impl<T: Scalar> Stage<T> for Glr<T> {
         for pattern in &mut self.patterns {
             visitor.reals("glr correlations", &mut pattern.correlation);
         }
-        let mut counts = [self.seen, self.next];
-        visitor.counts("glr seen, next", &mut counts);
-        // A foreign snapshot must not point beyond the ring.
-        [self.seen, self.next] = [counts[0].min(self.window), counts[1] % self.window];
+        visitor.counts("glr seen", std::slice::from_mut(&mut self.seen));
+        // A foreign snapshot must not point beyond the window.
+        self.seen = self.seen.min(self.window);
     }
 }
 
@@ -169,36 +245,25 @@ impl<T: Scalar> Detector<T> for Glr<T> {
 
     fn update(&mut self, _u: &[T], r: &[T]) -> Verdict<T> {
         let white = self.whitener.update(r);
-        let start = self.next;
-        self.next = (self.next + 1) % self.window;
         self.seen = (self.seen + 1).min(self.window);
+        // At most the window, which is the length of a `Vec`.
+        let seen = usize::try_from(self.seen).unwrap_or(0);
+        let mut likeliest: Option<(usize, usize, T)> = None;
+        for (at, pattern) in self.patterns.iter_mut().enumerate() {
+            pattern.add(white, seen);
+            let (age, ratio) = pattern.most_likely(seen);
+            if likeliest.is_none_or(|(_, _, most)| ratio > most) {
+                likeliest = Some((at, age, ratio));
+            }
+        }
         let mut statistic = T::zero();
         self.change = None;
-        for pattern in &mut self.patterns {
-            let Running { sizes, .. } = *pattern;
-            for age in 0..self.seen {
-                // Ring slots and ages are below the length of a `Vec`, so they fit.
-                let slot = usize::try_from((start + self.window - age) % self.window).unwrap_or(0);
-                let at = usize::try_from(age).unwrap_or(0);
-                let sums = &mut pattern.correlation[slot * sizes..(slot + 1) * sizes];
-                if age == 0 {
-                    sums.fill(T::zero());
-                }
-                pattern.effect[at].mul_add_into(white, sums);
-                pattern.root[at].mul_into(sums, &mut pattern.scaled);
-                let ratio = pattern.scaled.iter().fold(T::zero(), |sum, &v| sum + v * v);
-                if self.change.is_none() || ratio > statistic {
-                    statistic = ratio;
-                    let (course, signature) = (pattern.course, pattern.signature);
-                    self.change = Some(Change { course, signature, age: age + 1 });
-                    // θ̂ = J⁻¹ c = L⁻ᵀ (L⁻¹ c).
-                    let root = &pattern.root[at];
-                    for (i, size) in self.size[..sizes].iter_mut().enumerate() {
-                        let column = (0..sizes).map(|j| root[(j, i)] * pattern.scaled[j]);
-                        *size = column.fold(T::zero(), |sum, v| sum + v);
-                    }
-                }
-            }
+        if let Some((at, age, ratio)) = likeliest {
+            let pattern = &self.patterns[at];
+            statistic = ratio;
+            let (course, signature) = (pattern.course, pattern.signature);
+            self.change = Some(Change { course, signature, age: age as u64 + 1 });
+            pattern.size_into(age, &mut self.size[..pattern.sizes]);
         }
         Verdict { statistic, threshold: self.threshold }
     }
