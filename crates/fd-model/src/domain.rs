@@ -4,11 +4,7 @@ use std::f64::consts::PI;
 
 use faer::{Mat, MatRef, c64};
 
-use crate::{
-    error::ModelError,
-    linalg::{cayley, central_rate},
-    state_space::StateSpace,
-};
+use crate::{error::ModelError, linalg::Cayley, state_space::StateSpace};
 
 /// A time axis on which a linear model lives.
 pub trait TimeDomain: Copy + Sized {
@@ -114,8 +110,8 @@ impl TimeDomain for Continuous {
         b: MatRef<'_, f64>,
         c: MatRef<'_, f64>,
     ) -> Result<[Mat<f64>; 3], ModelError> {
-        // Maps the slowest and the fastest mode to the same distance from the unit circle.
-        cayley(a, b, c, central_rate(a))
+        let transform = Cayley::new(a)?;
+        Ok([transform.a(), transform.b(b), transform.c(c)])
     }
 
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {

@@ -1,6 +1,8 @@
 //! Hankel singular values: how much each balanced state matters between input and output.
 
-use crate::{domain::TimeDomain, error::ModelError, linalg::svd, state_space::StateSpace};
+use crate::{
+    domain::TimeDomain, error::ModelError, linalg::singular_values, state_space::StateSpace,
+};
 
 impl<D: TimeDomain> StateSpace<D> {
     /// Hankel singular values, largest first, one per state.
@@ -27,7 +29,7 @@ impl<D: TimeDomain> StateSpace<D> {
     pub fn hankel_singular_values(&self) -> Result<Vec<f64>, ModelError> {
         let factors = self.gramian_factors("the Hankel singular values")?;
         let product = factors.observability.transpose() * &factors.controllability;
-        let mut values = svd(product.as_ref())?.values;
+        let mut values = singular_values(product.as_ref())?;
         // Factors with fewer columns than states leave out values that are zero.
         values.resize(self.nx(), 0.0);
         Ok(values)

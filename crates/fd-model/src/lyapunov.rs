@@ -1,20 +1,22 @@
 //! Lyapunov and Sylvester equations.
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatRef, c64};
 use fd_core::Shape;
 
 use crate::{
     domain::unit_disk_margin,
     error::ModelError,
-    linalg::{self, RealSchur, balance, eigenvalues, require_decay, symmetric},
+    linalg::{self, Cayley, RealSchur, Stein, balance, eigenvalues, require_decay, symmetric},
     state_space::check_matrix,
 };
 
 /// Solves `A X + X Aᵀ + Q = 0` for a symmetric `Q` and an `A` with all eigenvalues in the left
 /// half-plane.
 ///
-/// The solution is the covariance of `ẋ = A x + w` under white noise of intensity `Q`. Bartels
-/// and Stewart's method in balanced coordinates: the residual is near `n ε ‖A‖ ‖X‖`.
+/// The solution is the covariance of `ẋ = A x + w` under white noise of intensity `Q`. Squared
+/// Smith iteration (Smith 1968) on the Cayley transform of `A`, in balanced coordinates and with
+/// iterative refinement, so that all work is products of matrices: the residual ends near
+/// `n ε (‖A‖ ‖X‖ + ‖Q‖)`.
 ///
 /// # Errors
 ///
@@ -34,14 +36,28 @@ use crate::{
 pub fn continuous(a: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Result<Mat<f64>, ModelError> {
     let n = a.nrows();
     check_shapes([("state matrix A", a, n, n), ("weight Q", q, n, n)])?;
-    require_decay("the continuous Lyapunov equation", &eigenvalues(a)?, |pole| -pole.re)?;
-
+    if n == 0 {
+        return Ok(Mat::zeros(0, 0));
+    }
     let scaling = balance(a, q, Mat::zeros(0, n).as_ref());
-    let schur = RealSchur::new(scaling.a(a).as_ref())?;
-    // Units act on both sides of a covariance.
+    let scaled = scaling.a(a);
+    let steps = || {
+        let transform = Cayley::new(scaled.as_ref()).ok()?;
+        Some((Stein::new(transform.a())?, transform))
+    };
+    let what = "the continuous Lyapunov equation";
+    let (stein, transform) = steps().ok_or_else(|| unsolvable(what, a, |pole| -pole.re))?;
+
+    // Units act on both sides of a covariance, and so does the transform.
     let q = scaling.b(scaling.b(symmetric(q).as_ref()).transpose());
-    let x = linalg::sylvester(&schur, &schur.transposed(), (-q).as_ref())?;
-    Ok(scaling.undo_b(scaling.undo_b(symmetric(x.as_ref()).as_ref()).transpose()))
+    let solve = |q: &Mat<f64>| stein.solve(transform.b(transform.b(q.as_ref()).transpose()));
+    let residual = |x: &Mat<f64>| {
+        let moved = &scaled * x;
+        &q + &moved + moved.transpose()
+    };
+    let x = refined(&q, scaled.norm_l2(), solve, residual)
+        .ok_or(ModelError::NoConvergence { what, order: n })?;
+    Ok(scaling.undo_b(scaling.undo_b(x.as_ref()).transpose()))
 }
 
 /// Solves the Sylvester equation `A X + X B = C` for square `A` and `B` of any stability.
@@ -104,44 +120,54 @@ pub fn discrete(a: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Result<Mat<f64>, Mode
     if n == 0 {
         return Ok(Mat::zeros(0, 0));
     }
-    require_decay("the discrete Lyapunov equation", &eigenvalues(a)?, unit_disk_margin)?;
-
     let scaling = balance(a, q, Mat::zeros(0, n).as_ref());
-    let a = scaling.a(a);
+    let scaled = scaling.a(a);
+    let what = "the discrete Lyapunov equation";
+    let stein = Stein::new(scaled.clone()).ok_or_else(|| unsolvable(what, a, unit_disk_margin))?;
+
     // Units act on both sides of a covariance.
     let q = scaling.b(scaling.b(symmetric(q).as_ref()).transpose());
-    let residual = |x: &Mat<f64>| &q + &a * x * a.transpose() - x;
+    let solve = |q: &Mat<f64>| stein.solve(q.clone());
+    let residual = |x: &Mat<f64>| &q + &scaled * x * scaled.transpose() - x;
+    let x = refined(&q, 1.0 + scaled.norm_l2().powi(2), solve, residual)
+        .ok_or(ModelError::NoConvergence { what, order: n })?;
+    Ok(scaling.undo_b(scaling.undo_b(x.as_ref()).transpose()))
+}
 
-    let mut x = smith(&a, &q)?;
+/// Why a Lyapunov equation has no solution.
+fn unsolvable(what: &'static str, a: MatRef<'_, f64>, margin: impl Fn(c64) -> f64) -> ModelError {
+    let verdict = eigenvalues(a).and_then(|poles| require_decay(what, &poles, margin));
+    verdict.err().unwrap_or(ModelError::NoConvergence { what, order: a.nrows() })
+}
+
+/// Solves a linear equation for a symmetric `X` by a method that leaves a small share of the
+/// right-hand side, until the residual is that of rounding or refinement does not halve it.
+///
+/// `size` is about the norm of the operator.
+fn refined(
+    q: &Mat<f64>,
+    size: f64,
+    solve: impl Fn(&Mat<f64>) -> Mat<f64>,
+    residual: impl Fn(&Mat<f64>) -> Mat<f64>,
+) -> Option<Mat<f64>> {
+    let mut x = symmetric(solve(q).as_ref());
     let mut error = residual(&x);
     loop {
-        let refined = &x + smith(&a, &error)?;
+        let rounding = f64::EPSILON * (size * x.norm_l2() + q.norm_l2());
+        // Comparisons with a NaN are false.
+        if error.norm_l2() <= rounding {
+            return Some(x);
+        }
+        let refined = symmetric((&x + solve(&error)).as_ref());
         let left = residual(&refined);
-        if error.norm_l2() <= 2.0 * left.norm_l2() || left.norm_l2() <= 0.0 {
-            let units = scaling.undo_b(scaling.undo_b(symmetric(x.as_ref()).as_ref()).transpose());
-            return Ok(units);
+        if !left.norm_l2().is_finite() {
+            return None;
+        }
+        if error.norm_l2() <= 2.0 * left.norm_l2() {
+            return Some(x);
         }
         (x, error) = (refined, left);
     }
-}
-
-/// The sum `Q + A Q Aᵀ + A² Q A²ᵀ + …` by doubling.
-fn smith(a: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, ModelError> {
-    const DOUBLINGS: usize = 64;
-
-    let (mut power, mut x) = (a.clone(), q.clone());
-    for _ in 0..DOUBLINGS {
-        let step = &power * &x * power.transpose();
-        if !step.norm_l2().is_finite() {
-            break;
-        }
-        if step.norm_l2() <= 0.5 * f64::EPSILON * x.norm_l2() {
-            return Ok(x);
-        }
-        x += step;
-        power = &power * &power;
-    }
-    Err(ModelError::NoConvergence { what: "the discrete Lyapunov equation", order: a.nrows() })
 }
 
 /// Checks the finite entries and the rows and columns of each matrix.

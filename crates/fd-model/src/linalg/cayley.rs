@@ -7,23 +7,46 @@ use crate::{
     linalg::solve::{identity_minus, inverse},
 };
 
-/// `(αI − A)⁻¹ (αI + A)`, `√(2α) (αI − A)⁻¹ B` and `√(2α) C (αI − A)⁻¹`.
+/// The system `(αI − A)⁻¹ (αI + A)`, `√(2α) (αI − A)⁻¹ B` and `√(2α) C (αI − A)⁻¹`.
 ///
-/// Both systems have the same gramians, whatever `α > 0` (Smith 1968).
-pub(crate) fn cayley(
-    a: MatRef<'_, f64>,
-    b: MatRef<'_, f64>,
-    c: MatRef<'_, f64>,
+/// It has the same gramians as the continuous one, whatever `α > 0` (Smith 1968), and is stable
+/// when that is. The `α` taken maps the slowest and the fastest mode to about the same distance
+/// from the unit circle.
+pub(crate) struct Cayley {
     alpha: f64,
-) -> Result<[Mat<f64>; 3], ModelError> {
-    let n = a.nrows();
-    let inverse = inverse("the shifted state matrix αI − A", identity_minus(alpha, a).as_ref())?;
-    let scale = Scale((2.0 * alpha).sqrt());
-    let (b, c) = (scale * (&inverse * b), scale * (c * &inverse));
-    // αI + A = 2αI − (αI − A).
-    let a =
-        Mat::from_fn(n, n, |i, j| 2.0 * alpha * inverse[(i, j)] - if i == j { 1.0 } else { 0.0 });
-    Ok([a, b, c])
+    /// `(αI − A)⁻¹`.
+    inverse: Mat<f64>,
+}
+
+impl Cayley {
+    /// Of a matrix of at least one row.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when `A` has an eigenvalue at `α`, in the unstable region.
+    pub(crate) fn new(a: MatRef<'_, f64>) -> Result<Self, ModelError> {
+        let alpha = central_rate(a);
+        let shifted = identity_minus(alpha, a);
+        Ok(Self {
+            alpha, inverse: inverse("the shifted state matrix αI − A", shifted.as_ref())?
+        })
+    }
+
+    pub(crate) fn a(&self) -> Mat<f64> {
+        let n = self.inverse.nrows();
+        // αI + A = 2αI − (αI − A).
+        Mat::from_fn(n, n, |i, j| {
+            2.0 * self.alpha * self.inverse[(i, j)] - if i == j { 1.0 } else { 0.0 }
+        })
+    }
+
+    pub(crate) fn b(&self, b: MatRef<'_, f64>) -> Mat<f64> {
+        Scale((2.0 * self.alpha).sqrt()) * (&self.inverse * b)
+    }
+
+    pub(crate) fn c(&self, c: MatRef<'_, f64>) -> Mat<f64> {
+        Scale((2.0 * self.alpha).sqrt()) * (c * &self.inverse)
+    }
 }
 
 /// About the geometric mean of the sizes of the smallest and the largest eigenvalue of a matrix
@@ -31,7 +54,7 @@ pub(crate) fn cayley(
 ///
 /// Power iterations with `A` and `A⁻¹`, for a shift that need not be right: a factor of ten costs
 /// about three doublings more, and no accuracy.
-pub(crate) fn central_rate(a: MatRef<'_, f64>) -> f64 {
+fn central_rate(a: MatRef<'_, f64>) -> f64 {
     const STEPS: i32 = 12;
 
     let growth = |map: &dyn Fn(&Mat<f64>) -> Mat<f64>| {

@@ -13,13 +13,14 @@ mod pencil;
 mod positive;
 mod schur;
 mod solve;
+mod stein;
 mod svd;
 mod sylvester;
 
 pub(crate) use self::{
     balance::balance,
     blocks::{beside, diagonal, lower, stack},
-    cayley::{cayley, central_rate},
+    cayley::Cayley,
     eigenvalues::{eigenvalues, require_decay},
     exponential::exponential,
     factor::{SmithFactors, smith_factors},
@@ -27,6 +28,7 @@ pub(crate) use self::{
     positive::is_positive,
     schur::RealSchur,
     solve::{identity_minus, solve, solve_right, symmetric},
-    svd::svd,
+    stein::Stein,
+    svd::{singular_values, svd},
     sylvester::sylvester,
 };

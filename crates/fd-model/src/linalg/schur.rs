@@ -30,15 +30,6 @@ impl RealSchur {
         })
     }
 
-    /// The Schur form of `Aᵀ`, by reversing the order of the basis.
-    pub(crate) fn transposed(&self) -> Self {
-        let n = self.t.nrows();
-        Self {
-            q: Mat::from_fn(n, n, |i, j| self.q[(i, n - 1 - j)]),
-            t: Mat::from_fn(n, n, |i, j| self.t[(n - 1 - j, n - 1 - i)]),
-        }
-    }
-
     /// Starts and sizes (one or two) of the diagonal blocks.
     pub(crate) fn blocks(&self) -> Vec<(usize, usize)> {
         let n = self.t.nrows();

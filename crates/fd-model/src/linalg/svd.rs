@@ -12,19 +12,28 @@ pub(crate) struct Svd {
     pub(crate) v: Mat<f64>,
 }
 
+/// Singular values, largest first: half the work of the decomposition.
+pub(crate) fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, ModelError> {
+    if a.nrows() == 0 || a.ncols() == 0 {
+        return Ok(Vec::new());
+    }
+    a.singular_values().map_err(|_| no_convergence(a))
+}
+
 /// Thin singular value decomposition.
 pub(crate) fn svd(a: MatRef<'_, f64>) -> Result<Svd, ModelError> {
     if a.nrows() == 0 || a.ncols() == 0 {
         let (u, v) = (Mat::zeros(a.nrows(), 0), Mat::zeros(a.ncols(), 0));
         return Ok(Svd { u, values: Vec::new(), v });
     }
-    let svd = a.thin_svd().map_err(|_| ModelError::NoConvergence {
-        what: "singular values",
-        order: a.nrows().min(a.ncols()),
-    })?;
+    let svd = a.thin_svd().map_err(|_| no_convergence(a))?;
     Ok(Svd {
         u: svd.U().to_owned(),
         values: svd.S().column_vector().iter().copied().collect(),
         v: svd.V().to_owned(),
     })
+}
+
+fn no_convergence(a: MatRef<'_, f64>) -> ModelError {
+    ModelError::NoConvergence { what: "singular values", order: a.nrows().min(a.ncols()) }
 }

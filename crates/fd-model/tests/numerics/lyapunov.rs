@@ -58,6 +58,27 @@ fn hundreds_of_states_keep_the_residual_at_rounding() {
     check_discrete(recipe, 10.0).unwrap();
 }
 
+/// A chain of lags with rates from 1e-4 to 1e4, each driven by the one before, in units that
+/// balancing cannot make alike.
+#[test]
+fn stiff_equations_keep_the_residual_at_rounding() {
+    let n = 9;
+    let rate = |i: usize| 10_f64.powi(i32::try_from(i).unwrap() - 4);
+    let a = Mat::from_fn(n, n, |i, j| match i.checked_sub(j) {
+        Some(0) => -rate(i),
+        Some(1) => rate(j).sqrt(),
+        _ => 0.0,
+    });
+    let q = Mat::<f64>::identity(n, n);
+    let x = lyapunov::continuous(a.as_ref(), q.as_ref()).unwrap();
+    let residual = (&a * &x + &x * a.transpose() + &q).norm_l2();
+    let unit = n as f64 * f64::EPSILON * (a.norm_l2() * x.norm_l2() + q.norm_l2());
+    assert!(residual <= unit, "{:e} units", residual / unit);
+    // The slowest lag is driven by its noise alone. The residual promises its variance to
+    // ε ‖A‖ / (2 rate) = 1e-8 only.
+    assert!((x[(0, 0)] * 2.0 * rate(0) - 1.0).abs() < 1e-10, "{}", x[(0, 0)]);
+}
+
 /// `‖residual‖ ≤ factor · n ε (‖A‖ ‖X‖ + ‖Q‖)`.
 fn check_continuous(recipe: Recipe, factor: f64) -> Result<(), TestCaseError> {
     let model = continuous(recipe);

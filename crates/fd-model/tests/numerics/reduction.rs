@@ -1,12 +1,12 @@
 //! Gramians, balancing and reduction.
 
 use faer::{Mat, mat};
-use fd_model::{Continuous, ModelError, StateSpace, TimeDomain, reduce};
+use fd_model::{Continuous, Discrete, ModelError, StateSpace, TimeDomain, reduce};
 use proptest::prelude::*;
 
 use crate::{
     engines::{engine17, f100},
-    models::{continuous, discrete, distance, recipes, sigma},
+    models::{continuous, discrete, distance, recipes, sigma, ts},
 };
 
 /// Largest gain of the error over a grid of frequencies.
@@ -103,6 +103,33 @@ fn unstable_models_are_refused_with_their_worst_eigenvalue() {
     let model = StateSpace::new(a, b, c, mat![[0.0]], Continuous).unwrap();
     let error = reduce::balanced_truncation(&model, 1).unwrap_err();
     assert_eq!(error, ModelError::Unstable { what: "balancing", re: 0.5, im: 0.0 });
+}
+
+/// The factors of the gramians exist here, and say nothing of the mode that nobody sees.
+#[test]
+fn hidden_unstable_modes_are_refused() {
+    fn check<D: TimeDomain>(unstable: f64, stable: f64, domain: D) {
+        let a = mat![[stable, 0.0], [0.0, unstable]];
+        for (b, c) in [([1.0, 0.0], [1.0, 0.0]), ([0.0, 0.0], [1.0, 0.0])] {
+            let (b, c) = (mat![[b[0]], [b[1]]], mat![[c[0], c[1]]]);
+            let model = StateSpace::new(a.clone(), b, c, mat![[0.0]], domain).unwrap();
+            let error = model.hankel_singular_values().unwrap_err();
+            let what = "the Hankel singular values";
+            assert_eq!(error, ModelError::Unstable { what, re: unstable, im: 0.0 });
+        }
+    }
+    check(0.5, -1.0, Continuous);
+    check(1.5, 0.5, Discrete { ts: ts(0.1) });
+    // Slow growth takes long to show.
+    check(1.0 + 1e-9, 0.5, Discrete { ts: ts(0.1) });
+}
+
+#[test]
+fn nothing_comes_of_no_input() {
+    let (a, b, c) = (mat![[-1.0, 3.0], [0.0, -2.0]], Mat::zeros(2, 1), mat![[1.0, 1.0]]);
+    let model = StateSpace::new(a, b, c, mat![[0.0]], Continuous).unwrap();
+    let values = model.hankel_singular_values().unwrap();
+    assert!(values.len() == 2 && values.iter().all(|value| value.abs() <= 0.0), "{values:?}");
 }
 
 #[test]
