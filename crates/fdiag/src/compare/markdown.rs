@@ -17,18 +17,19 @@ impl Comparison {
     /// The result as Markdown; `command` is what it was made with.
     #[must_use]
     pub fn markdown(&self, command: &str) -> String {
-        let mut page = format!(
-            "# Comparison of methods on the engine\n\n{}\n\nWritten by `{command}`, version {} of \
-             `fdiag`. How it is counted, and what to choose: [compare.md](../compare.md).\n\n{}\n",
+        let mut parts = vec![
+            "# Comparison of methods on the engine".to_owned(),
             self.headline(),
-            env!("CARGO_PKG_VERSION"),
+            format!(
+                "Written by `{command}`, version {} of `fdiag`. How it is counted, and what to choose: \
+                 [compare.md](../compare.md).",
+                env!("CARGO_PKG_VERSION"),
+            ),
             self.counts(),
-        );
+        ];
         let mut section = |heading: &str, text: &str, table: &Table| {
-            page += &format!("\n{heading}\n");
-            for part in [text, &table.to_markdown()].into_iter().filter(|part| !part.is_empty()) {
-                page += &format!("\n{}\n", part.trim_end());
-            }
+            let filled = [heading, text, table.to_markdown().trim_end()].map(str::to_owned);
+            parts.extend(filled.into_iter().filter(|part| !part.is_empty()));
         };
         section(
             "## All scenarios",
@@ -57,7 +58,7 @@ impl Comparison {
                 &scenario.best(),
             );
         }
-        page
+        parts.join("\n\n") + "\n"
     }
 
     /// How many engines and runs are behind the numbers.

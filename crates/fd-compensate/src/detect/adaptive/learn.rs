@@ -148,25 +148,25 @@ fn upper_envelope(features: &[Vec<f64>], values: &[f64], level: f64, quantile: f
         .map(|(l, s)| features.iter().map(|f| f[l] / s).collect())
         .collect();
     let mut weights = vec![level / count as f64; count];
-    let (mut fitted, mut curved) = (vec![0.0; values.len()], vec![0.0; values.len()]);
-    let mut pull = vec![0.0; values.len()];
+    let zeros = vec![0.0; values.len()];
+    let (mut curvature, mut curved, mut pull) = (zeros.clone(), zeros.clone(), zeros);
     for _ in 0..ROUNDS {
-        fitted.fill(0.0);
+        // What is fitted, in place of which goes the curvature of the quadratic that touches the loss at the
+        // deviation from it.
+        curvature.fill(0.0);
         for (column, weight) in columns.iter().zip(&weights) {
-            fitted.iter_mut().zip(column).for_each(|(sum, f)| *sum += weight * f);
+            curvature.iter_mut().zip(column).for_each(|(fitted, f)| *fitted += weight * f);
         }
-        // The quadratic that touches the loss at the present deviation.
-        for (curvature, value) in fitted.iter_mut().zip(values) {
+        for (curvature, value) in curvature.iter_mut().zip(values) {
             *curvature = ((value - *curvature).abs() + LEAST_LEVEL * level).recip();
         }
-        let curvature = &fitted;
-        for ((pull, curvature), value) in pull.iter_mut().zip(curvature).zip(values) {
+        for ((pull, curvature), value) in pull.iter_mut().zip(&curvature).zip(values) {
             *pull = curvature * value + 2.0 * quantile - 1.0;
         }
         let right: Vec<f64> = columns.iter().map(|column| dot(column, &pull)).collect();
         let mut normal = Mat::<f64>::zeros(count, count);
         for (l, column) in columns.iter().enumerate() {
-            for ((curved, curvature), f) in curved.iter_mut().zip(curvature).zip(column) {
+            for ((curved, curvature), f) in curved.iter_mut().zip(&curvature).zip(column) {
                 *curved = curvature * f;
             }
             for (m, other) in columns[..=l].iter().enumerate() {
