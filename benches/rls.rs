@@ -3,21 +3,27 @@
 //! * Alone, by number of parameters: `UD` is the default factorisation, `P` the conventional
 //!   covariance form, `QR` the reference; on the stack (`fixed`) or on the heap. Peers of other
 //!   projects take the same samples.
-//! * Side by side (`batch`): 64 estimators and 64 samples of each, which fit into a cache.
-//! * A fleet of a million estimators, which does not.
+//! * Side by side (`batch`): 64 estimators and 64 samples of each, which fit into a cache. Regressors
+//!   are `given`, n + 1 numbers per sample, or `made` in the lanes from input and bias, 2 numbers.
+//! * A fleet of a million estimators, which does not fit.
+//! * On two cores: a fleet, and 4096 estimators whose samples stay in the shared cache.
 //! * What the arithmetic of the machine would allow: fused multiply-adds per second.
 //!
 //! All forget by λ = 0.999, except `dsmc`, which has a random walk of variance zero instead.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
-use std::{hint::black_box, time::Duration};
+use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{
+    BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+    measurement::WallTime,
+};
 use dsmc::system_identification::kalman_filter::whitebox::KalmanFilter;
 use fdiag::{
     core::{Heap, Scalar},
     ident::{
+        arx::ArxOrders,
         batch::{BatchRls, LaneScalar, Machine, SampleBlock},
         rls::{ConventionalRls, Forgetting, QrRls, RlsDesign, RlsKernel, Static, UdRls},
     },
@@ -35,7 +41,12 @@ const LAMBDA: f64 = 0.999;
 const PRIOR: f64 = 1e2;
 /// Estimators side by side, and samples of each.
 const BATCH: (usize, usize) = (64, 64);
-const FLEET: (usize, usize) = (1_000_000, 16);
+const MANY: (usize, usize) = (4096, 64);
+/// A block of samples is as long as its memory allows: 0.8 GB of f64 where regressors are given,
+/// 1 GB where they are made.
+const FLEET: usize = 1_000_000;
+const STEPS_GIVEN: usize = 16;
+const STEPS_MADE: usize = 64;
 
 fn design() -> RlsDesign {
     RlsDesign {
@@ -113,72 +124,101 @@ fn sizes<const N: usize>(c: &mut Criterion) {
     peers::<N>(c);
 }
 
-fn block<T: LaneScalar>(n: usize, (estimators, steps): (usize, usize)) -> SampleBlock<T> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(n as u64);
-    let mut block = SampleBlock::new(n, estimators, steps);
-    let mut phi = vec![T::zero(); n];
+/// Uniform samples with so many columns besides the target.
+fn block<T: LaneScalar>(columns: usize, (estimators, steps): (usize, usize)) -> SampleBlock<T> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(columns as u64);
+    let mut uniform = || T::from_design(rng.random_range(-1.0..1.0));
+    let mut block = SampleBlock::new(columns, estimators, steps);
+    let mut sample = vec![T::zero(); columns];
     for estimator in 0..estimators {
         for step in 0..steps {
-            for phi in &mut phi {
-                *phi = T::from_design(rng.random_range(-1.0..1.0));
-            }
-            block.set(estimator, step, &phi, T::from_design(rng.random_range(-1.0..1.0)));
+            sample.fill_with(&mut uniform);
+            block.set(estimator, step, &sample, uniform());
         }
     }
     block
 }
 
+/// Estimators whose n regressors are given, and samples for them.
+fn given<T: LaneScalar>(
+    n: usize,
+    size: (usize, usize),
+    design: &RlsDesign,
+) -> (BatchRls<T>, SampleBlock<T>) {
+    (BatchRls::new(n, size.0, design).unwrap(), block(n, size))
+}
+
+/// Estimators of the paper's equation of order 2, n = 5, that make their regressors from one input
+/// and the bias, and samples for them.
+fn made<T: LaneScalar>(size: (usize, usize)) -> (BatchRls<T>, SampleBlock<T>) {
+    (BatchRls::arx(ArxOrders::paper(2), 1, size.0, &design()).unwrap(), block(1, size))
+}
+
+fn updates(group: &mut BenchmarkGroup<'_, WallTime>, (estimators, steps): (usize, usize)) {
+    group.throughput(Throughput::Elements((estimators * steps) as u64));
+}
+
 fn batches<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
-    let (estimators, steps) = BATCH;
     for n in [2, 5, 10, 20] {
-        let block = block::<T>(n, BATCH);
+        let (batch, block) = given::<T>(n, BATCH, &design());
         let mut group = c.benchmark_group(format!("rls batch, n = {n}"));
-        group.throughput(Throughput::Elements((estimators * steps) as u64));
+        updates(&mut group, BATCH);
         for machine in Machine::all() {
-            let mut batch = BatchRls::<T>::new(n, estimators, &design()).unwrap().on(machine);
+            let mut batch = batch.clone().on(machine);
             group.bench_function(format!("{scalar} {machine}"), |b| {
                 b.iter(|| batch.update(&block).unwrap());
             });
         }
         group.finish();
     }
+    let mut group = c.benchmark_group("rls batch of equations, n = 5");
+    updates(&mut group, BATCH);
+    let (mut batch, block) = made::<T>(BATCH);
+    group.bench_function(scalar, |b| b.iter(|| batch.update(&block).unwrap()));
+    group.finish();
+    // What keeps an estimate when excitation stops.
+    let mut group = c.benchmark_group("rls batch, directional, n = 5");
+    updates(&mut group, BATCH);
+    let forgetting = Forgetting::Directional { lambda: LAMBDA };
+    let (mut batch, block) = given::<T>(5, BATCH, &RlsDesign { forgetting, ..design() });
+    group.bench_function(scalar, |b| b.iter(|| batch.update(&block).unwrap()));
+    group.finish();
 }
 
-fn fleet<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
-    let (estimators, steps) = FLEET;
-    let block = block::<T>(5, FLEET);
-    let mut fleet = BatchRls::<T>::new(5, estimators, &design()).unwrap();
-    let mut group = c.benchmark_group("rls fleet of 1000000, n = 5");
-    group.throughput(Throughput::Elements((estimators * steps) as u64));
-    group.sample_size(10).measurement_time(Duration::from_secs(2));
-    group.bench_function(format!("{scalar}, one core"), |b| {
-        b.iter(|| fleet.update(&block).unwrap());
+/// The same work on one core and on two.
+fn cores<T: LaneScalar>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    (mut batch, block): (BatchRls<T>, SampleBlock<T>),
+) {
+    updates(group, (block.estimators(), block.steps()));
+    group.bench_function(format!("{name}, one core"), |b| {
+        b.iter(|| batch.update(&block).unwrap());
     });
     let two = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    group.bench_function(format!("{scalar}, two cores"), |b| {
-        b.iter(|| two.install(|| fleet.update_on_all_cores(&block).unwrap()));
+    group.bench_function(format!("{name}, two cores"), |b| {
+        b.iter(|| two.install(|| batch.update_on_all_cores(&block).unwrap()));
     });
+}
+
+fn on_cores<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
+    let mut group = c.benchmark_group("rls batch of 4096, n = 5");
+    cores(&mut group, scalar, made::<T>(MANY));
+    group.finish();
+    let mut group = c.benchmark_group("rls fleet of 1000000, n = 5");
+    // A pass takes a quarter of a second: the fewest passes that criterion allows.
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    let estimators = given::<T>(5, (FLEET, STEPS_GIVEN), &design());
+    cores(&mut group, &format!("{scalar} given"), estimators);
+    cores(&mut group, &format!("{scalar} made"), made::<T>((FLEET, STEPS_MADE)));
     group.finish();
 }
 
 fn side_by_side(c: &mut Criterion) {
     batches::<f64>(c, "f64");
     batches::<f32>(c, "f32");
-    // Two cores in cache: so many tiles that each core takes its own.
-    let many = (4096, 16);
-    let block = block::<f64>(5, many);
-    let mut batch = BatchRls::<f64>::new(5, many.0, &design()).unwrap();
-    let mut group = c.benchmark_group("rls batch of 4096, n = 5");
-    group.throughput(Throughput::Elements((many.0 * many.1) as u64));
-    for threads in [1, 2] {
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        group.bench_function(format!("f64, threads: {threads}"), |b| {
-            b.iter(|| pool.install(|| batch.update_on_all_cores(&block).unwrap()));
-        });
-    }
-    group.finish();
-    fleet::<f64>(c, "f64");
-    fleet::<f32>(c, "f32");
+    on_cores::<f64>(c, "f64");
+    on_cores::<f32>(c, "f32");
 }
 
 /// Fused multiply-adds per second, counted per lane.

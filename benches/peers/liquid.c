@@ -22,7 +22,7 @@ int main(void) {
         }
         times[r] = now() - start;
     }
-    report("liquid-dsp", liquid_libversion(), times);
+    report("liquid-dsp", "f32", liquid_libversion(), times);
     eqrls_rrrf_destroy(rls);
     return 0;
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { N = 5, SAMPLES = 256, REPETITIONS = 4000 };
+enum { N = 5, SAMPLES = 256, REPETITIONS = 8000 };
 
 static double now(void) {
     struct timespec t;
@@ -18,9 +18,9 @@ static int ascending(const void *a, const void *b) {
 
 static double uniform(void) { return 2.0 * rand() / RAND_MAX - 1.0; }
 
-static void report(const char *name, const char *version, double *times) {
+static void report(const char *name, const char *scalar, const char *version, double *times) {
     qsort(times, REPETITIONS, sizeof *times, ascending);
-    printf("{\"name\": \"%s\", \"what\": \"rls update, n = 5\", \"fastest\": %g, \"median\": %g, "
-           "\"version\": \"%s\"}\n",
-           name, times[0] / SAMPLES, times[REPETITIONS / 2] / SAMPLES, version);
+    printf("{\"name\": \"%s\", \"what\": \"rls update, n = 5\", \"scalar\": \"%s\", "
+           "\"fastest\": %g, \"median\": %g, \"version\": \"%s\"}\n",
+           name, scalar, times[0] / SAMPLES, times[REPETITIONS / 2] / SAMPLES, version);
 }

@@ -63,8 +63,9 @@ fn designs(count: usize, prior_variance: f64, guard: Guard) -> Vec<RlsDesign> {
         Forgetting::Exponential { lambda: 0.9 },
         Forgetting::Exponential { lambda: 0.99 },
         Forgetting::Exponential { lambda: 0.999 },
+        Forgetting::Directional { lambda: 0.98 },
     ];
-    let design = |unit: usize| RlsDesign { prior_variance, forgetting: kinds[unit % 5], guard };
+    let design = |unit: usize| RlsDesign { prior_variance, forgetting: kinds[unit % 6], guard };
     (0..count).map(design).collect()
 }
 
@@ -184,6 +185,67 @@ fn safeguards_act_as_alone() {
     }
 }
 
+/// Directional forgetting that its trace limit stops, and not, next to other kinds.
+#[test]
+fn directional_forgetting_pauses_as_alone() {
+    let (n, count) = (3, 19);
+    let streams = streams::<f64>(n, count, 300, 5);
+    let mut paused = 0;
+    for trace_limit in [1.0, 10.0] {
+        // So little is left to learn that most samples are forgotten faster than they come.
+        let guard = Guard { trace_limit, ..Guard::default() };
+        let designs: Vec<_> = [0.9, 0.95, 0.99]
+            .into_iter()
+            .flat_map(|lambda| {
+                [Forgetting::Directional { lambda }, Forgetting::Exponential { lambda }]
+            })
+            .map(|forgetting| RlsDesign { prior_variance: 0.01, forgetting, guard })
+            .cycle()
+            .take(count)
+            .collect();
+        let mut batch = BatchRls::new(n, count, &designs[0]).unwrap();
+        for (unit, design) in designs.iter().enumerate() {
+            batch.redesign(unit, design).unwrap();
+        }
+        for block in &blocks(n, &streams, 30) {
+            batch.update(block).unwrap();
+        }
+        let (mut theta, mut variance) = (vec![0.0; n], vec![0.0; n]);
+        for (unit, (design, stream)) in designs.iter().zip(&streams).enumerate().step_by(2) {
+            let (expected, spread, guard) = alone(n, design, stream);
+            batch.theta_into(unit, &mut theta);
+            batch.variance_into(unit, &mut variance);
+            assert_eq!(batch.guard(unit), guard, "{unit}, {design:?}");
+            assert!(distance(&theta, &expected) < 1e-11, "{unit}: {theta:?} {expected:?}");
+            assert!(distance(&variance, &spread) < 1e-11, "{unit}: {variance:?} {spread:?}");
+            paused += guard.bounded;
+        }
+    }
+    assert!(paused > 100, "{paused}");
+}
+
+/// Lanes that forget in another way do not notice, to the bit.
+#[test]
+fn directional_neighbours_change_nothing() {
+    let streams = streams::<f32>(5, 16, 200, 8);
+    let blocks = blocks(5, &streams, 50);
+    let exponential = RlsDesign::forgetting(Forgetting::Exponential { lambda: 0.97 });
+    let directional = RlsDesign::forgetting(Forgetting::Directional { lambda: 0.97 });
+    let mut plain = BatchRls::<f32>::new(5, 16, &exponential).unwrap();
+    let mut mixed = plain.clone();
+    mixed.redesign(3, &directional).unwrap();
+    for block in &blocks {
+        plain.update(block).unwrap();
+        mixed.update(block).unwrap();
+    }
+    for unit in 0..16 {
+        let (mut a, mut b) = ([0.0; 5], [0.0; 5]);
+        plain.theta_into(unit, &mut a);
+        mixed.theta_into(unit, &mut b);
+        assert_eq!(a.map(f32::to_bits) == b.map(f32::to_bits), unit != 3);
+    }
+}
+
 #[test]
 fn frozen_estimators_keep_everything() {
     let streams = streams::<f32>(4, 21, 80, 3);
@@ -239,9 +301,9 @@ fn refusals() {
     let design = RlsDesign::default();
     let most = BatchRls::<f64>::new(65, 3, &design).unwrap_err();
     assert_eq!(most, BatchError::Parameters { most: 64, found: 65 });
-    let directional = RlsDesign::forgetting(Forgetting::Directional { lambda: 0.9 });
-    let kind = BatchRls::<f64>::new(2, 3, &directional).unwrap_err();
-    assert_eq!(kind, BatchError::Forgetting { found: "directional" });
+    let bounded = RlsDesign::forgetting(Forgetting::Bounded { lambda: 0.9, variance: 1.0 });
+    let kind = BatchRls::<f64>::new(2, 3, &bounded).unwrap_err();
+    assert_eq!(kind, BatchError::Forgetting { found: "bounded" });
     let bad = RlsDesign::forgetting(Forgetting::Exponential { lambda: 1.5 });
     assert!(matches!(BatchRls::<f64>::new(2, 3, &bad), Err(BatchError::Design(_))));
     let mut batch = BatchRls::<f64>::new(2, 3, &design).unwrap();

@@ -26,7 +26,7 @@ const MARGIN: f64 = 0.25;
 
 /// Kinds of work with the instructions that an update of 5 parameters costs.
 const EXPECTED: [(&str, f64); 4] =
-    [("ud", 388.0), ("conventional", 473.0), ("batch f64", 68.0), ("batch f32", 35.0)];
+    [("ud", 333.0), ("conventional", 409.0), ("batch f64", 74.0), ("batch f32", 38.0)];
 
 fn design() -> RlsDesign {
     let forgetting = Forgetting::Exponential { lambda: 0.999 };

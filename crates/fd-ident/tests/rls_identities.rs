@@ -9,8 +9,8 @@ use fd_core::{Heap, Snapshot};
 use fd_ident::{
     least_squares::LeastSquares,
     rls::{
-        Conventional, Covariance, Forgetting, Guard, Rls, RlsDesign, RlsKernel, RlsStorage, Static,
-        Ud, WindowDesign, WindowRls,
+        Conventional, Covariance, Forgetting, Guard, QrRls, Rls, RlsDesign, RlsKernel, RlsStorage,
+        Static, Ud, WindowDesign, WindowRls,
     },
 };
 use proptest::prelude::*;
@@ -152,6 +152,12 @@ proptest! {
         close(&ud.0, &plain.0, 1e-9)?;
         close(&ud.1, &plain.1, 1e-9)?;
         prop_assert_eq!(ud.2.guard(), plain.2.guard());
+        // The triangular factor of the information, for the kinds that it knows.
+        if let Ok(kernel) = QrRls::<f64>::new(N, &design) {
+            let qr = run(kernel, &data);
+            close(&ud.0, &qr.0, 1e-9)?;
+            close(&ud.1, &qr.1, 1e-9)?;
+        }
     }
 
     #[test]

@@ -27,10 +27,10 @@ pub enum BatchError {
         /// Number that the orders need.
         found: usize,
     },
-    /// A kind of forgetting that takes another way for each sample.
+    /// A kind of forgetting that needs a step of another shape.
     #[error(
-        "estimators side by side forget by kind none, equation18 or exponential, got {found}; \
-         use one estimator for each"
+        "estimators side by side forget by kind none, equation18, exponential or directional, \
+         got {found}; use one estimator for each"
     )]
     Forgetting {
         /// Name of the kind.

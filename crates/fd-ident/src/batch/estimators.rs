@@ -7,16 +7,14 @@ use fd_core::{
 use rayon::prelude::*;
 
 use super::{
+    design::LaneDesign,
     error::BatchError,
     lanes::{LaneScalar, sealed::Lanes},
     machine::Machine,
     samples::SampleBlock,
     tile::{Layout, Pass, Regressors, Tally},
 };
-use crate::{
-    arx::ArxOrders,
-    rls::{Forgetting, RlsDesign},
-};
+use crate::{arx::ArxOrders, rls::RlsDesign};
 
 /// Tiles that one core works on before it takes others: enough to make the taking cheap.
 const TILES_PER_TASK: usize = 64;
@@ -50,6 +48,8 @@ const TILES_PER_TASK: usize = 64;
 pub struct BatchRls<T: LaneScalar> {
     machine: Machine,
     layout: Layout,
+    /// Whether any estimator forgets directionally.
+    is_directional: bool,
     tiles: Vec<<T as Lanes>::Row>,
     tallies: Vec<Tally<T>>,
     lanes: Vec<Lane<T>>,
@@ -154,6 +154,7 @@ impl<T: LaneScalar> BatchRls<T> {
         let mut batch = Self {
             machine: Machine::detect(),
             layout,
+            is_directional: false,
             tiles: vec![T::row(zero); tiles * layout.rows()],
             tallies: vec![[T::row(zero); 2]; tiles],
             lanes: vec![lane; estimators],
@@ -193,35 +194,15 @@ impl<T: LaneScalar> BatchRls<T> {
     }
 
     fn design(&mut self, lane: usize, design: &RlsDesign) -> Result<(), BatchError> {
-        design.check()?;
-        let (noise, scale, smallest_noise) = match design.forgetting {
-            Forgetting::None => (1.0, 1.0, 1.0),
-            Forgetting::Equation18 { alpha } => (alpha, 1.0, alpha),
-            Forgetting::Exponential { lambda } => (lambda, lambda.recip(), 1.0),
-            Forgetting::Directional { .. } => return Err(refused("directional")),
-            Forgetting::Bounded { .. } => return Err(refused("bounded")),
-            Forgetting::Resetting { .. } => return Err(refused("resetting")),
-        };
-        let t = T::from_design;
-        let n = t(self.layout.n as f64);
-        let silence = if design.guard.skip_silence {
-            T::default_epsilon() * t(smallest_noise)
-        } else {
-            -T::one()
-        };
-        let prior_variance = t(design.prior_variance);
-        let unlimited = T::one() / T::zero();
-        let largest_trace = match design.forgetting {
-            Forgetting::Exponential { .. } => n * prior_variance * t(design.guard.trace_limit),
-            _ => unlimited,
-        };
-        // The trace that the kernel bounds has roundings of its own.
-        let growth = t(scale) * (T::one() + t(8.0) * T::default_epsilon());
-        self.put(lane, Layout::NOISE, t(noise));
-        self.put(lane, Layout::MINUS_SCALE, -t(scale));
+        let settings = LaneDesign::<T>::new(self.layout.n, design)?;
+        let LaneDesign { prior_variance, silence, kept, .. } = settings;
+        self.is_directional |= kept < T::one();
+        self.put(lane, Layout::NOISE, settings.noise);
+        self.put(lane, Layout::MINUS_SCALE, -settings.scale);
         self.put(lane, Layout::SILENCE, silence);
-        self.put(lane, Layout::GROWTH, growth);
-        self.put(lane, Layout::LARGEST_TRACE, largest_trace);
+        self.put(lane, Layout::GROWTH, settings.growth);
+        self.put(lane, Layout::LARGEST_TRACE, settings.largest_trace);
+        self.put(lane, Layout::KEPT, kept);
         self.restart(lane, prior_variance);
         if let Some(lane) = self.lanes.get_mut(lane) {
             let report = GuardReport::default();
@@ -269,9 +250,10 @@ impl<T: LaneScalar> BatchRls<T> {
     /// Returns an error when the block was made for other estimators.
     pub fn update(&mut self, block: &SampleBlock<T>) -> Result<(), BatchError> {
         self.check(block)?;
-        let (layout, machine, steps) = (self.layout, self.machine, block.steps());
+        let (layout, is_directional) = (self.layout, self.is_directional);
+        let (machine, samples, steps) = (self.machine, block.rows(), block.steps());
         let (tiles, tallies) = (&mut self.tiles[..], &mut self.tallies[..]);
-        Pass::<T> { layout, tiles, samples: block.rows(), steps, tallies }.run(machine);
+        Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
         self.collect(steps);
         Ok(())
     }
@@ -283,14 +265,15 @@ impl<T: LaneScalar> BatchRls<T> {
     /// As [`Self::update`].
     pub fn update_on_all_cores(&mut self, block: &SampleBlock<T>) -> Result<(), BatchError> {
         self.check(block)?;
-        let (layout, machine, steps) = (self.layout, self.machine, block.steps());
+        let (layout, is_directional) = (self.layout, self.is_directional);
+        let (machine, steps) = (self.machine, block.steps());
         let per_tile = (layout.columns() + 1) * steps;
         self.tiles
             .par_chunks_mut(TILES_PER_TASK * layout.rows())
             .zip(block.rows().par_chunks((TILES_PER_TASK * per_tile).max(1)))
             .zip(self.tallies.par_chunks_mut(TILES_PER_TASK))
             .for_each(|((tiles, samples), tallies)| {
-                Pass::<T> { layout, tiles, samples, steps, tallies }.run(machine);
+                Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
             });
         self.collect(steps);
         Ok(())
@@ -366,10 +349,6 @@ impl<T: LaneScalar> BatchRls<T> {
 )]
 fn count<T: LaneScalar>(value: T) -> u64 {
     value.to_report() as u64
-}
-
-fn refused(found: &'static str) -> BatchError {
-    BatchError::Forgetting { found }
 }
 
 impl<T: LaneScalar> Stage<T> for BatchRls<T> {

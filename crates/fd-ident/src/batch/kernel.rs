@@ -20,6 +20,8 @@ pub(super) struct Settings<R> {
     pub(super) growth: R,
     /// Largest trace of `P` that forgetting may lead to.
     pub(super) largest_trace: R,
+    /// `λ` of directional forgetting, 1 where forgetting is of another kind.
+    pub(super) kept: R,
 }
 
 /// What the estimators of some lanes remember.
@@ -36,13 +38,18 @@ pub(super) struct State<R, const N: usize> {
     pub(super) bounded: R,
 }
 
-/// Learns from one sample in each lane.
+/// Learns from one sample in each lane. What directional forgetting costs is left out when no lane
+/// asks for it.
 ///
 /// The algebra is that of [`Ud`](crate::rls::Ud) under [`Rls`](crate::rls::Rls), with
 /// `a_j = ρ + Σ_{i≤j} f_i d_i f_i` in place of `a_j/ρ`, which saves products. The divisions are
 /// by `−a_j`, so that nothing has to be negated later.
+///
+/// Directional forgetting changes the information along `φ` by `w φφᵀ`, `w = λ − (1−λ)/φᵀPφ`,
+/// which may be negative: `a_j = 1 + w Σ_{i≤j} f_i d_i f_i` then falls from 1 to `λ (1 + φᵀPφ)`,
+/// which is at least `λ`. Without cancellation there, the update of Bierman serves for both signs.
 #[inline(always)]
-pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize>(
+pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool>(
     m: M,
     n: usize,
     settings: &Settings<M::Reg>,
@@ -70,6 +77,7 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize>(
         energy = m.mul_add(v[j], f[j], energy);
     }
 
+    let one = m.splat(T::one());
     let (mut noise, mut minus_scale) = (settings.noise, settings.minus_scale);
     // Not a number when the error is not finite.
     let checked = m.add(energy, m.sub(error, error));
@@ -77,10 +85,18 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize>(
         m.less(settings.silence, checked),
         m.at_most(checked, m.splat(T::max_value().unwrap_or_else(T::one))),
     );
+    // What information along φ, and the error, count with: 1 to the bit in lanes that forget in
+    // another way.
+    let (mut weight, mut share) = (one, one);
+    // Lanes that take no part, or whose 1 − λ is 0, may have no energy to divide by.
+    let divisor = m.select(m.both(loud, m.less(zero, energy)), energy, one);
+    if DIRECTIONAL {
+        share = settings.kept;
+        weight = m.sub(share, m.div(m.sub(one, share), divisor));
+    }
     *trace_bound = m.mul(*trace_bound, settings.growth);
     let free = m.at_most(*trace_bound, settings.largest_trace);
     if !m.all(m.both(loud, free)) {
-        let one = m.splat(T::one());
         // The bound may be too large: look at the trace itself.
         let mut trace = zero;
         for j in 0..n {
@@ -90,7 +106,21 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize>(
             }
             trace = m.mul_add(d[j], column, trace);
         }
-        let may_forget = m.at_most(trace, m.mul(settings.largest_trace, settings.noise));
+        let mut largest_trace = settings.largest_trace;
+        let directional = m.less(settings.kept, one);
+        if DIRECTIONAL {
+            // Where information grows, nothing has to pause.
+            let unlimited = m.splat(T::one() / T::zero());
+            let grows = m.both(directional, m.at_most(zero, weight));
+            largest_trace = m.select(grows, unlimited, largest_trace);
+        }
+        let may_forget = m.at_most(trace, m.mul(largest_trace, settings.noise));
+        if DIRECTIONAL {
+            // In a pause the estimate moves, and information stays.
+            let paused = m.div(one, m.add(one, divisor));
+            weight = m.select(may_forget, weight, m.select(directional, zero, weight));
+            share = m.select(may_forget, share, m.select(directional, paused, share));
+        }
         let forgets = m.both(loud, may_forget);
         noise = m.select(forgets, noise, one);
         minus_scale = m.select(forgets, minus_scale, m.splat(-T::one()));
@@ -104,6 +134,14 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize>(
         state.skipped = m.add(state.skipped, m.select(loud, zero, one));
         let bounded = m.select(may_forget, zero, m.select(loud, one, zero));
         state.bounded = m.add(state.bounded, bounded);
+    }
+
+    if DIRECTIONAL {
+        for j in 0..n {
+            f[j] = m.mul(weight, f[j]);
+        }
+        // 1 + w φᵀPφ = λ (1 + φᵀPφ)
+        error = m.mul(share, error);
     }
 
     let minus_one = m.splat(-T::one());

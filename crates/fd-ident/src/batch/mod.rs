@@ -26,10 +26,17 @@
 //! # When not to use it
 //!
 //! For one estimator: [`UdRls`](crate::rls::UdRls) answers after each sample. For forgetting of
-//! other kinds than [`None`](crate::rls::Forgetting::None),
-//! [`Equation18`](crate::rls::Forgetting::Equation18) and
-//! [`Exponential`](crate::rls::Forgetting::Exponential). For more than 64 parameters.
+//! kind [`Bounded`](crate::rls::Forgetting::Bounded) or
+//! [`Resetting`](crate::rls::Forgetting::Resetting), which need a step of another shape. For more
+//! than 64 parameters.
+//!
+//! When excitation may stop, forget by
+//! [`Directional`](crate::rls::Forgetting::Directional), above all in `f32`: with
+//! [`Exponential`](crate::rls::Forgetting::Exponential) the safeguards keep `P` bounded, but the
+//! condition of the problem grows until single precision cannot hold the estimate. It costs one
+//! division and `n + 4` products more per sample.
 
+mod design;
 mod error;
 mod estimators;
 mod kernel;

@@ -57,8 +57,9 @@ impl Layout {
     pub(super) const SILENCE: usize = 2;
     pub(super) const GROWTH: usize = 3;
     pub(super) const LARGEST_TRACE: usize = 4;
-    pub(super) const TRACE_BOUND: usize = 5;
-    pub(super) const D: usize = 6;
+    pub(super) const KEPT: usize = 5;
+    pub(super) const TRACE_BOUND: usize = 6;
+    pub(super) const D: usize = 7;
 
     pub(super) const fn theta(self) -> usize {
         Self::D + self.n
@@ -95,6 +96,8 @@ pub(super) type Tally<T> = [Row<T>; 2];
 /// Tiles and their samples, waiting for a machine.
 pub(super) struct Pass<'a, T: LaneScalar> {
     pub(super) layout: Layout,
+    /// Whether any estimator forgets directionally.
+    pub(super) is_directional: bool,
     /// Whole tiles.
     pub(super) tiles: &'a mut [Row<T>],
     /// For each tile, for each sample: rows of regressors or inputs, and one of targets.
@@ -127,19 +130,25 @@ impl<T: LaneScalar> Pass<'_, T> {
     }
 
     fn of_size<const N: usize>(self, machine: Machine) {
-        machine.run(Sized::<T, N>(self));
+        if self.is_directional {
+            machine.run(Sized::<T, N, true>(self));
+        } else {
+            machine.run(Sized::<T, N, false>(self));
+        }
     }
 }
 
-/// A pass of estimators with at most `N` parameters.
-struct Sized<'a, T: LaneScalar, const N: usize>(Pass<'a, T>);
+/// A pass of estimators with at most `N` parameters, some of which may forget directionally.
+struct Sized<'a, T: LaneScalar, const N: usize, const DIRECTIONAL: bool>(Pass<'a, T>);
 
-impl<T: LaneScalar, const N: usize> WithSimd for Sized<'_, T, N> {
+impl<T: LaneScalar, const N: usize, const DIRECTIONAL: bool> WithSimd
+    for Sized<'_, T, N, DIRECTIONAL>
+{
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Pass { layout, tiles, samples, steps, tallies } = self.0;
+        let Pass { layout, tiles, samples, steps, tallies, .. } = self.0;
         let m = T::registers(simd);
         let per_tile = steps * (layout.columns() + 1);
         if per_tile == 0 {
@@ -149,7 +158,7 @@ impl<T: LaneScalar, const N: usize> WithSimd for Sized<'_, T, N> {
         let tiles = tiles.zip(samples.chunks_exact(per_tile)).zip(tallies);
         for ((tile, samples), tally) in tiles {
             for part in 0..registers::<T, _>(m) {
-                learn::<T, _, N>(m, layout, part, tile, samples, tally);
+                learn::<T, _, N, DIRECTIONAL>(m, layout, part, tile, samples, tally);
             }
         }
     }
@@ -162,7 +171,7 @@ fn registers<T: LaneScalar, M: Registers<T>>(_: M) -> usize {
 
 /// Takes the estimators in one register of each row through a block of samples.
 #[inline(always)]
-fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
+fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool>(
     m: M,
     layout: Layout,
     part: usize,
@@ -180,6 +189,7 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
         silence: load(tile, Layout::SILENCE),
         growth: load(tile, Layout::GROWTH),
         largest_trace: load(tile, Layout::LARGEST_TRACE),
+        kept: load(tile, Layout::KEPT),
     };
     let mut state = State {
         u: [[zero; N]; N],
@@ -209,11 +219,11 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize>(
             for i in 0..n {
                 phi[i] = M::of(&sample[i])[part];
             }
-            update(m, n, &settings, &mut state, &phi, target);
+            update::<T, M, N, DIRECTIONAL>(m, n, &settings, &mut state, &phi, target);
         } else {
             past.push_input(columns, |i| M::of(&sample[i])[part]);
             past.regressor_into(&mut phi[..n], m.splat(T::one()));
-            update(m, n, &settings, &mut state, &phi, target);
+            update::<T, M, N, DIRECTIONAL>(m, n, &settings, &mut state, &phi, target);
             past.push_bias(m.sub(zero, target));
         }
     }

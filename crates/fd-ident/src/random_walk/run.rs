@@ -191,9 +191,9 @@ impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for KalmanRls<T, S> {
                 }
             }
         }
-        let energy = self.covariance.energy(phi);
-        self.covariance.absorb(T::one(), self.p_phi.as_mut());
-        let gain = T::one() / (T::one() + energy);
+        self.covariance.energy(phi);
+        let one = T::one();
+        let gain = self.covariance.learn(one, one, one, self.p_phi.as_mut());
         add_scaled(theta, gain * innovation, self.p_phi.as_ref());
     }
 

@@ -1,5 +1,10 @@
 //! The covariance as a plain symmetric matrix, for comparison with the factorised form.
 
+#![expect(
+    clippy::inline_always,
+    reason = "inlined loops over indices are unrolled where the storage has a fixed size"
+)]
+
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};
 
 use crate::rls::{
@@ -25,13 +30,14 @@ pub struct Conventional<T: Scalar, S: RlsStorage<T> = Heap> {
 }
 
 impl<T: Scalar, S: RlsStorage<T>> Conventional<T, S> {
-    /// Computes `P ← P + c v vᵀ`.
-    fn add_rank_one(&mut self, c: T, p_phi: &mut [T]) {
+    /// Computes `P ← s (P + c v vᵀ)`.
+    #[inline(always)]
+    fn add_rank_one(&mut self, c: T, scale: T, p_phi: &mut [T]) {
         let v = self.v.as_ref();
         let n = v.len();
         for (i, row) in self.p.as_mut_slice().chunks_exact_mut(n).enumerate() {
             for (p, &vj) in row.iter_mut().zip(v) {
-                *p += (v[i] * vj) * c;
+                *p = (*p + (v[i] * vj) * c) * scale;
             }
         }
         p_phi.copy_from_slice(v);
@@ -71,12 +77,15 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Conventional<T, S> {
         self.energy
     }
 
-    fn absorb(&mut self, weight: T, p_phi: &mut [T]) {
-        self.add_rank_one(-(weight / (T::one() + weight * self.energy)), p_phi);
+    #[inline(always)]
+    fn learn(&mut self, weight: T, noise: T, scale: T, p_phi: &mut [T]) -> T {
+        let inverse = T::one() / (noise + weight * self.energy);
+        self.add_rank_one(-(weight * inverse), scale, p_phi);
+        inverse
     }
 
     fn release(&mut self, weight: T, remainder: T, p_phi: &mut [T]) {
-        self.add_rank_one(weight / remainder, p_phi);
+        self.add_rank_one(weight / remainder, T::one(), p_phi);
     }
 
     fn scale(&mut self, factor: T) {

@@ -26,9 +26,16 @@ pub trait Covariance<T: Scalar>: Clone + Debug + Send + Sync {
     /// [`Self::release`].
     fn energy(&mut self, phi: &[T]) -> T;
 
-    /// Takes in information along the remembered direction: `P⁻¹ ← P⁻¹ + w φφᵀ` with `w > 0`.
+    /// Takes in a sample along the remembered direction, then forgets everywhere:
+    /// `P⁻¹ ← (P⁻¹ + w/ρ φφᵀ) / s` with `w ≥ 0`, and `ρ, s > 0`. Writes `Pφ` of the old `P` to
+    /// `p_phi` and returns `1 / (ρ + w φᵀPφ)`.
+    fn learn(&mut self, weight: T, noise: T, scale: T, p_phi: &mut [T]) -> T;
+
+    /// Takes in information along the remembered direction: `P⁻¹ ← P⁻¹ + w φφᵀ` with `w ≥ 0`.
     /// Writes `Pφ` of the old `P` to `p_phi`.
-    fn absorb(&mut self, weight: T, p_phi: &mut [T]);
+    fn absorb(&mut self, weight: T, p_phi: &mut [T]) {
+        self.learn(weight, T::one(), T::one(), p_phi);
+    }
 
     /// Gives up information along the remembered direction: `P⁻¹ ← P⁻¹ − w φφᵀ` with `w > 0` and
     /// `1 − w φᵀPφ = remainder > 0`. Writes `Pφ` of the old `P` to `p_phi`.

@@ -21,6 +21,10 @@ use crate::{
 /// samples at once: what other forms are judged by. With the innovation `e` in place of the
 /// target, `[R 0; φᵀ e]` is rotated into `[R⁺ z; 0 ·]`, and the estimate moves by `R⁺⁻¹ z`.
 ///
+/// Directional forgetting then takes `(1−λ)/φᵀP⁺φ · φφᵀ` from `R⁺ᵀR⁺` at the same estimate, by
+/// rotations again: with `p` the solution of `R⁺ᵀp = φ`, scaled to `pᵀp = 1 − λ`, those that turn
+/// `[p; √λ]` into `[0; 1]` turn `[R⁺; 0]` into what is left and the row that is taken out.
+///
 /// # When not to use it
 ///
 /// In production: each sample costs a square root and a division per parameter and a
@@ -47,6 +51,8 @@ pub struct QrRls<T: Scalar = f64, S: RlsStorage<T> = Heap> {
     memory: T,
     designed_memory: T,
     prior: T,
+    /// `√λ` of directional forgetting, else 1.
+    kept: T,
     /// `R`, row by row; below the diagonal it stays zero.
     r: S::Square,
     /// The new row, which is rotated into `R`.
@@ -60,19 +66,18 @@ impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
     ///
     /// # Errors
     ///
-    /// Returns an error when a setting is out of range, the kind of forgetting is not `None`,
-    /// `Equation18` or `Exponential`, or the storage is fixed and has another size.
+    /// Returns an error when a setting is out of range, the kind of forgetting is `Bounded` or
+    /// `Resetting`, or the storage is fixed and has another size.
     pub fn new(n: usize, design: &RlsDesign) -> Result<Self, IdentError> {
         design.check()?;
-        let (gain, memory) = match design.forgetting {
-            Forgetting::None => (1.0, 1.0),
-            Forgetting::Equation18 { alpha } => (alpha.sqrt().recip(), 1.0),
-            Forgetting::Exponential { lambda } => (1.0, lambda.sqrt()),
-            Forgetting::Directional { lambda }
-            | Forgetting::Bounded { lambda, .. }
-            | Forgetting::Resetting { lambda, .. } => {
+        let (gain, memory, kept) = match design.forgetting {
+            Forgetting::None => (1.0, 1.0, 1.0),
+            Forgetting::Equation18 { alpha } => (alpha.sqrt().recip(), 1.0, 1.0),
+            Forgetting::Exponential { lambda } => (1.0, lambda.sqrt(), 1.0),
+            Forgetting::Directional { lambda } => (1.0, 1.0, lambda.sqrt()),
+            Forgetting::Bounded { lambda, .. } | Forgetting::Resetting { lambda, .. } => {
                 return Err(IdentError::Setting {
-                    setting: "forgetting factor of a kind that is not exponential, on QR,",
+                    setting: "forgetting factor of kind bounded or resetting, on QR,",
                     expected: "absent",
                     found: lambda,
                 });
@@ -83,6 +88,7 @@ impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
             memory: T::from_design(memory),
             designed_memory: T::from_design(memory),
             prior: T::from_design(design.prior_variance.sqrt().recip()),
+            kept: T::from_design(kept),
             r: S::Square::zeros("information factor R", Shape::new(n, n))?,
             row: S::Parameters::zeros("row to rotate", n)?,
             z: S::Parameters::zeros("rotated innovation", n)?,
@@ -112,6 +118,35 @@ impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
     pub fn condition(&self) -> T {
         let r = self.r.as_slice();
         (dot(r, r) * self.trace()).sqrt()
+    }
+
+    /// Forgets along `φ`.
+    fn forget_along(&mut self, phi: &[T]) {
+        let (r, p, n) = (self.r.as_mut_slice(), self.row.as_mut(), phi.len());
+        for i in 0..n {
+            let sum = (0..i).fold(phi[i], |sum, k| sum - r[k * n + i] * p[k]);
+            p[i] = sum / r[i * n + i];
+        }
+        let energy = dot(p, p);
+        if energy <= T::zero() {
+            return;
+        }
+        let factor = ((T::one() - self.kept * self.kept) / energy).sqrt();
+        let mut rest = self.kept;
+        // The row that is taken out, so far.
+        let out = self.z.as_mut();
+        out.fill(T::zero());
+        for i in (0..n).rev() {
+            let entry = factor * p[i];
+            let length = (rest * rest + entry * entry).sqrt();
+            let (c, s) = (rest / length, entry / length);
+            rest = length;
+            for (r, out) in r[i * n + i..(i + 1) * n].iter_mut().zip(&mut out[i..]) {
+                let old = *r;
+                *r = c * old - s * *out;
+                *out = c * *out + s * old;
+            }
+        }
     }
 
     /// The first `j + 1` entries of column `j` of `R⁻¹`; the others are zero.
@@ -160,6 +195,9 @@ impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for QrRls<T, S> {
             let line = &r[i * n..(i + 1) * n];
             z[i] = (z[i] - dot(&line[i + 1..], &z[i + 1..])) / line[i];
             theta[i] += z[i];
+        }
+        if self.kept < T::one() {
+            self.forget_along(phi);
         }
     }
 

@@ -35,7 +35,11 @@ use crate::{
 pub struct Rls<T: Scalar, C: Covariance<T>> {
     forgetting: Forgetting<T>,
     prior_variance: T,
-    skip_silence: bool,
+    /// Samples with `φᵀPφ` of this or less are skipped.
+    silence: T,
+    /// What forgetting multiplies `P` by, and at least what it multiplies the trace by.
+    growth: T,
+    growth_of_trace: T,
     /// Trace of `P₀` and the largest trace that forgetting may lead to.
     initial_trace: T,
     largest_trace: T,
@@ -60,10 +64,24 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         let prior_variance = T::from_design(design.prior_variance);
         let covariance = C::isotropic(n, prior_variance)?;
         let initial_trace = covariance.trace();
+        let forgetting: Forgetting<T> = design.forgetting.freeze();
+        let (noise, growth) = match forgetting {
+            Forgetting::None | Forgetting::Directional { .. } => (T::one(), T::one()),
+            Forgetting::Equation18 { alpha } => (alpha, T::one()),
+            Forgetting::Exponential { lambda }
+            | Forgetting::Bounded { lambda, .. }
+            | Forgetting::Resetting { lambda, .. } => (T::one(), T::one() / lambda),
+        };
+        let silence =
+            if design.guard.skip_silence { T::default_epsilon() * noise } else { -T::one() };
+        // Learning lowers the trace. What the factors are rounded by is less than the margin.
+        let margin = T::one() + T::from_design(8.0) * T::default_epsilon();
         Ok(Self {
-            forgetting: design.forgetting.freeze(),
+            forgetting,
             prior_variance,
-            skip_silence: design.guard.skip_silence,
+            silence,
+            growth,
+            growth_of_trace: growth * margin,
             initial_trace,
             largest_trace: initial_trace * T::from_design(design.guard.trace_limit),
             trace_bound: initial_trace,
@@ -85,30 +103,23 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         add_scaled(theta, gain * innovation, self.p_phi.as_ref());
     }
 
-    /// The forgetting factor of this sample: 1 while forgetting would lift `P` above its limit.
-    fn guarded(&mut self, lambda: T) -> T {
+    /// Whether forgetting would leave `P` below its limit.
+    fn may_forget(&mut self, lambda: T) -> bool {
         let largest = self.largest_trace * lambda;
         if self.trace_bound <= largest {
-            return lambda;
+            return true;
         }
         // The bound may be too large: look at the trace itself.
         self.trace_bound = self.covariance.trace();
         if self.trace_bound <= largest {
-            return lambda;
+            return true;
         }
         self.report.bounded += 1;
-        T::one()
-    }
-
-    /// Computes `P ← factor · P`.
-    fn scale(&mut self, factor: T) {
-        self.covariance.scale(factor);
-        // Learning lowers the trace. What the factors are rounded by is less than the margin.
-        let margin = T::one() + T::from_design(8.0) * T::default_epsilon();
-        self.trace_bound *= factor * margin;
+        false
     }
 
     /// Kulhavý's step: the information along `φ` changes by `w = λ − (1−λ)/φᵀPφ`.
+    #[inline(never)]
     fn learn_directionally(&mut self, lambda: T, energy: T, innovation: T, theta: &mut [T]) {
         if energy <= T::zero() {
             self.report.skipped += 1;
@@ -154,34 +165,32 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
         let (phi, theta) = (&phi[..n], &mut theta[..n]);
         let energy = self.covariance.energy(phi);
         let innovation = target - dot(phi, theta);
-        let noise = match self.forgetting {
-            Forgetting::Equation18 { alpha } => alpha,
-            _ => T::one(),
-        };
-        let silent = self.skip_silence && energy.abs() <= T::default_epsilon() * noise;
-        if silent || !energy.is_finite() || !innovation.is_finite() {
+        // Not a number when the innovation is not finite.
+        let size = (energy + (innovation - innovation)).abs();
+        let is_loud = self.silence < size && size.is_finite();
+        if !is_loud {
             self.report.skipped += 1;
             return;
         }
         // One place for most kinds, so that the step is compiled once.
-        let lambda = match self.forgetting {
+        let (noise, is_forgetting) = match self.forgetting {
             Forgetting::Directional { lambda } => {
                 self.learn_directionally(lambda, energy, innovation, theta);
                 return;
             }
-            Forgetting::None | Forgetting::Equation18 { .. } => None,
-            Forgetting::Bounded { lambda, .. } => Some(lambda),
+            Forgetting::None => (T::one(), false),
+            Forgetting::Equation18 { alpha } => (alpha, false),
+            Forgetting::Bounded { lambda, .. } => (lambda, true),
             Forgetting::Exponential { lambda } | Forgetting::Resetting { lambda, .. } => {
-                Some(self.guarded(lambda))
+                let may_forget = self.may_forget(lambda);
+                (if may_forget { lambda } else { T::one() }, may_forget)
             }
         };
-        let weight = T::one() / lambda.unwrap_or(noise);
-        self.covariance.absorb(weight, self.p_phi.as_mut());
-        // The same inverse as in `absorb`.
-        let inverse = T::one() / (T::one() + weight * energy);
-        self.correct(weight * inverse, innovation, theta);
-        if lambda.is_some() {
-            self.scale(weight);
+        let scale = if is_forgetting { self.growth } else { T::one() };
+        let inverse = self.covariance.learn(T::one(), noise, scale, self.p_phi.as_mut());
+        self.correct(inverse, innovation, theta);
+        if is_forgetting {
+            self.trace_bound *= self.growth_of_trace;
         }
         match self.forgetting {
             Forgetting::Bounded { lambda, variance } => {

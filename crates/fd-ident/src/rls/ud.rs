@@ -24,10 +24,6 @@ pub struct Ud<T: Scalar, S: RlsStorage<T> = Heap> {
     d: S::Parameters,
     /// `f = Uᵀφ` of the remembered direction.
     f: S::Parameters,
-    /// `D f` of the remembered direction.
-    df: S::Parameters,
-    /// `Σ_{i≤j} f_i d_i f_i` of the remembered direction; the last one is `φᵀPφ`.
-    energies: S::Parameters,
 }
 
 impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
@@ -38,8 +34,6 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
             u: S::Square::zeros("factor U", Shape::new(n, n))?,
             d: S::Parameters::zeros("factor D", n)?,
             f: S::Parameters::zeros("projected regressor", n)?,
-            df: S::Parameters::zeros("scaled projected regressor", n)?,
-            energies: S::Parameters::zeros("partial energies", n)?,
         };
         p.restart(variance);
         Ok(p)
@@ -53,7 +47,6 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
     #[inline(always)]
     fn energy(&mut self, phi: &[T]) -> T {
         let (u, d, f) = (self.u.as_slice(), self.d.as_ref(), self.f.as_mut());
-        let (df, energies) = (self.df.as_mut(), self.energies.as_mut());
         let n = d.len();
         // One check of the length instead of one per entry.
         let phi = &phi[..n];
@@ -63,42 +56,42 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
             for i in 0..j {
                 f[j] += u[j * n + i] * phi[i];
             }
-            df[j] = d[j] * f[j];
-            energy += f[j] * df[j];
-            energies[j] = energy;
+            energy += f[j] * (d[j] * f[j]);
         }
         energy
     }
 
     #[inline(always)]
-    fn absorb(&mut self, weight: T, p_phi: &mut [T]) {
+    fn learn(&mut self, weight: T, noise: T, scale: T, p_phi: &mut [T]) -> T {
         let (u, d, f) = (self.u.as_mut_slice(), self.d.as_mut(), self.f.as_ref());
-        let (df, energies) = (self.df.as_ref(), self.energies.as_ref());
         let n = d.len();
         let p_phi = &mut p_phi[..n];
-        // α_j = 1 + w Σ_{i≤j} f_i d_i f_i, the innovation variance so far; never below 1. Its
+        // a_j = ρ + w Σ_{i≤j} f_i d_i f_i, the innovation variance so far; never below ρ. Its
         // inverse is the one division of a column.
-        let (mut before, mut inverse_before) = (T::one(), T::one());
+        let (mut before, mut inverse) = (noise, T::one());
         for j in 0..n {
-            let g = df[j];
-            let alpha = T::one() + weight * energies[j];
-            let inverse = T::one() / alpha;
-            d[j] *= before * inverse;
-            let factor = -(weight * f[j]) * inverse_before;
+            // What `energy` has computed: a compiler that sees both does not do it again.
+            let g = d[j] * f[j];
+            let factor = -(weight * f[j]) * inverse;
+            let a = before + weight * (f[j] * g);
+            inverse = T::one() / a;
+            d[j] *= (scale * before) * inverse;
             for i in 0..j {
                 let old = u[j * n + i];
                 u[j * n + i] = old + factor * p_phi[i];
                 p_phi[i] += old * g;
             }
             p_phi[j] = g;
-            (before, inverse_before) = (alpha, inverse);
+            before = a;
         }
+        inverse
     }
 
     fn release(&mut self, weight: T, remainder: T, p_phi: &mut [T]) {
         let (u, d, f) = (self.u.as_mut_slice(), self.d.as_mut(), self.f.as_mut());
         let n = d.len();
-        for (j, &g) in self.df.as_ref().iter().enumerate() {
+        for j in 0..n {
+            let g = d[j] * f[j];
             add_scaled(&mut p_phi[..j], g, &u[j * n..j * n + j]);
             p_phi[j] = g;
         }

@@ -48,6 +48,13 @@ pub(crate) struct Look {
     pub(crate) condition: f64,
 }
 
+/// `n ε κ ‖θ‖`: by how much rounding alone may move an estimate that is made of square roots of the
+/// information; so does the reference in `f64`, with its ε.
+pub(crate) fn rounding<T: Scalar>(look: &Look) -> f64 {
+    let size = TRUTH.iter().map(|theta| theta * theta).sum::<f64>().sqrt();
+    N as f64 * T::default_epsilon().to_report() * look.condition * size
+}
+
 /// A plant with a noise of its own.
 struct Plant {
     rng: Xoshiro256PlusPlus,
@@ -71,45 +78,49 @@ impl Plant {
 struct Reference {
     rls: QrRls<f64, Static<N>>,
     theta: [f64; N],
-    lambda: f64,
-    largest_trace: f64,
+    /// What the guard watches: forgetting factor and largest trace.
+    guard: Option<[f64; 2]>,
 }
 
 impl Reference {
-    fn new(design: &RlsDesign, lambda: f64) -> Self {
+    fn new(input: Input, design: &RlsDesign) -> Self {
         let rls = QrRls::new(N, design).unwrap();
         let largest_trace = N as f64 * design.prior_variance * design.guard.trace_limit;
-        Self { rls, theta: [0.0; N], lambda, largest_trace }
+        let guard = match design.forgetting {
+            Forgetting::Exponential { lambda } if input == Input::Stops => {
+                Some([lambda, largest_trace])
+            }
+            // Nothing winds up.
+            _ => None,
+        };
+        Self { rls, theta: [0.0; N], guard }
     }
 
     /// Under the same guard as the estimators: forgetting pauses above the largest trace.
-    fn update<T: Scalar>(&mut self, phi: &[T; N], y: T, is_guarded: bool) {
-        if is_guarded {
-            let forgets = self.rls.trace() <= self.largest_trace * self.lambda;
-            self.rls.set_memory(if forgets { self.lambda.sqrt() } else { 1.0 });
+    fn update<T: Scalar>(&mut self, phi: &[T; N], y: T) {
+        if let Some([lambda, largest_trace]) = self.guard {
+            let forgets = self.rls.trace() <= largest_trace * lambda;
+            self.rls.set_memory(if forgets { lambda.sqrt() } else { 1.0 });
         }
         self.rls.update(&phi.map(Scalar::to_report), y.to_report(), &mut self.theta);
     }
 }
 
 /// Takes one register of estimators through so many samples and looks at it now and then. While
-/// excitation lasts, the reference is a QR factorisation of the last [`LOOK`] samples; after that
-/// nothing is forgotten any more, and it has to see all of them.
+/// excitation lasts and forgetting is exponential, the reference is a QR factorisation of the last
+/// [`LOOK`] samples; else something is never forgotten, and it has to see all of them.
 pub(crate) fn run<T: LaneScalar>(
     input: Input,
-    lambda: f64,
+    forgetting: Forgetting,
     samples: usize,
     mut look: impl FnMut(Look),
 ) -> GuardReport {
-    let design = RlsDesign {
-        prior_variance: PRIOR,
-        forgetting: Forgetting::Exponential { lambda },
-        guard: Guard::default(),
-    };
+    let design = RlsDesign { prior_variance: PRIOR, forgetting, guard: Guard::default() };
+    let forgets_all = input != Input::Stops && matches!(forgetting, Forgetting::Exponential { .. });
     let lanes = T::WIDTH;
     let mut batch = BatchRls::<T>::new(N, lanes, &design).unwrap();
     let mut block = SampleBlock::new(N, lanes, LOOK);
-    let mut reference = Reference::new(&design, lambda);
+    let mut reference = Reference::new(input, &design);
     let plant = |lane| Plant {
         rng: Xoshiro256PlusPlus::seed_from_u64(lane as u64),
         y: [0.0; 2],
@@ -119,16 +130,16 @@ pub(crate) fn run<T: LaneScalar>(
     let mut next_look = LOOK;
     for start in (0..samples).step_by(LOOK) {
         let last = start + LOOK >= next_look || start + LOOK >= samples;
-        if input != Input::Stops && last {
-            reference = Reference::new(&design, lambda);
+        if forgets_all && last {
+            reference = Reference::new(input, &design);
         }
         for step in 0..LOOK {
             let common = common(input, start + step);
             for (lane, plant) in plants.iter_mut().enumerate() {
                 let (phi, y) = plant.sample::<T>(input, common);
                 block.set(lane, step, &phi, y);
-                if lane == 0 && (last || input == Input::Stops) {
-                    reference.update(&phi, y, input == Input::Stops);
+                if lane == 0 && (last || !forgets_all) {
+                    reference.update(&phi, y);
                 }
             }
         }

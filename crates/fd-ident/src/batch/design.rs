@@ -1,0 +1,77 @@
+//! What the kernel is told of one estimator.
+
+use crate::{
+    batch::{BatchError, LaneScalar},
+    rls::{Forgetting, RlsDesign},
+};
+
+/// A design as numbers that any kernel of [`super::kernel`] understands, whatever the kind of
+/// forgetting.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneDesign<T> {
+    pub(super) prior_variance: T,
+    /// `ρ`, the variance that the noise of a sample counts with.
+    pub(super) noise: T,
+    /// What `P` is multiplied by per sample.
+    pub(super) scale: T,
+    /// Samples with `φᵀPφ` of this or less are skipped.
+    pub(super) silence: T,
+    /// At least what the trace of `P` grows by per sample.
+    pub(super) growth: T,
+    /// Largest trace of `P` that forgetting may lead to.
+    pub(super) largest_trace: T,
+    /// `λ` of directional forgetting, else 1.
+    pub(super) kept: T,
+}
+
+impl<T: LaneScalar> LaneDesign<T> {
+    /// Rounds the settings of an estimator of `n` parameters to the run-time scalar.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a setting is out of range, or the kind of forgetting is not one that
+    /// lanes can share.
+    pub(super) fn new(n: usize, design: &RlsDesign) -> Result<Self, BatchError> {
+        design.check()?;
+        let [noise, scale, growth, kept] = match design.forgetting {
+            Forgetting::None => [1.0; 4],
+            Forgetting::Equation18 { alpha } => [alpha, 1.0, 1.0, 1.0],
+            Forgetting::Exponential { lambda } => [lambda, lambda.recip(), lambda.recip(), 1.0],
+            // What is forgotten lifts P along φ alone, and its trace by 1/λ at most.
+            Forgetting::Directional { lambda } => [1.0, 1.0, lambda.recip(), lambda],
+            Forgetting::Bounded { .. } => return Err(refused("bounded")),
+            Forgetting::Resetting { .. } => return Err(refused("resetting")),
+        };
+        let t = T::from_design;
+        let silence = match design.forgetting {
+            Forgetting::Equation18 { alpha } if design.guard.skip_silence => {
+                T::default_epsilon() * t(alpha)
+            }
+            _ if design.guard.skip_silence => T::default_epsilon(),
+            // Its weight has φᵀPφ as divisor.
+            Forgetting::Directional { .. } => T::zero(),
+            _ => -T::one(),
+        };
+        let prior_variance = t(design.prior_variance);
+        let largest_trace = match design.forgetting {
+            Forgetting::Exponential { .. } | Forgetting::Directional { .. } => {
+                t(n as f64) * prior_variance * t(design.guard.trace_limit)
+            }
+            _ => T::one() / T::zero(),
+        };
+        Ok(Self {
+            prior_variance,
+            noise: t(noise),
+            scale: t(scale),
+            silence,
+            // The trace that the kernel bounds has roundings of its own.
+            growth: t(growth) * (T::one() + t(8.0) * T::default_epsilon()),
+            largest_trace,
+            kept: t(kept),
+        })
+    }
+}
+
+fn refused(found: &'static str) -> BatchError {
+    BatchError::Forgetting { found }
+}
