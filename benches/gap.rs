@@ -3,7 +3,8 @@
 //! * Simulations per second of each plant, one run at a time and eight side by side.
 //! * A diagnosis of 1000 samples and at most 60 candidates of each plant; "elements" are
 //!   candidates, so that its inverse is the cost of one.
-//! * How that grows with the number of samples.
+//! * How that grows with the number of samples; near-linear when samples per second stay the same.
+//! * The same with one core and with two.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
@@ -134,7 +135,7 @@ fn scaling(c: &mut Criterion) {
     group.sample_size(10).warm_up_time(Duration::from_millis(100));
     group.measurement_time(Duration::from_secs(2));
     let model = plant("mass_spring_damper");
-    for samples in [500, 1000, 2000, 4000, 8000] {
+    for samples in [250, 500, 1000, 2000, 4000] {
         let (candidates, log) = case(&model, 10.0, samples, 12);
         let logs = [log];
         let case = Case { nominal: &model, suspects: &candidates, logs: &logs, held_out: &[] };
@@ -149,5 +150,25 @@ fn scaling(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, simulations, diagnoses, scaling);
+fn cores(c: &mut Criterion) {
+    let mut group = c.benchmark_group("diagnosis of dc_drive, cores");
+    group.sample_size(10).warm_up_time(Duration::from_millis(100));
+    group.measurement_time(Duration::from_secs(4));
+    let model = plant("dc_drive");
+    let (candidates, log) = case(&model, 20.0, SAMPLES, CANDIDATES);
+    let logs = [log];
+    let case = Case { nominal: &model, suspects: &candidates, logs: &logs, held_out: &[] };
+    group.throughput(Throughput::Elements(candidates.len() as u64));
+    for threads in [1, 2] {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        group.bench_function(BenchmarkId::from_parameter(threads), |b| {
+            b.iter(|| {
+                pool.install(|| diagnose(black_box(&case), &Settings::default(), &()).unwrap())
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, simulations, diagnoses, scaling, cores);
 criterion_main!(benches);
