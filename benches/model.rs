@@ -1,10 +1,10 @@
-//! How long do reduction, Hankel values, a Riccati equation and the H-infinity norm take?
+//! How long do reduction, Hankel values, Lyapunov and Riccati equations and the H-infinity norm take?
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::Mat;
-use fdiag::model::{reduce, riccati};
+use fdiag::model::{lyapunov, reduce, riccati};
 use fdiag_benches::{MEASUREMENT, SAMPLES, WARM_UP, nominal_engine, random_plant, reduced};
 
 /// Relative tolerance of the H-infinity norm.
@@ -56,12 +56,30 @@ fn truncations(c: &mut Criterion) {
     group.finish();
 }
 
+/// Lyapunov equations of a random plant, and of the continuous one with the eigenvalues `λ − 1`.
+fn covariances(c: &mut Criterion) {
+    for nx in [17, 100, 500] {
+        let plant = random_plant(nx, 1).unwrap();
+        let (a, q) = (plant.a(), plant.b() * plant.b().transpose());
+        let continuous = a - Mat::<f64>::identity(nx, nx);
+        let mut group = c.benchmark_group(format!("Lyapunov equation, {nx} states"));
+        group.sample_size(10);
+        group.bench_function("discrete", |b| {
+            b.iter(|| lyapunov::discrete(a, q.as_ref()).unwrap());
+        });
+        group.bench_function("continuous", |b| {
+            b.iter(|| lyapunov::continuous(continuous.as_ref(), q.as_ref()).unwrap());
+        });
+        group.finish();
+    }
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(SAMPLES)
         .warm_up_time(WARM_UP)
         .measurement_time(MEASUREMENT);
-    targets = reductions, analyses, truncations
+    targets = reductions, analyses, covariances, truncations
 }
 criterion_main!(benches);

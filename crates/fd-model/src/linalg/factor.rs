@@ -69,7 +69,7 @@ impl Growing {
     /// Adds the horizon beyond, that of the factor moved by a power of `A`.
     fn grow(&mut self, power: MatRef<'_, f64>) {
         // A compression costs the more the larger it is, but two small ones cost more than one.
-        const SLACK: f64 = 1.5;
+        const SLACK: f64 = 2.0;
 
         if self.settled {
             return;
