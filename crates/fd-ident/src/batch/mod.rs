@@ -34,7 +34,7 @@
 //! [`Directional`](crate::rls::Forgetting::Directional), above all in `f32`: with
 //! [`Exponential`](crate::rls::Forgetting::Exponential) the safeguards keep `P` bounded, but the
 //! condition of the problem grows until single precision cannot hold the estimate. It costs one
-//! division and `n + 4` products more per sample.
+//! division and `n + 1` products more per sample.
 
 mod design;
 mod error;

@@ -166,7 +166,7 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
         let energy = self.covariance.energy(phi);
         let innovation = target - dot(phi, theta);
         // Not a number when the innovation is not finite.
-        let size = (energy + (innovation - innovation)).abs();
+        let size = (energy + T::zero() * innovation).abs();
         let is_loud = self.silence < size && size.is_finite();
         if !is_loud {
             self.report.skipped += 1;
