@@ -11,18 +11,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{
-    answer::Answer,
-    attempt::Weighing,
-    observe::observe,
-    pairs::Duo,
-    prepare::KnownNoise,
-    rank::{Yardstick, is_same},
-    result::Leftover,
-    search::Found,
-    trial::Trial,
+    answer::Answer, attempt::Weighing, observe::observe, pairs::Duo, prepare::KnownNoise,
+    result::Leftover, search::Found, trial::Trial,
 };
 use crate::{
-    evidence::{NoisePrior, evidence, likelihood, pool},
+    evidence::{NoisePrior, evidence, likelihood},
     fit::{Horizon, LeastSquares, Log, Minimum, Plan, Problem, Search, minimise},
 };
 
@@ -30,8 +23,6 @@ use crate::{
 const CAUSES: usize = 8;
 /// … and pairs.
 const PAIRS: usize = 4;
-/// Laws of a cause are refitted when the logs of the fit leave them so near to the best of them.
-const NEAR: f64 = 10.0;
 /// The states at the start of the other logs come first.
 const STARTS: Search =
     Search { iterations: 30, absolute: 1e-1, relative: 1e-4, frozen: 0, own_only: true };
@@ -47,14 +38,6 @@ pub(super) struct AllLogs {
     priors: Vec<NoisePrior>,
     /// Logarithm of the evidence of "no gap": of the logs of the fit, and of all.
     references: [f64; 2],
-}
-
-/// A law of a cause.
-struct Law {
-    /// Place among the trials.
-    trial: usize,
-    /// Logarithm of the evidence over that of "no gap": of the logs of the fit, and of all.
-    evidence: [f64; 2],
 }
 
 impl AllLogs {
@@ -82,106 +65,68 @@ impl AllLogs {
     /// others stay behind them.
     pub(super) fn weigh(
         &self,
-        found: &mut Found<'_>,
+        found: &Found<'_>,
         weighing: &mut Weighing<'_>,
         duos: &mut [Duo],
         noise: &KnownNoise,
     ) {
-        let Weighing { causes, observed, priors, reference, .. } = weighing;
+        let Weighing { causes, observed, .. } = weighing;
         let leading = CAUSES.min(causes.len());
-        let (leading, others) = causes.split_at_mut(leading);
-        let trials = &found.trials;
-        let of_trial = |trial: &usize| self.laws(trials, &trials[*trial]);
-        let laws: Vec<Option<Vec<Law>>> =
-            leading.par_iter().map(|(trial, _)| trial.as_ref().map(of_trial)).collect();
-        for ((trial, cause), laws) in leading.iter_mut().zip(laws) {
-            let Some(laws) = laws else {
-                let candidate = observed.iter().find(|(c, _)| c.identity() == cause.identity());
-                let again = candidate.and_then(|(candidate, _)| {
-                    observe(candidate, &self.refitted.errors, noise, found.is_coloured)
-                });
-                cause.log_evidence = again.map_or(f64::NEG_INFINITY, |observed| observed.gain);
-                continue;
+        let of_trial = |trial: &Trial<'_>| {
+            self.change(&trial.problem, trial.best.as_ref()?, &[&trial.strengths])
+        };
+        let changes: Vec<Option<f64>> = causes[..leading]
+            .par_iter()
+            .map(|(trial, _)| trial.and_then(|trial| of_trial(&found.trials[trial])))
+            .collect();
+        let mut least = f64::INFINITY;
+        for ((trial, cause), change) in causes.iter_mut().zip(changes) {
+            cause.log_evidence = match (trial, change) {
+                (Some(_), Some(change)) => cause.log_evidence + change,
+                (Some(_), None) => f64::NEG_INFINITY,
+                (None, _) => {
+                    let candidate = observed.iter().find(|(c, _)| c.identity() == cause.identity());
+                    let again = candidate.and_then(|(candidate, _)| {
+                        observe(candidate, &self.refitted.errors, noise, found.is_coloured)
+                    });
+                    again.map_or(f64::NEG_INFINITY, |observed| observed.gain)
+                }
             };
-            let pooled =
-                |which: usize| pool(&laws.iter().map(|l| l.evidence[which]).collect::<Vec<_>>());
-            let log_evidence = cause.log_evidence + pooled(1) - pooled(0);
-            let best = laws.iter().max_by(|a, b| a.evidence[1].total_cmp(&b.evidence[1]));
-            if let Some(best) = best.filter(|best| Some(best.trial) != *trial) {
-                let yardstick = Yardstick { noise: priors, reference: *reference };
-                *cause = found.trials[best.trial].weigh(best.trial, yardstick).cause;
-                *trial = Some(best.trial);
+            if cause.log_evidence.is_finite() {
+                least = least.min(cause.log_evidence);
             }
-            cause.log_evidence = log_evidence;
         }
-        let evidence = leading.iter().map(|(_, cause)| cause.log_evidence);
-        let least = evidence.filter(|e| e.is_finite()).fold(f64::INFINITY, f64::min);
-        for (_, cause) in others {
+        for (_, cause) in &mut causes[leading..] {
             cause.log_evidence = cause.log_evidence.min(least);
         }
         causes.sort_by(|(_, a), (_, b)| b.log_evidence.total_cmp(&a.log_evidence));
         self.weigh_pairs(duos);
     }
 
-    /// The laws of the cause of a trial that come near the best of them, in both kinds of evidence.
-    fn laws(&self, trials: &[Trial<'_>], first: &Trial<'_>) -> Vec<Law> {
-        let of_cause = trials.iter().enumerate().filter(|(_, trial)| {
-            std::ptr::eq(*trial, first)
-                || trial.is_final && is_same(trial.candidate, first.candidate)
-        });
-        let fitted: Vec<(usize, &Trial<'_>, &Minimum, f64)> = of_cause
-            .filter_map(|(i, trial)| {
-                let best = trial.best.as_ref()?;
-                let before = self.evidence(0, &trial.problem, best, &[&trial.strengths])?;
-                Some((i, trial, best, before))
-            })
-            .collect();
-        let most = fitted.iter().map(|law| law.3).fold(f64::NEG_INFINITY, f64::max);
-        let near = fitted.into_iter().filter(|law| most - NEAR < law.3);
-        let weighed = near.map(|(trial, fit, best, before)| {
-            let after = self.with_others(&fit.problem, best, &[&fit.strengths]);
-            Law { trial, evidence: [before, after.unwrap_or(f64::NEG_INFINITY)] }
-        });
-        weighed.collect()
-    }
-
     fn weigh_pairs(&self, duos: &mut [Duo]) {
         let leading = PAIRS.min(duos.len());
-        let (leading, others) = duos.split_at_mut(leading);
-        leading.par_iter_mut().for_each(|duo| {
-            let after = self.with_others(&duo.problem, &duo.best, &duo.strengths());
-            duo.pair.log_evidence = after.unwrap_or(f64::NEG_INFINITY);
+        duos[..leading].par_iter_mut().for_each(|duo| {
+            let change = self.change(&duo.problem, &duo.best, &duo.strengths());
+            duo.pair.log_evidence += change.unwrap_or(f64::NEG_INFINITY);
         });
-        let evidence = leading.iter().map(|duo| duo.pair.log_evidence);
-        let least = evidence.filter(|e| e.is_finite()).fold(f64::INFINITY, f64::min);
-        for duo in others {
+        let finite = duos[..leading].iter().map(|duo| duo.pair.log_evidence);
+        let least = finite.filter(|e| e.is_finite()).fold(f64::INFINITY, f64::min);
+        for duo in &mut duos[leading..] {
             duo.pair.log_evidence = duo.pair.log_evidence.min(least);
         }
         duos.sort_by(|a, b| b.pair.log_evidence.total_cmp(&a.pair.log_evidence));
     }
 
-    /// Logarithm of the evidence of all logs over that of "no gap".
-    fn with_others(
-        &self,
-        problem: &Problem,
-        at: &Minimum,
-        strengths: &[&[Option<f64>]],
-    ) -> Option<f64> {
-        let (problem, at) = refit(&self.plan, problem, at)?;
-        self.evidence(1, &problem, &at, strengths)
-    }
-
-    /// Logarithm of the evidence of the logs of the fit (0) or of all (1) over that of "no gap".
-    fn evidence(
-        &self,
-        which: usize,
-        problem: &Problem,
-        at: &Minimum,
-        strengths: &[&[Option<f64>]],
-    ) -> Option<f64> {
-        let errors = problem.clone().errors(&at.z)?;
-        let found = evidence(problem, at, &likelihood(&errors, &self.priors), strengths)?;
-        Some(found - self.references[which])
+    /// By how much the other logs raise the logarithm of the evidence of a fit over that of
+    /// "no gap".
+    fn change(&self, problem: &Problem, at: &Minimum, strengths: &[&[Option<f64>]]) -> Option<f64> {
+        let weight = |problem: &Problem, at: &Minimum| {
+            let errors = problem.clone().errors(&at.z)?;
+            evidence(problem, at, &likelihood(&errors, &self.priors), strengths)
+        };
+        let (refitted, there) = refit(&self.plan, problem, at)?;
+        let [before, after] = [weight(problem, at)?, weight(&refitted, &there)?];
+        Some(after - self.references[1] - (before - self.references[0]))
     }
 
     /// What an answer leaves of all logs; `None` when it does not get through the others.
