@@ -89,15 +89,6 @@ impl<'a> Weighing<'a> {
         Ok(Self { base, refitted, priors, reference, observed, causes })
     }
 
-    /// The first pair if it is worth that, or else the first cause, or else "no gap".
-    pub(super) fn answer(&self, found: &Found<'_>, duos: &[Duo], settings: &Settings) -> Answer {
-        let single = Answer::first(&self.causes, &found.trials, &self.refitted)
-            .filter(|single| worth(settings, self.causes.len()) < single.log_evidence)
-            .unwrap_or_else(|| self.refitted.clone());
-        let pair = duos.first().filter(|duo| single.log_evidence + PAIR < duo.pair.log_evidence);
-        pair.and_then(Duo::answer).unwrap_or(single)
-    }
-
     pub(super) fn yardstick(&self) -> Yardstick<'_> {
         Yardstick { noise: &self.priors, reference: self.reference }
     }
@@ -142,7 +133,9 @@ impl<'a> Attempt<'a> {
             Some(white) => white,
             None => Weighing::of(&mut found, &model, &noise, &offers.observed)?,
         };
-        let mut best = weighing.answer(&found, &[], settings);
+        let single = Answer::first(&weighing.causes, &found.trials, &weighing.refitted)
+            .filter(|single| worth(settings, weighing.causes.len()) < single.log_evidence);
+        let mut best = single.unwrap_or_else(|| weighing.refitted.clone());
         let rest =
             |answer: &Answer| answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured);
         let mut left = rest(&best);
@@ -154,8 +147,12 @@ impl<'a> Attempt<'a> {
         if depth == Depth::All && (is_near && is_open || !is_near && is_coloured) {
             duos = seek(&found, &weighing);
         }
-        best = weighing.answer(&found, &duos, settings);
-        left = rest(&best);
+        if let Some(answer) = duos.first().and_then(Duo::answer)
+            && best.log_evidence + PAIR < answer.log_evidence
+        {
+            best = answer;
+            left = rest(&best);
+        }
         Ok(Self { model, noise, found, weighing, duos, best, rest: left })
     }
 }

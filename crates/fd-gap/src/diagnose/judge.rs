@@ -2,6 +2,7 @@
 
 use super::{
     answer::Answer,
+    outlook::Outlook,
     rank::Ranking,
     result::{Leftover, Pair, Verdict},
     settings::Settings,
@@ -24,9 +25,13 @@ pub(super) struct Judgement {
     pub(super) none_of_these: f64,
 }
 
-/// Log-likelihood that something unknown could gain over the best explanation, which leaves `left`.
-pub(super) fn unknown_gain(left: &Leftover) -> f64 {
-    if OTHER < left.share { left.gain() } else { 0.0 }
+/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves
+/// `left` and forecasts as `outlook` says. What forecasts well is the right mechanism; what
+/// forecasts badly puts no more in doubt than it has gained.
+pub(super) fn unknown_gain(best: &Answer, left: &Leftover, outlook: Outlook) -> f64 {
+    let is_other = OTHER < left.share && !outlook.is_confirmed;
+    let fitted = if is_other { left.gain() } else { 0.0 };
+    fitted + outlook.loss.min(best.log_evidence.max(0.0))
 }
 
 /// Sets the probabilities of causes and pairs, and returns those of the other answers. Something

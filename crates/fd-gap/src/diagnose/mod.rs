@@ -11,17 +11,13 @@
 //!    the first ones.
 //! 5. If what is left then has a colour, everything is fitted again with whitened errors.
 //! 6. Evidence, pooled over the laws of a cause; effects of the measurement, which change the
-//!    likelihood and not the simulation, compete. If there are held-out logs, the leading
-//!    explanations are refitted to all logs, and evidence is that of all of them.
-//!    What the log of the fit cannot separate; probabilities, that of "none of these" among them,
-//!    from what the best explanation leaves.
+//!    likelihood and not the simulation, compete; what the log cannot separate; probabilities, that
+//!    of "none of these" among them, from what the best explanation leaves and how it forecasts.
 //! 7. Where nothing comes near the noise, forecasts judge instead of evidence.
-//! 8. Forecasts of held-out logs, without and with the best explanation, as it was fitted to the
-//!    others.
+//! 8. Forecasts of held-out logs, without and with the best explanation.
 //!
 //! Candidates are spread over threads; the answer does not depend on their number.
 
-mod all_logs;
 mod answer;
 mod attempt;
 mod case;
@@ -34,6 +30,7 @@ mod misfit;
 mod monitor;
 mod observe;
 mod offered;
+mod outlook;
 mod pairs;
 mod prepare;
 mod rank;
@@ -45,7 +42,6 @@ mod steps;
 mod trial;
 
 use self::{
-    all_logs::AllLogs,
     answer::Answer,
     attempt::{Attempt, Depth, Weighing},
     explain::{explain, nominal_explanation},
@@ -53,6 +49,7 @@ use self::{
     held_out::compare,
     judge::{Judgement, judge, unknown_gain, verdict},
     offered::Offered,
+    outlook::outlook,
     pairs::{merge, observed_beside},
     prepare::inspect_all,
     rank::{Yardstick, groups, sides},
@@ -126,7 +123,7 @@ pub fn diagnose(
     let Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons } = if is_far {
         by_forecasts(case, &offers, &mut attempt, &held_out, settings, monitor)?
     } else {
-        by_evidence(&offers, &mut attempt, &held_out, settings)
+        by_evidence(&offers, &mut attempt, &held_out, settings)?
     };
     monitor.advance();
 
@@ -201,6 +198,9 @@ pub fn diagnose(
     })
 }
 
+/// Rivals of the best cause whose forecasts are looked at.
+const MOST_RIVALS: usize = 4;
+
 /// What was made of the evidence.
 struct Judged {
     regime: Regime,
@@ -218,25 +218,36 @@ fn by_evidence(
     attempt: &mut Attempt<'_>,
     held_out: &[Log],
     settings: &Settings,
-) -> Judged {
+) -> Result<Judged, FitError> {
     let Attempt { noise, found, weighing, duos, best, rest, .. } = attempt;
-    if let Some(all) = AllLogs::of(found, weighing, held_out, settings.horizon) {
-        all.weigh(found, weighing, duos, noise);
-        *best = weighing.answer(found, duos, settings);
-        *rest = best.rest(&weighing.refitted, &weighing.base, noise, found.is_coloured);
-        if let Some(left) = all.leftover(best, noise, found.is_coloured) {
-            rest.leftover = left;
-        }
-    }
     let causes = &mut weighing.causes;
     let (tied, rivals) = separate(causes, &mut found.trials, settings);
     let beside = observed_beside(causes, best, &offers.observed, noise, found.is_coloured);
     let (mut pairs, tied_pairs) = merge(duos, beside, causes, settings);
-    let gain = unknown_gain(&rest.leftover);
+    let (nominal, null) = (weighing.base.simulator(), &found.null);
+    let forecast =
+        |answer: &Answer| outlook(nominal, null, answer, held_out, (noise, &rest.floor), settings);
+    let mut outlook = forecast(best)?;
+    if 0.0 < outlook.loss && best.effects == 1 {
+        // A free curve may forecast badly where a law that fits as well does not.
+        let near = best.log_evidence - settings.bayes_factor.ln();
+        let rivals = causes.iter().skip(1).take_while(|(_, cause)| near < cause.log_evidence);
+        for (trial, cause) in rivals.take(MOST_RIVALS) {
+            let Some(trial) = trial.map(|trial| &found.trials[trial]) else { continue };
+            let Some(at) = &trial.best else { continue };
+            let evidence = cause.log_evidence;
+            let rival = Answer::of(&trial.model, &trial.problem, at, 1, evidence);
+            let other = rival.as_ref().map(&forecast).transpose()?;
+            if let Some(other) = other.filter(|other| other.loss < outlook.loss) {
+                outlook = other;
+            }
+        }
+    }
+    let gain = unknown_gain(best, &rest.leftover, outlook);
     let judgement = judge(causes, &mut pairs, best, gain, settings);
     let report_horizons = settings.report_horizons.clone();
     let regime = Regime::AtTheFloor;
-    Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons }
+    Ok(Judged { regime, judgement, tied, rivals, pairs, tied_pairs, report_horizons })
 }
 
 /// Nothing comes near the noise: forecasts speak.

@@ -57,7 +57,6 @@ pub(super) struct Duo {
     pub(super) problem: Problem,
     pub(super) best: Minimum,
     members: [Candidate; 2],
-    strengths: [Vec<Option<f64>>; 2],
 }
 
 /// Pairs of simulated causes, the best first; evidence is over that of "no gap" still.
@@ -191,8 +190,7 @@ impl Duo {
         };
         let causes = [cause(0, 0), cause(1, first.strengths.len())];
         let pair = Pair { causes, probability: 0.0, log_evidence, gap };
-        let strengths = [first.strengths.clone(), second.strengths.clone()];
-        Some(Self { pair, model: second.model.clone(), problem, best, members, strengths })
+        Some(Self { pair, model: second.model.clone(), problem, best, members })
     }
 
     /// Whether both are of the same two causes, in any order.
@@ -200,11 +198,6 @@ impl Duo {
         let [a, b] = &self.members;
         let [c, d] = &other.members;
         is_same(a, c) && is_same(b, d) || is_same(a, d) && is_same(b, c)
-    }
-
-    /// Neutral values of the strengths of each cause; `None` for shapes.
-    pub(super) fn strengths(&self) -> [&[Option<f64>]; 2] {
-        self.strengths.each_ref().map(Vec::as_slice)
     }
 
     /// The answer that it gives; `None` when it diverges.

@@ -22,8 +22,8 @@ pub struct Answer {
     pub verdict: String,
     /// Probability of no gap.
     pub no_gap: f64,
-    /// How much speaks for none of the known causes: logarithm of the odds. A threshold on it is for
-    /// who scores.
+    /// How much speaks for none of the known causes; larger is more. A threshold on it is for who
+    /// scores.
     pub none_score: f64,
     /// Whether the diagnosis itself says "none of these".
     pub says_none: bool,

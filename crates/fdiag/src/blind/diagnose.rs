@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use fd_gap::{
-    diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
+    diagnose::{self, Cause, Pair, Settings, Verdict, diagnose},
     effect::{EverySite, ReplayScales, Side, Suspects, library, with_default_sites},
     model::Model,
 };
@@ -16,6 +16,9 @@ use super::{
 
 /// Causes that are kept in an answer.
 const KEPT: usize = 20;
+/// Weight of what is left above the floor, against the probability of "none of these".
+const TIE_BREAK: f64 = 1e-3;
+
 /// Diagnoses a case as a user would.
 pub(super) fn answer(
     name: &str,
@@ -34,6 +37,7 @@ pub(super) fn answer(
     let diagnosis = diagnose(&case, &Settings::default(), &())?;
     let seconds = begun.elapsed().as_secs_f64();
 
+    let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
@@ -48,7 +52,8 @@ pub(super) fn answer(
         error: None,
         verdict: verdict(diagnosis.verdict).to_owned(),
         no_gap: diagnosis.no_gap,
-        none_score: none_odds(&diagnosis),
+        // Its probability; what is left above the floor breaks ties.
+        none_score: diagnosis.none_of_these + TIE_BREAK * above.fold(0.0, f64::max),
         says_none: diagnosis.verdict == Verdict::NoneOfThese,
         causes: diagnosis.causes.iter().take(KEPT).map(named).collect(),
         tied: diagnosis.tied.clone(),
@@ -64,14 +69,6 @@ pub(super) fn answer(
         candidates,
         baselines: None,
     })
-}
-
-/// Logarithm of the odds of "none of these": a probability that is rounded to one has no order left.
-fn none_odds(diagnosis: &Diagnosis) -> f64 {
-    let causes = diagnosis.causes.iter().map(|cause| cause.probability);
-    let pairs = diagnosis.pairs.iter().map(|pair| pair.probability);
-    let others = diagnosis.no_gap + causes.chain(pairs).sum::<f64>();
-    diagnosis.none_of_these.max(f64::MIN_POSITIVE).ln() - others.max(f64::MIN_POSITIVE).ln()
 }
 
 fn verdict(verdict: Verdict) -> &'static str {

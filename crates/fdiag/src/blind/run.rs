@@ -118,7 +118,6 @@ pub fn run(
                 case: case.name.clone(),
                 error: Some(error.to_string()),
                 no_gap: 1.0,
-                none_score: f64::MIN_POSITIVE.ln(),
                 ..Answer::default()
             });
             journal.append(&answer)?;

@@ -1,0 +1,92 @@
+//! What forecasts of held-out logs say of an explanation.
+//!
+//! What explains the logs of the fit and nothing else is no law: a curve over time follows any
+//! force that comes from somewhere else, and a hundred candidates have a hundred chances. A law of
+//! the wrong kind forecasts another run badly; the right one with a slightly different law does
+//! not. A fit alone tells the two apart only when it leaves something.
+
+use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
+use crate::{
+    fit::{FitError, Log, Minimum, NullFit, Problem, Variable},
+    quality::Autoregression,
+    shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
+    simulate::Simulator,
+};
+
+/// An explanation that surely closes less than this share of a held-out gap does not forecast it …
+const CLOSES_LITTLE: f64 = 0.7;
+/// … and one that surely closes more than this one does.
+const CLOSES_MUCH: f64 = 0.8;
+
+/// Spread of `ln` of the noise from one run to another.
+const BETWEEN_RUNS: f64 = 0.05;
+/// Highest order of the autoregression of forecast errors.
+const HIGHEST_ORDER: usize = 12;
+
+/// How an explanation forecasts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Outlook {
+    /// What it costs, in log-likelihood, that forecast errors are larger than the noise and than the
+    /// errors of the fit; zero where the explanation closes a good part of the held-out gap.
+    pub(super) loss: f64,
+    /// Whether it surely closes most of the held-out gap.
+    pub(super) is_confirmed: bool,
+}
+
+/// How the simulated effects of an answer forecast, at the first horizon of the report; nothing is
+/// said where there are none, no held-out log, or no gap in it.
+pub(super) fn outlook(
+    nominal: &dyn Simulator,
+    null: &NullFit,
+    answer: &Answer,
+    logs: &[Log],
+    (noise, floor): (&KnownNoise, &[f64]),
+    settings: &Settings,
+) -> Result<Outlook, FitError> {
+    let (Some((problem, at)), Some(horizon)) = (&answer.fit, settings.report_horizons.first())
+    else {
+        return Ok(Outlook::default());
+    };
+    if logs.is_empty() {
+        return Ok(Outlook::default());
+    }
+    let run = |problem: &Problem, at: &Minimum| {
+        let nuisances: Vec<(String, f64)> =
+            nuisances(problem, &at.z).into_iter().map(|(name, value, _)| (name, value)).collect();
+        let values = problem.effect_values(&at.z);
+        let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
+        let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);
+        let settled = Settled { simulator, nuisances, effects };
+        forecast_errors(nominal, settled, logs, *horizon, &noise.sigma)
+    };
+    let (Some(before), Some(after)) = (run(&null.problem, &null.minimum)?, run(problem, at)?)
+    else {
+        return Ok(Outlook::default());
+    };
+    let squares: f64 = floor.iter().map(|floor| floor * floor).sum();
+    let all = f64::sqrt(squares / floor.len().max(1) as f64);
+    let share = closed(&before, &after, all, settings.replicas, settings.seed);
+    let Some(Closed { interval: [low, high], .. }) = share.map(Closed::between_runs) else {
+        return Ok(Outlook::default());
+    };
+    let is_confirmed = CLOSES_MUCH < low;
+    if CLOSES_LITTLE < high {
+        return Ok(Outlook { loss: 0.0, is_confirmed });
+    }
+    let fitted = gap_per_output(&answer.errors);
+    let expected = fitted.iter().zip(floor).map(|(fitted, floor)| fitted.max(*floor));
+    let loss = after.iter().zip(expected).map(|(errors, expected)| raised(errors, expected)).sum();
+    Ok(Outlook { loss, is_confirmed })
+}
+
+/// What it costs that the errors of an output are stronger than expected.
+fn raised(errors: &[Vec<f64>], expected: f64) -> f64 {
+    let n = errors.iter().flatten().filter(|e| e.is_finite()).count().max(1) as f64;
+    let squares: f64 = errors.iter().flatten().filter(|e| e.is_finite()).map(|e| e * e).sum();
+    let above = 0.5 * (squares / n / expected.powi(2)).ln();
+    let signals: Vec<&[f64]> = errors.iter().map(Vec::as_slice).collect();
+    // Slow errors are few independent ones, roughly n g² of them.
+    let innovation = Autoregression::fit(&signals, HIGHEST_ORDER).innovation();
+    let chance = 0.5 / (n * innovation * innovation);
+    if above <= 0.0 { 0.0 } else { 0.5 * above.powi(2) / (chance + BETWEEN_RUNS.powi(2)) }
+}
