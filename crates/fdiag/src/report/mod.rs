@@ -1,6 +1,7 @@
 //! Reports: pictures as SVG, tables as text, and pages as self-contained HTML.
 
 mod bars;
+mod corner;
 mod decimate;
 mod figure;
 mod page;

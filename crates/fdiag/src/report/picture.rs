@@ -1,13 +1,12 @@
 //! Line pictures as SVG: one description, drawn the same into a file and into the report.
 
 use plotters::{
-    chart::SeriesLabelPosition,
     coord::{Shift, ranged1d::AsRangedCoord, ranged1d::ValueFormatter},
     prelude::*,
 };
 use thiserror::Error;
 
-use super::decimate::decimate;
+use super::{corner::emptiest, decimate::decimate};
 
 /// Most points drawn per line; more would only make the file large.
 const MAX_POINTS: usize = 2_000;
@@ -218,9 +217,16 @@ impl Picture {
             }
         }
         if self.lines.iter().any(|line| !line.name.is_empty()) {
+            let across = |v: f64| place(v, x_range, self.log_x);
+            let up = |v: f64| place(v, y_range, self.log_y);
+            let corner = emptiest(
+                self.lines.iter().flat_map(|line| &line.points).map(|p| (across(p.0), up(p.1))),
+                self.marks.iter().map(|mark| across(mark.0)),
+                self.levels.iter().map(|level| up(level.0)),
+            );
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(corner)
                 .legend_area_size(22 * FINENESS)
                 .margin(6 * FINENESS)
                 .background_style(WHITE.mix(0.85))
@@ -259,6 +265,11 @@ impl Picture {
         let pad = if high - low > 0.0 { pad } else { 0.5 * high.abs().max(1e-12) };
         (low - pad, high + pad)
     }
+}
+
+/// Where a value lies within a range, from 0 to 1.
+fn place(value: f64, (low, high): (f64, f64), log: bool) -> f64 {
+    if log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
 }
 
 fn within(value: f64, range: (f64, f64)) -> bool {
