@@ -1,5 +1,7 @@
 //! Alarms and delays of recorded statistics.
 
+use std::collections::VecDeque;
+
 use fd_core::stage::Phase;
 
 use crate::decide::{Debounce, Debouncing, RuleError};
@@ -15,20 +17,57 @@ use crate::decide::{Debounce, Debouncing, RuleError};
 /// ```
 #[must_use]
 pub fn debounced_statistics(statistics: &[f64], debouncing: Debouncing) -> Vec<f64> {
-    let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
-    let (raise, out_of) = (count(debouncing.raise), count(debouncing.out_of));
-    if out_of <= 1 {
-        return statistics.to_vec();
+    let mut window = DebouncedStatistic::new(debouncing);
+    statistics.iter().map(|&statistic| window.add(statistic)).collect()
+}
+
+/// [`debounced_statistics`] sample by sample.
+///
+/// ```
+/// use fd_compensate::{decide::Debouncing, evaluate::DebouncedStatistic};
+///
+/// let mut two_in_a_row = DebouncedStatistic::new(Debouncing::consecutive(2));
+/// two_in_a_row.add(1.0);
+/// assert_eq!([3.0, 2.0].map(|statistic| two_in_a_row.add(statistic)), [1.0, 2.0]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct DebouncedStatistic {
+    raise: usize,
+    out_of: usize,
+    recent: VecDeque<f64>,
+    /// The recent ones in order.
+    sorted: Vec<f64>,
+}
+
+impl DebouncedStatistic {
+    /// An empty window.
+    #[must_use]
+    pub fn new(debouncing: Debouncing) -> Self {
+        let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+        let (raise, out_of) = (count(debouncing.raise), count(debouncing.out_of));
+        Self { raise, out_of, recent: VecDeque::new(), sorted: Vec::new() }
     }
-    let mut window = Vec::with_capacity(out_of.min(statistics.len()));
-    (0..statistics.len())
-        .map(|k| {
-            window.clear();
-            window.extend_from_slice(&statistics[(k + 1).saturating_sub(out_of)..=k]);
-            window.sort_unstable_by(f64::total_cmp);
-            window.len().checked_sub(raise).map_or(f64::NEG_INFINITY, |i| window[i])
-        })
-        .collect()
+
+    /// Empties the window.
+    pub fn reset(&mut self) {
+        self.recent.clear();
+    }
+
+    /// Takes a statistic in and returns the one that counts.
+    pub fn add(&mut self, statistic: f64) -> f64 {
+        if self.out_of <= 1 {
+            return statistic;
+        }
+        if self.recent.len() >= self.out_of {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(statistic);
+        self.sorted.clear();
+        self.sorted.extend(&self.recent);
+        self.sorted.sort_unstable_by(f64::total_cmp);
+        let at = self.sorted.len().checked_sub(self.raise);
+        at.map_or(f64::NEG_INFINITY, |i| self.sorted[i])
+    }
 }
 
 /// Replays a rule that was just reset over statistics of the compensating phase: whether each sample

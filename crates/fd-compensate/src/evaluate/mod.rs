@@ -9,7 +9,7 @@ mod run_length;
 mod smallest;
 
 pub use self::{
-    alarms::{alarms, debounced_statistics, detection_delay, false_alarm_rate},
+    alarms::{DebouncedStatistic, alarms, debounced_statistics, detection_delay, false_alarm_rate},
     run_length::{RunLength, run_length},
     smallest::{smallest_detectable, smallest_detectable_by_search},
 };

@@ -1,27 +1,16 @@
 //! What the kernel is told of one estimator.
 
+use super::kernel::Settings;
 use crate::{
     batch::{BatchError, LaneScalar},
     rls::{Forgetting, RlsDesign},
 };
 
-/// A design as numbers that any kernel of [`super::kernel`] understands, whatever the kind of
-/// forgetting.
+/// A design as numbers that the kernel understands, whatever the kind of forgetting.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneDesign<T> {
     pub(super) prior_variance: T,
-    /// `ρ`, the variance that the noise of a sample counts with.
-    pub(super) noise: T,
-    /// What `P` is multiplied by per sample.
-    pub(super) scale: T,
-    /// Samples with `φᵀPφ` of this or less are skipped.
-    pub(super) silence: T,
-    /// At least what the trace of `P` grows by per sample.
-    pub(super) growth: T,
-    /// Largest trace of `P` that forgetting may lead to.
-    pub(super) largest_trace: T,
-    /// `λ` of directional forgetting, else 1.
-    pub(super) kept: T,
+    pub(super) settings: Settings<T>,
 }
 
 impl<T: LaneScalar> LaneDesign<T> {
@@ -59,16 +48,16 @@ impl<T: LaneScalar> LaneDesign<T> {
             }
             _ => T::one() / T::zero(),
         };
-        Ok(Self {
-            prior_variance,
+        let settings = Settings {
             noise: t(noise),
-            scale: t(scale),
+            minus_scale: -t(scale),
             silence,
             // The trace that the kernel bounds has roundings of its own.
             growth: t(growth) * (T::one() + t(8.0) * T::default_epsilon()),
             largest_trace,
             kept: t(kept),
-        })
+        };
+        Ok(Self { prior_variance, settings })
     }
 }
 

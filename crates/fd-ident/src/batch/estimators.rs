@@ -194,15 +194,15 @@ impl<T: LaneScalar> BatchRls<T> {
     }
 
     fn design(&mut self, lane: usize, design: &RlsDesign) -> Result<(), BatchError> {
-        let settings = LaneDesign::<T>::new(self.layout.n, design)?;
-        let LaneDesign { prior_variance, silence, kept, .. } = settings;
-        self.is_directional |= kept < T::one();
+        let LaneDesign { prior_variance, settings } = LaneDesign::<T>::new(self.layout.n, design)?;
+        let silence = settings.silence;
+        self.is_directional |= settings.kept < T::one();
         self.put(lane, Layout::NOISE, settings.noise);
-        self.put(lane, Layout::MINUS_SCALE, -settings.scale);
+        self.put(lane, Layout::MINUS_SCALE, settings.minus_scale);
         self.put(lane, Layout::SILENCE, silence);
         self.put(lane, Layout::GROWTH, settings.growth);
         self.put(lane, Layout::LARGEST_TRACE, settings.largest_trace);
-        self.put(lane, Layout::KEPT, kept);
+        self.put(lane, Layout::KEPT, settings.kept);
         self.restart(lane, prior_variance);
         if let Some(lane) = self.lanes.get_mut(lane) {
             let report = GuardReport::default();

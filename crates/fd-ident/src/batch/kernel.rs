@@ -7,8 +7,8 @@
 
 use super::lanes::{LaneScalar, Registers};
 
-/// What the estimators of some lanes are told, one register each.
-#[derive(Clone, Copy)]
+/// What the estimators of some lanes are told: one register each, or one number of one estimator.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Settings<R> {
     /// Variance `ρ` that the noise of a sample counts with: `λ`, `α` of eq. (18), or 1.
     pub(super) noise: R,

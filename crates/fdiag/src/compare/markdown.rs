@@ -194,14 +194,4 @@ impl EntryResult {
     fn alarms(&self) -> String {
         self.false_alarms.text() + if self.holds { "" } else { " !" }
     }
-
-    /// Share of right sensors and kappa.
-    fn isolated(&self) -> [String; 2] {
-        let none = || "-".to_owned();
-        let isolation = self.isolation.as_ref();
-        [
-            isolation.map_or_else(none, |i| percent(i.accuracy.share())),
-            isolation.and_then(|i| i.kappa).map_or_else(none, figure),
-        ]
-    }
 }

@@ -176,21 +176,11 @@ impl ScenarioResult {
             if !entry.holds {
                 alarms += " too many";
             }
-            let isolation = entry.isolation.as_ref();
-            let mut row = vec![
-                entry.entry.text(),
-                alarms,
-                isolation.map_or_else(|| "-".to_owned(), |i| percent(i.accuracy.share())),
-                isolation.and_then(|i| i.kappa).map_or_else(|| "-".to_owned(), figure),
-            ];
-            row.extend(
-                entry
-                    .faults
-                    .iter()
-                    .zip(&self.faults)
-                    .map(|(fault, kind)| fault.smallest.map_or_else(|| kind.beyond(), percent)),
-            );
-            table.push(row);
+            let faults = entry.faults.iter().zip(&self.faults);
+            let smallest =
+                faults.map(|(fault, kind)| fault.smallest.map_or_else(|| kind.beyond(), percent));
+            let head = [entry.entry.text(), alarms].into_iter().chain(entry.isolated());
+            table.push(head.chain(smallest));
         }
         table
     }
@@ -284,4 +274,16 @@ fn confusion_shares(outputs: &[String], confusion: &[Vec<u64>]) -> Vec<(String, 
 
 pub(super) fn percent(share: f64) -> String {
     figure(100.0 * share)
+}
+
+impl EntryResult {
+    /// Share of right sensors and kappa.
+    pub(super) fn isolated(&self) -> [String; 2] {
+        let none = || "-".to_owned();
+        let isolation = self.isolation.as_ref();
+        [
+            isolation.map_or_else(none, |i| percent(i.accuracy.share())),
+            isolation.and_then(|i| i.kappa).map_or_else(none, figure),
+        ]
+    }
 }

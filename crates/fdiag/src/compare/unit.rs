@@ -9,7 +9,7 @@ use super::{
     residuals::Residuals,
     scene::{Runs, Scene},
     tally::{Alarms, Outcome, Role, Unit},
-    watch::{Fork, Watch},
+    watch::{Fork, Levels, Watch},
 };
 use crate::{
     engine::EngineStudyError,
@@ -143,8 +143,7 @@ impl<'a> Judge<'a> {
                     let channels = residual.len() / record.len().max(1);
                     let (before, after) = residual.split_at(start * channels);
                     let fork = watch.fork(record, before);
-                    let never = f64::INFINITY;
-                    let rest = watch.rest(&fork, record, start, after, never, never);
+                    let rest = watch.rest(&fork, (record, start), after, Levels::NONE);
                     self.look(&mut watch, &fork, (record, faulty), factors, &mut alarms);
                     fork.peak.max(rest.peak)
                 }
@@ -170,10 +169,11 @@ impl<'a> Judge<'a> {
         // A margin above the highest factor that was not reached before settles all of them.
         let open = factors.iter().copied().filter(|&factor| fork.peak <= factor);
         let Some(enough) = open.reduce(f64::max) else { return };
+        let levels = Levels { alarm: factors[0], enough };
         for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
             let truth = self.scene.sensor(kind);
             for (s, residual) in sizes.iter().enumerate() {
-                let rest = watch.rest(fork, record, start, residual, factors[0], enough);
+                let rest = watch.rest(fork, (record, start), residual, levels);
                 let is_found = alarms.look((k, s), fork.peak, rest, factors);
                 let (true, Some(isolation), Some(truth)) = (is_found, &self.isolation, truth)
                 else {

@@ -1,8 +1,6 @@
 //! A detector over recorded residuals: how near it came to an alarm, and when it raised one.
 
-use std::collections::VecDeque;
-
-use fd_compensate::decide::Debouncing;
+use fd_compensate::{decide::Debouncing, evaluate::DebouncedStatistic};
 use fd_core::{Snapshot, stage::Detector};
 use fd_model::Record;
 
@@ -10,15 +8,29 @@ use fd_model::Record;
 /// it. A margin above `factor` means an alarm when all thresholds are taken `factor` times.
 pub(super) struct Watch {
     detector: Box<dyn Detector>,
-    recent: Recent,
+    recent: DebouncedStatistic,
 }
 
 /// A detector after the first samples of a run.
 pub(super) struct Fork {
     detector: Snapshot,
-    recent: Recent,
+    recent: DebouncedStatistic,
     /// The largest margin up to here.
     pub(super) peak: f64,
+}
+
+/// Margins that mean something.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Levels {
+    /// Above it is an alarm.
+    pub(super) alarm: f64,
+    /// Above it nothing more is asked.
+    pub(super) enough: f64,
+}
+
+impl Levels {
+    /// No margin means anything but how large it is.
+    pub(super) const NONE: Self = Self { alarm: f64::INFINITY, enough: f64::INFINITY };
 }
 
 /// How a run with a fault went on.
@@ -32,14 +44,14 @@ pub(super) struct Rest {
 
 impl Watch {
     pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing) -> Self {
-        Self { detector, recent: Recent { rule, ratios: VecDeque::new() } }
+        Self { detector, recent: DebouncedStatistic::new(rule) }
     }
 
     /// The largest margin of a run without missing samples.
     pub(super) fn peak(&mut self, record: &Record, residual: &[f64]) -> f64 {
         self.detector.reset();
-        self.recent.ratios.clear();
-        self.on(record, 0, residual, f64::INFINITY, f64::INFINITY).peak
+        self.recent.reset();
+        self.on((record, 0), residual, Levels::NONE).peak
     }
 
     /// The detector after the samples of a run that `residual` holds.
@@ -49,72 +61,37 @@ impl Watch {
         Fork { detector, recent: self.recent.clone(), peak }
     }
 
-    /// Goes on from a fork, where the residual begins, at sample `start` of the record, until a margin
-    /// lies above `enough`; an alarm is a margin above `factor`.
+    /// Goes on from a fork, where the residual begins, at this sample of the record, as far as the
+    /// levels ask.
     pub(super) fn rest(
         &mut self,
         fork: &Fork,
-        record: &Record,
-        start: usize,
+        at: (&Record, usize),
         residual: &[f64],
-        factor: f64,
-        enough: f64,
+        levels: Levels,
     ) -> Rest {
         let restored = fork.detector.restore(&mut self.detector);
         debug_assert!(restored.is_ok(), "the same detector: {restored:?}");
         self.recent = fork.recent.clone();
-        self.on(record, start, residual, factor, enough)
+        self.on(at, residual, levels)
     }
 
-    fn on(
-        &mut self,
-        record: &Record,
-        start: usize,
-        residual: &[f64],
-        factor: f64,
-        enough: f64,
-    ) -> Rest {
+    fn on(&mut self, (record, start): (&Record, usize), residual: &[f64], levels: Levels) -> Rest {
         let channels = self.detector.residual_len();
         let (mut alarm, mut peak) = (None, 0.0_f64);
         for (k, r) in residual.chunks_exact(channels).enumerate() {
             let verdict = self.detector.update(record.u(start + k), r);
             let margin = self.recent.add(verdict.statistic / verdict.threshold);
-            if alarm.is_none() && margin > factor {
+            if alarm.is_none() && margin > levels.alarm {
                 alarm = Some(k);
             }
             peak = peak.max(margin);
-            if peak > enough {
+            if peak > levels.enough {
                 break;
             }
         }
         // Finite, so that it can be written as JSON.
         Rest { alarm, peak: peak.min(f64::MAX) }
-    }
-}
-
-/// The last statistics that the rule looks at.
-#[derive(Clone, Debug)]
-struct Recent {
-    rule: Debouncing,
-    ratios: VecDeque<f64>,
-}
-
-impl Recent {
-    /// The `raise`-th largest of the last `out_of`, as
-    /// [`debounced_statistics`](fd_compensate::evaluate::debounced_statistics) has it.
-    fn add(&mut self, ratio: f64) -> f64 {
-        let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
-        let (raise, out_of) = (count(self.rule.raise), count(self.rule.out_of));
-        if out_of <= 1 {
-            return ratio;
-        }
-        if self.ratios.len() >= out_of {
-            self.ratios.pop_front();
-        }
-        self.ratios.push_back(ratio);
-        let mut sorted: Vec<f64> = self.ratios.iter().copied().collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        sorted.len().checked_sub(raise).map_or(f64::NEG_INFINITY, |i| sorted[i])
     }
 }
 
@@ -141,11 +118,14 @@ mod tests {
             let fork = watch.fork(&record, &residual[..90]);
             assert_eq!(fork.peak.to_bits(), largest(&margins[..90]).to_bits());
             for factor in [0.5, 1.2, 1.9, 2.5] {
-                let rest = watch.rest(&fork, &record, 90, &residual[90..], factor, 10.0);
+                let mut rest = |enough| {
+                    let levels = Levels { alarm: factor, enough };
+                    watch.rest(&fork, (&record, 90), &residual[90..], levels)
+                };
                 let alarm = margins[90..].iter().position(|&m| m > factor);
-                assert_eq!(rest, Rest { alarm, peak: largest(&margins[90..]) });
+                assert_eq!(rest(10.0), Rest { alarm, peak: largest(&margins[90..]) });
                 // Cut short, the alarm is the same and the peak is above what is enough.
-                let short = watch.rest(&fork, &record, 90, &residual[90..], factor, factor);
+                let short = rest(factor);
                 assert_eq!((short.alarm, short.peak > factor), (alarm, alarm.is_some()));
             }
             let peak = watch.peak(&record, &residual);

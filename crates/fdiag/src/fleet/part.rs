@@ -86,11 +86,17 @@ where
         let mut first = 0;
         while first < samples.len() {
             let steps = self.stretch(shared, samples.len() - first);
-            self.waiting.iter_mut().for_each(|block| block.restart(steps));
-            for step in 0..steps {
-                self.step(shared, samples.sample(first + step), step);
+            // Nobody is frozen within a stretch, nor learns after the last one was.
+            let is_learning = self.units.iter().any(|unit| !unit.is_frozen);
+            if is_learning {
+                self.waiting.iter_mut().for_each(|block| block.restart(steps));
             }
-            self.learn(shared)?;
+            for step in 0..steps {
+                self.step(shared, samples.sample(first + step), is_learning.then_some(step));
+            }
+            if is_learning {
+                self.learn(shared)?;
+            }
             first += steps;
         }
         Ok(())
@@ -104,8 +110,9 @@ where
         left.min(STRETCH).min(soonest.max(1))
     }
 
-    /// One sample of each unit; `step` counts those that wait to be learned from.
-    fn step(&mut self, shared: &Shared<T>, sample: &[T], step: usize) {
+    /// One sample of each unit; while any of them learns, `waiting` is its place among those that wait
+    /// to be learned from.
+    fn step(&mut self, shared: &Shared<T>, sample: &[T], waiting: Option<usize>) {
         let Shared { io, nx, .. } = *shared;
         let complete = self.hold(nx, sample);
         let (columns, rows) = (shared.columns(), shared.rows());
@@ -136,9 +143,11 @@ where
         let missing = T::from_design(f64::NAN);
         for (channel, r) in residual.chunks_exact(PART).enumerate() {
             let r_star = &self.r_star[channel * PART..];
-            let targets: [T; PART] =
-                std::array::from_fn(|i| if learns[i] { r[i] } else { missing });
-            self.waiting[channel].set_all(step, u, &targets);
+            if let Some(step) = waiting {
+                let targets: [T; PART] =
+                    std::array::from_fn(|i| if learns[i] { r[i] } else { missing });
+                self.waiting[channel].set_all(step, u, &targets);
+            }
             let mut mu = [T::from_design(0.0); PART];
             for (i, unit) in self.units.iter().enumerate() {
                 mu[i] = if unit.is_frozen { r[i] - r_star[i] } else { r[i] };
@@ -179,9 +188,6 @@ where
 
     /// Learns from the waiting samples and freezes the units that have learned enough.
     fn learn(&mut self, shared: &Shared<T>) -> Result<(), FleetError> {
-        if self.units.iter().all(|unit| unit.is_frozen) {
-            return Ok(());
-        }
         for (learner, block) in self.learners.iter_mut().zip(&self.waiting) {
             learner.update(block)?;
         }

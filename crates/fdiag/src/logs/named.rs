@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     report::{Table, figure},
     road::Trace,
-    spec::{FaultSites, IsolationSpec},
+    spec::IsolationSpec,
 };
 
 /// What the decision says of a fault at the last sample with an alarm.
@@ -89,20 +89,12 @@ fn places(
     else {
         return None;
     };
-    let of = |what: &'static str, channels: &[ModelChannel]| -> Vec<Place> {
-        let place = |channel: &ModelChannel| Place {
-            name: format!("{what} {}", channel.channel.name),
-            unit: channel.channel.unit.clone(),
-            scale: channel.scale.scale.unwrap_or(1.0),
-        };
-        channels.iter().map(place).collect()
+    let place = |what: &str, channel: &ModelChannel| Place {
+        name: format!("{what} {}", channel.channel.name),
+        unit: channel.channel.unit.clone(),
+        scale: channel.scale.scale.unwrap_or(1.0),
     };
-    let mut places = Vec::new();
-    if *faults != FaultSites::Actuators {
-        places.extend(of("sensor", outputs));
-    }
-    if *faults != FaultSites::Sensors {
-        places.extend(of("actuator", inputs));
-    }
-    Some(places)
+    let sensors = outputs.iter().map(|channel| place("sensor", channel));
+    let actuators = inputs.iter().map(|channel| place("actuator", channel));
+    Some(faults.in_order(sensors, actuators).collect())
 }

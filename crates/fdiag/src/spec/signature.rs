@@ -1,7 +1,8 @@
 //! What lasting faults of sensors and actuators leave in a residual.
 
 use faer::Mat;
-use fd_residual::{DesignError, GeneratorDesign};
+use fd_model::{Discrete, StateSpace};
+use fd_residual::{DesignError, GeneratorDesign, ResidualForm};
 use serde::{Deserialize, Serialize};
 
 /// Which faults are thought of.
@@ -27,13 +28,12 @@ impl FaultSites {
     ///
     /// Returns an error when the generator has no steady response.
     pub fn signatures(self, design: &dyn GeneratorDesign) -> Result<Vec<Vec<f64>>, DesignError> {
+        type Part = fn(&ResidualForm) -> Result<StateSpace<Discrete>, DesignError>;
+        let (hy, hu): (Part, Part) = (ResidualForm::hy, ResidualForm::hu);
         let form = design.form()?;
         let mut all = Vec::new();
-        if self != Self::Actuators {
-            all.extend(columns(&form.hy()?.dc_gain()?, 1.0));
-        }
-        if self != Self::Sensors {
-            all.extend(columns(&form.hu()?.dc_gain()?, -1.0));
+        for (part, sign) in self.in_order([(hy, 1.0)], [(hu, -1.0)]) {
+            all.extend(columns(&part(&form)?.dc_gain()?, sign));
         }
         Ok(all)
     }
@@ -42,10 +42,20 @@ impl FaultSites {
     #[must_use]
     pub fn names(self, design: &dyn GeneratorDesign) -> Vec<String> {
         let io = design.io();
-        let sensors =
-            (1..=io.ny).map(|i| format!("sensor {i}")).filter(|_| self != Self::Actuators);
+        let sensors = (1..=io.ny).map(|i| format!("sensor {i}"));
         let actuators = (1..=io.nu).map(|j| format!("actuator {j}"));
-        sensors.chain(actuators.filter(|_| self != Self::Sensors)).collect()
+        self.in_order(sensors, actuators).collect()
+    }
+
+    /// What belongs to sensors and actuators, as far as they are thought of, in the order of the
+    /// signatures.
+    pub(crate) fn in_order<T>(
+        self,
+        sensors: impl IntoIterator<Item = T>,
+        actuators: impl IntoIterator<Item = T>,
+    ) -> impl Iterator<Item = T> {
+        let sensors = sensors.into_iter().filter(move |_| self != Self::Actuators);
+        sensors.chain(actuators.into_iter().filter(move |_| self != Self::Sensors))
     }
 }
 
