@@ -47,25 +47,25 @@ fn kinds(lambda: f64) -> [Forgetting; 2] {
     [Forgetting::Exponential { lambda }, Forgetting::Directional { lambda }]
 }
 
-/// The guard holds `P`: nothing overflows, and in double precision the estimate stays where QR
-/// with the same guard has it. In single precision `ε κ` comes near one, and an unexcited
-/// direction wanders.
+/// The guard holds `P`, and what is only rounding moves nothing: the estimate stays where QR with the
+/// same guard has it, as far as a condition of 1e7 allows.
 #[test]
 fn excitation_stops_under_exponential_forgetting() {
-    // Ten times the trace of P₀ = 1e4 I, plus rounding.
-    let largest = 1.01 * 10.0 * 5.0 * 1e4;
-    for lambda in [0.99, 0.999] {
+    fn stays<T: LaneScalar>(lambda: f64) {
+        // Ten times the trace of P₀ = 1e4 I, plus rounding.
+        let largest = 1.01 * 10.0 * 5.0 * 1e4;
         let forgetting = Forgetting::Exponential { lambda };
-        let guard = run::<f64>(Input::Stops, forgetting, SAMPLES / 4, |look| {
-            let allowed = 10.0 * rounding::<f64>(&look);
+        let guard = run::<T>(Input::Stops, forgetting, SAMPLES / 4, |look| {
+            // Rounding of single samples adds up in directions that are not seen again.
+            let allowed = 20.0 * rounding::<T>(&look);
             assert!(look.from_reference < allowed, "{look:?}, allowed {allowed:e}");
-            assert!(look.variance[1] < largest && look.from_truth < 1.0);
+            assert!(look.variance[1] < largest, "{look:?}");
         });
         assert!(guard.bounded > 1000);
-        let guard = run::<f32>(Input::Stops, forgetting, SAMPLES / 4, |look| {
-            assert!(look.from_truth.is_finite() && look.variance[1] < largest, "{look:?}");
-        });
-        assert!(guard.bounded > 1000);
+    }
+    for lambda in [0.99, 0.999] {
+        stays::<f64>(lambda);
+        stays::<f32>(lambda);
     }
 }
 

@@ -16,8 +16,9 @@ use super::{
 };
 use crate::{arx::ArxOrders, rls::RlsDesign};
 
-/// Tiles that one core works on before it takes others: enough to make the taking cheap.
-const TILES_PER_TASK: usize = 64;
+/// Samples of tiles that one core works on before it takes others: some ten microseconds, enough to
+/// make the taking cheap, and few enough for no core to wait long for the last one.
+const SAMPLES_PER_TASK: usize = 512;
 
 /// Recursive least squares for many estimators of the same number of parameters.
 ///
@@ -254,7 +255,7 @@ impl<T: LaneScalar> BatchRls<T> {
         let (machine, samples, steps) = (self.machine, block.rows(), block.steps());
         let (tiles, tallies) = (&mut self.tiles[..], &mut self.tallies[..]);
         Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
-        self.collect(steps);
+        collect(tallies, &mut self.lanes, steps);
         Ok(())
     }
 
@@ -267,15 +268,17 @@ impl<T: LaneScalar> BatchRls<T> {
         self.check(block)?;
         let (layout, is_directional) = (self.layout, self.is_directional);
         let (machine, steps) = (self.machine, block.steps());
-        let per_tile = (layout.columns() + 1) * steps;
+        let tiles_per_task = SAMPLES_PER_TASK.div_ceil(steps.max(1));
+        let rows_per_task = tiles_per_task * (layout.columns() + 1) * steps;
         self.tiles
-            .par_chunks_mut(TILES_PER_TASK * layout.rows())
-            .zip(block.rows().par_chunks((TILES_PER_TASK * per_tile).max(1)))
-            .zip(self.tallies.par_chunks_mut(TILES_PER_TASK))
-            .for_each(|((tiles, samples), tallies)| {
+            .par_chunks_mut(tiles_per_task * layout.rows())
+            .zip(block.rows().par_chunks(rows_per_task.max(1)))
+            .zip(self.tallies.par_chunks_mut(tiles_per_task))
+            .zip(self.lanes.par_chunks_mut(tiles_per_task * T::WIDTH))
+            .for_each(|(((tiles, samples), tallies), lanes)| {
                 Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
+                collect(tallies, lanes, steps);
             });
-        self.collect(steps);
         Ok(())
     }
 
@@ -289,22 +292,6 @@ impl<T: LaneScalar> BatchRls<T> {
         };
         compare("columns", self.layout.columns(), block.columns())?;
         compare("estimators", self.lanes.len(), block.estimators())
-    }
-
-    /// Adds what happened in the last block to the reports.
-    fn collect(&mut self, steps: usize) {
-        if steps == 0 {
-            return;
-        }
-        for (tally, lanes) in self.tallies.iter().zip(self.lanes.chunks_mut(T::WIDTH)) {
-            let [skipped, bounded] = tally.each_ref().map(AsRef::as_ref);
-            for ((lane, &skipped), &bounded) in lanes.iter_mut().zip(skipped).zip(bounded) {
-                if !lane.is_frozen {
-                    lane.report.skipped += count(skipped);
-                    lane.report.bounded += count(bounded);
-                }
-            }
-        }
     }
 
     /// Writes the estimate of one estimator.
@@ -338,6 +325,22 @@ impl<T: LaneScalar> BatchRls<T> {
     #[must_use]
     pub fn guard(&self, estimator: usize) -> GuardReport {
         self.lanes[estimator].report
+    }
+}
+
+/// Adds what happened in a block of so many samples to the reports.
+fn collect<T: LaneScalar>(tallies: &[Tally<T>], lanes: &mut [Lane<T>], steps: usize) {
+    if steps == 0 {
+        return;
+    }
+    for (tally, lanes) in tallies.iter().zip(lanes.chunks_mut(T::WIDTH)) {
+        let [skipped, bounded] = tally.each_ref().map(AsRef::as_ref);
+        for ((lane, &skipped), &bounded) in lanes.iter_mut().zip(skipped).zip(bounded) {
+            if !lane.is_frozen {
+                lane.report.skipped += count(skipped);
+                lane.report.bounded += count(bounded);
+            }
+        }
     }
 }
 

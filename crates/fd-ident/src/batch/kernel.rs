@@ -5,7 +5,8 @@
 )]
 #![expect(clippy::needless_range_loop, reason = "the indices are those of the algebra")]
 
-use super::lanes::{LaneScalar, Registers};
+use super::lanes::{Aligned, LaneScalar, Registers};
+use crate::rls::rounding;
 
 /// What the estimators of some lanes are told: one register each, or one number of one estimator.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +61,7 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize, const DIREC
     let State { u, d, theta, trace_bound, .. } = state;
     let zero = m.splat(T::zero());
     // Uᵀφ, and D Uᵀφ which becomes Pφ.
-    let (mut f, mut v) = ([zero; N], [zero; N]);
+    let (mut f, mut v) = (Aligned([zero; N]), Aligned([zero; N]));
     // φᵀθ − y
     let mut error = m.mul(phi[0], theta[0]);
     for i in 1..n {
@@ -125,10 +126,17 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize, const DIREC
         noise = m.select(forgets, noise, one);
         minus_scale = m.select(forgets, minus_scale, m.splat(-T::one()));
         *trace_bound = m.select(forgets, m.mul(trace, settings.growth), trace);
-        // A skipped sample has no direction and no error, and so changes nothing.
+        // A skipped sample has no direction and no error, and so changes nothing. Near
+        // the largest trace a direction counts only where it is more than rounding.
+        let rounding = m.select(free, zero, m.splat(rounding::<T>(n)));
         for j in 0..n {
-            f[j] = m.select(loud, f[j], zero);
-            v[j] = m.select(loud, v[j], zero);
+            let mut size = m.abs(phi[j]);
+            for i in 0..j {
+                size = m.add(size, m.abs(m.mul(u[j][i], phi[i])));
+            }
+            let counts = m.both(loud, m.less(m.mul(rounding, size), m.abs(f[j])));
+            f[j] = m.select(counts, f[j], zero);
+            v[j] = m.select(counts, v[j], zero);
         }
         error = m.select(loud, error, zero);
         state.skipped = m.add(state.skipped, m.select(loud, zero, one));

@@ -4,12 +4,15 @@
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use super::tile::{Layout, Regressors};
+use super::{
+    lanes::Aligned,
+    tile::{Layout, Regressors},
+};
 
 /// Past inputs and past values of the negated bias, newest first, as in
 /// [`RecursiveArx`](crate::arx::RecursiveArx).
 pub(super) struct Past<R> {
-    rows: [R; Layout::LONGEST],
+    rows: Aligned<[R; Layout::LONGEST]>,
     /// Rows of inputs, of inputs that are too young, and of the bias.
     inputs: usize,
     waiting: usize,
@@ -19,7 +22,7 @@ pub(super) struct Past<R> {
 impl<R: Copy> Past<R> {
     #[inline(always)]
     pub(super) fn new(zero: R, layout: Layout) -> Self {
-        let rows = [zero; Layout::LONGEST];
+        let rows = Aligned([zero; Layout::LONGEST]);
         match layout.regressors {
             Regressors::Given => Self { rows, inputs: 0, waiting: 0, bias: 0 },
             Regressors::Past { orders, nu } => {

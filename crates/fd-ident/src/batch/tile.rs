@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{
     kernel::{Settings, State, update},
-    lanes::{LaneScalar, Registers, sealed::Lanes},
+    lanes::{Aligned, LaneScalar, Registers, sealed::Lanes},
     machine::Machine,
     past::Past,
 };
@@ -183,22 +183,22 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool
     let n = if N <= UNROLLED { N } else { layout.n };
     let zero = m.splat(T::zero());
     let load = |tile: &[Row<T>], row: usize| M::of(&tile[row])[part];
-    let settings = Settings {
+    let settings = Aligned(Settings {
         noise: load(tile, Layout::NOISE),
         minus_scale: load(tile, Layout::MINUS_SCALE),
         silence: load(tile, Layout::SILENCE),
         growth: load(tile, Layout::GROWTH),
         largest_trace: load(tile, Layout::LARGEST_TRACE),
         kept: load(tile, Layout::KEPT),
-    };
-    let mut state = State {
+    });
+    let mut state = Aligned(State {
         u: [[zero; N]; N],
         d: [zero; N],
         theta: [zero; N],
         trace_bound: load(tile, Layout::TRACE_BOUND),
         skipped: zero,
         bounded: zero,
-    };
+    });
     for j in 0..n {
         state.d[j] = load(tile, Layout::D + j);
         state.theta[j] = load(tile, layout.theta() + j);
@@ -210,7 +210,7 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool
     for (row, value) in past.rows().enumerate() {
         *value = load(tile, layout.past() + row);
     }
-    let mut phi = [zero; N];
+    let mut phi = Aligned([zero; N]);
     let columns = layout.columns();
     let is_given = layout.regressors == Regressors::Given;
     for sample in samples.chunks_exact(columns + 1) {

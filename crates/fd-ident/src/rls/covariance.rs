@@ -26,6 +26,12 @@ pub trait Covariance<T: Scalar>: Clone + Debug + Send + Sync {
     /// [`Self::release`].
     fn energy(&mut self, phi: &[T]) -> T;
 
+    /// Forgets those parts of the remembered direction `φ` that are no more than rounding of their
+    /// sums. Where `P` is large after a long time without excitation, they would move the estimate.
+    fn ignore_rounding(&mut self, phi: &[T]) {
+        let _ = phi;
+    }
+
     /// Takes in a sample along the remembered direction, then forgets everywhere:
     /// `P⁻¹ ← (P⁻¹ + w/ρ φφᵀ) / s` with `w ≥ 0`, and `ρ, s > 0`. Writes `Pφ` of the old `P` to
     /// `p_phi` and returns `1 / (ρ + w φᵀPφ)`.
@@ -52,6 +58,11 @@ pub trait Covariance<T: Scalar>: Clone + Debug + Send + Sync {
 
     /// Shows the numbers that make up `P` to `visitor`.
     fn visit(&mut self, visitor: &mut dyn StateVisitor<T>);
+}
+
+/// What the sums of `Uᵀφ` may be off by, as a part of the sum of their magnitudes: `n` roundings.
+pub(crate) fn rounding<T: Scalar>(n: usize) -> T {
+    T::from_design(n as f64) * T::default_epsilon()
 }
 
 /// Scalar product of two slices, summed in order.

@@ -103,12 +103,14 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         add_scaled(theta, gain * innovation, self.p_phi.as_ref());
     }
 
-    /// Whether forgetting would leave `P` below its limit.
-    fn may_forget(&mut self, lambda: T) -> bool {
+    /// Whether forgetting would leave `P` below its limit. Near it the remembered direction `φ` counts
+    /// only where it is more than rounding.
+    fn may_forget(&mut self, lambda: T, phi: &[T]) -> bool {
         let largest = self.largest_trace * lambda;
         if self.trace_bound <= largest {
             return true;
         }
+        self.covariance.ignore_rounding(phi);
         // The bound may be too large: look at the trace itself.
         self.trace_bound = self.covariance.trace();
         if self.trace_bound <= largest {
@@ -182,7 +184,7 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
             Forgetting::Equation18 { alpha } => (alpha, false),
             Forgetting::Bounded { lambda, .. } => (lambda, true),
             Forgetting::Exponential { lambda } | Forgetting::Resetting { lambda, .. } => {
-                let may_forget = self.may_forget(lambda);
+                let may_forget = self.may_forget(lambda, phi);
                 (if may_forget { lambda } else { T::one() }, may_forget)
             }
         };

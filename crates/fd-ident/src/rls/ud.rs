@@ -7,7 +7,7 @@
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};
 
 use crate::rls::{
-    covariance::{Covariance, add_scaled, dot},
+    covariance::{Covariance, add_scaled, dot, rounding},
     storage::{Grid, RlsStorage},
 };
 
@@ -59,6 +59,18 @@ impl<T: Scalar, S: RlsStorage<T>> Covariance<T> for Ud<T, S> {
             energy += f[j] * (d[j] * f[j]);
         }
         energy
+    }
+
+    fn ignore_rounding(&mut self, phi: &[T]) {
+        let (u, f) = (self.u.as_slice(), self.f.as_mut());
+        let n = f.len();
+        for j in 0..n {
+            let column = u[j * n..j * n + j].iter().zip(phi);
+            let size = column.fold(phi[j].abs(), |size, (&u, &phi)| size + (u * phi).abs());
+            if f[j].abs() <= rounding::<T>(n) * size {
+                f[j] = T::zero();
+            }
+        }
     }
 
     #[inline(always)]

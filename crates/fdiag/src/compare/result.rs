@@ -80,7 +80,7 @@ pub struct EntryResult {
     /// engines, their runs taken as independent. The interval for engines in general is wider, and would
     /// let an entry win that alarms all the time on some of them.
     pub holds: bool,
-    /// Runs of each fault of each size in which no alarm came before the fault.
+    /// Runs of each fault of each size that have no alarm without the fault.
     pub looked: u64,
     /// Every kind of fault, in the order of the scenario.
     pub faults: Vec<FaultResult>,

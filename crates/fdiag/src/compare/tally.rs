@@ -46,8 +46,8 @@ pub(super) struct Alarms {
     pub(super) healthy: Vec<u64>,
     /// For each kind of fault and each size what was found at the wanted rate.
     pub(super) faults: Vec<Vec<Found>>,
-    /// Runs with a fault, of all kinds and sizes, in which no alarm came before the fault, and those
-    /// of them with an alarm, one pair per rate of false alarms.
+    /// Runs with a fault, of all kinds and sizes, that have no alarm without the fault, and those of
+    /// them with an alarm, one pair per rate of false alarms.
     pub(super) roc: Vec<(u64, u64)>,
     /// Found sensor faults by true sensor and named sensor.
     pub(super) confusion: Vec<Vec<u64>>,
@@ -56,7 +56,7 @@ pub(super) struct Alarms {
 /// Runs with one fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Found {
-    /// Runs in which no alarm came before the fault.
+    /// Runs that have no alarm without the fault.
     pub(super) looked: u64,
     /// Delay of each alarm in samples.
     pub(super) delays: Vec<u32>,
@@ -75,22 +75,22 @@ impl Alarms {
     }
 
     /// Counts a run with a fault, by kind and size; says whether it is found at the wanted rate.
-    /// `before` is the largest margin before the fault: an alarm there is a false one, and no look at
-    /// the fault.
+    /// `healthy` is the largest margin of the same run without the fault: where that raises an alarm,
+    /// an alarm says nothing of the fault.
     pub(super) fn look(
         &mut self,
         (kind, size): (usize, usize),
-        before: f64,
+        healthy: f64,
         rest: Rest,
         factors: &[f64],
     ) -> bool {
         for (sum, &factor) in self.roc.iter_mut().zip(factors) {
-            if before <= factor {
+            if healthy <= factor {
                 sum.0 += 1;
                 sum.1 += u64::from(rest.peak > factor);
             }
         }
-        if factors.first().is_none_or(|&wanted| before > wanted) {
+        if factors.first().is_none_or(|&wanted| healthy > wanted) {
             return false;
         }
         let of = &mut self.faults[kind][size];

@@ -144,8 +144,9 @@ impl<'a> Judge<'a> {
                     let (before, after) = residual.split_at(start * channels);
                     let fork = watch.fork(record, before);
                     let rest = watch.rest(&fork, (record, start), after, Levels::NONE);
-                    self.look(&mut watch, &fork, (record, faulty), factors, &mut alarms);
-                    fork.peak.max(rest.peak)
+                    let peak = fork.peak.max(rest.peak);
+                    self.look(&mut watch, (&fork, peak), (record, faulty), factors, &mut alarms);
+                    peak
                 }
             };
             alarms.healthy_runs += 1;
@@ -156,25 +157,26 @@ impl<'a> Judge<'a> {
         Ok(alarms)
     }
 
-    /// All faults on one run, which is as it was up to the fork.
+    /// All faults on one run, which is as it was up to the fork; `healthy` is the largest margin that
+    /// the run has without a fault.
     fn look(
         &self,
         watch: &mut Watch,
-        fork: &Fork,
+        (fork, healthy): (&Fork, f64),
         (record, faulty): (&Record, &[Vec<Vec<f64>>]),
         factors: &[f64],
         alarms: &mut Alarms,
     ) {
         let (start, window) = (self.scene.fault_start(), self.scene.samples(NAMING_S));
-        // A margin above the highest factor that was not reached before settles all of them.
-        let open = factors.iter().copied().filter(|&factor| fork.peak <= factor);
+        // A margin above the highest factor that is not reached without a fault settles all.
+        let open = factors.iter().copied().filter(|&factor| healthy <= factor);
         let Some(enough) = open.reduce(f64::max) else { return };
         let levels = Levels { alarm: factors[0], enough };
         for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
             let truth = self.scene.sensor(kind);
             for (s, residual) in sizes.iter().enumerate() {
                 let rest = watch.rest(fork, (record, start), residual, levels);
-                let is_found = alarms.look((k, s), fork.peak, rest, factors);
+                let is_found = alarms.look((k, s), healthy, rest, factors);
                 let (true, Some(isolation), Some(truth)) = (is_found, &self.isolation, truth)
                 else {
                     continue;
