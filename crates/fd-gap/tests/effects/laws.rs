@@ -86,6 +86,17 @@ fn actuator_dynamics_are_exact_for_held_inputs() {
             let (t, inverse) = ((t - 0.1).max(0.0), 1.5 * inverse);
             if t < inverse { t * t / (2.0 * inverse) } else { t - inverse / 2.0 }
         });
+        for within in [0.0, 0.3, 1.5] {
+            check(&case, ("input-rate-limit", "slowing", "u"), &[inverse, within], |t| {
+                let t = (t - 0.1).max(0.0);
+                // The full rate as far as `within`, then a lag.
+                let slow = f64::min(within, 1.0);
+                let until = ((1.0 - within) * inverse).clamp(0.0, t);
+                let (way, lag) = (until - until * until / (2.0 * inverse), within * inverse);
+                let rest = if lag > 0.0 { 1.0 - (-(t - until) / lag).exp() } else { 0.0 };
+                t - way - slow * lag * rest
+            });
+        }
     }
 }
 
@@ -139,6 +150,87 @@ fn actuator_curves_are_as_their_names_say() {
         played = f64::clamp(played, u - 0.3, u + 0.3);
         played
     });
+}
+
+#[test]
+fn sensor_limits_are_as_their_names_say() {
+    let case = bench();
+    let shows = |law: &str, phi: &[f64], curve: &dyn Fn(f64) -> f64| {
+        check(&case, ("sensor-saturation", law, "clock"), phi, curve);
+    };
+    // The nominal clock goes from 0 to 5.9 s.
+    shows("both", &[0.5], &|t| t.clamp(0.95, 4.95));
+    shows("upper", &[0.5], &|t| t.min(4.95));
+    shows("lower", &[0.5], &|t| t.max(0.95));
+    shows("between-limits", &[0.5, 3.5], &|t| t.clamp(1.5, 5.5));
+    shows("rounded", &[0.5, 3.5, 2.0], &|t| {
+        let d = t - 3.5;
+        3.5 + d / (1.0 + 0.25 * d * d).sqrt()
+    });
+}
+
+/// A puck without friction, which flies at 1 m/s from one end of a range of 2 m to the other.
+fn puck() -> Case {
+    let text = r#"
+version = 1
+kind = "equations"
+name = "puck"
+sample_time = 0.01
+step = 0.001
+inputs = { push = { unit = "N" } }
+[states]
+x = { unit = "m", initial = 0.0, derivative = "v" }
+v = { unit = "m/s", initial = 0.0, derivative = "push" }
+[outputs]
+position = { unit = "m", value = "x" }
+speed = { unit = "m/s", value = "v" }
+[sites]
+ice = { unit = "N", enters = { v = "1" }, position = "x", velocity = "v" }
+"#;
+    let u = (0..210).map(|k| if k < 10 { 10.0 } else { 0.0 }).collect();
+    Case::with_input(text.parse::<Model>().unwrap(), u, 210)
+}
+
+#[test]
+fn a_load_comes_when_it_is_said_to() {
+    let case = puck();
+    let late = candidate(&case, "constant-load", "applied-late", "ice");
+    let (_, nominal) = case.apply(&late, &[0.0, 0.5]);
+    for since in [0.0, 0.25, 0.5004, 1.7] {
+        let (_, y) = case.apply(&late, &[0.3, since]);
+        for (k, (row, without)) in y.chunks(2).zip(nominal.chunks(2)).enumerate() {
+            let t = 0.01 * k as f64;
+            let expected = 0.3 * (t - since).max(0.0);
+            // It grows within the integration step of 1 ms before.
+            assert!((row[1] - without[1] - expected).abs() < 0.3e-3, "{since}, {t}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn stops_throw_back() {
+    let case = puck();
+    let (_, free) = case.apply(&candidate(&case, "end-stop", "both", "ice"), &[0.0, 100.0]);
+    let far = free[2 * 209];
+    assert!((1.9..2.1).contains(&far), "{far}");
+    // The stops are at -2.5 m and 1.5 m, not evenly around the nominal range.
+    let last = |law: &str, phi: &[f64]| {
+        let (_, y) = case.apply(&candidate(&case, "end-stop", law, "ice"), phi);
+        [y[2 * 209], y[2 * 209 + 1]]
+    };
+    let at = 1.5;
+    let [x, v] = last("between-stops", &[0.5, 2000.0, -0.5]);
+    // Runge-Kutta loses little of the energy; within is half a period of the contact.
+    assert!((v + 1.0).abs() < 1e-3, "{v}");
+    let contact = std::f64::consts::PI / f64::sqrt(2000.0);
+    let expected = at - (free[2 * 209] - at - contact);
+    assert!((x - expected).abs() < 2e-3, "{x} {expected}");
+    // Hunt and Crossley: a restitution of 1 - 2 b v/3 for small b.
+    let [_, slower] = last("damped", &[0.5, 2000.0, -0.5, 0.15]);
+    assert!((slower + 0.905).abs() < 0.01, "{slower}");
+    // Without damping both are one law, up to rounding.
+    let [same, _] = last("damped", &[0.5, 2000.0, -0.5, 0.0]);
+    assert!((same - x).abs() < 1e-9, "{same} {x}");
 }
 
 #[test]

@@ -6,9 +6,14 @@ use crate::{
     model::Model,
 };
 
-/// A constant force.
+/// A constant force, from the start of the log or, `applied-late`, since some time: it grows from
+/// nothing within the integration step before that time, so that outputs follow the time smoothly.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantLoad;
+
+/// Times from which to start: what a step excites has died away after a part of the log, and a fit
+/// cannot see from one step response to another.
+const ONSETS: u8 = 24;
 
 impl Effect for ConstantLoad {
     fn label(&self) -> &'static str {
@@ -26,6 +31,11 @@ impl Effect for ConstantLoad {
                     .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
                     .force("constant_load", "c")
                     .starts([[0.1]]),
+                sketch("applied-late")
+                    .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
+                    .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
+                    .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
             ]
         })
     }
