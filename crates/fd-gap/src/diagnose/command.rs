@@ -23,18 +23,33 @@ use crate::{
 
 /// Steps of finite differences, as fractions of the spread of a state or of the command.
 const STEP: f64 = 1e-4;
-/// Eighths of a quantum per peak of the command: the first and the last that are tried.
-const EIGHTHS: [u32; 2] = [64, 4096];
+/// Quanta per peak of the command: fewest and most that are tried.
+const PER_PEAK: [f64; 2] = [1.5, 512.0];
+/// Fewest and most quanta that are tried while the peak takes in one more. Eight will do where the
+/// command takes many values, of which each has little weight …
+const FINENESS: [usize; 2] = [8, 512];
+/// … but few values jump to the next multiple with all their weight: this many, over the number of
+/// values.
+const FINER: usize = 8000;
+/// Values of a command that differ by less than this part of its peak are one.
+const SAME: f64 = 1e-9;
 /// The best so many of each octave are worth a simulation.
 const PER_OCTAVE: usize = 8;
 
 /// A command with the slopes of the misfit.
 #[derive(Clone, Debug)]
 pub(super) struct Command {
-    /// What arrives at each sample, segment by segment.
-    values: Vec<f64>,
-    /// Slopes of half the sum of squares (in sigma) with respect to these.
-    slopes: Vec<f64>,
+    levels: Vec<Level>,
+}
+
+/// A value that a command takes.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    value: f64,
+    /// Slope of half the sum of squares (in sigma) with respect to it.
+    slope: f64,
+    /// At how many samples it is taken.
+    samples: f64,
 }
 
 /// The commands of inputs, by their names.
@@ -79,7 +94,7 @@ impl Command {
         let place = simulator.parameters().iter().position(|p| p.name == nudge)?;
         let mut theta = problem.parameters(z);
         theta.insert(place.min(theta.len()), 0.0);
-        let mut command = Self { values: Vec::new(), slopes: Vec::new() };
+        let mut samples: Vec<(f64, f64)> = Vec::new();
         let plan = problem.plan();
         for (s, segment) in plan.segments().iter().enumerate() {
             let log = &plan.logs[segment.log];
@@ -102,35 +117,28 @@ impl Command {
                 errors.iter().zip(sigma).map(of).collect()
             };
             let slopes = course.slopes(&run, pull)?;
-            command.values.extend(&run.command);
-            command.slopes.extend(slopes);
+            samples.extend(run.command.into_iter().zip(slopes));
         }
-        Some(command)
+        Some(Self { levels: levels(samples) })
     }
 
-    /// Quanta that could explain most of the misfit, of all that are between an eighth of `peak` and
-    /// a few hundredths of a hundredth of it: the best of each octave that are better than their
-    /// neighbours.
+    /// Quanta that could explain most of the misfit: the best of each octave of those that are better
+    /// than their neighbours. `peak` is the largest command.
     pub(super) fn quanta(&self, rounding: Rounding, peak: f64) -> Vec<f64> {
-        let [first, last] = EIGHTHS;
-        let quantum = |eighths: u32| 8.0 * peak / f64::from(eighths);
-        let merits: Vec<f64> =
-            (first..=last).map(|eighths| self.merit(rounding, quantum(eighths))).collect();
+        let [least, most] = FINENESS;
+        let fineness = (FINER / self.levels.len().max(1)).clamp(least, most) as f64;
+        let [first, last] = PER_PEAK.map(|quanta| (quanta * fineness) as usize);
+        let quantum = |i: usize| peak * fineness / i as f64;
+        let merits: Vec<f64> = (first..=last).map(|i| self.merit(rounding, quantum(i))).collect();
+        let merit = |i: usize| merits[i - first];
+        let is_peak =
+            |i: &usize| 0.0 < merit(*i) && merit(*i - 1) <= merit(*i) && merit(*i + 1) <= merit(*i);
         let mut found = Vec::new();
-        let mut from = first;
+        let mut from = first + 1;
         while from < last {
             let to = (2 * from).min(last);
-            let merit = |eighths: u32| {
-                let place = eighths.checked_sub(first)?;
-                merits.get(place as usize).copied()
-            };
-            let is_peak = |eighths: &u32| {
-                let here = merit(*eighths).unwrap_or(0.0);
-                let is_less = |other: Option<f64>| other.is_none_or(|other| other <= here);
-                0.0 < here && is_less(merit(eighths - 1)) && is_less(merit(eighths + 1))
-            };
-            let mut peaks: Vec<u32> = (from..to).filter(is_peak).collect();
-            peaks.sort_by(|a, b| merit(*b).unwrap_or(0.0).total_cmp(&merit(*a).unwrap_or(0.0)));
+            let mut peaks: Vec<usize> = (from..to).filter(is_peak).collect();
+            peaks.sort_by(|a, b| merit(*b).total_cmp(&merit(*a)));
             found.extend(peaks.into_iter().take(PER_OCTAVE).map(quantum));
             from = to;
         }
@@ -140,13 +148,30 @@ impl Command {
     /// How fast the misfit falls towards the command as rounded, per size of the change.
     fn merit(&self, rounding: Rounding, quantum: f64) -> f64 {
         let (mut along, mut squares) = (0.0, 0.0);
-        for (u, slope) in self.values.iter().zip(&self.slopes) {
-            let change = rounding.apply(*u, quantum) - u;
+        for Level { value, slope, samples } in &self.levels {
+            let change = rounding.apply(*value, quantum) - value;
             along += slope * change;
-            squares += change * change;
+            squares += samples * change * change;
         }
         if 0.0 < squares { -along / squares.sqrt() } else { 0.0 }
     }
+}
+
+/// Samples of the same value as one.
+fn levels(mut samples: Vec<(f64, f64)>) -> Vec<Level> {
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let peak = samples.iter().fold(0.0_f64, |peak, (value, _)| peak.max(value.abs()));
+    let mut levels: Vec<Level> = Vec::new();
+    for (value, slope) in samples {
+        match levels.last_mut() {
+            Some(level) if value - level.value <= SAME * peak => {
+                level.slope += slope;
+                level.samples += 1.0;
+            }
+            _ => levels.push(Level { value, slope, samples: 1.0 }),
+        }
+    }
+    levels
 }
 
 /// The model with something that can be added to an input, and the command as one more output;
@@ -264,5 +289,105 @@ impl Course<'_> {
             }
         }
         found.iter().all(|slope| slope.is_finite()).then_some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        fit::{Horizon, Log, Plan, Problem, Weights, null_fit},
+        simulate::EquationSimulator,
+    };
+    use fd_model::{Channel, Record};
+    use std::sync::Arc;
+
+    const MODEL: &str = r#"
+        version = 1
+        kind = "equations"
+        name = "pendulum"
+        sample_time = 0.02
+        inputs = { u = { unit = "1/s^2" } }
+        outputs = { y = { unit = "rad", value = "q", noise = 0.001 } }
+        parameters = { g = { unit = "1/s^2", value = 20.0 } }
+        [states]
+        q = { unit = "rad", initial = 0.1, derivative = "w" }
+        w = { unit = "rad/s", initial = 0.0, derivative = "u - 0.8*w - g*sin(q)" }
+    "#;
+    const SAMPLES: usize = 300;
+
+    fn model() -> Model {
+        MODEL.parse().unwrap()
+    }
+
+    fn command(k: usize) -> f64 {
+        let t = 0.02 * k as f64;
+        4.0 * (3.1 * t).sin() + 3.0 * (5.3 * t + 1.0).sin()
+    }
+
+    /// The fit to a plant with another command.
+    fn fit(change: impl Fn(usize, f64) -> f64) -> NullFit {
+        let model = model();
+        let ts = model.sample_time().unwrap();
+        let mut simulator = EquationSimulator::<f64>::at(&model, ts).unwrap();
+        let run = |u: &[f64], simulator: &mut EquationSimulator<f64>| {
+            let mut y = vec![0.0; SAMPLES];
+            simulator.run(&model.nominal(), &model.initial(), u, &mut y);
+            y
+        };
+        let u: Vec<f64> = (0..SAMPLES).map(command).collect();
+        let real: Vec<f64> = u.iter().enumerate().map(|(k, u)| change(k, *u)).collect();
+        let y = run(&real, &mut simulator);
+        let (input, output) = ([Channel::new("u", "1/s^2")], [Channel::new("y", "rad")]);
+        let record = Record::new(input.to_vec(), output.to_vec(), u, y, ts).unwrap();
+        let plan = Plan::new(&simulator, &[record], Horizon::FreeRun).unwrap();
+        null_fit(&Arc::new(plan), &simulator, &Weights::white(vec![0.001])).unwrap()
+    }
+
+    /// Slopes of the misfit are those of simulations with one sample of the command changed.
+    #[test]
+    fn slopes_are_those_of_the_misfit() {
+        let model = model();
+        let found = fit(|_, u| 1.1 * u);
+        let command_found = Command::of(&model, &model, &found, "u").unwrap();
+        let misfit = |k: usize, change: f64| {
+            let mut plan = (**found.problem.plan()).clone();
+            let Log { u, .. } = &mut plan.logs[0];
+            u[k] += change;
+            let simulator = found.problem.simulator().boxed();
+            let weights = found.problem.weights().clone();
+            let mut problem = Problem::new(Arc::new(plan), simulator, vec![], weights).unwrap();
+            let errors = problem.errors(&found.minimum.z).unwrap();
+            0.5 * errors[0][0].iter().map(|e| e * e).sum::<f64>()
+        };
+        for k in [0, 3, 50, 170, 290, SAMPLES - 1] {
+            let step = 1e-3;
+            let slope = (misfit(k, step) - misfit(k, -step)) / (2.0 * step);
+            let nearest = command_found.levels.iter().min_by(|a, b| {
+                (a.value - command(k)).abs().total_cmp(&(b.value - command(k)).abs())
+            });
+            let level = nearest.unwrap();
+            assert!((level.value - command(k)).abs() < 1e-9);
+            // Forward differences of 1e-4 of a range: as good as that, of the largest slope.
+            let largest = command_found.levels.iter().fold(0.0_f64, |m, l| m.max(l.slope.abs()));
+            assert!((level.slope - slope).abs() < 3e-3 * largest, "{k}: {} {slope}", level.slope);
+        }
+    }
+
+    #[test]
+    fn the_quantum_of_a_command_is_among_those_worth_a_simulation() {
+        let model = model();
+        for (rounding, quantum) in
+            [(Rounding::Nearest, 1.3), (Rounding::Nearest, 0.21), (Rounding::TowardsZero, 0.077)]
+        {
+            let found = fit(|_, u| rounding.apply(u, quantum));
+            let command = Command::of(&model, &model, &found, "u").unwrap();
+            let peak = (0..SAMPLES).map(self::command).fold(0.0_f64, |m, u| m.max(u.abs()));
+            let quanta = command.quanta(rounding, peak);
+            // As near as the next one that was tried.
+            let near = |other: &f64| (peak / other - peak / quantum).abs() <= 0.125;
+            assert!(quanta.iter().any(near), "{quantum}: {quanta:?}");
+            assert!(quanta.len() < 100);
+        }
     }
 }
