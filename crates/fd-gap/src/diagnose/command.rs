@@ -23,8 +23,8 @@ use crate::{
 
 /// Steps of finite differences, as fractions of the spread of a state or of the command.
 const STEP: f64 = 1e-4;
-/// Quanta per peak of the command: fewest and most that are tried.
-const PER_PEAK: [f64; 2] = [1.5, 512.0];
+/// Halves of a quantum per peak of the command: fewest and most that are tried.
+const HALVES: [usize; 2] = [3, 1024];
 /// Fewest and most quanta that are tried while the peak takes in one more. Eight will do where the
 /// command takes many values, of which each has little weight …
 const FINENESS: [usize; 2] = [8, 512];
@@ -126,9 +126,9 @@ impl Command {
     /// than their neighbours. `peak` is the largest command.
     pub(super) fn quanta(&self, rounding: Rounding, peak: f64) -> Vec<f64> {
         let [least, most] = FINENESS;
-        let fineness = (FINER / self.levels.len().max(1)).clamp(least, most) as f64;
-        let [first, last] = PER_PEAK.map(|quanta| (quanta * fineness) as usize);
-        let quantum = |i: usize| peak * fineness / i as f64;
+        let fineness = (FINER / self.levels.len().max(1)).clamp(least, most);
+        let [first, last] = HALVES.map(|halves| halves * fineness / 2);
+        let quantum = |i: usize| peak * fineness as f64 / i as f64;
         let merits: Vec<f64> = (first..=last).map(|i| self.merit(rounding, quantum(i))).collect();
         let merit = |i: usize| merits[i - first];
         let is_peak =
