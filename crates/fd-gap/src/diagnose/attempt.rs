@@ -105,7 +105,7 @@ impl<'a> Attempt<'a> {
     ) -> Result<Self, FitError> {
         let Prepared { mut model, null, noise } = prepare(case, horizon)?;
         let nominal = case.nominal;
-        let mut found = search(null, nominal, &offers.simulated, settings, monitor)?;
+        let mut found = search(null, (nominal, &model), &offers.simulated, settings, monitor)?;
         refine(nominal, &mut model, &mut found.null, &mut found.trials)?;
         let seek = |found: &Found<'a>, weighing: &Weighing<'a>| {
             let (suspects, null, lines) = (case.suspects, &found.null, found.lines.as_slice());

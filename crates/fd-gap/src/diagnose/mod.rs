@@ -21,6 +21,7 @@
 mod answer;
 mod attempt;
 mod case;
+mod command;
 mod explain;
 mod feedback;
 mod held_out;

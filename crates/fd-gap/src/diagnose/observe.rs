@@ -6,7 +6,7 @@ use super::{prepare::KnownNoise, result::Estimate};
 use crate::{
     effect::{Candidate, Kind, Observation, SiteRef},
     evidence::{DECADES, NoisePrior, likelihood},
-    quality::{Autoregression, interval_log_likelihood, outlier_mixture},
+    quality::{Autoregression, HeavyTails, heavy_tails, interval_log_likelihood, outlier_mixture},
 };
 
 /// A grid above this many times the noise is a matter of the sensor, not of the file.
@@ -18,6 +18,8 @@ const ON_GRID: f64 = 10.0;
 const HIGHEST_ORDER: usize = 12;
 /// … and least innovation with which it is white.
 const WHITE: f64 = 0.95;
+/// Degrees of freedom of heavy tails.
+const FREEDOMS: [f64; 4] = [3.0, 4.0, 6.0, 10.0];
 
 /// What a cause makes of the errors of a simulation.
 #[derive(Clone, Debug)]
@@ -45,22 +47,27 @@ pub(super) fn observe(
     let signals = errors.get(*output)?;
     let prior = noise.priors(is_coloured)[*output];
     let sigma = noise.sigma[*output];
-    let (gain, given, value, error) = match kind {
+    let (gain, given, values) = match kind {
         Observation::Quantised => {
             let step = noise.grids[*output].filter(|step| COARSE * sigma < *step)?;
-            (rounded(signals, prior.coloured(false), step / sigma), ON_GRID, step, 0.0)
+            (rounded(signals, prior.coloured(false), step / sigma), ON_GRID, vec![[step, 0.0]])
         }
         Observation::Outliers => {
             let [gain, share, error] = outliers(signals, prior)?;
-            (gain, 0.0, share, error)
+            (gain, 0.0, vec![[share, error]])
         }
         Observation::Noise => {
             noise.stated[*output]?;
             let [gain, value, error] = stronger(signals, prior)?;
-            (gain, 0.0, sigma * value, sigma * error)
+            (gain, 0.0, vec![[sigma * value, sigma * error]])
+        }
+        Observation::HeavyTails => {
+            noise.stated[*output]?;
+            let (gain, [value, error], freedom) = heavier(signals, prior)?;
+            (gain, 0.0, vec![[sigma * value, sigma * error], freedom])
         }
     };
-    let parameters = candidate.parameters.iter().map(|p| Estimate {
+    let parameters = candidate.parameters.iter().zip(values).map(|(p, [value, error])| Estimate {
         name: p.name.clone(),
         unit: p.unit.clone(),
         value,
@@ -137,21 +144,58 @@ fn outliers(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
 
 /// Noise of any size above the stated one: gain, what comes on top of it, its standard error.
 fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
-    // What is stronger and slow is another effect, not noise.
-    let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    if Autoregression::fit(&slices, HIGHEST_ORDER).innovation() < WHITE {
+    if is_slow(signals) {
         return None;
     }
     let free = NoisePrior { spread: 1e3, ..prior };
     let (free, held) = (gaussian(signals, free), gaussian(signals, prior));
     let scale = *free.scale.first()?;
+    let extra = extra(scale, prior)?;
+    let error = scale * scale / extra / (2.0 * count(signals)).sqrt();
+    Some([free.log - held.log + free_size(prior), extra, error])
+}
+
+/// What is stronger and slow is another effect, not noise.
+fn is_slow(signals: &[Vec<f64>]) -> bool {
+    let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
+    Autoregression::fit(&slices, HIGHEST_ORDER).innovation() < WHITE
+}
+
+/// What comes on top of the expected noise; `None` where there is nothing.
+fn extra(scale: f64, prior: NoisePrior) -> Option<f64> {
     let expected = prior.centre.exp();
-    if scale <= expected {
+    (expected < scale).then(|| (scale * scale - expected * expected).sqrt())
+}
+
+/// A log-uniform size instead of a log-normal one: the same curvature, another height of the prior.
+fn free_size(prior: NoisePrior) -> f64 {
+    (prior.spread * (2.0 * PI).sqrt()).ln() - DECADES.ln()
+}
+
+/// Noise of any size above the stated one, with heavy tails: gain, what comes on top of the stated
+/// noise and degrees of freedom, both with standard errors.
+fn heavier(signals: &[Vec<f64>], prior: NoisePrior) -> Option<(f64, [f64; 2], [f64; 2])> {
+    if is_slow(signals) {
         return None;
     }
-    // Log-uniform instead of log-normal: the same curvature, another height of the prior.
-    let occam = (prior.spread * (2.0 * PI).sqrt()).ln() - DECADES.ln();
-    let extra = (scale * scale - expected * expected).sqrt();
-    let error = scale * scale / extra / (2.0 * count(signals)).sqrt();
-    Some([free.log - held.log + occam, extra, error])
+    let held = gaussian(signals, prior).log;
+    let errors: Vec<f64> = signals.iter().flatten().copied().filter(|e| e.is_finite()).collect();
+    let found: Vec<HeavyTails> =
+        FREEDOMS.iter().filter_map(|freedom| heavy_tails(&errors, *freedom)).collect();
+    let best = found.iter().max_by(|a, b| a.log.total_cmp(&b.log))?;
+    let extra = extra(best.deviation(), prior)?;
+    // Each number of degrees of freedom is as likely as the other.
+    let weights: Vec<f64> = found.iter().map(|tails| (tails.log - best.log).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let mean = |value: &dyn Fn(f64) -> f64| {
+        found.iter().zip(&weights).map(|(f, w)| w / total * value(f.freedom)).sum::<f64>()
+    };
+    let freedom = mean(&|freedom| freedom);
+    let spread = mean(&|other| (other - freedom).powi(2)).sqrt();
+    let gain = best.log + (total / FREEDOMS.len() as f64).ln() - held + free_size(prior);
+    // Fisher's information of ln s is 2ν/(ν + 3) per sample.
+    let HeavyTails { freedom: nu, .. } = best;
+    let error =
+        best.deviation().powi(2) / extra * ((nu + 3.0) / (2.0 * nu * count(signals))).sqrt();
+    Some((gain, [extra, error], [freedom, spread]))
 }

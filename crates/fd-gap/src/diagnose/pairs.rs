@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::{
     answer::Answer,
+    command::Command,
     misfit::CATCH_ALL,
     monitor::{Monitor, Stage},
     observe::{Observed, observe},
@@ -118,10 +119,11 @@ fn beside(
             None => second,
         })
         .collect();
+    let commands = Command::all(nominal, &first.model, &base, &candidates);
     let mut trials: Vec<Trial<'_>> = Vec::with_capacity(candidates.len());
     for (index, candidate) in candidates.iter().enumerate() {
         if let Ok(mut trial) = Trial::new(nominal, candidate, index, &base) {
-            trial.screen(&base, &projection, lines);
+            trial.screen(&base, &projection, lines, Command::of_candidate(&commands, candidate));
             trials.push(trial);
         }
     }

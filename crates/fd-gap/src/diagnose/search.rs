@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::{
+    command::Command,
     leftover::COLOURED,
     monitor::{Monitor, Stage},
     prepare::KnownNoise,
@@ -16,6 +17,7 @@ use crate::{
     effect::Candidate,
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},
+    model::Model,
     quality::spectral_peaks,
     simulate::Nominal,
 };
@@ -36,13 +38,14 @@ pub(super) struct Found<'a> {
 
 pub(super) fn search<'a>(
     null: NullFit,
-    nominal: &dyn Nominal,
+    (nominal, model): (&dyn Nominal, &Model),
     candidates: &'a [Candidate],
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Found<'a>, FitError> {
     let projection = Projection::new(&null.problem, &null.minimum).ok_or(FitError::Diverged)?;
     let lines = lines(&null)?;
+    let commands = Command::all(nominal, model, &null, candidates);
     monitor.begin(Stage::Screen, candidates.len());
     let tried: Vec<Result<Trial<'a>, NotTested>> = candidates
         .par_iter()
@@ -52,7 +55,8 @@ pub(super) fn search<'a>(
             let tried =
                 Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
             let screened = tried.map(|mut trial| {
-                trial.screen(&null, &projection, &lines);
+                let command = Command::of_candidate(&commands, candidate);
+                trial.screen(&null, &projection, &lines, command);
                 trial
             });
             monitor.advance();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::prepare::with_step;
+use super::{command::Command, prepare::with_step};
 use crate::{
     effect::{Candidate, EffectParameter},
     fit::{
@@ -40,7 +40,10 @@ const FAR_BELOW: f64 = 200.0;
 /// A candidate whose sum of squares is above this multiple of the best is out of reach.
 const OUT_OF_REACH: f64 = 1.2;
 
-/// Where outputs jump with the strength, the best of a grid is refined so often …
+/// Fewest and most eighths of a quantum per peak of a command that are tried where its
+/// [`Command`] is not known.
+const EIGHTHS: [u16; 2] = [64, 480];
+/// The best quantum is refined so often …
 const ROUGH_ROUNDS: usize = 2;
 /// … with so many points on either side, up to its neighbour.
 const ROUGH_POINTS: i32 = 8;
@@ -94,16 +97,33 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz.
-    pub(super) fn screen(&mut self, null: &NullFit, projection: &Projection<'_>, lines: &[f64]) {
-        let starts = self.starts(lines);
+    /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz, and
+    /// `command` is that of the input of the candidate.
+    pub(super) fn screen(
+        &mut self,
+        null: &NullFit,
+        projection: &Projection<'_>,
+        lines: &[f64],
+        command: Option<&Command>,
+    ) {
+        let mut starts = self.starts(lines);
+        if let Some(rounding) = self.candidate.rounding {
+            let peak = self.candidate.parameters[0].scale;
+            let quanta = command.map_or_else(
+                || (EIGHTHS[0]..=EIGHTHS[1]).map(|n| 8.0 * peak / f64::from(n)).collect(),
+                |command| command.quanta(rounding, peak),
+            );
+            starts.extend(quanta.into_iter().map(|quantum| vec![quantum]));
+        }
         self.score(null, projection, &starts);
-        if self.candidate.is_rough {
+        if self.candidate.rounding.is_some() {
             for _ in 0..ROUGH_ROUNDS {
                 let Some((_, best)) = self.scored.first() else { return };
                 let ratio = |(_, other): &(Score, Vec<f64>)| (other[0] / best[0] - 1.0).abs();
                 let others = self.scored.iter().skip(1).map(ratio).filter(|r| 0.0 < *r);
-                let half_width = others.fold(f64::INFINITY, f64::min).min(0.5);
+                // An eighth of a quantum at the peak, or as far as the next one that was tried.
+                let eighth = 0.125 * best[0] / self.candidate.parameters[0].scale;
+                let half_width = others.fold(eighth, f64::min);
                 let near = (-ROUGH_POINTS..=ROUGH_POINTS).filter(|i| *i != 0).map(|i| {
                     let factor = 1.0 + half_width * f64::from(i) / f64::from(ROUGH_POINTS + 1);
                     self.scaled(best, factor)
@@ -178,7 +198,7 @@ impl<'a> Trial<'a> {
     fn amplitudes(&self, start: &[f64]) -> [f64; 2] {
         // A limit that is moved a little may cut off nothing at all.
         let is_limit = self.candidate.parameters.iter().any(|p| p.is_strength && p.is_reciprocal);
-        if self.candidate.is_rough || is_limit {
+        if self.candidate.rounding.is_some() || is_limit {
             return [1.0, 1.0];
         }
         let mut range = [-AMPLITUDE, AMPLITUDE];

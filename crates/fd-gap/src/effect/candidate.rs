@@ -107,9 +107,10 @@ pub struct Candidate {
     /// A parameter, in Hz, that is better started at the peaks of the spectrum of the residual; the
     /// `starts` hold a coarse grid in its place.
     pub spectral: Option<usize>,
-    /// Whether outputs jump as the strength changes, so that it is searched and not followed by
-    /// slopes: `starts` are a fine grid, and lie at the same ratio.
-    pub is_rough: bool,
+    /// The first parameter is the quantum that an input is rounded to, and its scale the largest
+    /// input: outputs jump as it changes, so that it is searched before it is fitted. `starts` hold
+    /// the coarse ones.
+    pub rounding: Option<Rounding>,
 }
 
 impl Candidate {
@@ -130,6 +131,35 @@ pub enum Kind {
     Observation(Observation),
 }
 
+/// How a command becomes a multiple of a quantum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// To the nearest multiple.
+    Nearest,
+    /// The rest is cut off, as where a number is stored as an integer.
+    TowardsZero,
+}
+
+impl Rounding {
+    /// The multiple of the quantum.
+    ///
+    /// ```
+    /// use fd_gap::effect::Rounding;
+    ///
+    /// assert_eq!(Rounding::Nearest.apply(-0.7, 0.5), -0.5);
+    /// assert_eq!(Rounding::TowardsZero.apply(-0.9, 0.5), -0.5);
+    /// ```
+    #[must_use]
+    pub fn apply(self, u: f64, quantum: f64) -> f64 {
+        let steps = u / quantum;
+        quantum
+            * match self {
+                Self::Nearest => (steps + 0.5).floor(),
+                Self::TowardsZero => steps.trunc(),
+            }
+    }
+}
+
 /// What is wrong with the noise of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observation {
@@ -139,6 +169,9 @@ pub enum Observation {
     Outliers,
     /// The noise is stronger than stated; `parameters` has its standard deviation.
     Noise,
+    /// The noise is stronger than stated and far from Gaussian; `parameters` has its standard
+    /// deviation and the degrees of freedom of Student's distribution.
+    HeavyTails,
 }
 
 /// Side of the plant.

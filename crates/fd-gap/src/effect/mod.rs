@@ -22,7 +22,8 @@ mod units;
 
 pub use self::{
     candidate::{
-        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Side, SiteRef,
+        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding, Side,
+        SiteRef,
     },
     default_sites::with_default_sites,
     scales::{ForceScale, ReplayScales, SignalScale},

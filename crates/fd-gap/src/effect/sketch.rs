@@ -4,7 +4,9 @@ mod equations;
 mod sites;
 
 use super::{
-    candidate::{Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Side, SiteRef},
+    candidate::{
+        Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding, Side, SiteRef,
+    },
     scales::{ForceScale, ReplayScales},
 };
 use crate::{
@@ -128,7 +130,7 @@ impl<'a> Sketch<'a> {
                 parameters: Vec::new(),
                 starts: Vec::new(),
                 spectral: None,
-                is_rough: false,
+                rounding: None,
             },
             patch,
             bound: Vec::new(),
@@ -253,10 +255,11 @@ impl<'a> Sketch<'a> {
         self
     }
 
-    /// Says that outputs jump as the strength changes: starts are a fine grid.
+    /// Says that the first parameter is a quantum that the input is rounded to, with the largest
+    /// input for its scale.
     #[must_use]
-    pub fn rough(mut self) -> Self {
-        self.candidate.is_rough = true;
+    pub fn rounding(mut self, rounding: Rounding) -> Self {
+        self.candidate.rounding = Some(rounding);
         self
     }
 

@@ -155,7 +155,7 @@ impl Problem {
     }
 
     /// Parameters of the simulator.
-    fn parameters(&self, z: &[f64]) -> Vec<f64> {
+    pub(crate) fn parameters(&self, z: &[f64]) -> Vec<f64> {
         let mut theta = self.theta.clone();
         let variables = self.plan.shared.iter().chain(&self.effects);
         for ((variable, &place), z) in variables.zip(&self.shared_places).zip(z) {

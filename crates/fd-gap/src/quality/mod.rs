@@ -14,7 +14,9 @@ pub(crate) use self::spectrum::transform;
 pub use self::{
     autoregression::Autoregression,
     channel::grid_step,
-    distribution::{OutlierMixture, interval_log_likelihood, outlier_mixture},
+    distribution::{
+        HeavyTails, OutlierMixture, heavy_tails, interval_log_likelihood, outlier_mixture,
+    },
     finding::{Defect, Finding, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},

@@ -70,7 +70,7 @@ pub(crate) fn candidate(
         parameters: vec![parameter],
         starts: starts.iter().map(|start| vec![*start]).collect(),
         spectral: None,
-        is_rough: false,
+        rounding: None,
     }
 }
 

@@ -71,6 +71,24 @@ fn effects_of_the_measurement_are_named() {
     assert!(diagnosis.not_tested.iter().any(|n| n.label == "sensor-quantisation"));
 }
 
+/// All errors from one distribution with heavy tails are no outliers among good ones.
+#[test]
+fn heavy_tails_are_told_from_outliers() {
+    let clean = log(&example("mass_spring_damper"));
+    let normal = WhiteNoise::new(1.0, 6).values(4 * 600).unwrap();
+    // Student's distribution with three degrees of freedom.
+    let heavy = |k: usize| {
+        let [z, rest @ ..] = [0, 1, 2, 3].map(|i| normal[4 * k + i]);
+        z / (rest.iter().map(|z| z * z).sum::<f64>() / 3.0).sqrt()
+    };
+    let diagnosis = run(measured(&clean, |k, y| y + 0.001 * heavy(k)));
+    let first = &diagnosis.causes[0];
+    assert_eq!(diagnosis.verdict, Verdict::Cause);
+    assert_eq!((first.label, first.law), ("sensor-noise", "heavy-tailed"));
+    let freedom = &first.parameters[1];
+    assert!(freedom.value < 6.0, "{freedom:?}");
+}
+
 #[test]
 fn a_cause_that_the_library_lacks_is_none_of_these() {
     let mut patch = Patch::of(&example("mass_spring_damper"));

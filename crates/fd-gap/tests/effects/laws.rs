@@ -145,6 +145,7 @@ fn actuator_curves_are_as_their_names_say() {
     arrives("input-saturation", "tanh", &[0.8], &mut |u| (0.8 * u).tanh() / 0.8);
     arrives("input-saturation", "soft", &[0.8, 2.0], &mut |u| u / (0.64 * u * u + 1.0).sqrt());
     arrives("input-quantisation", "round", &[0.25], &mut |u| (4.0 * u).round() / 4.0);
+    arrives("input-quantisation", "towards-zero", &[0.25], &mut |u| (4.0 * u).trunc() / 4.0);
     let mut played = 0.0;
     arrives("input-backlash", "play", &[0.3], &mut |u| {
         played = f64::clamp(played, u - 0.3, u + 0.3);

@@ -2,16 +2,16 @@
 
 use super::each_input;
 use crate::{
-    effect::{Effect, Offers, ReplayScales},
+    effect::{Effect, Offers, ReplayScales, Rounding},
     model::Model,
 };
 
-/// Fewest and most eighths of a quantum per peak of the input that are tried: some quantum is never
-/// more than a sixteenth of a step off at the peak, where the response to a wrong one is lost.
-const EIGHTHS: [u16; 2] = [12, 480];
+/// Fewest and most eighths of a quantum per peak of the input from which to start: some quantum is
+/// never more than a sixteenth of a step off at the peak, where the response to a wrong one is lost.
+const EIGHTHS: [u16; 2] = [12, 64];
 
-/// The command is rounded to multiples of `q`. Outputs are not smooth in `q`: search, do not
-/// differentiate.
+/// The command is rounded to multiples of `q`: to the nearest, or towards zero. Outputs are not
+/// smooth in `q`: search, do not differentiate.
 #[derive(Clone, Copy, Debug)]
 pub struct InputQuantisation;
 
@@ -26,13 +26,19 @@ impl Effect for InputQuantisation {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_input(self, nominal, scales, |sketch, input| {
-            vec![
-                sketch("round")
+            let law = |name, rounding, template| {
+                sketch(name)
                     .strength("q", "quantum", &input.unit, input.peak(), [0.0, 1.0])
                     .bind("Q", 1e-9 * input.peak())
-                    .wrap_input("if(q > Q, q*floor(u/max(q, Q) + 0.5), u)")
+                    .wrap_input(template)
                     .starts(quanta().map(|quantum| [quantum]))
-                    .rough(),
+                    .rounding(rounding)
+            };
+            let nearest = "if(q > Q, q*floor(u/max(q, Q) + 0.5), u)";
+            let towards_zero = "if(q > Q, q*sign(u)*floor(abs(u)/max(q, Q)), u)";
+            vec![
+                law("round", Rounding::Nearest, nearest),
+                law("towards-zero", Rounding::TowardsZero, towards_zero),
             ]
         })
     }

@@ -13,7 +13,11 @@ pub struct SensorQuantisation;
 #[derive(Clone, Copy, Debug)]
 pub struct SensorOutliers;
 
-/// The noise is stronger than stated.
+/// Fewest and most degrees of freedom of heavy tails: fewer have no variance, more no tails.
+const FREEDOM: [f64; 2] = [3.0, 10.0];
+
+/// The noise is stronger than stated: white and Gaussian, or with the heavy tails of Student's
+/// distribution.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorNoise;
 
@@ -70,21 +74,27 @@ impl Effect for SensorNoise {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let offers = scales.outputs.iter().enumerate().map(|(i, output)| {
+        let laws = [("white", Observation::Noise), ("heavy-tailed", Observation::HeavyTails)];
+        let offers = scales.outputs.iter().enumerate().flat_map(|(i, output)| {
             let stated = nominal.outputs[i].noise.filter(|noise| *noise > 0.0);
-            Sketch::of_output(self, "white", nominal, scales, i)
-                .require(stated.is_some() || output.moves(), super::STILL)
-                // Beyond what is stated, as the root of the difference of the variances.
-                .strength(
-                    "s",
-                    "extra_noise",
-                    &output.unit,
-                    stated.unwrap_or(0.01 * output.std),
-                    [0.0, 1e3],
-                )
-                .observation(Observation::Noise)
-                .starts([[1.0]])
-                .finish()
+            laws.map(|(law, observation)| {
+                let scale = stated.unwrap_or(0.01 * output.std);
+                let sketch = Sketch::of_output(self, law, nominal, scales, i)
+                    .require(stated.is_some() || output.moves(), super::STILL)
+                    // Beyond what is stated, as the root of the difference of the variances.
+                    .strength("s", "extra_noise", &output.unit, scale, [0.0, 1e3])
+                    .observation(observation);
+                let sketch = match observation {
+                    Observation::HeavyTails => {
+                        let [low, high] = FREEDOM;
+                        sketch
+                            .shape("n", "degrees_of_freedom", "1", 1.0, FREEDOM, high)
+                            .start(&[1.0, low])
+                    }
+                    _ => sketch.start(&[1.0]),
+                };
+                sketch.finish()
+            })
         });
         offers.collect()
     }
