@@ -123,9 +123,13 @@ fn statics() -> Vec<Law> {
             let q = s.strength * s.input().peak;
             input(move |a| q * (a.u / q).round())
         }),
-        law("input-quantisation", "towards-zero", curve, Mismatch, [5e-3, 0.6], |s| {
+        law("input-quantisation", "towards-zero", curve, Matched, [5e-3, 0.6], |s| {
             let q = s.strength * s.input().peak;
             input(move |a| q * (a.u / q).trunc())
+        }),
+        law("input-quantisation", "downwards", curve, Mismatch, [5e-3, 0.6], |s| {
+            let q = s.strength * s.input().peak;
+            input(move |a| q * (a.u / q).floor())
         }),
         Law {
             needs: Needs::Partner,
