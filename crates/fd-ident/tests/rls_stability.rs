@@ -108,8 +108,9 @@ fn every_guarded_estimator_survives_a_million_samples_without_excitation() {
         assert!(largest <= 5.1e5, "{forgetting:?}: {largest}");
         match forgetting {
             Forgetting::Exponential { .. } => of_exponential = distance,
-            // Only directional forgetting also keeps the estimate.
-            Forgetting::Directional { .. } => assert!(distance < 0.1 * of_exponential),
+            // The guard keeps `P`, and nothing that is only rounding moves the estimate much, but
+            // only directional forgetting keeps it where it was.
+            Forgetting::Directional { .. } => assert!(distance < of_exponential),
             _ => {}
         }
     }

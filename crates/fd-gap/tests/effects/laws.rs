@@ -86,17 +86,6 @@ fn actuator_dynamics_are_exact_for_held_inputs() {
             let (t, inverse) = ((t - 0.1).max(0.0), 1.5 * inverse);
             if t < inverse { t * t / (2.0 * inverse) } else { t - inverse / 2.0 }
         });
-        for within in [0.0, 0.3, 1.5] {
-            check(&case, ("input-rate-limit", "slowing", "u"), &[inverse, within], |t| {
-                let t = (t - 0.1).max(0.0);
-                // The full rate as far as `within`, then a lag.
-                let slow = f64::min(within, 1.0);
-                let until = ((1.0 - within) * inverse).clamp(0.0, t);
-                let (way, lag) = (until - until * until / (2.0 * inverse), within * inverse);
-                let rest = if lag > 0.0 { 1.0 - (-(t - until) / lag).exp() } else { 0.0 };
-                t - way - slow * lag * rest
-            });
-        }
     }
 }
 

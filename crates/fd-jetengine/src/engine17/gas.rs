@@ -204,11 +204,12 @@ mod tests {
             prop_assert!((slope * t / gas.cp(t) - 1.0).abs() < 1e-8);
         }
 
-        /// The error of 40 % goes to about 3e-3, 2e-9 and rounding, n · eps.
+        /// The error of 40 % goes to about 3e-3, 2e-9 and rounding, n · eps, as far as the polynomials
+        /// hold: up to some 1800 K.
         #[test]
         fn inverses_invert(t in 250.0..1800.0, far in 0.0..0.04, off in 0.6..1.4) {
             let gas = Gas::<f64>::products(far);
-            let back = gas.temperature_of_enthalpy(gas.enthalpy(t), t * off);
+            let back = gas.temperature_of_enthalpy(gas.enthalpy(t), (t * off).min(1800.0));
             prop_assert!((back / t - 1.0).abs() < 1e-13);
         }
 
