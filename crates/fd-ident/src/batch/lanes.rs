@@ -1,4 +1,9 @@
 //! Numbers side by side in memory, and the registers that compute with them.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
+
 use std::{
     fmt::Debug,
     ops::{Deref, DerefMut},
