@@ -133,7 +133,8 @@ impl<'a> Attempt<'a> {
             Some(white) => white,
             None => Weighing::of(&mut found, &model, &noise, &offers.observed)?,
         };
-        let single = Answer::first(&weighing.causes, &found.trials, &weighing.refitted)
+        let Weighing { causes, refitted, observed, .. } = &weighing;
+        let single = Answer::first(causes, &found.trials, refitted, observed)
             .filter(|single| worth(settings, weighing.causes.len()) < single.log_evidence);
         let mut best = single.unwrap_or_else(|| weighing.refitted.clone());
         let rest =

@@ -208,14 +208,22 @@ impl Duo {
     }
 }
 
+/// A cause of the measurement beside a simulated one.
+#[derive(Debug)]
+pub(super) struct Beside<'a> {
+    pub(super) pair: Pair,
+    pub(super) candidate: &'a Candidate,
+    pub(super) observed: Observed,
+}
+
 /// A cause of the measurement beside the first one, which is part of the `best` explanation.
-pub(super) fn observed_beside(
+pub(super) fn observed_beside<'a>(
     causes: &Ranking,
     best: &Answer,
-    observations: &[Candidate],
+    observations: &'a [Candidate],
     noise: &KnownNoise,
     is_coloured: bool,
-) -> Option<Pair> {
+) -> Option<Beside<'a>> {
     best.fit.as_ref()?;
     let (_, first) = causes.first()?;
     let weighed = observations.iter().filter_map(|candidate| {
@@ -226,12 +234,13 @@ pub(super) fn observed_beside(
     });
     let (candidate, observed) = weighed.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     let second = observed_cause(candidate, &observed, &best.explanation);
-    Some(Pair {
+    let pair = Pair {
         probability: 0.0,
         log_evidence: first.log_evidence + observed.gain,
         gap: second.gap,
         causes: [first.clone(), second],
-    })
+    };
+    Some(Beside { pair, candidate, observed })
 }
 
 /// The pairs that are worth being called so, the best first, with their evidence over that of the
