@@ -6,14 +6,15 @@
 //! * Side by side (`batch`): 64 estimators and 64 samples of each, which fit into a cache. Regressors
 //!   are `given`, n + 1 numbers per sample, or `made` in the lanes from input and bias, 2 numbers.
 //! * A fleet of a million estimators, which does not fit.
-//! * On two cores: a fleet, and 4096 estimators whose samples stay in the shared cache.
+//! * On two cores: a fleet, and 4096 estimators whose samples stay in the shared cache. Beside them two
+//!   threads that share nothing, each with half of the estimators: what the machine has to give.
 //! * What the arithmetic of the machine would allow: fused multiply-adds per second.
 //!
 //! All forget by λ = 0.999, except `dsmc`, which has a random walk of variance zero instead.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
-use std::hint::black_box;
+use std::{hint::black_box, thread, time::Instant};
 
 use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
@@ -41,7 +42,8 @@ const LAMBDA: f64 = 0.999;
 const PRIOR: f64 = 1e2;
 /// Estimators side by side, and samples of each.
 const BATCH: (usize, usize) = (64, 64);
-const MANY: (usize, usize) = (4096, 64);
+/// Enough work, half a millisecond and more, for the waking of a thread to count little.
+const MANY: (usize, usize) = (4096, 256);
 /// A block of samples is as long as its memory allows: 0.8 GB of f64 where regressors are given,
 /// 1 GB where they are made.
 const FLEET: usize = 1_000_000;
@@ -185,32 +187,49 @@ fn batches<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
     group.finish();
 }
 
-/// The same work on one core and on two.
+/// The same work on one core, on two, and by two threads that share nothing.
 fn cores<T: LaneScalar>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
-    (mut batch, block): (BatchRls<T>, SampleBlock<T>),
+    size: (usize, usize),
+    make: impl Fn((usize, usize)) -> (BatchRls<T>, SampleBlock<T>),
 ) {
-    updates(group, (block.estimators(), block.steps()));
+    let (mut batch, block) = make(size);
+    updates(group, size);
     group.bench_function(format!("{name}, one core"), |b| {
         b.iter(|| batch.update(&block).unwrap());
     });
     let two = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     group.bench_function(format!("{name}, two cores"), |b| {
-        b.iter(|| two.install(|| batch.update_on_all_cores(&block).unwrap()));
+        // From within, so that only one thread has to be woken.
+        two.install(|| b.iter(|| batch.update_on_all_cores(&block).unwrap()));
+    });
+    drop((batch, block));
+    let mut halves = [make((size.0 / 2, size.1)), make((size.0 / 2, size.1))];
+    group.bench_function(format!("{name}, two threads apart"), |b| {
+        b.iter_custom(|passes| {
+            let start = Instant::now();
+            thread::scope(|scope| {
+                for (batch, block) in &mut halves {
+                    scope.spawn(move || (0..passes).for_each(|_| _ = batch.update(block).unwrap()));
+                }
+            });
+            start.elapsed()
+        });
     });
 }
 
 fn on_cores<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
     let mut group = c.benchmark_group("rls batch of 4096, n = 5");
-    cores(&mut group, scalar, made::<T>(MANY));
+    cores(&mut group, scalar, MANY, made::<T>);
     group.finish();
     let mut group = c.benchmark_group("rls fleet of 1000000, n = 5");
     // A pass takes a quarter of a second: the fewest passes that criterion allows.
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
-    let estimators = given::<T>(5, (FLEET, STEPS_GIVEN), &design());
-    cores(&mut group, &format!("{scalar} given"), estimators);
-    cores(&mut group, &format!("{scalar} made"), made::<T>((FLEET, STEPS_MADE)));
+    cores(&mut group, &format!("{scalar} given"), (FLEET, STEPS_GIVEN), |size| {
+        given::<T>(5, size, &design())
+    });
+    cores(&mut group, &format!("{scalar} made"), (FLEET, STEPS_MADE), made::<T>);
     group.finish();
 }
 

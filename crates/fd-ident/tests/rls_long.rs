@@ -51,21 +51,22 @@ fn kinds(lambda: f64) -> [Forgetting; 2] {
 /// same guard has it, as far as a condition of 1e7 allows.
 #[test]
 fn excitation_stops_under_exponential_forgetting() {
-    fn stays<T: LaneScalar>(lambda: f64) {
+    // Rounding of single samples adds up in directions that are not seen again.
+    fn stays<T: LaneScalar>(lambda: f64, shares: f64, from_truth: f64) {
         // Ten times the trace of P₀ = 1e4 I, plus rounding.
         let largest = 1.01 * 10.0 * 5.0 * 1e4;
         let forgetting = Forgetting::Exponential { lambda };
         let guard = run::<T>(Input::Stops, forgetting, SAMPLES / 4, |look| {
-            // Rounding of single samples adds up in directions that are not seen again.
-            let allowed = 20.0 * rounding::<T>(&look);
+            let allowed = shares * rounding::<T>(&look);
             assert!(look.from_reference < allowed, "{look:?}, allowed {allowed:e}");
-            assert!(look.variance[1] < largest, "{look:?}");
+            assert!(look.variance[1] < largest && look.from_truth < from_truth, "{look:?}");
         });
         assert!(guard.bounded > 1000);
     }
     for lambda in [0.99, 0.999] {
-        stays::<f64>(lambda);
-        stays::<f32>(lambda);
+        stays::<f64>(lambda, 10.0, 1.0);
+        // In f32 an estimate of no use, but a finite one.
+        stays::<f32>(lambda, 20.0, f64::INFINITY);
     }
 }
 

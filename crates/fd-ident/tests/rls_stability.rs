@@ -107,10 +107,19 @@ fn every_guarded_estimator_survives_a_million_samples_without_excitation() {
         // Trace limit: ten times that of P₀ = 1e4 I for 5 parameters, plus rounding.
         assert!(largest <= 5.1e5, "{forgetting:?}: {largest}");
         match forgetting {
-            Forgetting::Exponential { .. } => of_exponential = distance,
-            // The guard keeps `P`, and nothing that is only rounding moves the estimate much, but
-            // only directional forgetting keeps it where it was.
-            Forgetting::Directional { .. } => assert!(distance < of_exponential),
+            // At the guard the condition κ of the weighted regressors is 1.3e7, where rounding may
+            // move an estimate by n ε κ ‖θ‖ = 11 in f32.
+            Forgetting::Exponential { .. } => {
+                assert!(distance < 11.0, "{distance}");
+                of_exponential = distance;
+            }
+            // Only directional forgetting keeps it where it was: within some standard errors
+            // 0.01/√3 √P, P the variance of parameters that are not seen any more.
+            Forgetting::Directional { .. } => {
+                let scatter = 0.01 / 3.0_f64.sqrt() * largest.sqrt();
+                println!("  standard error {scatter:.3}");
+                assert!(distance < 1.0 && distance < of_exponential, "{distance}");
+            }
             _ => {}
         }
     }

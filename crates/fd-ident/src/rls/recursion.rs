@@ -103,21 +103,34 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         add_scaled(theta, gain * innovation, self.p_phi.as_ref());
     }
 
-    /// Whether forgetting would leave `P` below its limit. Near it the remembered direction `φ` counts
-    /// only where it is more than rounding.
-    fn may_forget(&mut self, lambda: T, phi: &[T]) -> bool {
-        let largest = self.largest_trace * lambda;
-        if self.trace_bound <= largest {
-            return true;
+    /// One step of all kinds but the directional one, with the regressor projected.
+    #[expect(clippy::inline_always, reason = "as part of `update` it needs no detour by memory")]
+    #[inline(always)]
+    fn step(&mut self, noise: T, is_forgetting: bool, innovation: T, theta: &mut [T]) {
+        let scale = if is_forgetting { self.growth } else { T::one() };
+        let inverse = self.covariance.learn(T::one(), noise, scale, self.p_phi.as_mut());
+        self.correct(inverse, innovation, theta);
+        if is_forgetting {
+            self.trace_bound *= self.growth_of_trace;
         }
+    }
+
+    /// The step where the bound of the trace is at the limit, so that forgetting might leave `P` above
+    /// it. Here `φ` counts only where it is more than rounding.
+    ///
+    /// Out of line, for then the usual step has the projected regressor in registers.
+    #[cold]
+    #[inline(never)]
+    fn step_near_limit(&mut self, lambda: T, phi: &[T], innovation: T, theta: &mut [T]) {
         self.covariance.ignore_rounding(phi);
         // The bound may be too large: look at the trace itself.
         self.trace_bound = self.covariance.trace();
-        if self.trace_bound <= largest {
-            return true;
+        let may_forget = self.trace_bound <= self.largest_trace * lambda;
+        if !may_forget {
+            self.report.bounded += 1;
         }
-        self.report.bounded += 1;
-        false
+        let noise = if may_forget { lambda } else { T::one() };
+        self.step(noise, may_forget, innovation, theta);
     }
 
     /// Kulhavý's step: the information along `φ` changes by `w = λ − (1−λ)/φᵀPφ`.
@@ -174,7 +187,6 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
             self.report.skipped += 1;
             return;
         }
-        // One place for most kinds, so that the step is compiled once.
         let (noise, is_forgetting) = match self.forgetting {
             Forgetting::Directional { lambda } => {
                 self.learn_directionally(lambda, energy, innovation, theta);
@@ -182,17 +194,15 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
             }
             Forgetting::None => (T::one(), false),
             Forgetting::Equation18 { alpha } => (alpha, false),
-            Forgetting::Bounded { lambda, .. } => (lambda, true),
-            Forgetting::Exponential { lambda } | Forgetting::Resetting { lambda, .. } => {
-                let may_forget = self.may_forget(lambda, phi);
-                (if may_forget { lambda } else { T::one() }, may_forget)
-            }
+            Forgetting::Bounded { lambda, .. }
+            | Forgetting::Exponential { lambda }
+            | Forgetting::Resetting { lambda, .. } => (lambda, true),
         };
-        let scale = if is_forgetting { self.growth } else { T::one() };
-        let inverse = self.covariance.learn(T::one(), noise, scale, self.p_phi.as_mut());
-        self.correct(inverse, innovation, theta);
-        if is_forgetting {
-            self.trace_bound *= self.growth_of_trace;
+        let is_bounded = matches!(self.forgetting, Forgetting::Bounded { .. });
+        if is_forgetting && !is_bounded && self.largest_trace * noise < self.trace_bound {
+            self.step_near_limit(noise, phi, innovation, theta);
+        } else {
+            self.step(noise, is_forgetting, innovation, theta);
         }
         match self.forgetting {
             Forgetting::Bounded { lambda, variance } => {
