@@ -134,6 +134,9 @@ impl<V: Value> Engine<V> {
 
     /// A lane in which one state is not finite is NaN from then on.
     fn spoil(&mut self) {
+        if self.x.iter().all(Value::all_finite) {
+            return;
+        }
         for lane in 0..V::LANES {
             if self.x.iter().any(|value| !is_finite(value.lane(lane))) {
                 let nan = V::Lane::from_design(f64::NAN);

@@ -19,14 +19,7 @@ use crate::{
 impl<V: Value> Engine<V> {
     /// Writes the outputs.
     pub(super) fn measure(&mut self, t: f64, y: &mut [V]) {
-        fill(&mut self.outputs, (t, self.is_first), &self.x, &self.u, &self.held);
-        self.system.outputs.run(&mut self.outputs, y);
-        for x in &self.x {
-            for y in &mut *y {
-                *y =
-                    y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
-            }
-        }
+        V::vectorized(Measurement { engine: self, t, y });
     }
 
     /// Stores what is to be delayed, and sets the delayed values.
@@ -125,7 +118,30 @@ impl<V: Value> Work<V> for RungeKutta<'_, V> {
     }
 }
 
+/// The outputs at a time.
+struct Measurement<'a, V> {
+    engine: &'a mut Engine<V>,
+    t: f64,
+    y: &'a mut [V],
+}
+
+impl<V: Value> Work<V> for Measurement<'_, V> {
+    #[inline(always)]
+    fn run(self, kernel: impl Kernel<V>) {
+        let Self { engine, t, y } = self;
+        fill(&mut engine.outputs, (t, engine.is_first), &engine.x, &engine.u, &engine.held);
+        engine.system.outputs.run_with(kernel, &mut engine.outputs, y);
+        for x in engine.x.iter().filter(|x| !x.all_finite()) {
+            for y in &mut *y {
+                *y =
+                    y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
+            }
+        }
+    }
+}
+
 /// Sets all fast inputs; `now` is the time and whether it is the first step.
+#[inline(always)]
 fn fill<V: Value>(
     workspace: &mut Workspace<V>,
     (t, is_first): (f64, bool),
@@ -136,13 +152,15 @@ fn fill<V: Value>(
     let (to_now, rest) = workspace.fast_mut().split_at_mut(FIRST_STATE);
     let (to_x, rest) = rest.split_at_mut(x.len());
     let (to_u, to_held) = rest.split_at_mut(u.len());
-    to_now.copy_from_slice(&[t, f64::from(u8::from(is_first))].map(V::constant));
+    to_now[0] = V::constant(t);
+    to_now[1] = V::constant(f64::from(u8::from(is_first)));
     to_x.copy_from_slice(x);
     to_u.copy_from_slice(u);
     to_held.copy_from_slice(held);
 }
 
 /// Moves the inputs on to `at` integration steps after the sample, if they are interpolated.
+#[inline(always)]
 fn interpolate<V: Value>(
     system: &System,
     workspace: &mut Workspace<V>,
