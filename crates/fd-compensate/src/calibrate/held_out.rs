@@ -16,17 +16,17 @@ use super::{
 };
 use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::DrivenRows};
 
-/// Parts that the stretches are dealt into; each is judged by a detector learned from the others.
+/// Parts that the record is dealt into; each is judged by a detector learned from the others.
 const FOLDS: usize = 5;
 
 /// A detector that `learn` makes from the fault-free record, and the threshold at which it keeps the wanted
 /// rate of false alarms on *other* runs. The threshold that `learn` sets plays no part.
 ///
 /// What a detector has learned fits the samples it has learned from better than any others, so
-/// [`calibrate`](super::calibrate) on these samples promises too much. Here the record is cut into stretches
-/// that are long against their memory and lie each within one run; they are dealt into five parts, and each
-/// part is judged by a detector learned from the other four (cross-conformal prediction, Vovk 2015). Then, of
-/// `n` stretches,
+/// [`calibrate`](super::calibrate) on these samples promises too much. Here the runs are dealt into five parts,
+/// or cut into five where they are fewer, and each part is judged by a detector learned from the other four
+/// (cross-conformal prediction, Vovk 2015). What counts is a stretch: a run, or a piece of one that is long
+/// against its memory. Of `n` stretches,
 ///
 /// * [`FalseAlarms::PerRun`] takes the threshold that at most `probability (n + 1)` of their peaks
 ///   reach (Vovk, Gammerman & Shafer 2005, section 2.2);
@@ -112,9 +112,14 @@ where
         FalseAlarms::PerSample { .. } => block,
         FalseAlarms::PerRun { samples: run, .. } => run.min(samples / LEAST_BLOCKS).max(block),
     };
-    let stretches: Vec<Range<usize>> = healthy.runs().flat_map(|run| pieces(run, length)).collect();
+    let mut stretches: Vec<Stretch> = parts(healthy)
+        .flat_map(|(fold, part)| {
+            pieces(part, length).map(move |of| Stretch { of, fold, values: Vec::new() })
+        })
+        .collect();
     let n = stretches.len();
-    if n < LEAST_BLOCKS {
+    let independent: usize = healthy.runs().map(|run| (run.len() / length).max(1)).sum();
+    if independent < LEAST_BLOCKS {
         let needed = LEAST_BLOCKS * length;
         let short = CalibrationError::TooShort { samples, block: length, needed };
         return Err(memory.map_or(CalibrationError::Drift { samples }, |_| short).into());
@@ -133,18 +138,18 @@ where
         let needed = whole(rate.recip().ceil()) - 1;
         return Err(CalibrationError::TooFewStretches { rate, needed, found: n }.into());
     }
-    let held_out = held_out(healthy, &stretches, plan.debouncing, learn)?;
+    judge(healthy, &mut stretches, plan.debouncing, learn)?;
     let rule = |of: &[&Stretch]| match wanted {
         FalseAlarms::PerSample { .. } => per_sample(of, rate),
         FalseAlarms::PerRun { .. } => per_run(of, rate),
     };
-    let threshold = rule(&held_out.iter().collect::<Vec<_>>());
+    let threshold = rule(&stretches.iter().collect::<Vec<_>>());
     let mut random = Xoshiro256PlusPlus::seed_from_u64(plan.seed);
     let mut resampled: Vec<f64> = (0..plan.records)
         .map(|_| {
             // Drawn as u64, so that the same seed means the same on every machine.
             let draw = |_| usize::try_from(random.random_range(0..n as u64)).unwrap_or(0);
-            rule(&(0..n).map(draw).map(|i| &held_out[i]).collect::<Vec<_>>())
+            rule(&(0..n).map(draw).map(|i| &stretches[i]).collect::<Vec<_>>())
         })
         .collect();
     resampled.sort_unstable_by(f64::total_cmp);
@@ -165,9 +170,11 @@ where
     Ok((detector, found))
 }
 
-/// Statistics of a stretch by a detector that has not seen it.
+/// Samples within a run, judged by a detector that has not seen them.
 struct Stretch {
-    /// In ascending order; those before the debouncing window holds enough samples are minus infinity.
+    of: Range<usize>,
+    fold: usize,
+    /// The statistics in ascending order; those before the debouncing window holds enough samples are minus infinity.
     values: Vec<f64>,
 }
 
@@ -189,35 +196,42 @@ fn pieces(run: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>
     (0..count).map(move |i| at(i)..at(i + 1))
 }
 
-/// Each stretch, judged by a detector learned from the other parts.
-fn held_out<D: Detector<f64>, E>(
+/// The parts of the record with the fold of each: whole runs, or contiguous parts of runs that are too few. Few
+/// seams matter more than even folds: what remembers starts anew at each.
+fn parts(healthy: DrivenRows<'_>) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let whole = healthy.runs().count() >= FOLDS;
+    healthy.runs().enumerate().flat_map(move |(i, run)| {
+        let length = if whole { run.len() } else { run.len() / FOLDS };
+        pieces(run, length).enumerate().map(move |(j, part)| ((i + j) % FOLDS, part))
+    })
+}
+
+/// Judges each stretch by a detector learned from the other folds.
+fn judge<D: Detector<f64>, E>(
     healthy: DrivenRows<'_>,
-    stretches: &[Range<usize>],
+    stretches: &mut [Stretch],
     debouncing: Debouncing,
     learn: impl Fn(DrivenRows<'_>) -> Result<D, E>,
-) -> Result<Vec<Stretch>, E> {
-    let mut judged: Vec<Stretch> =
-        stretches.iter().map(|_| Stretch { values: Vec::new() }).collect();
+) -> Result<(), E> {
     for fold in 0..FOLDS {
-        let is_held = |i: usize| i % FOLDS == fold;
-        let others = stretches.iter().enumerate().filter(|(i, _)| !is_held(*i)).map(|(_, s)| s);
-        let mut detector = learn(healthy.select(others).rows())?;
+        let others = stretches.iter().filter(|stretch| stretch.fold != fold);
+        let mut detector = learn(healthy.select(others.map(|stretch| &stretch.of)).rows())?;
         for run in healthy.runs() {
-            let own = |s: &Range<usize>| run.start <= s.start && s.end <= run.end;
-            let held = |i: usize, s: &Range<usize>| is_held(i) && own(s);
-            if !stretches.iter().enumerate().any(|(i, s)| held(i, s)) {
+            let own = |of: &Range<usize>| run.start <= of.start && of.end <= run.end;
+            let mut held = stretches.iter_mut().filter(|s| s.fold == fold && own(&s.of)).peekable();
+            if held.peek().is_none() {
                 continue;
             }
             // From the beginning of the run, as in use.
             let values = statistics(&mut detector, healthy, run.clone(), debouncing);
-            for (i, stretch) in stretches.iter().enumerate().filter(|(i, s)| held(*i, s)) {
-                let mut own = values[stretch.start - run.start..stretch.end - run.start].to_vec();
-                own.sort_unstable_by(f64::total_cmp);
-                judged[i].values = own;
+            for stretch in held {
+                let own = stretch.of.start - run.start..stretch.of.end - run.start;
+                stretch.values = values[own].to_vec();
+                stretch.values.sort_unstable_by(f64::total_cmp);
             }
         }
     }
-    Ok(judged)
+    Ok(())
 }
 
 /// The debounced statistics of a reset detector over a run.
@@ -294,10 +308,11 @@ fn with_one_more(stretches: &[&Stretch], allowed: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::SampleRows;
 
     #[test]
     fn shares_add_up_with_the_largest_once_more() {
-        let stretch = |values: &[f64]| Stretch { values: values.to_vec() };
+        let stretch = |values: &[f64]| Stretch { of: 0..1, fold: 0, values: values.to_vec() };
         let all = [stretch(&[1.0, 2.0, 5.0, 6.0]), stretch(&[1.0, 4.0])];
         let of: Vec<&Stretch> = all.iter().collect();
         // Above 5 lies a quarter of the first, above 4 half of it, above 2 half of the second too, above 1
@@ -315,5 +330,12 @@ mod tests {
         let cut = |run, length| pieces(run, length).collect::<Vec<_>>();
         assert_eq!(cut(10..20, 3), [10..13, 13..16, 16..20]);
         assert_eq!(cut(10..20, 30), vec![10..20]);
+        let values = [0.0; 23];
+        let rows = DrivenRows::from(SampleRows::new(1, &values).unwrap());
+        let folds: Vec<_> = parts(rows).collect();
+        assert_eq!(folds, [(0, 0..4), (1, 4..9), (2, 9..13), (3, 13..18), (4, 18..23)]);
+        let starts = [3, 6, 9, 12, 15];
+        let folds: Vec<_> = parts(rows.in_runs(&starts).unwrap()).map(|(fold, _)| fold).collect();
+        assert_eq!(folds, [0, 1, 2, 3, 4, 0]);
     }
 }
