@@ -72,7 +72,8 @@ impl<V: Value> Engine<V> {
         }
     }
 
-    /// One step of Runge-Kutta of order 4.
+    /// One step of Runge-Kutta of order 4. Loops are written out: an iterator that is not inlined is
+    /// compiled for the smallest machine.
     #[inline(always)]
     fn runge_kutta(&mut self, kernel: impl Kernel<V>, t: f64, at: f64) {
         let system = &*self.system;
@@ -84,22 +85,21 @@ impl<V: Value> Engine<V> {
                 let length = V::constant(fraction * h);
                 let fast = self.rates.fast_mut();
                 fast[0] = V::constant(t + fraction * h);
-                for ((to, x), slope) in
-                    fast[FIRST_STATE..].iter_mut().zip(&self.x).zip(&self.k[stage - 1])
-                {
-                    kernel.mul_add(to, &length, slope, x);
+                let (to, slope) = (&mut fast[FIRST_STATE..], &self.k[stage - 1]);
+                for i in 0..system.nx {
+                    kernel.mul_add(&mut to[i], &length, &slope[i], &self.x[i]);
                 }
             }
             system.rates.run_with(kernel, &mut self.rates, &mut self.k[stage]);
         }
         let (sixth, two) = (V::constant(h / 6.0), V::constant(2.0));
         let [k1, k2, k3, k4] = &self.k;
-        for ((((x, k1), k2), k3), k4) in self.x.iter_mut().zip(k1).zip(k2).zip(k3).zip(k4) {
-            let (before, mut sum, mut more) = (*x, *k1, *k1);
-            kernel.add(&mut more, k2, k3);
-            kernel.mul_add(&mut sum, &two, &more, k1);
-            kernel.add(&mut more, &sum, k4);
-            kernel.mul_add(x, &sixth, &more, &before);
+        for i in 0..system.nx {
+            let (before, mut sum, mut more) = (self.x[i], k1[i], k1[i]);
+            kernel.add(&mut more, &k2[i], &k3[i]);
+            kernel.mul_add(&mut sum, &two, &more, &k1[i]);
+            kernel.add(&mut more, &sum, &k4[i]);
+            kernel.mul_add(&mut self.x[i], &sixth, &more, &before);
         }
     }
 }
