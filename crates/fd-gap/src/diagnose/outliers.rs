@@ -190,8 +190,10 @@ mod tests {
             prop_assert!(bursts(&[places]) < 12.0);
         }
 
+        /// Four of five follow another; independent ones would at most in 42 % of the cases (every
+        /// sixth sample wrong): 22 at least.
         #[test]
-        fn five_in_a_row_are_bursts(apart in 20_usize..100) {
+        fn five_in_a_row_are_bursts(apart in 30_usize..100) {
             let places: Vec<bool> = (0..1000).map(|k| k % apart < 5).collect();
             prop_assert!(20.0 < bursts(&[places]));
         }

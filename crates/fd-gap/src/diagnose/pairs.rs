@@ -34,6 +34,9 @@ const HOPEFUL: usize = 6;
 /// Second causes of each first one that are fitted to the end.
 const FINALISTS: usize = 3;
 
+/// Best pairs that single causes learn from.
+const TEACHERS: usize = 4;
+
 /// Evidence over that of the best single cause from which a second cause is accepted.
 pub(super) const PAIR: f64 = 5.0;
 /// Rivals of the best pair that are refitted to its simulation.
@@ -92,6 +95,26 @@ pub(super) fn seek_pairs(
         }
     }
     kept
+}
+
+/// Fits single causes from where the best pairs have them: one of two may be next to nothing, and the
+/// other have found beside it what it did not find alone. Says whether any came out better.
+pub(super) fn learn(trials: &mut [Trial<'_>], duos: &[Duo], null: &NullFit) -> bool {
+    let known: Vec<(&Candidate, Vec<f64>)> =
+        duos.iter().take(TEACHERS).flat_map(Duo::values_of_members).collect();
+    let learn = |trial: &mut Trial<'_>| {
+        let is_better = known
+            .iter()
+            .filter(|(member, _)| is_same(member, trial.candidate))
+            .filter(|(member, _)| member.law == trial.candidate.law)
+            .filter(|(_, values)| trial.warm_start(null, values))
+            .count();
+        if 0 < is_better {
+            trial.full_fit(null);
+        }
+        0 < is_better
+    };
+    trials.par_iter_mut().map(learn).reduce(|| false, |a, b| a | b)
 }
 
 /// The best second causes beside a first one.
@@ -200,6 +223,14 @@ impl Duo {
         let [a, b] = &self.members;
         let [c, d] = &other.members;
         is_same(a, c) && is_same(b, d) || is_same(a, d) && is_same(b, c)
+    }
+
+    /// Both causes with the values of their parameters.
+    fn values_of_members(&self) -> [(&Candidate, Vec<f64>); 2] {
+        let [first, second] = &self.members;
+        let mut values = self.problem.effect_values(&self.best.z);
+        let of_second = values.split_off(first.parameters.len());
+        [(first, values), (second, of_second)]
     }
 
     /// The answer that it gives; `None` when it diverges.

@@ -62,12 +62,7 @@ pub(super) fn refine(
 
 /// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted
 /// problem change with another model.
-fn change(
-    nominal: &dyn Nominal,
-    other: &Model,
-    problem: &Problem,
-    at: &Minimum,
-) -> Option<f64> {
+fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, at: &Minimum) -> Option<f64> {
     let ts = problem.simulator().ts();
     let simulator = nominal.patched(other, ts).ok()?;
     let (plan, weights) = (problem.plan().clone(), problem.weights().clone());

@@ -254,7 +254,8 @@ impl Problem {
     #[must_use]
     pub fn errors_at(&self, at: &Minimum) -> Vec<Vec<Vec<f64>>> {
         let mut raw = vec![0.0; at.r.len()];
-        for (rows, Segment { log, from, to }) in self.layout.segments.iter().zip(&self.plan.segments)
+        for (rows, Segment { log, from, to }) in
+            self.layout.segments.iter().zip(&self.plan.segments)
         {
             let log = &self.plan.logs[*log];
             let length = to - from;

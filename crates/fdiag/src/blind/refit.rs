@@ -102,13 +102,16 @@ impl<'a> Sight<'a> {
         EverySite::new(library(), self.model, self.scales.clone())
     }
 
-    /// The candidates that promise most besides a fit, fitted to the end, the best first.
+    /// The candidates that promise most besides a fit, fitted to the end, the best first; none where
+    /// the equations of that fit are singular.
     pub(super) fn fitted(
         &self,
         candidates: impl Iterator<Item = Candidate>,
         base: &NullFit,
     ) -> Result<Vec<Fitted>, BlindError> {
-        let projection = Projection::new(&base.problem, &base.minimum).ok_or(FitError::Diverged)?;
+        let Some(projection) = Projection::new(&base.problem, &base.minimum) else {
+            return Ok(vec![]);
+        };
         let mut all: Vec<Fitted> = candidates
             .filter_map(|candidate| self.short(candidate, base, &projection).ok()?)
             .collect();

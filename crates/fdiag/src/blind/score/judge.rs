@@ -102,6 +102,7 @@ pub struct Verdict {
 fn families_of_map(named: &Named) -> &'static [&'static str] {
     match (named.label.as_str(), named.law.as_str()) {
         ("input-map", "of-input") => &["actuator-gain", "actuator-offset", "actuator-nonlinearity"],
+        ("input-map", "of-time") => &["actuator-offset"],
         ("force-map", "of-velocity") => &["friction"],
         ("force-map", "of-position") => &["stiffness", "load", "limit"],
         ("force-map", "of-time") => &["load"],

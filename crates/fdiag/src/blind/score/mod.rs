@@ -138,7 +138,9 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
             let truth: Truth =
                 serde_json::from_str(&text).map_err(|e| BlindError::content(&file, e))?;
             let answer = answers.iter().find(|answer| answer.case == case.name);
-            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose()?;
+            let of_case = |e| BlindError::Case { case: case.name.clone(), error: Box::new(e) };
+            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose();
+            let verdict = verdict.map_err(of_case)?;
             done();
             Ok(verdict)
         })
