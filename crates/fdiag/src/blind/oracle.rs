@@ -96,7 +96,7 @@ pub(super) fn oracle(scene: &Scene<'_>, log: &Record, rivals: bool) -> Result<Or
     }
     let candidates = simulated(sight.suspects().alone());
     let mut rivals: Vec<Rival> = Vec::new();
-    for Fitted { candidate, minimum, .. } in sight.fitted(candidates, &null)? {
+    for Fitted { candidate, minimum, .. } in sight.fitted(candidates, &null) {
         let distance = minimum.cost;
         let rival = Rival { distance, ..Rival::of(&candidate) };
         match rivals.iter_mut().find(|known| known.is_same(&rival)) {
@@ -125,11 +125,11 @@ pub(super) fn distance_of(
     let mut least = null.minimum.cost;
     for (i, first) in wanted.iter().enumerate() {
         let alone = simulated(suspects.alone()).filter(|candidate| first(candidate));
-        for fit in sight.fitted(alone, &null)?.into_iter().take(FIRSTS) {
+        for fit in sight.fitted(alone, &null).into_iter().take(FIRSTS) {
             least = least.min(fit.minimum.cost);
             for (_, second) in wanted.iter().enumerate().filter(|(j, _)| *j != i) {
                 let beside = simulated(suspects.beside(&fit.candidate)).filter(|c| second(c));
-                let both = sight.fitted(beside, &fit.granted()?)?;
+                let both = sight.fitted(beside, &fit.granted()?);
                 least = both.first().map_or(least, |both| least.min(both.minimum.cost));
             }
         }

@@ -108,9 +108,9 @@ impl<'a> Sight<'a> {
         &self,
         candidates: impl Iterator<Item = Candidate>,
         base: &NullFit,
-    ) -> Result<Vec<Fitted>, BlindError> {
+    ) -> Vec<Fitted> {
         let Some(projection) = Projection::new(&base.problem, &base.minimum) else {
-            return Ok(vec![]);
+            return vec![];
         };
         let mut all: Vec<Fitted> = candidates
             .filter_map(|candidate| self.short(candidate, base, &projection).ok()?)
@@ -125,7 +125,7 @@ impl<'a> Sight<'a> {
             }
         }
         all.sort_by(by_cost);
-        Ok(all)
+        all
     }
 
     /// The best of short fits from the starts that promise most.

@@ -54,6 +54,8 @@ pub struct Verdict {
     pub is_visible: bool,
     /// Whether some other single effect of the library leaves less than 9 squares of the noise.
     pub is_mimicked: bool,
+    /// What the nearest single effect of the library leaves, where that was looked for.
+    pub nearest: Option<f64>,
     /// Label and site are right.
     pub is_exact: bool,
     /// Right, or not to be told from the truth by this log.
@@ -176,6 +178,7 @@ pub(super) fn judge(
         distance,
         is_visible: SEPARATED <= distance,
         is_mimicked: !oracle.ties.is_empty(),
+        nearest: oracle.best.as_ref().map(|best| best.distance),
         blamed: answer.blamed(),
         none_score: answer.none_score,
         says_none: answer.says_none,

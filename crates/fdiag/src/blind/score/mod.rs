@@ -84,6 +84,8 @@ pub struct Score {
     pub closed_by_kind: Vec<ClosedOf>,
     /// The first cause is right on visible single effects of the library, by what they leave.
     pub top_by_distance: Vec<TopOf>,
+    /// Withheld classes told, by what the nearest known effect leaves.
+    pub told_by_nearest: Vec<ToldOf>,
     /// Median and 90 % quantile of the time of a diagnosis, in seconds.
     pub seconds: [f64; 2],
     /// Named rightly by the refit, by the sparse regression.
@@ -114,6 +116,15 @@ pub struct TopOf {
     pub least: f64,
     /// In white and in coloured noise.
     pub right: [Rate; 2],
+}
+
+/// Withheld classes told, among those of which the nearest known effect leaves so many squares of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToldOf {
+    /// The least that it leaves; the most is the least of the next.
+    pub least: f64,
+    /// At the threshold of few false abstentions, and by the diagnosis itself.
+    pub told: [Rate; 2],
 }
 
 /// Opens all truths, checks that they are those that were committed to, and scores the answers;
@@ -208,14 +219,20 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     };
     let kinds =
         [("single", &singles), ("mismatch", &mismatch), ("pair", &pairs), ("withheld", &withheld)];
+    let range = |i: usize| DISTANCES[i]..DISTANCES.get(i + 1).copied().unwrap_or(f64::INFINITY);
     let top_of = |i: usize| {
-        let most = DISTANCES.get(i + 1).copied().unwrap_or(f64::INFINITY);
-        let is_in = |v: &&&Verdict| (DISTANCES[i]..most).contains(&v.distance);
+        let is_in = |v: &&&Verdict| range(i).contains(&v.distance);
         let all: Vec<&Verdict> = singles.iter().filter(is_in).copied().collect();
         TopOf {
             least: DISTANCES[i],
             right: [false, true].map(|c| Rate::of(&only(&all, c), |v| v.is_right)),
         }
+    };
+    let told_of = |i: usize| {
+        let is_in = |v: &&&Verdict| v.nearest.is_some_and(|nearest| range(i).contains(&nearest));
+        let all: Vec<&Verdict> = strange.iter().filter(is_in).copied().collect();
+        let told = [Rate::of(&all, |v| threshold < v.none_score), Rate::of(&all, |v| v.says_none)];
+        ToldOf { least: DISTANCES[i], told }
     };
     let mut times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
     let closed_by =
@@ -253,6 +270,7 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
         coverage: Rate::of(&covered, |covered| *covered),
         closed_by_kind: kinds.into_iter().map(closed_of).collect(),
         top_by_distance: (0..DISTANCES.len()).map(top_of).collect(),
+        told_by_nearest: (0..DISTANCES.len()).map(told_of).collect(),
         seconds: [median(&mut times), quantile(&mut times, 0.9)],
         baseline_top: [0, 1].map(|i| Rate::of(&singles, |v| v.baseline_right[i])),
         baseline_closed: [0, 1, 2].map(closed_by),

@@ -27,6 +27,7 @@ impl Score {
         vec![
             self.measures(),
             self.by_distance(),
+            self.told(),
             self.shares(),
             self.baselines(),
             self.reliability(),
@@ -77,14 +78,22 @@ impl Score {
     fn by_distance(&self) -> Table {
         let header = ["squares of the noise that it leaves", "white noise", "AR(.8) noise"];
         let mut table = Table::new("Right cause first, by how much there is to see", &header);
-        let nexts = self.top_by_distance.iter().skip(1).map(|top| Some(top.least));
-        for (top, next) in self.top_by_distance.iter().zip(nexts.chain([None])) {
-            let range = next.map_or_else(
-                || format!("{} and more", top.least),
-                |next| format!("{} to {next}", top.least),
-            );
-            table.push([range, top.right[0].text(), top.right[1].text()]);
-        }
+        let rows: Vec<(f64, [Rate; 2])> =
+            self.top_by_distance.iter().map(|top| (top.least, top.right)).collect();
+        by_squares(&mut table, &rows);
+        table
+    }
+
+    fn told(&self) -> Table {
+        let header = [
+            "squares of the noise that the nearest known effect leaves",
+            "told at 3 %",
+            "told by itself",
+        ];
+        let mut table = Table::new("Withheld classes told, by how near the library comes", &header);
+        let rows: Vec<(f64, [Rate; 2])> =
+            self.told_by_nearest.iter().map(|told| (told.least, told.told)).collect();
+        by_squares(&mut table, &rows);
         table
     }
 
@@ -237,5 +246,15 @@ impl Score {
 impl std::fmt::Display for Rate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.text())
+    }
+}
+
+/// Rows of two rates, each from some squares of the noise up to those of the next.
+fn by_squares(table: &mut Table, rows: &[(f64, [Rate; 2])]) {
+    let nexts = rows.iter().skip(1).map(|(least, _)| Some(*least));
+    for ((least, rates), next) in rows.iter().zip(nexts.chain([None])) {
+        let range =
+            next.map_or_else(|| format!("{least} and more"), |next| format!("{least} to {next}"));
+        table.push([range, rates[0].text(), rates[1].text()]);
     }
 }
