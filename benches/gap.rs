@@ -1,6 +1,6 @@
 //! How long does a diagnosis take, on one core, and what is it made of?
 //!
-//! * Simulations per second of each plant, one run at a time and eight side by side.
+//! * Simulations per second of each plant, one run at a time and up to sixteen side by side.
 //! * A diagnosis of 1000 samples and at most 60 candidates of each plant; "elements" are
 //!   candidates, so that its inverse is the cost of one.
 //! * How that grows with the number of samples; near-linear when samples per second stay the same.
@@ -93,7 +93,7 @@ fn simulations(c: &mut Criterion) {
         let mut simulator = EquationSimulator::<f64>::new(&model).unwrap();
         let u = excitation(model.external_inputs().len(), amplitude, SAMPLES);
         let (theta, x0) = (model.nominal(), model.initial());
-        for count in [1, 4, 8] {
+        for count in [1, 4, 8, 16] {
             let mut y = vec![vec![0.0; SAMPLES * model.outputs.len()]; count];
             group.throughput(Throughput::Elements(count as u64));
             group.bench_function(BenchmarkId::new(name, format!("{count} side by side")), |b| {

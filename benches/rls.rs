@@ -211,7 +211,7 @@ fn cores<T: LaneScalar>(
             let start = Instant::now();
             thread::scope(|scope| {
                 for (batch, block) in &mut halves {
-                    scope.spawn(move || (0..passes).for_each(|_| _ = batch.update(block).unwrap()));
+                    scope.spawn(move || (0..passes).for_each(|_| batch.update(block).unwrap()));
                 }
             });
             start.elapsed()

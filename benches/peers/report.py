@@ -206,7 +206,7 @@ def many_streams():
     for (group, name), (ns, _) in sorted(ours.items()):
         if group in groups:
             label = f"{group.removeprefix('rls ').removesuffix(', n = 5')}: {name}"
-            both = 2 if name.endswith("two cores") else 1
+            both = 2 if ", two " in name else 1
             bound = limit[name[:3]]
             rows.append([label, f"{ns:.2f}", rate(ns), times(fastest_peer, ns),
                          share(bound and bound / both, ns)])

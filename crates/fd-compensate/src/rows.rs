@@ -1,5 +1,7 @@
 //! Recorded samples of several channels, checked once and borrowed.
 
+use std::ops::Range;
+
 use thiserror::Error;
 
 /// Samples of one or more channels, stored sample by sample, all of them finite.
@@ -47,6 +49,18 @@ pub enum RowsError {
         inputs: usize,
         /// Samples of the residual.
         residuals: usize,
+    },
+    /// Runs do not follow one another.
+    #[error(
+        "a run is said to begin at sample {start}, expected {expected} or later, below {samples}"
+    )]
+    Start {
+        /// Where it is said to begin.
+        start: usize,
+        /// Where it can begin at the earliest.
+        expected: usize,
+        /// Samples of the record.
+        samples: usize,
     },
     /// A sample is NaN or infinite.
     #[error("sample {k}, channel {channel}: expected a finite number, found {found}")]
@@ -138,6 +152,8 @@ impl<'a> SampleRows<'a> {
 pub struct DrivenRows<'a> {
     inputs: Option<SampleRows<'a>>,
     residuals: SampleRows<'a>,
+    /// Where the second run begins, and every later one.
+    starts: &'a [usize],
 }
 
 impl<'a> DrivenRows<'a> {
@@ -151,7 +167,39 @@ impl<'a> DrivenRows<'a> {
             let (inputs, residuals) = (inputs.len(), residuals.len());
             return Err(RowsError::Lengths { inputs, residuals });
         }
-        Ok(Self { inputs: Some(inputs), residuals })
+        Ok(Self { inputs: Some(inputs), residuals, starts: &[] })
+    }
+
+    /// The same samples as several runs, one after the other: the second begins at the first of `starts`, and
+    /// so on. What remembers past samples starts anew with each run.
+    ///
+    /// ```
+    /// use fd_compensate::{DrivenRows, SampleRows};
+    ///
+    /// let rows = DrivenRows::from(SampleRows::new(1, &[0.1, 0.2, 0.3])?).in_runs(&[2])?;
+    /// assert_eq!(rows.runs().collect::<Vec<_>>(), [0..2, 2..3]);
+    /// # Ok::<(), fd_compensate::RowsError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a run would be empty or begins beyond the last sample.
+    pub fn in_runs(self, starts: &'a [usize]) -> Result<Self, RowsError> {
+        let (mut expected, samples) = (1, self.len());
+        for &start in starts {
+            if !(expected..samples).contains(&start) {
+                return Err(RowsError::Start { start, expected, samples });
+            }
+            expected = start + 1;
+        }
+        Ok(Self { starts, ..self })
+    }
+
+    /// The samples of each run, in order; all of them when nothing else was said.
+    pub fn runs(&self) -> impl Iterator<Item = Range<usize>> + use<'a> {
+        let (starts, samples) = (self.starts, self.len());
+        let ends = starts.iter().copied().chain([samples]);
+        std::iter::once(0).chain(starts.iter().copied()).zip(ends).map(|(from, to)| from..to)
     }
 
     /// Number of inputs; 0 when only the residual was recorded.
@@ -179,6 +227,32 @@ impl<'a> DrivenRows<'a> {
         self.residuals.row(k)
     }
 
+    /// These stretches alone, each within a run and later than the one before; one that does not go on where
+    /// another ended begins a run.
+    pub(crate) fn select<'b>(
+        &self,
+        stretches: impl Iterator<Item = &'b Range<usize>>,
+    ) -> Selection {
+        let (nu, channels) = (self.inputs.map(|u| u.channels()), self.residuals.channels());
+        let mut selection =
+            Selection { nu, channels, u: Vec::new(), r: Vec::new(), starts: Vec::new() };
+        let (mut samples, mut goes_on_at) = (0, None);
+        for stretch in stretches {
+            let follows =
+                goes_on_at == Some(stretch.start) && !self.starts.contains(&stretch.start);
+            if samples > 0 && !follows {
+                selection.starts.push(samples);
+            }
+            for k in stretch.clone() {
+                selection.u.extend_from_slice(self.u(k));
+                selection.r.extend_from_slice(self.r(k));
+            }
+            samples += stretch.len();
+            goes_on_at = Some(stretch.end);
+        }
+        selection
+    }
+
     /// The residual alone.
     #[must_use]
     pub fn residuals(&self) -> SampleRows<'a> {
@@ -186,8 +260,25 @@ impl<'a> DrivenRows<'a> {
     }
 }
 
+/// Some samples of a record, in memory of their own.
+pub(crate) struct Selection {
+    nu: Option<usize>,
+    channels: usize,
+    u: Vec<f64>,
+    r: Vec<f64>,
+    starts: Vec<usize>,
+}
+
+impl Selection {
+    pub(crate) fn rows(&self) -> DrivenRows<'_> {
+        let inputs = self.nu.map(|channels| SampleRows { channels, values: &self.u });
+        let residuals = SampleRows { channels: self.channels, values: &self.r };
+        DrivenRows { inputs, residuals, starts: &self.starts }
+    }
+}
+
 impl<'a> From<SampleRows<'a>> for DrivenRows<'a> {
     fn from(residuals: SampleRows<'a>) -> Self {
-        Self { inputs: None, residuals }
+        Self { inputs: None, residuals, starts: &[] }
     }
 }

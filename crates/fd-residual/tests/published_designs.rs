@@ -179,6 +179,43 @@ fn fditools_example_8_has_the_gap_two() {
     assert_equal(&noisy.residual_of(&gw).unwrap(), &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])]]));
 }
 
+/// The published scalar filter is the sum of the noisy and the quiet residual. Noise fixes the first; the
+/// pole of the second is free, published at −1, and so is its gain: from two thirds of the published one on
+/// the gap stays 2.
+#[test]
+fn fditools_example_8_has_the_published_filter() {
+    let problem = Problem::new(&[[U1, U1, ONE, ZERO, D1], [U2, U2, ZERO, ONE, ZERO]]);
+    let (f, w) = (problem.unknown("f", 1, 3), problem.unknown("w", 4, 1));
+    let none = UnknownInputs::none(&problem.plant);
+    let exposure = Exposure { faults: &f, disturbances: &none, noise: &w };
+    let pole = ErrorPoles::Given(vec![c64::new(-1.0, 0.0)]);
+    let design = OptimalDesign::placed(&problem.plant, &exposure, 1.0, &pole).unwrap();
+    assert_eq!((design.noisy(), design.form().residual_len()), (1, 2));
+    let (gf, gw) = (problem.system(&f), problem.system(&w));
+    // Gains of the sensor faults at rest as published: 2 of the first, 3 of the second.
+    let rest = design.form().residual_of(&gf).unwrap().dc_gain().unwrap();
+    let combined = |quiet: f64| {
+        let row = mat![[2.0 / rest[(0, 1)], quiet / rest[(1, 2)]]];
+        design.form().weighted(row.as_ref()).unwrap()
+    };
+    let form = combined(3.0);
+    let to_y: [Ratio; 2] = [(&[1.0, 2.0], &[1.0, 1.0]), (&[1.0, 3.0], &[1.0, 1.0])];
+    let to_u: Ratio = (&[-2.0, -3.0], &[1.0, 1.0]);
+    assert_equal(form.system(), &realise(&[[to_u, to_y[0], to_y[1]]]));
+    let actuator: Ratio = (&[2.0, 3.0], &[1.0, 1.0]);
+    let rf = form.residual_of(&gf).unwrap();
+    assert_equal(&rf, &realise(&[[actuator, to_y[0], to_y[1]]]));
+    let rw = form.residual_of(&gw).unwrap();
+    assert_equal(&rw, &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])]]));
+    for (effect, peak) in fault_effects(&form, &gf).unwrap().iter().zip([3.0, 2.0, 3.0]) {
+        assert_close(effect.peak.norm, peak);
+    }
+    // The gap is that of the first sensor, whatever the quiet residual adds, if it is not too little.
+    for (quiet, gap) in [(3.0, 2.0), (2.0, 2.0), (30.0, 2.0), (1.5, 1.5)] {
+        assert_close(fault_to_noise_gap(&combined(quiet), &gf, &gw).unwrap().ratio, gap);
+    }
+}
+
 /// Niemann (1998): `A`, `B_d` and `B_u = B_f`; all states are measured.
 fn niemann() -> [Mat<f64>; 3] {
     let scaled = |m: Mat<f64>| Scale(1000.0) * m;

@@ -197,7 +197,7 @@ fn known_answers_have_known_scores() {
     assert_eq!((score.blamed[0].hits, score.blamed[0].of), (1, 2));
     // Both answers above 0.9 that stand alone, of which one is right.
     assert_eq!((score.sure[0].hits, score.sure[1].hits), (2, 1));
-    assert_eq!(score.pairs.map(|rate| rate.hits), [1, 2, 0]);
+    assert_eq!(score.pairs.map(|rate| rate.hits), [1, 1, 2, 0]);
     // Groups: stated .95, .95 (.85 + .1) and .95; two of three are right.
     let expected = 0.95 - 2.0 / 3.0;
     assert!((score.group[0].error - expected).abs() < 1e-12, "{}", score.group[0].error);

@@ -9,7 +9,12 @@ use super::{
     error::{CalibrationError, LEAST_EXCEEDANCES},
     tail::{exponential_tail, upper_quantile},
 };
-use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::DrivenRows};
+use crate::{
+    count::whole,
+    decide::Debouncing,
+    evaluate::debounced_statistics,
+    rows::{DrivenRows, SampleRows},
+};
 
 /// How often an alarm may be false.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,7 +106,7 @@ pub struct CalibratedThreshold {
 }
 
 /// Fewest blocks in a record.
-const LEAST_BLOCKS: usize = 10;
+pub(super) const LEAST_BLOCKS: usize = 10;
 
 /// Finds the threshold at which `detector` keeps the wanted rate of false alarms on records like
 /// `healthy`; the threshold that the detector has plays no part. The detector is left reset.
@@ -145,11 +150,7 @@ pub fn calibrate<'a, D: Detector<f64> + ?Sized>(
     let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
     // Minus infinity until the debouncing window holds enough samples.
     statistics.retain(|s| s.is_finite());
-    let residuals = healthy.residuals();
-    let times = (0..residuals.channels())
-        .map(|channel| autocorrelation_time(&residuals.channel(channel).collect::<Vec<_>>()))
-        .chain([autocorrelation_time(&statistics)]);
-    let Some(time) = times.into_iter().try_fold(1.0, |worst: f64, t| Some(worst.max(t?))) else {
+    let Some(time) = longest_memory(healthy.residuals(), &statistics) else {
         return Err(CalibrationError::Drift { samples });
     };
     let block = block_length(plan, samples, time)?;
@@ -263,13 +264,25 @@ fn statistics<D: Detector<f64> + ?Sized>(
     debounced_statistics(&raw, debouncing)
 }
 
+/// The longest autocorrelation time of residual channels and statistic; `None` when one does not decay.
+pub(super) fn longest_memory(residuals: SampleRows<'_>, statistics: &[f64]) -> Option<f64> {
+    (0..residuals.channels())
+        .map(|channel| autocorrelation_time(&residuals.channel(channel).collect::<Vec<_>>()))
+        .chain([autocorrelation_time(statistics)])
+        .try_fold(1.0, |worst: f64, time| Some(worst.max(time?)))
+}
+
+/// Samples that are long against a memory.
+pub(super) fn automatic_block(plan: &CalibrationPlan, samples: usize, time: f64) -> usize {
+    plan.block.unwrap_or(whole((5.0 * time).max((samples as f64).cbrt()).ceil()))
+}
+
 fn block_length(
     plan: &CalibrationPlan,
     samples: usize,
     time: f64,
 ) -> Result<usize, CalibrationError> {
-    let automatic = (5.0 * time).max((samples as f64).cbrt()).ceil();
-    let block = plan.block.unwrap_or(whole(automatic));
+    let block = automatic_block(plan, samples, time);
     let needed = LEAST_BLOCKS * block;
     if samples < needed {
         return Err(CalibrationError::TooShort { samples, block, needed });
@@ -277,7 +290,7 @@ fn block_length(
     Ok(block)
 }
 
-fn check<D: Detector<f64> + ?Sized>(
+pub(super) fn check<D: Detector<f64> + ?Sized>(
     detector: &D,
     healthy: DrivenRows<'_>,
     wanted: FalseAlarms,

@@ -61,6 +61,19 @@ pub enum CalibrationError {
         /// Samples of the record.
         samples: usize,
     },
+    /// The record holds too few independent stretches for the rate.
+    #[error(
+        "a false-alarm rate of {rate} cannot be promised from {found} independent stretches of fault-free \
+         data; at least {needed} are needed"
+    )]
+    TooFewStretches {
+        /// Rate wanted, per sample or per stretch.
+        rate: f64,
+        /// Stretches needed.
+        needed: usize,
+        /// Stretches found.
+        found: usize,
+    },
     /// The record holds too few independent exceedances for the rate.
     #[error(
         "the wanted rate means {expected_exceedances:.2} independent exceedances in a record worth \

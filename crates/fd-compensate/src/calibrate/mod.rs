@@ -18,6 +18,10 @@
 //! as the debouncing counts them: the statistic that is calibrated is the `raise`-th largest of the
 //! last `out_of`.
 //!
+//! A detector that has itself learned from the record fits it better than any other one, and one that follows
+//! the input cannot be judged on blocks that do not follow one another; for both [`calibrate_held_out`]
+//! judges whole stretches that the detector has not seen.
+//!
 //! # Assumptions, and when not to use it
 //!
 //! * The record is stationary, healthy, and long against its own memory; a record that is not ten
@@ -31,6 +35,7 @@ mod autocorrelation;
 mod bootstrap;
 mod design;
 mod error;
+mod held_out;
 mod tail;
 
 pub use self::{
@@ -38,4 +43,5 @@ pub use self::{
     bootstrap::CircularBlocks,
     design::{Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, calibrate},
     error::CalibrationError,
+    held_out::calibrate_held_out,
 };

@@ -3,15 +3,18 @@
 use super::{
     explain::explain,
     leftover::{Known, leftover},
+    observe::Observed,
     prepare::KnownNoise,
     rank::Ranking,
     result::{Explanation, Leftover},
     trial::Trial,
 };
 use crate::{
+    effect::{Candidate, SiteRef},
     fit::{Minimum, Problem},
     model::Model,
     quality::noise_floor,
+    shrink::gap_per_output,
 };
 
 /// `ln(rms/floor)` from which a residual is unexplained.
@@ -62,16 +65,43 @@ impl Answer {
         })
     }
 
-    /// The answer of the first cause; that of `refit` when it is one of the measurement.
-    pub(super) fn first(causes: &Ranking, trials: &[Trial<'_>], refit: &Self) -> Option<Self> {
+    /// The answer of the first cause; that of `refit` when it is one of the measurement, which is
+    /// then among those `observed`.
+    pub(super) fn first(
+        causes: &Ranking,
+        trials: &[Trial<'_>],
+        refit: &Self,
+        observed: &[(&Candidate, Observed)],
+    ) -> Option<Self> {
         let (trial, cause) = causes.first()?;
         match trial {
-            None => Some(Self { effects: 1, log_evidence: cause.log_evidence, ..refit.clone() }),
+            None => {
+                let found = observed.iter().find(|(candidate, _)| cause.is_of(candidate));
+                Some(match found {
+                    Some((candidate, observed)) => refit.with(candidate, observed),
+                    None => Self { effects: 1, log_evidence: cause.log_evidence, ..refit.clone() },
+                })
+            }
             Some(trial) => {
                 let trial = &trials[*trial];
                 Self::of(&trial.model, &trial.problem, trial.best.as_ref()?, 1, cause.log_evidence)
             }
         }
+    }
+
+    /// The same with a cause of the measurement besides, whose traces do not count as left.
+    pub(super) fn with(&self, candidate: &Candidate, observed: &Observed) -> Self {
+        let mut answer = Self {
+            effects: self.effects + 1,
+            log_evidence: self.log_evidence + observed.gain,
+            ..self.clone()
+        };
+        if let SiteRef::Output(output, _) = &candidate.site
+            && let Some(errors) = answer.errors.get_mut(*output)
+        {
+            errors.clone_from(&observed.left);
+        }
+        answer
     }
 
     /// What it leaves of the gap of the `refit`ted model.
@@ -82,7 +112,8 @@ impl Answer {
         noise: &KnownNoise,
         is_coloured: bool,
     ) -> Rest {
-        let gaps = [refit.explanation.gap.as_slice(), self.explanation.gap.as_slice()];
+        let gap = gap_per_output(&self.errors);
+        let gaps = [refit.explanation.gap.as_slice(), gap.as_slice()];
         let floor: Vec<f64> = (0..gaps[1].len())
             .map(|c| {
                 let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);

@@ -9,7 +9,7 @@ use super::{
     monitor::Monitor,
     observe::{Observed, observe},
     offered::Offered,
-    pairs::{Duo, PAIR, Workshop, seek_pairs},
+    pairs::{Duo, PAIR, Workshop, learn, seek_pairs},
     prepare::{KnownNoise, Prepared, prepare},
     rank::{Ranking, Yardstick, rank},
     search::{Found, search},
@@ -89,6 +89,14 @@ impl<'a> Weighing<'a> {
         Ok(Self { base, refitted, priors, reference, observed, causes })
     }
 
+    /// What the best single cause makes of the logs, or the refit where none is worth it.
+    fn best(&self, found: &Found<'_>, settings: &Settings) -> Answer {
+        let Self { causes, refitted, observed, .. } = self;
+        Answer::first(causes, &found.trials, refitted, observed)
+            .filter(|single| worth(settings, causes.len()) < single.log_evidence)
+            .unwrap_or_else(|| refitted.clone())
+    }
+
     pub(super) fn yardstick(&self) -> Yardstick<'_> {
         Yardstick { noise: &self.priors, reference: self.reference }
     }
@@ -107,11 +115,17 @@ impl<'a> Attempt<'a> {
         let nominal = case.nominal;
         let mut found = search(null, (nominal, &model), &offers.simulated, settings, monitor)?;
         refine(nominal, &mut model, &mut found.null, &mut found.trials)?;
-        let seek = |found: &Found<'a>, weighing: &Weighing<'a>| {
+        let observations = &offers.observed;
+        // Second causes; single ones learn from them, and are weighed again then.
+        let seek = |found: &mut Found<'a>, weighing: &mut Weighing<'a>| {
             let (suspects, null, lines) = (case.suspects, &found.null, found.lines.as_slice());
             let yardstick = weighing.yardstick();
             let workshop = Workshop { nominal, suspects, null, lines, yardstick };
-            seek_pairs(workshop, &found.trials, &weighing.causes, monitor)
+            let duos = seek_pairs(workshop, &found.trials, &weighing.causes, monitor);
+            if learn(&mut found.trials, &duos, &found.null) {
+                *weighing = Weighing::of(found, &model, &noise, observations)?;
+            }
+            Ok::<_, FitError>(duos)
         };
         // Far above the noise its colour cannot be told, and may be another effect.
         let mut left = found.best_errors().ok_or(FitError::Diverged)?;
@@ -119,8 +133,8 @@ impl<'a> Attempt<'a> {
         let mut weighing = None;
         let is_near = depth == Depth::Singles || noise.reach(&left) <= NEAR;
         if !is_near {
-            let white = Weighing::of(&mut found, &model, &noise, &offers.observed)?;
-            duos = seek(&found, &white);
+            let mut white = Weighing::of(&mut found, &model, &noise, observations)?;
+            duos = seek(&mut found, &mut white)?;
             if let Some(answer) = duos.first().and_then(Duo::answer) {
                 left = answer.errors;
             }
@@ -129,29 +143,30 @@ impl<'a> Attempt<'a> {
         let is_coloured = depth == Depth::All
             && noise.reach(&left) <= REACHED
             && found.colour(&left, &noise, settings.finalists)?;
-        let weighing = match weighing.filter(|_| !is_coloured) {
+        let mut weighing = match weighing.filter(|_| !is_coloured) {
             Some(white) => white,
-            None => Weighing::of(&mut found, &model, &noise, &offers.observed)?,
+            None => Weighing::of(&mut found, &model, &noise, observations)?,
         };
-        let single = Answer::first(&weighing.causes, &found.trials, &weighing.refitted)
-            .filter(|single| worth(settings, weighing.causes.len()) < single.log_evidence);
-        let mut best = single.unwrap_or_else(|| weighing.refitted.clone());
-        let rest =
-            |answer: &Answer| answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured);
-        let mut left = rest(&best);
+        let rest = |answer: &Answer, weighing: &Weighing<'_>| {
+            answer.rest(&weighing.refitted, &weighing.base, &noise, is_coloured)
+        };
+        let mut best = weighing.best(&found, settings);
+        let mut left = rest(&best, &weighing);
         // A free curve is no law, and two laws may draw it.
         let first = weighing.causes.first().and_then(|(trial, _)| *trial);
         let is_curve = best.effects == 1
             && first.is_some_and(|trial| found.trials[trial].candidate.family == CATCH_ALL);
         let is_open = left.is_unexplained || SOMETHING < left.leftover.gain() || is_curve;
         if depth == Depth::All && (is_near && is_open || !is_near && is_coloured) {
-            duos = seek(&found, &weighing);
+            duos = seek(&mut found, &mut weighing)?;
+            best = weighing.best(&found, settings);
+            left = rest(&best, &weighing);
         }
         if let Some(answer) = duos.first().and_then(Duo::answer)
             && best.log_evidence + PAIR < answer.log_evidence
         {
             best = answer;
-            left = rest(&best);
+            left = rest(&best, &weighing);
         }
         Ok(Self { model, noise, found, weighing, duos, best, rest: left })
     }

@@ -31,6 +31,7 @@ mod misfit;
 mod monitor;
 mod observe;
 mod offered;
+mod outliers;
 mod outlook;
 mod pairs;
 mod prepare;
@@ -40,6 +41,7 @@ mod search;
 mod separate;
 mod settings;
 mod steps;
+mod told_floor;
 mod trial;
 
 use self::{
@@ -49,12 +51,14 @@ use self::{
     feedback::Feedback,
     held_out::compare,
     judge::{Judgement, judge, unknown_gain, verdict},
+    observe::Observed,
     offered::Offered,
     outlook::outlook,
-    pairs::{merge, observed_beside},
+    pairs::{PAIR, merge, observed_beside},
     prepare::inspect_all,
     rank::{Yardstick, groups, sides},
     separate::separate,
+    told_floor::{around_the_loop, told_floor},
 };
 pub use self::{
     case::Case,
@@ -135,6 +139,7 @@ pub fn diagnose(
         best = refitted.clone();
         rest = best.rest(&refitted, &base, &noise, found.is_coloured);
     }
+    let mut floor = told_floor(&best, &rest, &noise, found.is_coloured);
     // What is reported is the simulator as it came, with its loop closed.
     let closed = feedback.closed(whole, &model, &base)?;
     let leader = match &best.fit {
@@ -154,14 +159,16 @@ pub fn diagnose(
         Some((problem, at)) => again(&best.explanation.model, problem, at),
         None => Some(refitted.explanation.clone()),
     };
-    best.explanation = told.unwrap_or(best.explanation);
+    if let Some(told) = told {
+        around_the_loop(&mut floor, &best.explanation.gap, &told.gap);
+        best.explanation = told;
+    }
     let findings = inspect_all(whole.logs, &closed, &noise.stated, &refitted.errors)?;
     let leader = leader.as_ref().map(|(problem, at)| (problem, at));
     let settings = &Settings { report_horizons, ..settings.clone() };
-    let floor = &rest.floor;
     let held_out = Log::all(whole.held_out, closed.simulator(), whole.logs)?;
     let held_out =
-        compare(closed.simulator(), null, leader, &held_out, [&noise.sigma, floor], settings)?;
+        compare(closed.simulator(), null, leader, &held_out, [&noise.sigma, &floor], settings)?;
     monitor.advance();
 
     let is_seen = |candidate: &Candidate| observed.iter().any(|(c, _)| std::ptr::eq(*c, candidate));
@@ -190,7 +197,7 @@ pub fn diagnose(
         is_unexplained: rest.is_unexplained,
         best: best.explanation,
         sigma: noise.sigma,
-        floor: rest.floor,
+        floor,
         is_coloured: found.is_coloured,
         held_out,
         findings,
@@ -224,6 +231,19 @@ fn by_evidence(
     let causes = &mut weighing.causes;
     let (tied, rivals) = separate(causes, &mut found.trials, settings);
     let beside = observed_beside(causes, best, &offers.observed, noise, found.is_coloured);
+    let mut doubt = 0.0;
+    if let Some(beside) = &beside
+        && PAIR < beside.observed.gain
+        && duos.first().is_none_or(|duo| duo.pair.log_evidence < beside.pair.log_evidence)
+    {
+        doubt = beside.observed.doubt();
+        *best = best.with(beside.candidate, &beside.observed);
+        *rest = best.rest(&weighing.refitted, &weighing.base, noise, found.is_coloured);
+    } else if let Some((None, first)) = causes.first() {
+        let is_first = |(candidate, _): &&(&Candidate, Observed)| first.is_of(candidate);
+        doubt = weighing.observed.iter().find(is_first).map_or(0.0, |(_, o)| o.doubt());
+    }
+    let beside = beside.map(|beside| beside.pair);
     let (mut pairs, tied_pairs) = merge(duos, beside, causes, settings);
     let (nominal, null) = (weighing.base.simulator(), &found.null);
     let forecast =
@@ -244,7 +264,7 @@ fn by_evidence(
             }
         }
     }
-    let gain = unknown_gain(best, &rest.leftover, outlook);
+    let gain = unknown_gain(best, &rest.leftover, outlook) + doubt;
     let judgement = judge(causes, &mut pairs, best, gain, settings);
     let report_horizons = settings.report_horizons.clone();
     let regime = Regime::AtTheFloor;
@@ -276,7 +296,7 @@ fn by_forecasts<'a>(
         replicas: settings.replicas,
         seed: settings.seed,
     };
-    let Weighing { causes, priors, reference, refitted, base, .. } = weighing;
+    let Weighing { causes, priors, reference, refitted, observed, base } = weighing;
     let yardstick = Yardstick { noise: priors, reference: *reference };
     let trials = &mut found.trials;
     let logs = held_out;
@@ -285,7 +305,7 @@ fn by_forecasts<'a>(
         misfit::weigh(simulator, null, trials, causes, logs, &rules, yardstick, settings)?;
     let in_doubt = causes.iter().take_while(|(_, cause)| 0.0 < cause.probability).count();
     let (tied, rivals) = separate(&causes[..in_doubt], trials, settings);
-    if let Some(first) = Answer::first(causes, trials, refitted) {
+    if let Some(first) = Answer::first(causes, trials, refitted, observed) {
         *rest = first.rest(refitted, base, noise, found.is_coloured);
         *best = first;
     }

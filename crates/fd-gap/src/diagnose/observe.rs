@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::{prepare::KnownNoise, result::Estimate};
+use super::{outliers::Outliers, prepare::KnownNoise, result::Estimate};
 use crate::{
     effect::{Candidate, Kind, Observation, SiteRef},
     evidence::{DECADES, NoisePrior, likelihood},
-    quality::{Autoregression, HeavyTails, heavy_tails, interval_log_likelihood, outlier_mixture},
+    quality::{Autoregression, HeavyTails, heavy_tails, interval_log_likelihood},
 };
 
 /// A grid above this many times the noise is a matter of the sensor, not of the file.
@@ -18,6 +18,8 @@ const ON_GRID: f64 = 10.0;
 const HIGHEST_ORDER: usize = 12;
 /// … and least innovation with which it is white.
 const WHITE: f64 = 0.95;
+/// Log-likelihood ratio from which wrong samples come in bursts, which is no accident of a sensor.
+const BURSTS: f64 = 5.0;
 /// Degrees of freedom of heavy tails.
 const FREEDOMS: [f64; 4] = [3.0, 4.0, 6.0, 10.0];
 
@@ -28,8 +30,20 @@ pub(super) struct Observed {
     pub(super) gain: f64,
     /// The part of it that any simulation would have.
     pub(super) given: f64,
+    /// Log-likelihood that errors which come in bursts would add for something that explains them.
+    pub(super) bursts: f64,
+    /// Errors of the output (in sigma) without what the cause has done to them.
+    pub(super) left: Vec<Vec<f64>>,
     /// Fitted parameters.
     pub(super) parameters: Vec<Estimate>,
+}
+
+impl Observed {
+    /// Log-likelihood that something unknown in its place could gain over it: wrong samples in bursts
+    /// are no accident.
+    pub(super) fn doubt(&self) -> f64 {
+        if BURSTS < self.bursts { self.bursts } else { 0.0 }
+    }
 }
 
 /// Weighs a cause by the errors of a simulation (in sigma). `None` when there is nothing of it in
@@ -47,23 +61,27 @@ pub(super) fn observe(
     let signals = errors.get(*output)?;
     let prior = noise.priors(is_coloured)[*output];
     let sigma = noise.sigma[*output];
+    let (mut bursts, mut left) = (0.0, signals.clone());
     let (gain, given, values) = match kind {
         Observation::Quantised => {
             let step = noise.grids[*output].filter(|step| COARSE * sigma < *step)?;
             (rounded(signals, prior.coloured(false), step / sigma), ON_GRID, vec![[step, 0.0]])
         }
         Observation::Outliers => {
-            let [gain, share, error] = outliers(signals, prior)?;
-            (gain, 0.0, vec![[share, error]])
+            let found = Outliers::of(signals, prior)?;
+            (bursts, left) = (found.bursts, found.without(signals));
+            (found.gain, 0.0, vec![[found.share, found.standard_error]])
         }
         Observation::Noise => {
             noise.stated[*output]?;
             let [gain, value, error] = stronger(signals, prior)?;
+            weaken(&mut left, prior);
             (gain, 0.0, vec![[sigma * value, sigma * error]])
         }
         Observation::HeavyTails => {
             noise.stated[*output]?;
             let (gain, [value, error], freedom) = heavier(signals, prior)?;
+            weaken(&mut left, prior);
             (gain, 0.0, vec![[sigma * value, sigma * error], freedom])
         }
     };
@@ -75,15 +93,24 @@ pub(super) fn observe(
         is_strength: p.is_strength,
         is_reciprocal: p.is_reciprocal,
     });
-    Some(Observed { gain: gain + given, given, parameters: parameters.collect() })
+    Some(Observed { gain: gain + given, given, bursts, left, parameters: parameters.collect() })
 }
 
-fn count(signals: &[Vec<f64>]) -> f64 {
+/// Errors of the size that is expected.
+fn weaken(signals: &mut [Vec<f64>], prior: NoisePrior) {
+    let squares: f64 = signals.iter().flatten().filter(|e| e.is_finite()).map(|e| e * e).sum();
+    let size = (squares / count(signals)).sqrt();
+    if 0.0 < size {
+        signals.iter_mut().flatten().for_each(|e| *e *= prior.centre.exp() / size);
+    }
+}
+
+pub(super) fn count(signals: &[Vec<f64>]) -> f64 {
     signals.iter().flatten().filter(|e| e.is_finite()).count().max(1) as f64
 }
 
 /// Log-likelihood of one output, its constant included.
-fn gaussian(signals: &[Vec<f64>], prior: NoisePrior) -> crate::evidence::Likelihood {
+pub(super) fn gaussian(signals: &[Vec<f64>], prior: NoisePrior) -> crate::evidence::Likelihood {
     let mut found = likelihood(&[signals.to_vec()], &[prior]);
     found.log -= 0.5 * count(signals) * (2.0 * PI).ln();
     found
@@ -118,33 +145,9 @@ fn maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     values[0].max(values[1])
 }
 
-/// A share of the innovations is much wider than the rest: gain, share, its standard error.
-fn outliers(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
-    let found = gaussian(signals, prior);
-    let colour = found.colour.first()?;
-    let (mut innovations, mut spreads) = (Vec::new(), 0.0);
-    for signal in signals {
-        let mut white = vec![0.0; signal.len()];
-        colour.whiten(signal, &mut white);
-        let measured = white.iter().zip(signal).filter(|(_, e)| e.is_finite());
-        innovations.extend(measured.map(|(w, _)| *w));
-        spreads += colour.log_spread(signal);
-    }
-    let mixture = outlier_mixture(&innovations)?;
-    let n = innovations.len() as f64;
-    let log = mixture.log
-        - prior.cost(mixture.scale.ln())
-        - spreads
-        - 0.5 * colour.order() as f64 * n.ln();
-    // A log-uniform share, of which the data tell 1/√(n p); widths on a coarse grid.
-    let known = (mixture.share * n).max(1.0).sqrt();
-    let occam = 0.5 * (2.0 * PI).ln() - known.ln() - DECADES.ln() - (mixture.widths as f64).ln();
-    Some([log - found.log + occam, mixture.share, mixture.share / known])
-}
-
 /// Noise of any size above the stated one: gain, what comes on top of it, its standard error.
 fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
-    if is_slow(signals) {
+    if is_slow(signals, prior) {
         return None;
     }
     let free = NoisePrior { spread: 1e3, ..prior };
@@ -155,10 +158,26 @@ fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
     Some([free.log - held.log + free_size(prior), extra, error])
 }
 
-/// What is stronger and slow is another effect, not noise.
-fn is_slow(signals: &[Vec<f64>]) -> bool {
+/// What is stronger and slow is another effect, not noise; but noise of the expected size may be slow,
+/// with more on top of it that is not.
+fn is_slow(signals: &[Vec<f64>], prior: NoisePrior) -> bool {
     let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    Autoregression::fit(&slices, HIGHEST_ORDER).innovation() < WHITE
+    if WHITE <= Autoregression::fit(&slices, HIGHEST_ORDER).innovation() {
+        return false;
+    }
+    let expected = (prior.centre + prior.spread).exp();
+    expected * expected < shared_by_neighbours(signals)
+}
+
+/// Mean product of a sample and the next: at least the part of the power that is slow.
+fn shared_by_neighbours(signals: &[Vec<f64>]) -> f64 {
+    let products = signals.iter().flat_map(|signal| signal.windows(2).map(|w| w[0] * w[1]));
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for product in products.filter(|product| product.is_finite()) {
+        sum += product;
+        count += 1.0;
+    }
+    sum / count.max(1.0)
 }
 
 /// What comes on top of the expected noise; `None` where there is nothing.
@@ -175,7 +194,7 @@ fn free_size(prior: NoisePrior) -> f64 {
 /// Noise of any size above the stated one, with heavy tails: gain, what comes on top of the stated
 /// noise and degrees of freedom, both with standard errors.
 fn heavier(signals: &[Vec<f64>], prior: NoisePrior) -> Option<(f64, [f64; 2], [f64; 2])> {
-    if is_slow(signals) {
+    if is_slow(signals, prior) {
         return None;
     }
     let held = gaussian(signals, prior).log;

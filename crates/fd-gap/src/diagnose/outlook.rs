@@ -13,7 +13,8 @@ use crate::{
     simulate::Simulator,
 };
 
-/// An explanation that surely closes less than this share of a held-out gap does not forecast it …
+/// An explanation that surely closes less than this share of a held-out gap does not forecast it, and
+/// two causes where they most probably do: together they can draw much that is neither …
 const CLOSES_LITTLE: f64 = 0.7;
 /// … and one that surely closes more than this one does.
 const CLOSES_MUCH: f64 = 0.8;
@@ -66,11 +67,12 @@ pub(super) fn outlook(
     let squares: f64 = floor.iter().map(|floor| floor * floor).sum();
     let all = f64::sqrt(squares / floor.len().max(1) as f64);
     let share = closed(&before, &after, all, settings.replicas, settings.seed);
-    let Some(Closed { interval: [low, high], .. }) = share.map(Closed::between_runs) else {
+    let Some(Closed { fraction, interval: [low, high], .. }) = share.map(Closed::between_runs)
+    else {
         return Ok(Outlook::default());
     };
     let is_confirmed = CLOSES_MUCH < low;
-    if CLOSES_LITTLE < high {
+    if CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction } {
         return Ok(Outlook { loss: 0.0, is_confirmed });
     }
     let fitted = gap_per_output(&answer.errors);

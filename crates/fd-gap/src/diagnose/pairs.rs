@@ -34,6 +34,9 @@ const HOPEFUL: usize = 6;
 /// Second causes of each first one that are fitted to the end.
 const FINALISTS: usize = 3;
 
+/// Best pairs that single causes learn from.
+const TEACHERS: usize = 4;
+
 /// Evidence over that of the best single cause from which a second cause is accepted.
 pub(super) const PAIR: f64 = 5.0;
 /// Rivals of the best pair that are refitted to its simulation.
@@ -92,6 +95,26 @@ pub(super) fn seek_pairs(
         }
     }
     kept
+}
+
+/// Fits single causes from where the best pairs have them: one of two may be next to nothing, and the
+/// other have found beside it what it did not find alone. Says whether any came out better.
+pub(super) fn learn(trials: &mut [Trial<'_>], duos: &[Duo], null: &NullFit) -> bool {
+    let known: Vec<(&Candidate, Vec<f64>)> =
+        duos.iter().take(TEACHERS).flat_map(Duo::values_of_members).collect();
+    let learn = |trial: &mut Trial<'_>| {
+        let is_better = known
+            .iter()
+            .filter(|(member, _)| is_same(member, trial.candidate))
+            .filter(|(member, _)| member.law == trial.candidate.law)
+            .filter(|(_, values)| trial.warm_start(null, values))
+            .count();
+        if 0 < is_better {
+            trial.full_fit(null);
+        }
+        0 < is_better
+    };
+    trials.par_iter_mut().map(learn).reduce(|| false, |a, b| a | b)
 }
 
 /// The best second causes beside a first one.
@@ -202,20 +225,36 @@ impl Duo {
         is_same(a, c) && is_same(b, d) || is_same(a, d) && is_same(b, c)
     }
 
+    /// Both causes with the values of their parameters.
+    fn values_of_members(&self) -> [(&Candidate, Vec<f64>); 2] {
+        let [first, second] = &self.members;
+        let mut values = self.problem.effect_values(&self.best.z);
+        let of_second = values.split_off(first.parameters.len());
+        [(first, values), (second, of_second)]
+    }
+
     /// The answer that it gives; `None` when it diverges.
     pub(super) fn answer(&self) -> Option<Answer> {
         Answer::of(&self.model, &self.problem, &self.best, 2, self.pair.log_evidence)
     }
 }
 
+/// A cause of the measurement beside a simulated one.
+#[derive(Debug)]
+pub(super) struct Beside<'a> {
+    pub(super) pair: Pair,
+    pub(super) candidate: &'a Candidate,
+    pub(super) observed: Observed,
+}
+
 /// A cause of the measurement beside the first one, which is part of the `best` explanation.
-pub(super) fn observed_beside(
+pub(super) fn observed_beside<'a>(
     causes: &Ranking,
     best: &Answer,
-    observations: &[Candidate],
+    observations: &'a [Candidate],
     noise: &KnownNoise,
     is_coloured: bool,
-) -> Option<Pair> {
+) -> Option<Beside<'a>> {
     best.fit.as_ref()?;
     let (_, first) = causes.first()?;
     let weighed = observations.iter().filter_map(|candidate| {
@@ -226,12 +265,13 @@ pub(super) fn observed_beside(
     });
     let (candidate, observed) = weighed.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     let second = observed_cause(candidate, &observed, &best.explanation);
-    Some(Pair {
+    let pair = Pair {
         probability: 0.0,
         log_evidence: first.log_evidence + observed.gain,
         gap: second.gap,
         causes: [first.clone(), second],
-    })
+    };
+    Some(Beside { pair, candidate, observed })
 }
 
 /// The pairs that are worth being called so, the best first, with their evidence over that of the

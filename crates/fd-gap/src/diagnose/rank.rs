@@ -143,7 +143,7 @@ impl<'a> Trial<'a> {
     /// Evidence over that of "no gap", and everything else that there is to say.
     pub(super) fn weigh(&mut self, place: usize, yardstick: Yardstick<'_>) -> Weighed<'a> {
         let weight = self.best.clone().and_then(|best| {
-            let errors = self.problem.errors(&best.z)?;
+            let errors = self.problem.errors_at(&best);
             let likelihood = likelihood(&errors, yardstick.noise);
             let scale = likelihood.scale.iter().copied().fold(0.0, f64::max);
             let found = evidence(&self.problem, &best, &likelihood, &[&self.strengths])?;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{prepare::with_step, trial::Trial};
 use crate::{
-    fit::{FitError, NullFit, Problem, null_fit},
+    fit::{FitError, Minimum, NullFit, Problem, null_fit},
     model::{Law, Model},
     shrink::gap_per_output,
     simulate::Nominal,
@@ -37,12 +37,12 @@ pub(super) fn refine(
         order.truncate(CHECKED);
         let finalists = order.iter().filter_map(|&i| {
             let trial = &trials[i];
-            Some((&trial.model, &trial.problem, trial.best.as_ref()?.z.as_slice()))
+            Some((&trial.model, &trial.problem, trial.best.as_ref()?))
         });
-        let all = finalists.chain([(&*model, &null.problem, null.minimum.z.as_slice())]);
-        let is_coarse = all.into_iter().any(|(model, problem, z)| {
+        let all = finalists.chain([(&*model, &null.problem, &null.minimum)]);
+        let is_coarse = all.into_iter().any(|(model, problem, at)| {
             // What cannot be simulated or diverges with the shorter step is no reason for it.
-            change(nominal, &with_step(model, step), problem, z)
+            change(nominal, &with_step(model, step), problem, at)
                 .is_some_and(|change| LARGEST_CHANGE < change)
         });
         if !is_coarse {
@@ -62,12 +62,12 @@ pub(super) fn refine(
 
 /// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted
 /// problem change with another model.
-fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, z: &[f64]) -> Option<f64> {
+fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, at: &Minimum) -> Option<f64> {
     let ts = problem.simulator().ts();
     let simulator = nominal.patched(other, ts).ok()?;
     let (plan, weights) = (problem.plan().clone(), problem.weights().clone());
     let mut finer = Problem::new(plan, simulator, problem.effects().to_vec(), weights).ok()?;
-    let (mut a, b) = (problem.clone().errors(z)?, finer.errors(z)?);
+    let (mut a, b) = (problem.errors_at(at), finer.errors(&at.z)?);
     for (a, b) in a.iter_mut().flatten().flatten().zip(b.iter().flatten().flatten()) {
         *a -= b;
     }

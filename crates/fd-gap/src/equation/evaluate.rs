@@ -2,11 +2,15 @@
 //!
 //! Bytecode and tree share these functions, so that they agree to the bit.
 
+use std::any::TypeId;
+
 use fd_core::Scalar;
 use thiserror::Error;
 
 use super::{
+    exponential,
     expr::{Binary, Comparison, Cond, Expr, Lookup, Unary},
+    sine,
     table::Table,
 };
 
@@ -17,16 +21,16 @@ const MAX_WHOLE_EXPONENT: f64 = 64.0;
 pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
     match function {
         Unary::Neg => -x,
-        Unary::Sin => x.sin(),
-        Unary::Cos => x.cos(),
+        Unary::Sin => own(x, sine::sin, T::sin),
+        Unary::Cos => own(x, sine::cos, T::cos),
         Unary::Tan => x.tan(),
         Unary::Asin => x.asin(),
         Unary::Acos => x.acos(),
         Unary::Atan => x.atan(),
         Unary::Sinh => x.sinh(),
         Unary::Cosh => x.cosh(),
-        Unary::Tanh => x.tanh(),
-        Unary::Exp => x.exp(),
+        Unary::Tanh => own(x, exponential::tanh, T::tanh),
+        Unary::Exp => own(x, exponential::exp, T::exp),
         Unary::Ln => x.ln(),
         Unary::Log10 => x.log10(),
         Unary::Sqrt => x.sqrt(),
@@ -38,6 +42,18 @@ pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
         Unary::Sign if x < T::zero() => -T::one(),
         Unary::Step if T::zero() <= x => T::one(),
         Unary::Sign | Unary::Step => x * T::zero(),
+    }
+}
+
+/// For `f64` the function that is computed for several numbers side by side as well, so that both
+/// have the same bits; `other` for other scalars.
+#[inline]
+fn own<T: Scalar>(x: T, ours: fn(f64) -> f64, other: fn(T) -> T) -> T {
+    // Known when this is compiled.
+    if TypeId::of::<T>() == TypeId::of::<f64>() {
+        T::from_design(ours(x.to_report()))
+    } else {
+        other(x)
     }
 }
 

@@ -36,6 +36,10 @@ pub(super) fn interpret<V: Value>(
             Operation::SubMul => kernel.sub_mul(to, slot(a), slot(b), slot(c)),
             Operation::Unary(Unary::Neg) => kernel.neg(to, slot(a)),
             Operation::Unary(Unary::Sqrt) => kernel.sqrt(to, slot(a)),
+            Operation::Unary(Unary::Sin) => kernel.sin(to, slot(a)),
+            Operation::Unary(Unary::Cos) => kernel.cos(to, slot(a)),
+            Operation::Unary(Unary::Exp) => kernel.exp(to, slot(a)),
+            Operation::Unary(Unary::Tanh) => kernel.tanh(to, slot(a)),
             Operation::Unary(function) => *to = unary(function, *slot(a)),
             Operation::Binary(Binary::Min) => kernel.smaller(to, slot(a), slot(b)),
             Operation::Or | Operation::Binary(Binary::Max) => kernel.larger(to, slot(a), slot(b)),
@@ -67,5 +71,5 @@ fn unary<V: Value>(function: Unary, a: V) -> V {
             }
         };
     }
-    choose!(Sin Cos Tanh Exp Abs Sign Step)
+    choose!(Abs Sign Step)
 }

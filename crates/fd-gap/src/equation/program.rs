@@ -140,8 +140,8 @@ impl Program {
         results: &mut [V],
     ) {
         interpret(kernel, &self.body, &self.tables, &mut workspace.slots);
-        for (result, slot) in results.iter_mut().zip(&self.results) {
-            *result = workspace.slots[*slot as usize];
+        for i in 0..results.len().min(self.results.len()) {
+            results[i] = workspace.slots[self.results[i] as usize];
         }
     }
 

@@ -8,7 +8,10 @@ use std::{fmt::Debug, marker::PhantomData, sync::OnceLock};
 
 use fd_core::Scalar;
 
-use super::kernel::{InLanes, OneLane, Work};
+use super::{
+    kernel::{OneLane, Work},
+    registers::InLanes,
+};
 
 /// A number, or several independent ones that take the same way through a program.
 ///
@@ -48,11 +51,15 @@ pub trait Value: Copy + Debug + Send + Sync + 'static {
         f: impl Fn(Self::Lane, Self::Lane, Self::Lane) -> Self::Lane,
     ) -> Self;
 
+    /// Whether all the numbers are finite.
+    fn all_finite(&self) -> bool;
+
     /// Does some work, with the best instructions that this machine has for such values.
     fn vectorized<W: Work<Self>>(work: W);
 
     /// A constant in every lane.
     #[must_use]
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::splat(Self::Lane::from_design(value))
     }
@@ -94,6 +101,11 @@ impl<T: Scalar> Value for T {
     }
 
     #[inline(always)]
+    fn all_finite(&self) -> bool {
+        self.is_finite()
+    }
+
+    #[inline(always)]
     fn vectorized<W: Work<Self>>(work: W) {
         work.run(OneLane);
     }
@@ -101,9 +113,9 @@ impl<T: Scalar> Value for T {
 
 /// `N` numbers side by side.
 ///
-/// Sums, products, quotients, roots and comparisons of all lanes are one or a few instructions
-/// where the machine has wide registers (AVX2, found at run time); the other functions are called
-/// lane by lane.
+/// Arithmetic, roots, comparisons, sines and exponentials of all lanes are one or a few dozen
+/// instructions where the machine has wide registers (AVX2, found at run time); the other functions
+/// are called lane by lane.
 ///
 /// ```
 /// use fd_gap::equation::{Expr, Lanes, Program, Scope};
@@ -163,6 +175,15 @@ impl<const N: usize> Value for Lanes<N> {
             self.0[i] = f(self.0[i], b.0[i], c.0[i]);
         }
         self
+    }
+
+    #[inline(always)]
+    fn all_finite(&self) -> bool {
+        let mut all = true;
+        for value in self.0 {
+            all &= value.is_finite();
+        }
+        all
     }
 
     fn vectorized<W: Work<Self>>(work: W) {

@@ -1,22 +1,10 @@
 //! Normal equations in the form of an arrow: shared unknowns, and blocks that touch only them.
 
-use super::{cholesky::Cholesky, layout::Layout};
-
-/// Sums that are added up side by side in a scalar product, so that none waits for another.
-const SUMS: usize = 8;
-
-/// The scalar product of two signals of the same length.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; SUMS];
-    let (a, b) = (a.chunks_exact(SUMS), b.chunks_exact(SUMS));
-    let rest = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum::<f64>();
-    for (a, b) in a.zip(b) {
-        for i in 0..SUMS {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
+use super::{
+    cholesky::Cholesky,
+    dot::{dot, dots},
+    layout::Layout,
+};
 
 /// `H = JᵀJ + P` and `g = Jᵀr + P(z − m)`, block by block.
 ///
@@ -58,12 +46,12 @@ impl Arrow {
         };
         let square = weight * weight;
         for (s, rows) in layout.segments.iter().enumerate() {
-            let dot = |a: &[f64], b: &[f64]| square * dot(&a[rows.clone()], &b[rows.clone()]);
-            for i in 0..ns + no {
+            let columns: Vec<&[f64]> = slopes.iter().map(|slope| &slope[rows.clone()]).collect();
+            for (i, slope) in columns.iter().enumerate().take(ns + no) {
                 let place = if i < ns { i } else { layout.first_own(s) + i - ns };
-                arrow.gradient[place] += dot(&slopes[i], r);
-                for j in 0..=i {
-                    let product = dot(&slopes[i], &slopes[j]);
+                arrow.gradient[place] += square * dot(slope, &r[rows.clone()]);
+                for (j, product) in dots(slope, &columns[..=i]).into_iter().enumerate() {
+                    let product = square * product;
                     if i < ns {
                         arrow.corner[i * ns + j] += product;
                     } else if j < ns {

@@ -13,6 +13,7 @@
 
 mod arrow;
 mod cholesky;
+mod dot;
 mod error;
 mod layout;
 mod levenberg;

@@ -179,7 +179,8 @@ impl Plan {
 
     /// The same plan with more uncertain parameters, such as those of an effect that is taken for
     /// granted.
-    pub(crate) fn with_parameters(&self, more: &[Variable]) -> Self {
+    #[must_use]
+    pub fn with_parameters(&self, more: &[Variable]) -> Self {
         let mut plan = self.clone();
         plan.shared.extend_from_slice(more);
         plan

@@ -245,13 +245,41 @@ impl Problem {
             let y = self.segment_outputs(s, z)?;
             self.weigh(s, &y, &mut r, Some(&mut raw));
         }
+        r.iter().all(|value| value.is_finite()).then(|| self.signals(&raw))
+    }
+
+    /// As [`errors`](Self::errors) at a minimum of this problem with these weights, from the
+    /// residuals that are known there: without a simulation, and the same but for rounding (to the
+    /// bit where the noise is white).
+    #[must_use]
+    pub fn errors_at(&self, at: &Minimum) -> Vec<Vec<Vec<f64>>> {
+        let mut raw = vec![0.0; at.r.len()];
+        for (rows, Segment { log, from, to }) in
+            self.layout.segments.iter().zip(&self.plan.segments)
+        {
+            let log = &self.plan.logs[*log];
+            let length = to - from;
+            for (c, colour) in self.weights.colour.iter().enumerate() {
+                let rows = rows.start + c * length..rows.start + (c + 1) * length;
+                let error = &mut raw[rows.clone()];
+                let measured = log.y[from * log.ny..].iter().skip(c).step_by(log.ny);
+                // Missing where nothing was measured.
+                error.iter_mut().zip(measured).for_each(|(e, m)| *e = 0.0 * m);
+                colour.restore(&at.r[rows], error);
+            }
+        }
+        self.signals(&raw)
+    }
+
+    /// Residuals as signals: per output, one per segment.
+    fn signals(&self, raw: &[f64]) -> Vec<Vec<Vec<f64>>> {
         let ny = self.weights.sigma.len();
         let rows = |c: usize, rows: &Range<usize>| {
             let length = rows.len() / ny;
             raw[rows.start + c * length..rows.start + (c + 1) * length].to_vec()
         };
         let signals = |c: usize| self.layout.segments.iter().map(|s| rows(c, s)).collect();
-        r.iter().all(|value| value.is_finite()).then(|| (0..ny).map(signals).collect())
+        (0..ny).map(signals).collect()
     }
 
     /// The logs of the plan with simulated outputs in place of the measured ones; holes stay.

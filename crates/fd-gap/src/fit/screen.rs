@@ -1,7 +1,8 @@
 //! How much a change of the outputs could explain, whatever the nuisances.
 
 use super::{
-    arrow::{Arrow, Factor, dot},
+    arrow::{Arrow, Factor},
+    dot::{dot, dots},
     layout::{Layout, LeastSquares},
     levenberg::Minimum,
 };
@@ -57,10 +58,12 @@ impl<'a> Projection<'a> {
         let change: Vec<f64> = changed.iter().zip(r).map(|(c, r)| c - r).collect();
         let mut seen = vec![0.0; self.layout.unknowns()];
         for (s, rows) in self.layout.segments.iter().enumerate() {
-            for (i, slope) in self.minimum.slopes.iter().enumerate() {
+            let slopes = self.minimum.slopes.iter().map(|slope| &slope[rows.clone()]);
+            let slopes: Vec<&[f64]> = slopes.collect();
+            for (i, product) in dots(&change[rows.clone()], &slopes).into_iter().enumerate() {
                 let shared = self.layout.shared;
                 let place = if i < shared { i } else { self.layout.first_own(s) + i - shared };
-                seen[place] += dot(&slope[rows.clone()], &change[rows.clone()]);
+                seen[place] += product;
             }
         }
         self.factor.forward(&mut seen);

@@ -130,6 +130,38 @@ impl Autoregression {
         }
     }
 
+    /// The signal that has these [innovations](Self::whiten), but for rounding. It stays missing
+    /// where `signal` is; what else it holds is overwritten.
+    ///
+    /// ```
+    /// use fd_gap::quality::Autoregression;
+    ///
+    /// let (slow, signal) = (Autoregression::first_order(0.8), [1.0, 0.5, f64::NAN, 2.0]);
+    /// let (mut innovations, mut restored) = ([0.0; 4], [0.0, 0.0, f64::NAN, 0.0]);
+    /// slow.whiten(&signal, &mut innovations);
+    /// slow.restore(&innovations, &mut restored);
+    /// assert!((restored[1] - 0.5).abs() < 1e-15 && restored[2].is_nan() && restored[3] == 2.0);
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// Panics when the lengths differ.
+    pub fn restore(&self, innovations: &[f64], signal: &mut [f64]) {
+        assert_eq!(signal.len(), innovations.len(), "one innovation per sample");
+        let mut known = 0;
+        for (k, innovation) in innovations.iter().enumerate() {
+            if !signal[k].is_finite() {
+                (known, signal[k]) = (0, f64::NAN);
+                continue;
+            }
+            let Predictor { coefficients, spread } = &self.predictors[known];
+            let past = signal[k - known..k].iter().rev();
+            let predicted: f64 = coefficients.iter().zip(past).map(|(a, w)| a * w).sum();
+            signal[k] = innovation * spread + predicted;
+            known = (known + 1).min(self.order());
+        }
+    }
+
     /// Sum of the logarithms of the standard deviations of the innovations of a signal: what the
     /// whitening adds to its log-likelihood, with a minus sign.
     #[must_use]

@@ -6,6 +6,7 @@ use crate::bench_cases::{Reality, candidates, example, record, sizes};
 use faer::{Mat, linalg::solvers::SolveLstsq};
 use fd_gap::{
     fit::{FitError, Horizon, Layout, LeastSquares, Plan, Search, Weights, minimise, null_fit},
+    quality::Autoregression,
     simulate::EquationSimulator,
 };
 use proptest::prelude::*;
@@ -164,6 +165,39 @@ fn the_null_fit_reaches_the_noise_in_free_run_in_windows_and_with_holes() {
         // Chi-square with that many degrees of freedom, 4 standard deviations.
         let z = (squares - free) / f64::sqrt(2.0 * free);
         assert!(z.abs() < 4.0, "{horizon:?}: {squares} for {free}, {z} standard deviations");
+    }
+}
+
+/// Residuals are errors, whitened.
+#[test]
+fn errors_at_a_minimum_are_those_of_a_simulation() {
+    let model = example("dc_drive");
+    let simulator = EquationSimulator::<f64>::new(&model).unwrap();
+    let mut holed = record(&model, REALITY, 1);
+    for k in (0..600).filter(|k| k % 7 == 0 || (100..130).contains(k)) {
+        holed.y_mut(k)[k % 2] = f64::NAN;
+    }
+    let logs = [record(&model, REALITY, 2), holed];
+    let white = Weights::white(vec![0.02, 0.2]);
+    let slow = [0.9, 0.0].map(Autoregression::first_order);
+    let coloured = Weights { colour: slow.to_vec(), ..white.clone() };
+    for horizon in [Horizon::FreeRun, Horizon::Windows { samples: 50 }] {
+        let plan = Arc::new(Plan::new(&simulator, &logs, horizon).unwrap());
+        // An innovation is rounded, and what is rounded lives on for 1/(1 - 0.9) samples.
+        for (weights, tolerance) in [(&white, 0.0), (&coloured, 20.0 * f64::EPSILON)] {
+            let mut null = null_fit(&plan, &simulator, weights).unwrap();
+            let found = null.problem.errors_at(&null.minimum);
+            let expected = null.problem.errors(&null.minimum.z).unwrap();
+            let sizes = expected.iter().flatten().flatten().map(|e| e.abs());
+            let largest = sizes.fold(0.0, f64::max);
+            for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+                assert_eq!(found.len(), expected.len());
+                for (a, b) in found.iter().zip(expected) {
+                    let is_same = (a - b).abs() <= tolerance * largest;
+                    assert!(is_same || a.is_nan() && b.is_nan(), "{horizon:?}: {a} {b}");
+                }
+            }
+        }
     }
 }
 

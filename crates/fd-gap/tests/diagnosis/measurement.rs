@@ -29,8 +29,12 @@ fn run(log: Record) -> Diagnosis {
 }
 
 fn log(truth: &Model) -> Record {
+    coloured_log(truth, 0.0)
+}
+
+fn coloured_log(truth: &Model, colour: f64) -> Record {
     let reality =
-        Reality { samples: 600, amplitude: 10.0, parameter_error: 0.03, colour: 0.0, seed: 12 };
+        Reality { samples: 600, amplitude: 10.0, parameter_error: 0.03, colour, seed: 12 };
     record(truth, reality, 1)
 }
 
@@ -69,6 +73,38 @@ fn effects_of_the_measurement_are_named() {
     let diagnosis = run(clean);
     assert_eq!(diagnosis.verdict, Verdict::NoGap);
     assert!(diagnosis.not_tested.iter().any(|n| n.label == "sensor-quantisation"));
+}
+
+/// Neither hides in slow noise: a wrong sample has neighbours that are right, and what is white does not
+/// go on to the next sample.
+#[test]
+fn effects_of_the_measurement_are_named_in_slow_noise() {
+    let slow = coloured_log(&example("mass_spring_damper"), 0.8);
+    let extra = WhiteNoise::new(0.001, 5).values(600).unwrap();
+    let wrong = |k: usize| if k % 60 == 7 { 0.01 } else { 0.0 };
+    let cases = [
+        ("sensor-noise", measured(&slow, |k, y| y + extra[k])),
+        (
+            "sensor-outliers",
+            measured(&slow, |k, y| y + wrong(k) * if k % 24 == 7 { -1.0 } else { 1.0 }),
+        ),
+    ];
+    for (label, log) in cases {
+        let diagnosis = run(log);
+        let first = &diagnosis.causes[0];
+        assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, label));
+    }
+    assert_eq!(run(slow).verdict, Verdict::NoGap);
+}
+
+/// A sensor that is wrong by accident is wrong now and then, not ten times in a row.
+#[test]
+fn wrong_samples_in_bursts_are_none_of_these() {
+    let clean = log(&example("mass_spring_damper"));
+    let sign = |k: usize| if k.is_multiple_of(3) { -1.0 } else { 1.0 };
+    let bursts = measured(&clean, |k, y| if k % 120 < 10 { y + 0.01 * sign(k) } else { y });
+    let diagnosis = run(bursts);
+    assert_eq!(diagnosis.verdict, Verdict::NoneOfThese, "{:?}", diagnosis.causes[0]);
 }
 
 /// All errors from one distribution with heavy tails are no outliers among good ones.

@@ -8,6 +8,7 @@
 )]
 
 mod delays;
+mod elementary;
 mod equation;
 mod linear;
 mod models;

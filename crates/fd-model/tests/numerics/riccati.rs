@@ -90,7 +90,9 @@ proptest! {
             riccati::discrete_filter(a.as_ref(), c.as_ref(), none.as_ref(), r.as_ref()).unwrap();
         let closed = (&a - &filter.gain * &c).eigenvalues().unwrap();
         // Coefficients of polynomials are smooth where eigenvalues are not: compare the sums of
-        // powers, to 1e-6 of the gain, which is large where modes are nearly undetectable.
+        // powers. A relative error e of P moves the closed loop by up to e |P| |C|^2 |A - K C|, and
+        // nearly undetectable modes make P and K large: one output of seven states (seed
+        // 682354151116548284) has |P| = 1.3e7, K = 758 and an error of 1.5e-6, 2e-9 of the gain.
         let tolerance = 1e-6 * (1.0 + filter.gain.norm_max());
         let mirrored = |z: &faer::c64| if z.norm() < 1.0 { *z } else { z.conj().inv() };
         for power in 1..=3 {

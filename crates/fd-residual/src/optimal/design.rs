@@ -40,8 +40,8 @@ pub struct OptimalDesign<D = Discrete> {
 }
 
 impl<D: TimeDomain> OptimalDesign<D> {
-    /// The optimal residual; `rate` (1/s) is where residuals without noise have their poles, and
-    /// the corner `a` of noise without feedthrough.
+    /// The optimal residual; residuals without noise die out at least at `rate` (1/s), which is
+    /// also the corner `a` of noise without feedthrough.
     ///
     /// # Errors
     ///
@@ -76,18 +76,59 @@ impl<D: TimeDomain> OptimalDesign<D> {
         exposure: &Exposure<'_>,
         rate: f64,
     ) -> Result<Self, DesignError> {
+        Self::placed(model, exposure, rate, &ErrorPoles::Rate(rate))
+    }
+
+    /// The optimal residual with the poles of the residuals without noise as given: nothing but
+    /// the wish of the designer fixes them.
+    ///
+    /// # Errors
+    ///
+    /// As [`OptimalDesign::new`], and as [`LeftNullSpace::placed`] for the given poles.
+    ///
+    /// # Examples
+    ///
+    /// The first of two lags has noise on its sensor, the second has none; its residual, with the pole
+    /// −5 where the plant has −2:
+    ///
+    /// ```
+    /// use faer::{Mat, c64, mat};
+    /// use fd_model::{Continuous, StateSpace};
+    /// use fd_residual::{
+    ///     analysis::UnknownInputs,
+    ///     observer::ErrorPoles,
+    ///     optimal::{Exposure, OptimalDesign},
+    /// };
+    ///
+    /// let (a, b) = (mat![[-1.0, 0.0], [0.0, -2.0]], mat![[1.0], [1.0]]);
+    /// let plant = StateSpace::new(a, b, Mat::identity(2, 2), Mat::zeros(2, 1), Continuous)?;
+    /// let none = UnknownInputs::none(&plant);
+    /// let noise = none.clone().sensor(&plant, 0)?;
+    /// let faults = noise.clone().sensor(&plant, 1)?;
+    /// let exposure = Exposure { faults: &faults, disturbances: &none, noise: &noise };
+    /// let poles = ErrorPoles::Given(vec![c64::new(-5.0, 0.0)]);
+    /// let design = OptimalDesign::placed(&plant, &exposure, 1.0, &poles)?;
+    /// let found = design.form().system().poles()?;
+    /// assert!(found.iter().any(|pole| (pole.re + 5.0).abs() < 1e-12));
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
+    pub fn placed(
+        model: &StateSpace<D>,
+        exposure: &Exposure<'_>,
+        rate: f64,
+        quiet: &ErrorPoles,
+    ) -> Result<Self, DesignError> {
         let space = LeftNullSpace::of(model, exposure.disturbances)?;
         space.require(exposure.faults)?;
-        let poles = ErrorPoles::Rate(rate);
         let quiet = match LeftNullSpace::of(model, &exposure.disturbances.and(exposure.noise)?) {
             Err(DesignError::NothingLeft { .. }) => None,
-            quiet => Some(quiet?.placed(&poles)?),
+            space => Some(space?.placed(quiet)?),
         };
         // Rows beyond the normal rank of the noise are those of the quiet residual.
         let rank = space.residual_len() - quiet.as_ref().map_or(0, ResidualForm::residual_len);
         let white = match rank {
             0 => None,
-            rank => Some(whitened(&space, exposure.noise, rank, &poles, rate)?),
+            rank => Some(whitened(&space, exposure.noise, rank, rate)?),
         };
         let form = match (white, quiet) {
             (Some(white), Some(quiet)) => {
@@ -140,7 +181,6 @@ fn whitened<D: TimeDomain>(
     space: &LeftNullSpace<D>,
     noise: &UnknownInputs,
     rank: usize,
-    poles: &ErrorPoles,
     rate: f64,
 ) -> Result<ResidualForm<D>, DesignError> {
     let noisy = space.seen(noise)?;
@@ -156,7 +196,7 @@ fn whitened<D: TimeDomain>(
         return space.with_gain(gain.as_ref())?.weighted(scale.as_ref());
     }
     // First any stable residual, then the inverse of the noise in it.
-    let first = space.placed(poles)?;
+    let first = space.placed(&ErrorPoles::Rate(rate))?;
     let found = regular(&first.residual_of(&noise.system(space.model())?)?, rate)?;
     let (gain, scale) = innovations(&found.system)?;
     let s = &found.system;

@@ -7,7 +7,8 @@
 //!   can (Ding and Frank 1991; Ding 2013, section 7.6, "unified solution"; Varga 2017, algorithm
 //!   AFD). `R_o⁻¹` is a stationary Kalman filter, from a Riccati equation.
 //! * **Residuals that see no noise.** Where a null space of `[G_u G_d G_w; I 0 0]` is left, its
-//!   residuals come last, scaled so that they do not set the gap.
+//!   residuals come last, scaled so that they do not set the gap. Their poles are free:
+//!   [`OptimalDesign::placed`] takes them.
 //! * **Noise without feedthrough.** Where `R_o⁻¹` would differentiate, it is multiplied by
 //!   `(a/(s+a))ᵏ` with the given rate `a` (continuous), or delayed by `k` samples (discrete), with
 //!   the least `k` that makes it proper. In continuous time the gap then grows with `a`.

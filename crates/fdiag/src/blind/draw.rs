@@ -14,6 +14,10 @@ use super::{
 
 /// Squares of the noise that effects are to leave: from barely visible to large.
 const TARGETS: [f64; 2] = [12.0, 1.5e5];
+/// A distance above so many times the wanted one: the weakest effect of the law is too strong.
+const TOO_STRONG: f64 = 10.0;
+/// How well the level of the noise is known, as a share of it.
+const NOISE_LEVEL: f64 = 0.1;
 /// The same for each of two effects: both must show.
 const PAIR_TARGETS: [f64; 2] = [150.0, 5e4];
 /// Less is not worth a case.
@@ -71,7 +75,7 @@ fn attempt_at(
         excitation: Shape::ALL[random.below(Shape::ALL.len())],
         samples,
         coloured,
-        noise_factor: random.uniform(0.9, 1.1),
+        noise_factor: random.uniform(1.0 - NOISE_LEVEL, 1.0 + NOISE_LEVEL),
         seed: random.seed(),
         parameters,
         effects: Vec::new(),
@@ -106,6 +110,9 @@ fn attempt_at(
             effect.distance = shown(&effect, samples);
         } else {
             yardstick.tune(&mut effect, target, law.range)?;
+            if TOO_STRONG * target < effect.distance {
+                return Ok(None);
+            }
         }
         if effect.distance < VISIBLE || !effect.distance.is_finite() {
             return Ok(None);
@@ -212,6 +219,7 @@ pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<Spot> {
                 let (x, v) = (site.position.is_some(), site.velocity.is_some());
                 let fits = match law.needs {
                     Needs::Velocity => v,
+                    Needs::Carrier => model.sites[*i].velocity.is_some(),
                     Needs::Position => x,
                     Needs::Motion => x && v,
                     Needs::Reversal => v && scene.plant.reverses,
@@ -253,8 +261,8 @@ fn is_angle(model: &Model, site: usize) -> bool {
 fn shown(effect: &Effect, samples: usize) -> f64 {
     let (n, s) = (samples as f64, effect.strength);
     match effect.label.as_str() {
-        // Variance s² instead of 1.
-        "sensor-noise" => n * (s * s - 1.0 - 2.0 * s.ln()),
+        // Variance s² instead of 1; but the level of the noise is not known either, and may follow.
+        "sensor-noise" => (n * (s * s - 1.0 - 2.0 * s.ln())).min((s.ln() / NOISE_LEVEL).powi(2)),
         // Each outlier is many standard deviations away; five squares for the price of naming it.
         "sensor-outliers" => n * s * 20.0,
         // A uniform error of a quantum.

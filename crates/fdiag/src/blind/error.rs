@@ -53,6 +53,15 @@ pub enum BlindError {
         /// What is wrong.
         what: String,
     },
+    /// A case that cannot be judged.
+    #[error("{case}: {error}")]
+    Case {
+        /// Name of the case.
+        case: String,
+        /// Why not.
+        #[source]
+        error: Box<BlindError>,
+    },
     /// A sealed truth is not the one that was committed to.
     #[error("the truth of {case} does not match its commitment: it was changed, or it is another")]
     Broken {

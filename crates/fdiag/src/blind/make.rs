@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     draw::draw,
     error::BlindError,
-    oracle::{Oracle, centred, null, oracle},
+    oracle::oracle,
     random::Random,
     seal::SealKey,
     truth::{CaseKind, Scene, Truth},
@@ -100,15 +100,7 @@ fn one(
         log.ok_or_else(|| BlindError::content(case.as_ref(), "the plant diverges"))
     };
     let (train, held_out, clean) = (log(0, true)?, log(1, true)?, log(0, false)?);
-    let at_truth = centred(&model, &truth.parameters, &scene.initial(0))?;
-    let seen = if order.full_oracle {
-        oracle(&at_truth, &clean, truth.colour())?
-    } else {
-        Oracle {
-            nothing: null(&at_truth, &clean, truth.colour())?.minimum.cost,
-            ..Oracle::default()
-        }
-    };
+    let seen = oracle(&scene, &clean, order.full_oracle)?;
     drop(scene);
     truth.oracle = Some(seen);
 

@@ -17,6 +17,7 @@ mod make;
 mod oracle;
 mod plants;
 mod random;
+mod refit;
 mod run;
 mod scales;
 mod score;
@@ -37,7 +38,7 @@ pub use self::{
     make::{Order, make},
     oracle::{Oracle, Rival},
     run::{Progress, progress, run},
-    score::{Bin, Calibration, Rate, Score, Verdict, score, score_open},
+    score::{Bin, Calibration, ClosedOf, Rate, Score, ToldOf, TopOf, Verdict, score, score_open},
     seal::SealKey,
     truth::{CaseKind, Effect, Truth},
 };

@@ -6,7 +6,8 @@ use fd_jetengine::{
     engine17::{Engine17, Health, HealthParameter, Parameters},
 };
 use fd_model::{
-    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, StateSpace,
+    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, SimulationError,
+    StateSpace,
     fault::FaultSpec,
     reduce,
     signal::{SignalSpec, WhiteNoise},
@@ -51,6 +52,12 @@ pub(crate) struct Case {
 pub(crate) struct Draw {
     inputs: Inputs,
     output_noise: Vec<SignalSpec>,
+}
+
+/// Where a run without faults stands before a sample.
+pub(crate) struct Fork {
+    at: usize,
+    state: Vec<f64>,
 }
 
 impl Benchmark {
@@ -265,6 +272,46 @@ impl Benchmark {
         let simulation =
             Simulation { output_noise, faults: faults.to_vec(), ..Simulation::default() };
         Ok(plant.run(simulation, &draw.inputs, self.nominal.outputs.clone())?)
+    }
+
+    /// Where a run without faults stands before sample `at`, for [`Benchmark::run_on`].
+    pub(crate) fn fork(plant: &Reality, draw: &Draw, at: usize) -> Fork {
+        let at = at.min(draw.inputs.len());
+        Fork { at, state: plant.state_at(&draw.inputs, at) }
+    }
+
+    /// The same run as [`Benchmark::run`] makes of all faults together, from a run without the last one, which
+    /// sets in at the fork: only what comes after it is simulated. `faults`, those that `healthy` has too, are
+    /// on sensors. Times count from the fork, so a growing fault may differ by rounding.
+    pub(crate) fn run_on(
+        &self,
+        plant: &Reality,
+        (draw, healthy): (&Draw, &Record),
+        fork: &Fork,
+        (faults, last): (&[FaultSpec], FaultSpec),
+    ) -> Result<Record, EngineStudyError> {
+        let (inputs, at) = (&draw.inputs, fork.at);
+        let rest = inputs.values()[at * inputs.channels().len()..].to_vec();
+        let after = Inputs::new(inputs.channels().to_vec(), rest, inputs.len() - at, inputs.ts())?
+            .starting_at(inputs.time(at));
+        let simulation =
+            Simulation { x0: fork.state.clone(), faults: vec![last], ..Simulation::default() };
+        let mut tail = plant.run(simulation, &after, self.nominal.outputs.clone())?;
+        // The noise goes on where it was at the fork.
+        for (i, noise) in draw.output_noise.iter().enumerate() {
+            let values = noise.values(inputs.len(), inputs.ts()).map_err(SimulationError::from)?;
+            for (k, noise) in values[at..].iter().enumerate() {
+                tail.y_mut(k)[i] += noise;
+            }
+        }
+        for fault in faults {
+            fault.apply_to_record(&mut tail).map_err(SimulationError::from)?;
+        }
+        let mut whole = healthy.clone();
+        for k in 0..tail.len() {
+            whole.y_mut(at + k).copy_from_slice(tail.y(k));
+        }
+        Ok(whole)
     }
 
     fn noise(&self, rng: &mut Xoshiro256PlusPlus) -> Vec<SignalSpec> {

@@ -1,5 +1,6 @@
 //! The plant that a benchmark run watches, linear or not, healthy or with faults.
 
+use fd_core::stage::Plant;
 use fd_jetengine::{
     EngineError,
     engine17::{Engine17, ExtendedEngine, NX, NX_EXTENDED, PerUnit, Sampled, Unmodelled},
@@ -41,23 +42,46 @@ impl Reality {
         })
     }
 
-    /// Drives it, from rest.
+    /// Drives it, from rest unless the simulation has a state to begin with.
     pub(crate) fn run(
         &self,
         mut simulation: Simulation,
         inputs: &Inputs,
         outputs: Vec<Channel>,
     ) -> Result<Record, SimulationError> {
+        if simulation.x0.is_empty() {
+            simulation.x0 = self.rest();
+        }
         match self {
             Self::Linear(plant) => simulation.run(plant, inputs, outputs),
-            Self::Core(plant, rest) => {
-                simulation.x0 = rest.to_vec();
+            Self::Core(plant, _) => simulation.run_with_parameters(plant.as_ref(), inputs, outputs),
+            Self::Extended(plant, _) => {
                 simulation.run_with_parameters(plant.as_ref(), inputs, outputs)
             }
-            Self::Extended(plant, rest) => {
-                simulation.x0 = rest.to_vec();
-                simulation.run_with_parameters(plant.as_ref(), inputs, outputs)
-            }
+        }
+    }
+
+    /// The state before step `k` of a run from rest without faults.
+    pub(crate) fn state_at(&self, inputs: &Inputs, k: usize) -> Vec<f64> {
+        let plant: &dyn Plant<f64> = match self {
+            Self::Linear(plant) => plant,
+            Self::Core(plant, _) => plant.as_ref(),
+            Self::Extended(plant, _) => plant.as_ref(),
+        };
+        let mut x = self.rest();
+        let mut next = x.clone();
+        for k in 0..k {
+            plant.advance(&x, inputs.u(k), &mut next);
+            std::mem::swap(&mut x, &mut next);
+        }
+        x
+    }
+
+    fn rest(&self) -> Vec<f64> {
+        match self {
+            Self::Linear(plant) => vec![0.0; plant.nx()],
+            Self::Core(_, rest) => rest.to_vec(),
+            Self::Extended(_, rest) => rest.to_vec(),
         }
     }
 }

@@ -81,6 +81,8 @@ pub struct Trained {
     events: Vec<Event>,
     /// Inputs of the fault-free samples.
     inputs: Vec<f64>,
+    /// The fault-free samples at which a log begins, without the first.
+    starts: Vec<usize>,
     primary: Vec<f64>,
     compensated: Vec<f64>,
 }
@@ -130,6 +132,7 @@ pub fn train(
         fit,
         events: learned.events,
         inputs: Vec::new(),
+        starts: Vec::new(),
         primary: Vec::new(),
         compensated: Vec::new(),
     };
@@ -258,7 +261,7 @@ impl Trained {
         let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
         let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
         let data = DetectorData {
-            healthy: DrivenRows::new(inputs, residuals)?,
+            healthy: DrivenRows::new(inputs, residuals)?.in_runs(&self.starts)?,
             plan,
             model: &self.nominal,
             design: self.design.as_ref(),
@@ -307,6 +310,7 @@ impl Trained {
     fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), RoadError> {
         let channels = self.design.residual_len();
         let trace = self.watch(log.record)?;
+        let start = self.primary.len() / channels;
         for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
             if trace.compensating[k] && log.record.is_complete(k) {
                 let row = k * channels..(k + 1) * channels;
@@ -314,6 +318,9 @@ impl Trained {
                 self.primary.extend_from_slice(&trace.residual[row.clone()]);
                 self.compensated.extend_from_slice(&trace.compensated[row]);
             }
+        }
+        if 0 < start && start < self.primary.len() / channels {
+            self.starts.push(start);
         }
         Ok(())
     }

@@ -1,8 +1,14 @@
 //! Thresholds that follow the input, as lines of a spec.
 
 use faer::{Mat, Scale};
-use fd_compensate::calibrate::FalseAlarms;
-use fd_compensate::detect::adaptive::{Bands, Evaluation, InputBound, LearnedBound, noise_levels};
+use fd_compensate::{
+    DrivenRows,
+    calibrate::FalseAlarms,
+    detect::{
+        DetectorError,
+        adaptive::{Bands, Evaluation, InputBound, LearnedBound, noise_levels},
+    },
+};
 use fd_model::{
     Continuous, Discrete, ModelError, StateSpace,
     uncertainty::{MatrixPerturbation, Uncertainty},
@@ -92,18 +98,36 @@ fn default_seed() -> u64 {
 /// Draws that turn out unstable, per model wanted, before the search is given up.
 const MOST_REDRAWS: u64 = 50;
 
+/// A bound but for what fault-free samples have to tell.
+pub(super) enum Recipe {
+    /// All of it.
+    Learned(Bands, LearnedBound),
+    /// The noise alone: the rest is a matter of models.
+    Ensemble(InputBound),
+}
+
+impl Recipe {
+    pub(super) fn bound(&self, healthy: DrivenRows<'_>) -> Result<InputBound, DetectorError> {
+        match self {
+            Self::Learned(bands, learned) => {
+                InputBound::from_fault_free(healthy, bands.clone(), learned)
+            }
+            Self::Ensemble(bound) => bound.clone().with_noise(&noise_levels(healthy.residuals())?),
+        }
+    }
+}
+
 impl AdaptiveSpec {
-    /// The bound for what will be compared with it.
-    pub(super) fn bound(
+    /// How the bound is made for what `evaluation` compares with it.
+    pub(super) fn recipe(
         &self,
         data: &DetectorData<'_>,
         evaluation: Evaluation,
-    ) -> Result<InputBound, DetectorSpecError> {
+    ) -> Result<Recipe, DetectorSpecError> {
         let bands = Bands::spaced(self.slowest_samples, self.corners, self.memory_samples)?;
         Ok(match self.bound {
             BoundSpec::Learned { quantile } => {
-                let learned = LearnedBound { quantile, evaluation };
-                InputBound::from_fault_free(data.healthy, bands, &learned)?
+                Recipe::Learned(bands, LearnedBound { quantile, evaluation })
             }
             BoundSpec::Ensemble { models, fraction, seed } => {
                 let h_y = data.design.form()?.hy()?;
@@ -114,7 +138,7 @@ impl AdaptiveSpec {
                     })
                     .collect::<Result<Vec<_>, ModelError>>()?;
                 let noise = noise_levels(data.healthy.residuals())?;
-                InputBound::over_ensemble(&transfers, bands, &noise)?
+                Recipe::Ensemble(InputBound::over_ensemble(&transfers, bands, &noise)?)
             }
         })
     }

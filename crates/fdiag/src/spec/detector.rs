@@ -2,7 +2,7 @@
 
 use fd_compensate::{
     DrivenRows,
-    calibrate::{CalibrationError, CalibrationPlan, FalseAlarms, calibrate},
+    calibrate::{CalibrationError, CalibrationPlan, FalseAlarms, calibrate, calibrate_held_out},
     detect::{
         AdaptiveThreshold, ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Glr, Magnitude, NSigma,
         Spread, Sprt, Standardizer, TwoSample,
@@ -266,7 +266,11 @@ fn adaptive(
     spec: &AdaptiveSpec,
     evaluation: Evaluation,
 ) -> Result<Box<dyn Detector>, DetectorSpecError> {
-    let bound = spec.bound(data, evaluation)?;
-    let detector = AdaptiveThreshold::<f64>::new(&bound, evaluation, UNCALIBRATED)?;
-    data.calibrated(detector, spec.false_alarms, AdaptiveThreshold::with_threshold)
+    let recipe = spec.recipe(data, evaluation)?;
+    let learn = |healthy: DrivenRows<'_>| -> Result<_, DetectorSpecError> {
+        Ok(AdaptiveThreshold::<f64>::new(&recipe.bound(healthy)?, evaluation, UNCALIBRATED)?)
+    };
+    let Some(plan) = data.plan else { return Ok(Box::new(learn(data.healthy)?)) };
+    let (detector, found) = calibrate_held_out(data.healthy, spec.false_alarms, plan, learn)?;
+    Ok(Box::new(detector.with_threshold(found.threshold)?))
 }

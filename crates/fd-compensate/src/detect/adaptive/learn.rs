@@ -113,7 +113,12 @@ fn look(
     let channels = healthy.residuals().channels();
     let mut power = vec![0.0; channels];
     let (mut features, mut values) = (Vec::new(), vec![Vec::new(); channels]);
+    let mut beginnings = healthy.runs().map(|run| run.start).peekable();
     for k in 0..healthy.len() {
+        if beginnings.next_if_eq(&k).is_some() {
+            norms.reset();
+            power.fill(0.0);
+        }
         let forget = norms.forget();
         let now = norms.update(healthy.u(k));
         let is_looked_at = k % every == 0;

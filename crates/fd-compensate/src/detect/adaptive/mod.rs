@@ -28,8 +28,9 @@
 //! | [`AdaptiveThreshold::of_magnitude`] | each `|r_i(k)|`: quick, the adaptive threshold |
 //! | [`AdaptiveThreshold::of_rms`] | `‖r_i‖_k` over the same window: the threshold selector of Emami-Naeini et al. |
 //!
-//! The statistic is the largest ratio of the two, so that one number, the threshold, scales all bounds;
-//! [`calibrate`](crate::calibrate) sets it for a stated rate of false alarms.
+//! The statistic is the largest ratio of the two, so that one number, the threshold, scales all bounds.
+//! [`calibrate_held_out`](crate::calibrate::calibrate_held_out) sets it for a stated rate of false alarms on
+//! runs with other inputs than those that the bound was learned from.
 //!
 //! **Assumptions.** Filters start in the steady state of the first input. The ensemble spans the
 //! uncertainty, or the healthy logs span the inputs to come.
@@ -92,6 +93,15 @@ impl InputBound {
             return Err(DetectorError::Parameter { parameter, expected, found });
         }
         Ok(Self { bands, nu, noise: noise.to_vec(), gains: gains.to_vec() })
+    }
+
+    /// The same bound with another noise level of each residual channel.
+    ///
+    /// # Errors
+    ///
+    /// As [`InputBound::new`].
+    pub fn with_noise(self, noise: &[f64]) -> Result<Self, DetectorError> {
+        Self::new(self.bands, self.nu, noise, &self.gains)
     }
 
     /// Residual channels.

@@ -6,8 +6,10 @@ use crate::{
     model::Model,
 };
 
-/// Frequencies from which to start, on a logarithmic grid.
-const FREQUENCIES: u8 = 14;
+/// Shares of the mass from which to start, each with so many frequencies on a logarithmic grid. A small
+/// share changes the run in proportion, so that its fine grid tells the frequency; a large one moves the
+/// resonances that the model has.
+const STARTS: [(f64, u8); 2] = [(0.01, 40), (0.1, 14)];
 /// Damping ratio from which to start.
 const DAMPING: f64 = 0.06;
 /// Largest `h ω` of an integration step `h`: relative error of Runge-Kutta `(h ω)⁵/120 = 3e-3` per
@@ -35,10 +37,11 @@ impl Effect for ResonantMode {
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let lowest = 2.0 / scales.duration;
         let highest = (0.4 / scales.ts).min(FASTEST / (std::f64::consts::TAU * scales.step));
-        let grid = (0..FREQUENCIES)
-            .map(|i| (f64::from(i) + 0.5) / f64::from(FREQUENCIES))
-            .map(|x| lowest * (highest / lowest).powf(x));
-        let grid: Vec<f64> = grid.collect();
+        let starts = STARTS.iter().flat_map(|(share, count)| {
+            let middle = move |i: u8| (f64::from(i) + 0.5) / f64::from(*count);
+            (0..*count).map(move |i| [*share, lowest * (highest / lowest).powf(middle(i)), DAMPING])
+        });
+        let starts: Vec<[f64; 3]> = starts.collect();
         each_site(self, nominal, scales, |sketch, at| {
             let mode = sketch("appendage")
                 .with_velocity(at)
@@ -47,7 +50,7 @@ impl Effect for ResonantMode {
                 .bind("a", at.site.acceleration.clone())
                 .bind("C", at.site.compliance.clone())
                 .strength("m", "mode_share", "1", 1.0, [0.0, 5.0])
-                .shape("f", "mode_frequency", "Hz", 1.0, [lowest, highest], grid[0])
+                .shape("f", "mode_frequency", "Hz", 1.0, [lowest, highest], lowest)
                 .shape("z", "mode_damping", "1", 1.0, [1e-3, 1.0], DAMPING)
                 .abbreviate("w", "2*pi*f")
                 .dynamic("r", "mode_displacement", &at.position_unit())
@@ -56,7 +59,7 @@ impl Effect for ResonantMode {
                 .moves("r", "r_dot")
                 .moves("r_dot", "-a - (1 + m)*P")
                 .force("mode_force", "m*P/C");
-            vec![grid.iter().fold(mode, |sketch, f| sketch.start(&[0.1, *f, DAMPING]))]
+            vec![mode.starts(starts.clone())]
         })
     }
 }

@@ -6,8 +6,9 @@ use crate::{
     model::{Law, Model},
 };
 
-/// Heights of the brim from which to start, as fractions of the range.
-const LEVELS: [f64; 4] = [0.62, 0.8, 0.42, 0.92];
+/// Heights of the brim from which to start, as fractions of the range of the nominal model; the real
+/// one may rise higher.
+const LEVELS: [f64; 7] = [0.62, 0.8, 0.42, 0.92, 0.96, 1.0, 1.04];
 
 /// A level that cannot rise above `low + 1/s`, where `low` is the lowest level of the nominal
 /// model: what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is

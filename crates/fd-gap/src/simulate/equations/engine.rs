@@ -5,7 +5,10 @@ use std::sync::Arc;
 use fd_core::Scalar;
 
 use super::{super::delay_line::DelayLine, system::System};
-use crate::equation::{Program, Value, Workspace};
+use crate::{
+    equation::{Program, Value, Workspace},
+    model::Hold,
+};
 
 /// A running model.
 #[derive(Clone, Debug)]
@@ -94,9 +97,11 @@ impl<V: Value> Engine<V> {
     pub(super) fn advance(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [V]) {
         let inputs = self.system.inputs.len();
         load(&mut self.u[..inputs], &u[..inputs]);
-        load(&mut self.u_next[..inputs], &u_next[..inputs]);
         load(&mut self.u[inputs..], f);
-        load(&mut self.u_next[inputs..], f);
+        if self.system.hold != Hold::Zero {
+            load(&mut self.u_next[..inputs], &u_next[..inputs]);
+            load(&mut self.u_next[inputs..], f);
+        }
 
         let timing = self.system.timing;
         let h = timing.h();
@@ -134,6 +139,9 @@ impl<V: Value> Engine<V> {
 
     /// A lane in which one state is not finite is NaN from then on.
     fn spoil(&mut self) {
+        if self.x.iter().all(Value::all_finite) {
+            return;
+        }
         for lane in 0..V::LANES {
             if self.x.iter().any(|value| !is_finite(value.lane(lane))) {
                 let nan = V::Lane::from_design(f64::NAN);

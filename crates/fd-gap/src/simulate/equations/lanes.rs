@@ -8,30 +8,30 @@ use crate::{
     simulate::simulator::{Run, one_by_one, rows},
 };
 
-/// Most runs side by side.
+/// Most runs side by side: two of the widest registers, so that neither waits for the other.
+const WIDEST: usize = 16;
+/// Runs side by side when there are no more than that …
 const WIDE: usize = 8;
-/// Runs side by side when there are no more than that.
+/// … and no more than that.
 const NARROW: usize = 4;
 
 /// Engines for several runs, each made when it is needed first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Many {
+    widest: Option<Box<Engine<Lanes<WIDEST>>>>,
     wide: Option<Box<Engine<Lanes<WIDE>>>>,
     narrow: Option<Box<Engine<Lanes<NARROW>>>>,
 }
 
 impl EquationSimulator<f64> {
     pub(super) fn run_in_lanes(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
-        for some in runs.chunks_mut(WIDE) {
-            if some.len() == 1 {
-                one_by_one(self, first, u, some);
-                continue;
-            }
+        for some in runs.chunks_mut(WIDEST) {
             let (system, many) = (&self.engine.system, &mut self.many);
-            if some.len() <= NARROW {
-                run(engine(&mut many.narrow, system), first, u, some);
-            } else {
-                run(engine(&mut many.wide, system), first, u, some);
+            match some.len() {
+                1 => one_by_one(self, first, u, some),
+                2..=NARROW => run(engine(&mut many.narrow, system), first, u, some),
+                ..=WIDE => run(engine(&mut many.wide, system), first, u, some),
+                _ => run(engine(&mut many.widest, system), first, u, some),
             }
         }
     }
@@ -64,14 +64,18 @@ fn run<const N: usize>(engine: &mut Engine<Lanes<N>>, first: u64, u: &[f64], run
     for k in 0..samples {
         let [now, next] = inputs(k);
         engine.advance(now, next, &[], &mut row);
-        let mut is_over = true;
         for (lane, run) in runs.iter_mut().enumerate() {
             let values = &mut run.y[k * ny..(k + 1) * ny];
             values.iter_mut().zip(&row).for_each(|(y, row)| *y = row.0[lane]);
-            is_over &= !run.check(k, ny);
         }
-        if is_over {
-            break;
+        if !row.iter().all(Value::all_finite) {
+            let mut is_over = true;
+            for run in &mut *runs {
+                is_over &= !run.check(k, ny);
+            }
+            if is_over {
+                break;
+            }
         }
     }
     for run in runs {

@@ -19,14 +19,7 @@ use crate::{
 impl<V: Value> Engine<V> {
     /// Writes the outputs.
     pub(super) fn measure(&mut self, t: f64, y: &mut [V]) {
-        fill(&mut self.outputs, (t, self.is_first), &self.x, &self.u, &self.held);
-        self.system.outputs.run(&mut self.outputs, y);
-        for x in &self.x {
-            for y in &mut *y {
-                *y =
-                    y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
-            }
-        }
+        V::vectorized(Measurement { engine: self, t, y });
     }
 
     /// Stores what is to be delayed, and sets the delayed values.
@@ -79,7 +72,8 @@ impl<V: Value> Engine<V> {
         }
     }
 
-    /// One step of Runge-Kutta of order 4.
+    /// One step of Runge-Kutta of order 4. Loops are written out: an iterator that is not inlined is
+    /// compiled for the smallest machine.
     #[inline(always)]
     fn runge_kutta(&mut self, kernel: impl Kernel<V>, t: f64, at: f64) {
         let system = &*self.system;
@@ -91,22 +85,21 @@ impl<V: Value> Engine<V> {
                 let length = V::constant(fraction * h);
                 let fast = self.rates.fast_mut();
                 fast[0] = V::constant(t + fraction * h);
-                for ((to, x), slope) in
-                    fast[FIRST_STATE..].iter_mut().zip(&self.x).zip(&self.k[stage - 1])
-                {
-                    kernel.mul_add(to, &length, slope, x);
+                let (to, slope) = (&mut fast[FIRST_STATE..], &self.k[stage - 1]);
+                for i in 0..system.nx {
+                    kernel.mul_add(&mut to[i], &length, &slope[i], &self.x[i]);
                 }
             }
             system.rates.run_with(kernel, &mut self.rates, &mut self.k[stage]);
         }
         let (sixth, two) = (V::constant(h / 6.0), V::constant(2.0));
         let [k1, k2, k3, k4] = &self.k;
-        for ((((x, k1), k2), k3), k4) in self.x.iter_mut().zip(k1).zip(k2).zip(k3).zip(k4) {
-            let (before, mut sum, mut more) = (*x, *k1, *k1);
-            kernel.add(&mut more, k2, k3);
-            kernel.mul_add(&mut sum, &two, &more, k1);
-            kernel.add(&mut more, &sum, k4);
-            kernel.mul_add(x, &sixth, &more, &before);
+        for i in 0..system.nx {
+            let (before, mut sum, mut more) = (self.x[i], k1[i], k1[i]);
+            kernel.add(&mut more, &k2[i], &k3[i]);
+            kernel.mul_add(&mut sum, &two, &more, &k1[i]);
+            kernel.add(&mut more, &sum, &k4[i]);
+            kernel.mul_add(&mut self.x[i], &sixth, &more, &before);
         }
     }
 }
@@ -125,7 +118,30 @@ impl<V: Value> Work<V> for RungeKutta<'_, V> {
     }
 }
 
+/// The outputs at a time.
+struct Measurement<'a, V> {
+    engine: &'a mut Engine<V>,
+    t: f64,
+    y: &'a mut [V],
+}
+
+impl<V: Value> Work<V> for Measurement<'_, V> {
+    #[inline(always)]
+    fn run(self, kernel: impl Kernel<V>) {
+        let Self { engine, t, y } = self;
+        fill(&mut engine.outputs, (t, engine.is_first), &engine.x, &engine.u, &engine.held);
+        engine.system.outputs.run_with(kernel, &mut engine.outputs, y);
+        for x in engine.x.iter().filter(|x| !x.all_finite()) {
+            for y in &mut *y {
+                *y =
+                    y.zip(*x, |y, x| if is_finite(x) { y } else { V::Lane::from_design(f64::NAN) });
+            }
+        }
+    }
+}
+
 /// Sets all fast inputs; `now` is the time and whether it is the first step.
+#[inline(always)]
 fn fill<V: Value>(
     workspace: &mut Workspace<V>,
     (t, is_first): (f64, bool),
@@ -136,13 +152,15 @@ fn fill<V: Value>(
     let (to_now, rest) = workspace.fast_mut().split_at_mut(FIRST_STATE);
     let (to_x, rest) = rest.split_at_mut(x.len());
     let (to_u, to_held) = rest.split_at_mut(u.len());
-    to_now.copy_from_slice(&[t, f64::from(u8::from(is_first))].map(V::constant));
+    to_now[0] = V::constant(t);
+    to_now[1] = V::constant(f64::from(u8::from(is_first)));
     to_x.copy_from_slice(x);
     to_u.copy_from_slice(u);
     to_held.copy_from_slice(held);
 }
 
 /// Moves the inputs on to `at` integration steps after the sample, if they are interpolated.
+#[inline(always)]
 fn interpolate<V: Value>(
     system: &System,
     workspace: &mut Workspace<V>,

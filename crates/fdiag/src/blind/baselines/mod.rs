@@ -13,7 +13,7 @@ use fd_gap::{
 use fd_model::Record;
 use serde::{Deserialize, Serialize};
 
-use super::{error::BlindError, oracle::null};
+use super::{error::BlindError, refit::null};
 
 /// A gap that is less than this above the noise, in sigma, cannot be shared out.
 const REDUCIBLE: f64 = 0.01;
@@ -61,7 +61,7 @@ pub(super) fn all(
     train: &Record,
     held_out: &Record,
 ) -> Result<Baselines, BlindError> {
-    let null = null(model, train, 0.0)?;
+    let null = null(model, model, train, 0.0)?;
     let nominal = EquationSimulator::<f64>::at(model, train.ts())?;
     let held_out_log = Log::new(held_out, &nominal, 1)?;
     let mut bench = Bench {

@@ -46,7 +46,10 @@ pub enum Place {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Needs {
     Nothing,
+    /// A velocity, or what drives like one: the current of a winding.
     Velocity,
+    /// A velocity that the model calls so: something that can carry something else.
+    Carrier,
     Position,
     Motion,
     /// A velocity that changes its sign.

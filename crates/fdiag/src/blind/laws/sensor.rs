@@ -122,8 +122,11 @@ pub(super) fn laws() -> Vec<Law> {
             }))
         }),
         measurement("sensor-noise", "white", Matched, [1.3, 4.0], |s| {
-            let factor = s.strength;
-            Mechanism::Corrupt(Box::new(move |y, noise, _| y + factor * noise))
+            // White where the stated noise is not.
+            let (extra, mut random) = ((s.strength.powi(2) - 1.0).sqrt(), s.random());
+            Mechanism::Corrupt(Box::new(move |y, noise, sigma| {
+                y + noise + extra * sigma * random.normal()
+            }))
         }),
         measurement("sensor-noise", "heavy-tailed", Mismatch, [1.3, 3.0], |s| {
             let factor = s.strength / std::f64::consts::SQRT_2;

@@ -1,5 +1,7 @@
 //! One answer next to its truth.
 
+use std::ops::Range;
+
 use fd_gap::{
     effect::Candidate,
     fit::{Horizon, Log},
@@ -13,13 +15,13 @@ use crate::blind::{
     answer::{Answer, Named},
     error::BlindError,
     laws::Place,
-    oracle::{SEPARATED, centred, distance_of},
+    oracle::{SEPARATED, distance_of},
     run::Case,
     truth::{CaseKind, Effect, Scene, Truth},
 };
 
 /// Runs that no diagnosis has seen, from which the real share of the gap that is closed follows.
-const FRESH: std::ops::Range<u64> = 2..6;
+const FRESH: Range<u64> = 2..6;
 /// A gap that is less than this above the noise cannot be shared out.
 const REDUCIBLE: f64 = 0.02;
 /// Noise floor reached: so much above the real noise.
@@ -45,12 +47,15 @@ pub struct Verdict {
     pub said: String,
     /// Its mechanism, or `no gap`.
     pub said_family: String,
-    /// Squares of the noise that the best fit without any effect leaves of the truth.
+    /// Squares of the noise that the best fit without any effect leaves of the truth, see
+    /// [`Oracle::nothing`](crate::blind::Oracle::nothing).
     pub distance: f64,
     /// Whether the effect leaves a trace at all.
     pub is_visible: bool,
     /// Whether some other single effect of the library leaves less than 9 squares of the noise.
     pub is_mimicked: bool,
+    /// What the nearest single effect of the library leaves, where that was looked for.
+    pub nearest: Option<f64>,
     /// Label and site are right.
     pub is_exact: bool,
     /// Right, or not to be told from the truth by this log.
@@ -73,6 +78,8 @@ pub struct Verdict {
     pub is_alone: bool,
     /// Two effects: both are named, and nothing else.
     pub is_pair_exact: bool,
+    /// Two effects: as above, or what is named cannot be told from them.
+    pub is_pair_right: bool,
     /// Two effects: at least one is named.
     pub is_half_exact: bool,
     /// Whether the training residual came down to the real noise.
@@ -97,6 +104,7 @@ pub struct Verdict {
 fn families_of_map(named: &Named) -> &'static [&'static str] {
     match (named.label.as_str(), named.law.as_str()) {
         ("input-map", "of-input") => &["actuator-gain", "actuator-offset", "actuator-nonlinearity"],
+        ("input-map", "of-time") => &["actuator-offset"],
         ("force-map", "of-velocity") => &["friction"],
         ("force-map", "of-position") => &["stiffness", "load", "limit"],
         ("force-map", "of-time") => &["load"],
@@ -170,6 +178,7 @@ pub(super) fn judge(
         distance,
         is_visible: SEPARATED <= distance,
         is_mimicked: !oracle.ties.is_empty(),
+        nearest: oracle.best.as_ref().map(|best| best.distance),
         blamed: answer.blamed(),
         none_score: answer.none_score,
         says_none: answer.says_none,
@@ -203,7 +212,7 @@ pub(super) fn judge(
         if let (Some(case), false, true, true) =
             (case, is_right, is_single, verdict.is_visible && !corrupts)
         {
-            is_right = left(case, truth, first)? < SEPARATED;
+            is_right = left(case, truth, &[first])? < SEPARATED;
         }
         verdict.is_right = is_right;
         verdict.is_group_right |= is_right;
@@ -221,6 +230,13 @@ pub(super) fn judge(
         let found = truth.effects.iter().filter(|effect| is_said(effect)).count();
         verdict.is_pair_exact = found == 2 && said.len() == 2;
         verdict.is_half_exact = 0 < found;
+        verdict.is_pair_right = verdict.is_pair_exact
+            || match case {
+                Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
+                    left(case, truth, &said)? < SEPARATED
+                }
+                _ => false,
+            };
     }
     for (i, baseline) in answer.baselines.iter().flat_map(|b| [&b.refit, &b.sparse]).enumerate() {
         let right = |(label, site): &(String, String)| {
@@ -237,19 +253,24 @@ pub(super) fn judge(
     Ok(verdict)
 }
 
-/// What the named cause, in any of its laws, leaves of the noise-free truth.
-fn left(case: &Case, truth: &Truth, named: &Named) -> Result<f64, BlindError> {
+/// What the named causes, in any of their laws, leave of the noise-free truth.
+fn left(case: &Case, truth: &Truth, named: &[&Named]) -> Result<f64, BlindError> {
     let model = case.model()?;
     let scene = Scene::new(truth, &model)?;
     let Some(clean) = scene.log(0, false)? else { return Ok(f64::INFINITY) };
-    let centred = centred(&model, &truth.parameters, &scene.initial(0))?;
-    let wanted = |candidate: &Candidate| {
-        let partner = candidate.partner.as_ref().and_then(|p| p.name());
-        candidate.label == named.label
-            && candidate.site.name() == Some(&named.site)
-            && partner == named.partner.as_deref()
-    };
-    distance_of(&centred, &clean, truth.colour(), wanted)
+    let wanted: Vec<_> = named
+        .iter()
+        .map(|named| {
+            move |candidate: &Candidate| {
+                let partner = candidate.partner.as_ref().and_then(|p| p.name());
+                candidate.label == named.label
+                    && candidate.site.name() == Some(&named.site)
+                    && partner == named.partner.as_deref()
+            }
+        })
+        .collect();
+    let wanted: Vec<&dyn Fn(&Candidate) -> bool> = wanted.iter().map(|w| w as _).collect();
+    distance_of(&scene, &clean, &wanted)
 }
 
 /// The real noise, and the share that is really closed.
@@ -260,8 +281,8 @@ fn look_closer(
     verdict: &mut Verdict,
 ) -> Result<(), BlindError> {
     let model = case.model()?;
-    let noise = model.outputs.iter().map(|o| truth.noise_factor * o.noise.unwrap_or(0.0));
-    let noise: Vec<f64> = noise.collect();
+    let scene = Scene::new(truth, &model)?;
+    let Some(noise) = noise(&scene, 0..1)? else { return Ok(()) };
     verdict.is_floor_reached = answer.gaps[1].len() == noise.len()
         && answer.gaps[1].iter().zip(&noise).all(|(gap, noise)| *gap <= REACHED * noise);
     let (Some(stated), Some(patched)) = (answer.closed, &answer.patched) else { return Ok(()) };
@@ -269,21 +290,40 @@ fn look_closer(
         return Ok(());
     }
     let Ok(patched) = patched.parse::<Model>() else { return Ok(()) };
-    verdict.really_closed = really_closed(truth, &model, &patched, answer, &noise)?;
+    verdict.really_closed = really_closed(&scene, &patched, answer)?;
     verdict.is_covered =
         verdict.really_closed.map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
     Ok(())
 }
 
+/// Root mean square of what noise does to each output in some runs, around the loop as well; `None`
+/// when the plant diverges.
+fn noise(scene: &Scene<'_>, runs: Range<u64>) -> Result<Option<Vec<f64>>, BlindError> {
+    let mut squares = vec![0.0; scene.model.outputs.len()];
+    let mut samples = 0.0;
+    for run in runs {
+        let (Some(noisy), Some(clean)) = (scene.log(run, true)?, scene.log(run, false)?) else {
+            return Ok(None);
+        };
+        for k in 0..noisy.len() {
+            for (square, (noisy, clean)) in
+                squares.iter_mut().zip(noisy.y(k).iter().zip(clean.y(k)))
+            {
+                *square += (noisy - clean).powi(2);
+            }
+            samples += 1.0;
+        }
+    }
+    Ok(Some(squares.into_iter().map(|square: f64| (square / samples).sqrt()).collect()))
+}
+
 fn really_closed(
-    truth: &Truth,
-    model: &Model,
+    scene: &Scene<'_>,
     patched: &Model,
     answer: &Answer,
-    noise: &[f64],
 ) -> Result<Option<f64>, BlindError> {
-    let scene = Scene::new(truth, model)?;
-    let nominal = EquationSimulator::<f64>::new(model)?;
+    let Some(noise) = noise(scene, FRESH)? else { return Ok(None) };
+    let nominal = EquationSimulator::<f64>::new(scene.model)?;
     let with = EquationSimulator::<f64>::at(patched, nominal.ts())?;
     let mut logs = Vec::new();
     for run in FRESH {

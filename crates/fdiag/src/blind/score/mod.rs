@@ -18,6 +18,7 @@ use super::{
     answer::{Answer, read_answers},
     error::BlindError,
     make::{KEY, sealed_file},
+    oracle::SEPARATED,
     run::{ANSWERS, cases},
     seal::SealKey,
     truth::Truth,
@@ -30,6 +31,8 @@ const FALSE_ABSTENTION: f64 = 0.03;
 const ANSWERED: f64 = 0.6;
 /// Probability from which an answer counts as sure.
 const SURE: f64 = 0.9;
+/// Squares of the noise from which effects are counted apart.
+const DISTANCES: [f64; 5] = [SEPARATED, 25.0, 62.0, 250.0, 2500.0];
 
 /// All that came out of a blind test.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -70,13 +73,19 @@ pub struct Score {
     pub mismatch: [Rate; 3],
     /// Single effects: mechanism and place, side.
     pub place: [Rate; 2],
-    /// Two effects: both, at least one, noise floor reached.
-    pub pairs: [Rate; 3],
-    /// Median share of the held-out gap after the parameter refit that the named effect closes, on
-    /// visible single effects.
+    /// Two effects: both, both or not to be told from them, at least one, noise floor reached.
+    pub pairs: [Rate; 4],
+    /// Median share of the held-out gap after the parameter refit that the named effect is said to
+    /// close, on visible single effects.
     pub closed: f64,
     /// Intervals that contain the real share.
     pub coverage: Rate,
+    /// The same by kind of case.
+    pub closed_by_kind: Vec<ClosedOf>,
+    /// The first cause is right on visible single effects of the library, by what they leave.
+    pub top_by_distance: Vec<TopOf>,
+    /// Withheld classes told, by what the nearest known effect leaves.
+    pub told_by_nearest: Vec<ToldOf>,
     /// Median and 90 % quantile of the time of a diagnosis, in seconds.
     pub seconds: [f64; 2],
     /// Named rightly by the refit, by the sparse regression.
@@ -85,6 +94,37 @@ pub struct Score {
     pub baseline_closed: [f64; 3],
     /// Case by case.
     pub verdicts: Vec<Verdict>,
+}
+
+/// How much of the gap is closed, on visible effects of one kind of case.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ClosedOf {
+    /// The kind.
+    pub kind: String,
+    /// Median of what is said.
+    pub stated: f64,
+    /// Median of what is true.
+    pub real: f64,
+    /// Intervals that contain what is true.
+    pub coverage: Rate,
+}
+
+/// Right first causes among effects that leave so many squares of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TopOf {
+    /// The least that they leave; the most is the least of the next.
+    pub least: f64,
+    /// In white and in coloured noise.
+    pub right: [Rate; 2],
+}
+
+/// Withheld classes told, among those of which the nearest known effect leaves so many squares of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToldOf {
+    /// The least that it leaves; the most is the least of the next.
+    pub least: f64,
+    /// At the threshold of few false abstentions, and by the diagnosis itself.
+    pub told: [Rate; 2],
 }
 
 /// Opens all truths, checks that they are those that were committed to, and scores the answers;
@@ -109,7 +149,9 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
             let truth: Truth =
                 serde_json::from_str(&text).map_err(|e| BlindError::content(&file, e))?;
             let answer = answers.iter().find(|answer| answer.case == case.name);
-            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose()?;
+            let of_case = |e| BlindError::Case { case: case.name.clone(), error: Box::new(e) };
+            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose();
+            let verdict = verdict.map_err(of_case)?;
             done();
             Ok(verdict)
         })
@@ -169,6 +211,29 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     };
     let none = of("none");
     let covered: Vec<bool> = verdicts.iter().filter_map(|v| v.is_covered).collect();
+    let closed_of = |(kind, all): (&str, &Vec<&Verdict>)| ClosedOf {
+        kind: kind.to_owned(),
+        stated: median(&mut all.iter().filter_map(|v| v.closed).collect()),
+        real: median(&mut all.iter().filter_map(|v| v.really_closed).collect()),
+        coverage: Rate::of(&all.iter().filter_map(|v| v.is_covered).collect::<Vec<_>>(), |c| *c),
+    };
+    let kinds =
+        [("single", &singles), ("mismatch", &mismatch), ("pair", &pairs), ("withheld", &withheld)];
+    let range = |i: usize| DISTANCES[i]..DISTANCES.get(i + 1).copied().unwrap_or(f64::INFINITY);
+    let top_of = |i: usize| {
+        let is_in = |v: &&&Verdict| range(i).contains(&v.distance);
+        let all: Vec<&Verdict> = singles.iter().filter(is_in).copied().collect();
+        TopOf {
+            least: DISTANCES[i],
+            right: [false, true].map(|c| Rate::of(&only(&all, c), |v| v.is_right)),
+        }
+    };
+    let told_of = |i: usize| {
+        let is_in = |v: &&&Verdict| v.nearest.is_some_and(|nearest| range(i).contains(&nearest));
+        let all: Vec<&Verdict> = strange.iter().filter(is_in).copied().collect();
+        let told = [Rate::of(&all, |v| threshold < v.none_score), Rate::of(&all, |v| v.says_none)];
+        ToldOf { least: DISTANCES[i], told }
+    };
     let mut times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
     let closed_by =
         |i: usize| median(&mut singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
@@ -197,11 +262,15 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
         place: [Rate::of(&singles, |v| v.is_group_right), Rate::of(&singles, |v| v.is_side_right)],
         pairs: [
             Rate::of(&pairs, |v| v.is_pair_exact),
+            Rate::of(&pairs, |v| v.is_pair_right),
             Rate::of(&pairs, |v| v.is_half_exact),
             Rate::of(&pairs, |v| v.is_floor_reached),
         ],
         closed: median(&mut singles.iter().filter_map(|v| v.closed).collect()),
         coverage: Rate::of(&covered, |covered| *covered),
+        closed_by_kind: kinds.into_iter().map(closed_of).collect(),
+        top_by_distance: (0..DISTANCES.len()).map(top_of).collect(),
+        told_by_nearest: (0..DISTANCES.len()).map(told_of).collect(),
         seconds: [median(&mut times), quantile(&mut times, 0.9)],
         baseline_top: [0, 1].map(|i| Rate::of(&singles, |v| v.baseline_right[i])),
         baseline_closed: [0, 1, 2].map(closed_by),

@@ -24,7 +24,15 @@ impl Score {
     /// All tables.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        vec![self.measures(), self.baselines(), self.reliability(), self.confusion()]
+        vec![
+            self.measures(),
+            self.by_distance(),
+            self.told(),
+            self.shares(),
+            self.baselines(),
+            self.reliability(),
+            self.confusion(),
+        ]
     }
 
     fn measures(&self) -> Table {
@@ -54,8 +62,9 @@ impl Score {
         row("law mismatch: mechanism and place", self.mismatch[1].text(), ".80");
         row("law mismatch: side", self.mismatch[2].text(), ".85");
         row("two effects: exact pair", self.pairs[0].text(), ".55");
-        row("two effects: at least one", self.pairs[1].text(), "");
-        row("two effects: noise floor reached", self.pairs[2].text(), ".90");
+        row("two effects: exact pair, or inseparable from it", self.pairs[1].text(), "");
+        row("two effects: at least one", self.pairs[2].text(), "");
+        row("two effects: noise floor reached", self.pairs[3].text(), ".90");
         row("held-out gap closed, median", figure(self.closed), ".98");
         row("95 % interval of it covers the truth", self.coverage.text(), ".95");
         let times = format!("{} ({})", figure(self.seconds[0]), figure(self.seconds[1]));
@@ -63,6 +72,37 @@ impl Score {
         row("single effects that leave no trace", self.invisible.text(), "");
         row("diagnoses that failed", self.failed.to_string(), "0");
         row("cases without an answer", self.unanswered.to_string(), "0");
+        table
+    }
+
+    fn by_distance(&self) -> Table {
+        let header = ["squares of the noise that it leaves", "white noise", "AR(.8) noise"];
+        let mut table = Table::new("Right cause first, by how much there is to see", &header);
+        let rows: Vec<(f64, [Rate; 2])> =
+            self.top_by_distance.iter().map(|top| (top.least, top.right)).collect();
+        by_squares(&mut table, &rows);
+        table
+    }
+
+    fn told(&self) -> Table {
+        let header = [
+            "squares of the noise that the nearest known effect leaves",
+            "told at 3 %",
+            "told by itself",
+        ];
+        let mut table = Table::new("Withheld classes told, by how near the library comes", &header);
+        let rows: Vec<(f64, [Rate; 2])> =
+            self.told_by_nearest.iter().map(|told| (told.least, told.told)).collect();
+        by_squares(&mut table, &rows);
+        table
+    }
+
+    fn shares(&self) -> Table {
+        let header = ["visible effects", "said, median", "real, median", "interval covers"];
+        let mut table = Table::new("Share of the held-out gap that is closed", &header);
+        for of in &self.closed_by_kind {
+            table.push([of.kind.clone(), figure(of.stated), figure(of.real), of.coverage.text()]);
+        }
         table
     }
 
@@ -182,8 +222,9 @@ impl Score {
     pub fn markdown(&self) -> String {
         let mut text = format!("# Blind test of the gap diagnosis\n\n{}.\n", self.headline());
         text += "\nShares have 95 % intervals (Wilson). A case is visible when the best fit without \
-                 any effect leaves at least 9 squares of the noise of the noise-free truth; an \
-                 answer is inseparable from the truth when it leaves less.\n";
+                 any effect leaves at least 9 squares of the noise of the noise-free truth, with \
+                 parameters about the real or the nominal ones, whatever leaves less; an answer is \
+                 inseparable from the truth when it leaves less.\n";
         let mut tables = self.tables();
         tables.push(self.mistakes());
         for table in tables {
@@ -205,5 +246,15 @@ impl Score {
 impl std::fmt::Display for Rate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.text())
+    }
+}
+
+/// Rows of two rates, each from some squares of the noise up to those of the next.
+fn by_squares(table: &mut Table, rows: &[(f64, [Rate; 2])]) {
+    let nexts = rows.iter().skip(1).map(|(least, _)| Some(*least));
+    for ((least, rates), next) in rows.iter().zip(nexts.chain([None])) {
+        let range =
+            next.map_or_else(|| format!("{least} and more"), |next| format!("{least} to {next}"));
+        table.push([range, rates[0].text(), rates[1].text()]);
     }
 }
