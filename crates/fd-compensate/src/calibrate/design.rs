@@ -252,7 +252,7 @@ impl Question<'_> {
 }
 
 /// The debounced statistics of a reset detector over the samples `drawn`.
-fn statistics<D: Detector<f64> + ?Sized>(
+pub(super) fn statistics<D: Detector<f64> + ?Sized>(
     detector: &mut D,
     healthy: DrivenRows<'_>,
     drawn: impl Iterator<Item = usize>,

@@ -9,12 +9,12 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::{
     design::{
         Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, LEAST_BLOCKS, automatic_block,
-        check, longest_memory,
+        check, longest_memory, statistics,
     },
     error::CalibrationError,
     tail::{predictive_tail, upper_quantile},
 };
-use crate::{count::whole, decide::Debouncing, evaluate::debounced_statistics, rows::DrivenRows};
+use crate::{count::whole, decide::Debouncing, rows::DrivenRows};
 
 /// Parts that the record is dealt into; each is judged by a detector learned from the others.
 const FOLDS: usize = 5;
@@ -232,19 +232,6 @@ fn judge<D: Detector<f64>, E>(
         }
     }
     Ok(())
-}
-
-/// The debounced statistics of a reset detector over a run.
-fn statistics(
-    detector: &mut impl Detector<f64>,
-    healthy: DrivenRows<'_>,
-    run: Range<usize>,
-    debouncing: Debouncing,
-) -> Vec<f64> {
-    detector.reset();
-    let raw: Vec<f64> =
-        run.map(|k| detector.update(healthy.u(k), healthy.r(k)).statistic).collect();
-    debounced_statistics(&raw, debouncing)
 }
 
 /// How many of `n` stretches and a fresh one are expected to exceed the threshold; the small excess undoes

@@ -12,9 +12,6 @@ use crate::{
     quality::Autoregression,
 };
 
-/// Highest order of the colour of the noise.
-const HIGHEST_ORDER: usize = 12;
-
 /// What all replicas of a case have in common.
 #[derive(Debug)]
 pub(super) struct Source<'a> {
@@ -32,7 +29,7 @@ impl<'a> Source<'a> {
         let left = bench.residuals(&diagnosis.best.outputs);
         let colour = |signals: &Rows| {
             let signals: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-            let highest = if diagnosis.is_coloured { HIGHEST_ORDER } else { 0 };
+            let highest = if diagnosis.is_coloured { Autoregression::HIGHEST_ORDER } else { 0 };
             coefficients(&Autoregression::fit(&signals, highest))
         };
         let colour = left.iter().map(colour).collect();
@@ -123,7 +120,7 @@ mod tests {
         for k in 2..w.len() {
             w[k] = 1.2 * w[k - 1] - 0.5 * w[k - 2] + normal(&mut random);
         }
-        let colour = Autoregression::fit(&[&w], HIGHEST_ORDER);
+        let colour = Autoregression::fit(&[&w], Autoregression::HIGHEST_ORDER);
         let (past, spread) = coefficients(&colour);
         // Standard errors are about sqrt((1 - 0.5²)/5000) = 0.012.
         assert!((past[0] - 1.2).abs() < 0.05 && (past[1] + 0.5).abs() < 0.05, "{past:?}");

@@ -116,16 +116,17 @@ impl<'a> Attempt<'a> {
         let mut found = search(null, (nominal, &model), &offers.simulated, settings, monitor)?;
         refine(nominal, &mut model, &mut found.null, &mut found.trials)?;
         let observations = &offers.observed;
-        // Second causes; single ones learn from them, and are weighed again then.
+        // Second causes, and whether single ones learned from them, which are weighed again then.
         let seek = |found: &mut Found<'a>, weighing: &mut Weighing<'a>| {
             let (suspects, null, lines) = (case.suspects, &found.null, found.lines.as_slice());
             let yardstick = weighing.yardstick();
             let workshop = Workshop { nominal, suspects, null, lines, yardstick };
             let duos = seek_pairs(workshop, &found.trials, &weighing.causes, monitor);
-            if learn(&mut found.trials, &duos, &found.null) {
+            let have_learned = learn(&mut found.trials, &duos, &found.null);
+            if have_learned {
                 *weighing = Weighing::of(found, &model, &noise, observations)?;
             }
-            Ok::<_, FitError>(duos)
+            Ok::<_, FitError>((duos, have_learned))
         };
         // Far above the noise its colour cannot be told, and may be another effect.
         let mut left = found.best_errors().ok_or(FitError::Diverged)?;
@@ -134,7 +135,7 @@ impl<'a> Attempt<'a> {
         let is_near = depth == Depth::Singles || noise.reach(&left) <= NEAR;
         if !is_near {
             let mut white = Weighing::of(&mut found, &model, &noise, observations)?;
-            duos = seek(&mut found, &mut white)?;
+            (duos, _) = seek(&mut found, &mut white)?;
             if let Some(answer) = duos.first().and_then(Duo::answer) {
                 left = answer.errors;
             }
@@ -158,9 +159,12 @@ impl<'a> Attempt<'a> {
             && first.is_some_and(|trial| found.trials[trial].candidate.family == CATCH_ALL);
         let is_open = left.is_unexplained || SOMETHING < left.leftover.gain() || is_curve;
         if depth == Depth::All && (is_near && is_open || !is_near && is_coloured) {
-            duos = seek(&mut found, &mut weighing)?;
-            best = weighing.best(&found, settings);
-            left = rest(&best, &weighing);
+            let have_learned;
+            (duos, have_learned) = seek(&mut found, &mut weighing)?;
+            if have_learned {
+                best = weighing.best(&found, settings);
+                left = rest(&best, &weighing);
+            }
         }
         if let Some(answer) = duos.first().and_then(Duo::answer)
             && best.log_evidence + PAIR < answer.log_evidence

@@ -8,7 +8,7 @@
 //! 3. The best causes (effect and site, all their laws) are fitted to the end; the integration step
 //!    is halved until their outputs do not depend on it.
 //! 4. If the best one leaves more than noise, or is a free curve, second causes are tried beside
-//!    the first ones.
+//!    the first ones; single causes are fitted again from where the best pairs have them.
 //! 5. If what is left then has a colour, everything is fitted again with whitened errors.
 //! 6. Evidence, pooled over the laws of a cause; effects of the measurement, which change the
 //!    likelihood and not the simulation, compete; what the log cannot separate; probabilities, that

@@ -14,9 +14,7 @@ const COARSE: f64 = 0.5;
 /// What it says for a grid that values lie on it at all, as a logarithm of the evidence.
 const ON_GRID: f64 = 10.0;
 
-/// Highest order of an autoregression of what may be stronger noise …
-const HIGHEST_ORDER: usize = 12;
-/// … and least innovation with which it is white.
+/// Least innovation of an autoregression of what may be stronger noise with which it is white.
 const WHITE: f64 = 0.95;
 /// Log-likelihood ratio from which wrong samples come in bursts, which is no accident of a sensor.
 const BURSTS: f64 = 5.0;
@@ -162,7 +160,7 @@ fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<[f64; 3]> {
 /// with more on top of it that is not.
 fn is_slow(signals: &[Vec<f64>], prior: NoisePrior) -> bool {
     let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    if WHITE <= Autoregression::fit(&slices, HIGHEST_ORDER).innovation() {
+    if WHITE <= Autoregression::fit(&slices, Autoregression::HIGHEST_ORDER).innovation() {
         return false;
     }
     let expected = (prior.centre + prior.spread).exp();

@@ -13,15 +13,13 @@ use std::f64::consts::PI;
 use super::observe::{count, gaussian};
 use crate::{
     evidence::{DECADES, NoisePrior},
-    quality::outlier_mixture,
+    quality::{OUTLIER_WIDTHS, outlier_mixture},
 };
 
 /// Deviations from the neighbours, in their robust spread, from which a sample is off by itself.
 const OFF: f64 = 5.0;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 2;
-/// How many times wider outliers may be than the noise; as in the mixture.
-const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 50.0, 200.0];
 /// Largest share of samples that are off by themselves.
 const MOST: f64 = 0.3;
 /// Innovations, in their spread, that count as wide.
@@ -110,7 +108,7 @@ impl Outliers {
             let s = width * scale;
             wrong.iter().map(|e| -0.5 * (e / s).powi(2) - s.ln() - 0.5 * (2.0 * PI).ln()).sum()
         };
-        let wrong = WIDTHS.map(wide).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let wrong = OUTLIER_WIDTHS.map(wide).into_iter().fold(f64::NEG_INFINITY, f64::max);
         let share = m / n;
         let which = m * share.ln() + (n - m) * (-share).ln_1p();
         let gain = rest.log + wrong + which - gaussian(signals, prior).log;
@@ -121,7 +119,8 @@ impl Outliers {
     /// are on a coarse grid.
     fn new(gain: f64, share: f64, n: f64, places: Vec<Vec<bool>>) -> Self {
         let known = (share * n).max(1.0).sqrt();
-        let occam = 0.5 * (2.0 * PI).ln() - known.ln() - DECADES.ln() - (WIDTHS.len() as f64).ln();
+        let occam =
+            0.5 * (2.0 * PI).ln() - known.ln() - DECADES.ln() - (OUTLIER_WIDTHS.len() as f64).ln();
         let bursts = bursts(&places);
         Self { gain: gain + occam, share, standard_error: share / known, bursts, places }
     }

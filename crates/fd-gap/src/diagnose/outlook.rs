@@ -21,9 +21,6 @@ const CLOSES_MUCH: f64 = 0.8;
 
 /// Spread of `ln` of the noise from one run to another.
 const BETWEEN_RUNS: f64 = 0.05;
-/// Highest order of the autoregression of forecast errors.
-const HIGHEST_ORDER: usize = 12;
-
 /// How an explanation forecasts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outlook {
@@ -88,7 +85,7 @@ fn raised(errors: &[Vec<f64>], expected: f64) -> f64 {
     let above = 0.5 * (squares / n / expected.powi(2)).ln();
     let signals: Vec<&[f64]> = errors.iter().map(Vec::as_slice).collect();
     // Slow errors are few independent ones, roughly n g² of them.
-    let innovation = Autoregression::fit(&signals, HIGHEST_ORDER).innovation();
+    let innovation = Autoregression::fit(&signals, Autoregression::HIGHEST_ORDER).innovation();
     let chance = 0.5 / (n * innovation * innovation);
     if above <= 0.0 { 0.0 } else { 0.5 * above.powi(2) / (chance + BETWEEN_RUNS.powi(2)) }
 }

@@ -13,8 +13,6 @@ use super::{
 };
 use crate::{quality::Autoregression, shrink::gap_per_output};
 
-/// Highest order of the autoregression that is looked for.
-const HIGHEST_ORDER: usize = 12;
 /// Slow noise is believed up to so many spreads of what is known of its size.
 const BELIEVED: f64 = 2.0;
 
@@ -39,7 +37,7 @@ pub(super) fn told_floor(
         if is_coloured && noise.stated[c].is_some() {
             let prior = priors[c];
             floor.max(gap.min((prior.centre + BELIEVED * prior.spread).exp()))
-        } else if Autoregression::fit(&signals, HIGHEST_ORDER).order() == 0 {
+        } else if Autoregression::fit(&signals, Autoregression::HIGHEST_ORDER).order() == 0 {
             floor.max(gap / free.sqrt())
         } else {
             floor

@@ -56,13 +56,7 @@ pub(super) fn sin(x: f64) -> f64 {
     } else if x.abs() > FAR {
         x.sin()
     } else {
-        let angle = reduce(pulp::Scalar, x);
-        match angle.quarters & 3 {
-            0 => sine(pulp::Scalar, angle),
-            1 => cosine(pulp::Scalar, angle),
-            2 => -sine(pulp::Scalar, angle),
-            _ => -cosine(pulp::Scalar, angle),
-        }
+        ahead(x, 0)
     }
 }
 
@@ -73,13 +67,18 @@ pub(super) fn cos(x: f64) -> f64 {
     } else if x.abs() > FAR {
         x.cos()
     } else {
-        let angle = reduce(pulp::Scalar, x);
-        match angle.quarters & 3 {
-            0 => cosine(pulp::Scalar, angle),
-            1 => -sine(pulp::Scalar, angle),
-            2 => -cosine(pulp::Scalar, angle),
-            _ => sine(pulp::Scalar, angle),
-        }
+        ahead(x, 1)
+    }
+}
+
+/// The sine so many quarters of a turn further, of one number: sine or cosine alone is computed.
+fn ahead(x: f64, quarters: u64) -> f64 {
+    let angle = reduce(pulp::Scalar, x);
+    match angle.quarters.wrapping_add(quarters) & 3 {
+        0 => sine(pulp::Scalar, angle),
+        1 => cosine(pulp::Scalar, angle),
+        2 => -sine(pulp::Scalar, angle),
+        _ => -cosine(pulp::Scalar, angle),
     }
 }
 

@@ -2,9 +2,6 @@
 
 use crate::quality::Autoregression;
 
-/// Highest order of the autoregression of an output.
-const HIGHEST_ORDER: usize = 12;
-
 /// What is known of the noise of an output before the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoisePrior {
@@ -64,7 +61,7 @@ pub fn likelihood(errors: &[Vec<Vec<f64>>], noise: &[NoisePrior]) -> Likelihood 
     let mut sum = Likelihood { log: 0.0, scale: Vec::new(), colour: Vec::new() };
     for (signals, prior) in errors.iter().zip(noise) {
         let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-        let highest = if prior.is_coloured { HIGHEST_ORDER } else { 0 };
+        let highest = if prior.is_coloured { Autoregression::HIGHEST_ORDER } else { 0 };
         let colour = Autoregression::fit(&slices, highest);
         let (mut n, mut squares, mut spreads) = (0.0_f64, 0.0, 0.0);
         for signal in signals {

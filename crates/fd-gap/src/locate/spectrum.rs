@@ -28,9 +28,6 @@ const INDEPENDENT: f64 = 1.0 / (1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0));
 const LEAST_STRETCHES: usize = 8;
 /// Least samples of such a stretch.
 const LEAST_STRETCH: usize = 32;
-/// Highest order of the colour of the noise.
-const HIGHEST_ORDER: usize = 12;
-
 /// Spectra of all outputs; `before` and `after` are residuals in sigma per output and log.
 pub(super) fn spectra(
     bench: &Bench,
@@ -43,7 +40,7 @@ pub(super) fn spectra(
     let spectrum = |c: usize| {
         let colour = if diagnosis.is_coloured {
             let signals: Vec<&[f64]> = after[c].iter().map(Vec::as_slice).collect();
-            Autoregression::fit(&signals, HIGHEST_ORDER)
+            Autoregression::fit(&signals, Autoregression::HIGHEST_ORDER)
         } else {
             Autoregression::white()
         };

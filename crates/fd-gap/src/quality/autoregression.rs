@@ -29,6 +29,9 @@ pub struct Autoregression {
 }
 
 impl Autoregression {
+    /// Order up to which noise is given a colour.
+    pub const HIGHEST_ORDER: usize = 12;
+
     /// The autoregression of order 0.
     #[must_use]
     pub fn white() -> Self {

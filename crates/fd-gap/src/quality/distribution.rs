@@ -41,12 +41,10 @@ pub struct OutlierMixture {
     pub share: f64,
     /// How many times wider they are.
     pub width: f64,
-    /// Number of widths that were tried.
-    pub widths: usize,
 }
 
 /// How many times wider outliers may be.
-const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 50.0, 200.0];
+pub(crate) const OUTLIER_WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 50.0, 200.0];
 /// Largest share of outliers.
 const MOST: f64 = 0.3;
 /// Steps of the iteration.
@@ -70,7 +68,7 @@ pub fn outlier_mixture(errors: &[f64]) -> Option<OutlierMixture> {
     sizes.sort_by(f64::total_cmp);
     // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
     let robust = sizes.get(sizes.len() / 2)? / 0.674_489_750_196_082;
-    let fits = WIDTHS.map(|width| fit(errors, robust.max(f64::MIN_POSITIVE), width));
+    let fits = OUTLIER_WIDTHS.map(|width| fit(errors, robust.max(f64::MIN_POSITIVE), width));
     fits.into_iter().max_by(|a, b| a.log.total_cmp(&b.log))
 }
 
@@ -98,7 +96,7 @@ fn fit(errors: &[f64], robust: f64, width: f64) -> OutlierMixture {
         share = (outliers / n).clamp(0.1 / n, MOST);
         scale = (squares / n).sqrt().max(f64::MIN_POSITIVE);
     }
-    OutlierMixture { log, scale, share, width, widths: WIDTHS.len() }
+    OutlierMixture { log, scale, share, width }
 }
 
 /// Student's distribution, fitted to errors.

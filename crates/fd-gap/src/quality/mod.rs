@@ -10,7 +10,6 @@ mod noise_floor;
 mod pattern;
 mod spectrum;
 
-pub(crate) use self::spectrum::transform;
 pub use self::{
     autoregression::Autoregression,
     channel::grid_step,
@@ -23,3 +22,4 @@ pub use self::{
     pattern::pattern,
     spectrum::spectral_peaks,
 };
+pub(crate) use self::{distribution::OUTLIER_WIDTHS, spectrum::transform};

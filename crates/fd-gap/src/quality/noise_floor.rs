@@ -2,9 +2,6 @@
 
 use super::Autoregression;
 
-/// Highest order of the autoregression.
-const HIGHEST_ORDER: usize = 12;
-
 /// Standard deviation of white noise on a slow signal, `rms(Δ³ r) / √20`: a third difference
 /// removes what is locally a parabola, and multiplies the variance of white noise by
 /// `1 + 9 + 9 + 1`. `None` without four samples in a row.
@@ -63,7 +60,8 @@ pub fn noise_floor(residual: &[f64], stated: Option<f64>) -> Option<f64> {
     let third = third_difference_floor(residual)?;
     let finite = || residual.iter().filter(|v| v.is_finite());
     let rms = f64::sqrt(finite().map(|v| v * v).sum::<f64>() / finite().count().max(1) as f64);
-    let innovation = rms * Autoregression::fit(&[residual], HIGHEST_ORDER).innovation();
+    let innovation =
+        rms * Autoregression::fit(&[residual], Autoregression::HIGHEST_ORDER).innovation();
     let floor = third.min(innovation);
     Some(stated.map_or(floor, |stated| floor.clamp(0.6 * stated, 4.0 * stated)))
 }

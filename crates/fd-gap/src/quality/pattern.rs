@@ -2,8 +2,6 @@
 
 use super::Autoregression;
 
-/// Highest order of the autoregression that residual and signals are whitened with.
-const HIGHEST_ORDER: usize = 12;
 /// Delays of the signals, in samples.
 const DELAYS: [usize; 6] = [0, 1, 2, 4, 8, 16];
 /// Most functions that are used together.
@@ -31,7 +29,7 @@ const MOST: usize = 4;
 #[must_use]
 pub fn pattern(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> f64 {
     let slices: Vec<&[f64]> = residual.iter().map(Vec::as_slice).collect();
-    let colour = Autoregression::fit(&slices, HIGHEST_ORDER);
+    let colour = Autoregression::fit(&slices, Autoregression::HIGHEST_ORDER);
     let mut left = whitened(&colour, residual, residual);
     let n = left.iter().filter(|e| **e != 0.0).count() as f64;
     if n < 50.0 {

@@ -38,7 +38,7 @@ pub use self::{
     make::{Order, make},
     oracle::{Oracle, Rival},
     run::{Progress, progress, run},
-    score::{Bin, Calibration, ClosedOf, Rate, Score, ToldOf, TopOf, Verdict, score, score_open},
+    score::{Bin, BySquares, Calibration, ClosedOf, Rate, Score, Verdict, score, score_open},
     seal::SealKey,
     truth::{CaseKind, Effect, Truth},
 };

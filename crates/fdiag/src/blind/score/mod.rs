@@ -82,10 +82,12 @@ pub struct Score {
     pub coverage: Rate,
     /// The same by kind of case.
     pub closed_by_kind: Vec<ClosedOf>,
-    /// The first cause is right on visible single effects of the library, by what they leave.
-    pub top_by_distance: Vec<TopOf>,
-    /// Withheld classes told, by what the nearest known effect leaves.
-    pub told_by_nearest: Vec<ToldOf>,
+    /// The first cause is right on visible single effects of the library in white and in coloured
+    /// noise, by what they leave.
+    pub top_by_distance: Vec<BySquares>,
+    /// Withheld classes told at the threshold of few false abstentions and by the diagnosis itself, by
+    /// what the nearest known effect leaves.
+    pub told_by_nearest: Vec<BySquares>,
     /// Median and 90 % quantile of the time of a diagnosis, in seconds.
     pub seconds: [f64; 2],
     /// Named rightly by the refit, by the sparse regression.
@@ -109,22 +111,13 @@ pub struct ClosedOf {
     pub coverage: Rate,
 }
 
-/// Right first causes among effects that leave so many squares of the noise.
+/// Two rates among cases of which something leaves so many squares of the noise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct TopOf {
-    /// The least that they leave; the most is the least of the next.
-    pub least: f64,
-    /// In white and in coloured noise.
-    pub right: [Rate; 2],
-}
-
-/// Withheld classes told, among those of which the nearest known effect leaves so many squares of the noise.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ToldOf {
+pub struct BySquares {
     /// The least that it leaves; the most is the least of the next.
     pub least: f64,
-    /// At the threshold of few false abstentions, and by the diagnosis itself.
-    pub told: [Rate; 2],
+    /// The rates.
+    pub rates: [Rate; 2],
 }
 
 /// Opens all truths, checks that they are those that were committed to, and scores the answers;
@@ -223,16 +216,14 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
     let top_of = |i: usize| {
         let is_in = |v: &&&Verdict| range(i).contains(&v.distance);
         let all: Vec<&Verdict> = singles.iter().filter(is_in).copied().collect();
-        TopOf {
-            least: DISTANCES[i],
-            right: [false, true].map(|c| Rate::of(&only(&all, c), |v| v.is_right)),
-        }
+        let rates = [false, true].map(|c| Rate::of(&only(&all, c), |v| v.is_right));
+        BySquares { least: DISTANCES[i], rates }
     };
     let told_of = |i: usize| {
         let is_in = |v: &&&Verdict| v.nearest.is_some_and(|nearest| range(i).contains(&nearest));
         let all: Vec<&Verdict> = strange.iter().filter(is_in).copied().collect();
-        let told = [Rate::of(&all, |v| threshold < v.none_score), Rate::of(&all, |v| v.says_none)];
-        ToldOf { least: DISTANCES[i], told }
+        let rates = [Rate::of(&all, |v| threshold < v.none_score), Rate::of(&all, |v| v.says_none)];
+        BySquares { least: DISTANCES[i], rates }
     };
     let mut times: Vec<f64> = verdicts.iter().map(|v| v.seconds).collect();
     let closed_by =

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Calibration, Rate, Score};
+use super::{BySquares, Calibration, Rate, Score};
 use crate::report::{Line, Page, Picture, PictureError, Table, figure};
 
 /// Verdicts that a report lists.
@@ -78,9 +78,7 @@ impl Score {
     fn by_distance(&self) -> Table {
         let header = ["squares of the noise that it leaves", "white noise", "AR(.8) noise"];
         let mut table = Table::new("Right cause first, by how much there is to see", &header);
-        let rows: Vec<(f64, [Rate; 2])> =
-            self.top_by_distance.iter().map(|top| (top.least, top.right)).collect();
-        by_squares(&mut table, &rows);
+        by_squares(&mut table, &self.top_by_distance);
         table
     }
 
@@ -91,9 +89,7 @@ impl Score {
             "told by itself",
         ];
         let mut table = Table::new("Withheld classes told, by how near the library comes", &header);
-        let rows: Vec<(f64, [Rate; 2])> =
-            self.told_by_nearest.iter().map(|told| (told.least, told.told)).collect();
-        by_squares(&mut table, &rows);
+        by_squares(&mut table, &self.told_by_nearest);
         table
     }
 
@@ -250,9 +246,9 @@ impl std::fmt::Display for Rate {
 }
 
 /// Rows of two rates, each from some squares of the noise up to those of the next.
-fn by_squares(table: &mut Table, rows: &[(f64, [Rate; 2])]) {
-    let nexts = rows.iter().skip(1).map(|(least, _)| Some(*least));
-    for ((least, rates), next) in rows.iter().zip(nexts.chain([None])) {
+fn by_squares(table: &mut Table, rows: &[BySquares]) {
+    let nexts = rows.iter().skip(1).map(|row| Some(row.least));
+    for (BySquares { least, rates }, next) in rows.iter().zip(nexts.chain([None])) {
         let range =
             next.map_or_else(|| format!("{least} and more"), |next| format!("{least} to {next}"));
         table.push([range, rates[0].text(), rates[1].text()]);
