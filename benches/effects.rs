@@ -5,9 +5,10 @@
 use std::{hint::black_box, path::Path};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fd_gap::{
-    effect::{Candidate, Kind, ReplayScales, library, offers},
+use fd_effect::{Candidate, Kind, library, offers};
+use fd_sim::{
     model::Model,
+    scales::ReplayScales,
     simulate::{EquationSimulator, Simulator},
 };
 

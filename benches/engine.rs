@@ -5,9 +5,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use fd_lab::engine::{Benchmark, EngineConfig, TrainingRun};
 use fdiag::{
     core::Heap,
-    engine::{Benchmark, EngineConfig, TrainingRun},
     jetengine::engine17::{Engine17, Parameters, PerUnit, PowerSetting, Sampled},
     model::{SampleTime, Simulation},
 };

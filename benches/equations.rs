@@ -5,7 +5,7 @@
 use std::{hint::black_box, path::Path};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fd_gap::{
+use fd_sim::{
     equation::{Expr, Program, Scope},
     model::Model,
     simulate::{EquationSimulator, Simulator},

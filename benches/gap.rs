@@ -11,10 +11,11 @@
 use std::{hint::black_box, path::Path, time::Duration};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use fd_gap::{
-    diagnose::{Case, Settings, diagnose},
-    effect::{Candidate, Kind, ReplayScales, Side, library, offers},
+use fd_effect::{Candidate, Kind, Side, library, offers};
+use fd_gap::diagnose::{Case, Settings, diagnose};
+use fd_sim::{
     model::Model,
+    scales::ReplayScales,
     simulate::{EquationSimulator, Run, Simulator},
 };
 use fdiag::model::{Record, signal::WhiteNoise};

@@ -5,9 +5,9 @@
 use std::{error::Error, time::Duration};
 
 use faer::{Mat, c64, mat};
+use fd_lab::engine::TrainingRun;
 use fdiag::{
     core::Heap,
-    engine::TrainingRun,
     jetengine::{
         EngineModel, Perturbation,
         engine17::{Engine17, Parameters, PowerSetting},
@@ -17,7 +17,7 @@ use fdiag::{
         signal::WhiteNoise, uncertainty::MatrixPerturbation,
     },
     residual::{GeneratorDesign, observer::ObserverDesign, weighted::WeightedDesign},
-    road::residual_record,
+    training::residual_record,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -1,14 +1,14 @@
 //! The map of the engine benchmark: where compensation delivers, and where it does not.
 //!
-//! `cargo run --release -p fdiag --example engine_map -- 200` prints the table of
+//! `cargo run --release -p fd-lab --example engine_map -- 200` prints the table of
 //! `docs/results/engine.md`; a second argument picks the rows that contain it.
 #![allow(clippy::print_stdout, reason = "an example that prints a table")]
 
 use std::error::Error;
 
+use fd_lab::engine::{Benchmark, EngineChoice, EngineConfig, Range, ReductionConfig};
 use fdiag::{
     compensate::residual_compensation::{Mode, Timeout},
-    engine::{Benchmark, EngineChoice, EngineConfig, Range, ReductionConfig},
     ident::{arx::ArxOrders, order::Criterion, rls::RlsDesign},
     jetengine::Perturbation,
     spec::{GeneratorSpec, LearningSpec, OrderSpec},
@@ -113,7 +113,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn range(r: &Range) -> String {
-    let text = fdiag::report::figure;
+    let text = fd_report::figure;
     format!("{} [{} .. {}]", text(r.median), text(r.low), text(r.high))
 }
 

@@ -5,11 +5,9 @@
 
 use std::{collections::BTreeMap, error::Error, time::Instant};
 
+use fd_lab::engine_gap::{Answer, EngineCause, diagnose_engine, engine_log};
 use fdiag::{
-    gap::engine_plant::{
-        Answer, EngineCause, EngineKnowledge, diagnose_engine, engine_effects, engine_log,
-        simulator,
-    },
+    engine_plant::{EngineKnowledge, engine_effects, simulator},
     jetengine::engine17::HealthParameter,
     model::SampleTime,
 };

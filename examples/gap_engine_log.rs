@@ -1,17 +1,17 @@
 //! A log of a jet engine with one cause that simulators lack, to try `fdiag gap` on.
 //!
 //! ```sh
-//! cargo run --release -p fdiag --example gap_engine_log -- worn.csv hpc_efficiency=-0.015 7
+//! cargo run --release -p fd-lab --example gap_engine_log -- worn.csv hpc_efficiency=-0.015 7
 //! fdiag gap --model examples/gap/engine/engine.toml --log worn.csv
 //! ```
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::error::Error;
 
+use fd_lab::engine_gap::{EngineCause, engine_log};
 use fdiag::{
-    gap::engine_plant::{EngineCause, EngineKnowledge, engine_log},
-    jetengine::engine17::HealthParameter,
-    model::{SampleTime, file::write_log},
+    engine_plant::EngineKnowledge, jetengine::engine17::HealthParameter, log::write_log,
+    model::SampleTime,
 };
 
 /// Samples of a log: 24 s.

@@ -19,8 +19,8 @@ use fdiag::{
         fault::{FaultProfile, FaultSpec, Site},
         signal::{Prbs, WhiteNoise},
     },
-    road::{Healthy, Trace, residual_record, train},
     spec::PipelineSpec,
+    training::{Healthy, Trace, residual_record, train},
 };
 
 const SPEC: &str = r#"

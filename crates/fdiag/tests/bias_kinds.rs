@@ -11,8 +11,8 @@ mod support;
 use fdiag::{
     core::{Event, EventKind, Snapshot},
     model::Record,
-    road::{Healthy, RoadError, Trace, Trained, train},
     spec::PipelineSpec,
+    training::{Healthy, Trace, Trained, TrainingError, train},
 };
 use support::{SPEC, calibration, eventful, input, nominal, plant, run, training};
 
@@ -60,7 +60,7 @@ fn spec(structure: &str, learning: &str) -> PipelineSpec {
     spec
 }
 
-fn trained(structure: &str, learning: &str, log: &Record) -> Result<Trained, RoadError> {
+fn trained(structure: &str, learning: &str, log: &Record) -> Result<Trained, TrainingError> {
     let calibration = calibration();
     let healthy = [Healthy::learn(log), Healthy::calibrate(&calibration)];
     train(&spec(structure, learning), &nominal(), &healthy)
@@ -109,7 +109,10 @@ fn what_does_not_go_together_is_refused_by_name() {
     let log = training();
     for learning in [LEARNING[14], LEARNING[15]] {
         let error = trained(STRUCTURE[3], learning, &log).unwrap_err();
-        assert!(matches!(error, RoadError::NotTogether { structure: "scheduled", .. }), "{error}");
+        assert!(
+            matches!(error, TrainingError::NotTogether { structure: "scheduled", .. }),
+            "{error}"
+        );
     }
     let unknown = SPEC.replace("kind = \"recursive\"", "kind = \"magic\"");
     let error = toml::from_str::<PipelineSpec>(&unknown).unwrap_err().to_string();

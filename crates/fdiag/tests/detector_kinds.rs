@@ -7,8 +7,8 @@ mod support;
 use fdiag::{
     core::stage::{Decision, Stage},
     model::Record,
-    road::{Healthy, Trace, train},
     spec::{IsolationSpec, PipelineSpec},
+    training::{Healthy, Trace, train},
 };
 use support::{input, nominal, plant, run, training};
 

@@ -5,8 +5,8 @@ mod support;
 
 use fdiag::{
     residual::DesignError,
-    road::{Healthy, RoadError, Trace, Trained, train},
     spec::PipelineSpec,
+    training::{Healthy, Trace, Trained, TrainingError, train},
 };
 use support::{input, nominal, plant, run};
 
@@ -37,7 +37,7 @@ fn spec(generator: &str) -> PipelineSpec {
 }
 
 /// Trained on 200 s of the plant with slight sensor noise.
-fn trained(generator: &str) -> Result<Trained, RoadError> {
+fn trained(generator: &str) -> Result<Trained, TrainingError> {
     let log = run(&plant(), &input(2000, 0), 1e-4, 1);
     train(&spec(generator), &nominal(), &[Healthy::split(&log, 0.7)])
 }
@@ -72,7 +72,7 @@ fn a_learned_disturbance_takes_out_most_of_the_error() {
 #[test]
 fn what_cannot_be_designed_says_why() {
     let refusal = |kind: &str| match trained(kind) {
-        Err(RoadError::Generator(error)) => error,
+        Err(TrainingError::Generator(error)) => error,
         other => panic!("{other:?}"),
     };
     let two = r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 2 }, rate = 2.0"#;

@@ -27,7 +27,7 @@ use fdiag::{
     },
     model::{Record, freeze},
     residual::{observer::ObserverDesign, weighted::Weighted},
-    road::{Healthy, train},
+    training::{Healthy, train},
 };
 use support::{calibration, eventful, nominal, spec, training, ts};
 

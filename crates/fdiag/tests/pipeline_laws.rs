@@ -11,8 +11,8 @@ use fdiag::{
         stage::{Phase, Stage},
     },
     model::{Channel, Discrete, Record, StateSpace},
-    road::{Healthy, Trained, train},
     spec::{GeneratorSpec, PipelineSpec},
+    training::{Healthy, Trained, train},
 };
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -15,7 +15,6 @@ use fdiag::{
         DynPipeline, EventKind, Fixed, Pipeline, Stages, Storage,
         stage::{BiasModel, Compensator, DecisionRule, Detector, Phase, ResidualGenerator},
     },
-    engine::EngineConfig,
     ident::{
         arx::{ArxOrders, ArxSimulator, RecursiveArx},
         rls::{RlsDesign, Static, UdRls},
@@ -25,8 +24,8 @@ use fdiag::{
         observer::{Observer, ObserverDesign},
         weighted::Weighted,
     },
-    road::{Healthy, train},
     spec::PipelineSpec,
+    training::{Healthy, train},
 };
 use support::{Outcome, calibration, count, eventful, nominal, spec, training};
 
@@ -204,7 +203,6 @@ fn specs_survive_toml() {
     let specs = [
         spec(),
         PipelineSpec::default(),
-        EngineConfig::default().pipeline,
         toml::from_str(
             r#"
             hold_missing = 3
@@ -221,7 +219,4 @@ fn specs_survive_toml() {
         let text = toml::to_string(&spec).unwrap();
         assert_eq!(toml::from_str::<PipelineSpec>(&text).unwrap(), spec, "{text}");
     }
-    let config = EngineConfig { pipeline: spec(), seeds: 3, ..EngineConfig::default() };
-    let text = toml::to_string(&config).unwrap();
-    assert_eq!(toml::from_str::<EngineConfig>(&text).unwrap(), config, "{text}");
 }

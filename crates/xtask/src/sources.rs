@@ -47,7 +47,8 @@ fn check_text(text: &str) -> Vec<String> {
     faults
 }
 
-fn rust_files(directory: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
+/// All Rust files below a directory, those of builds left out.
+pub(crate) fn rust_files(directory: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
     let Ok(entries) = fs::read_dir(directory) else { return Ok(()) };
     for entry in entries {
         let path = entry.map_err(|e| format!("{}: {e}", directory.display()))?.path();

@@ -37,10 +37,9 @@ const OUTSIDE: f64 = 0.1;
 /// [`Stage::Calibrate`], with a piece per replica.
 ///
 /// ```
-/// use fd_gap::{
-///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
-///     calibrate::self_calibrate,
-/// };
+/// use fd_effect::Candidate;
+/// use fd_gap::{diagnose::{Case, Settings, diagnose}, calibrate::self_calibrate};
+/// use fd_sim::model::Model;
 /// # use fd_model::{Channel, Record};
 /// # let model: Model = r#"
 /// # version = 1

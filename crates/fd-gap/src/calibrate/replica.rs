@@ -1,6 +1,7 @@
 //! A simulated log whose cause is known.
 
 use fd_model::Record;
+use fd_sim::model::Model;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -8,7 +9,6 @@ use crate::{
     diagnose::{Case, Diagnosis, Start},
     fit::Variable,
     locate::bench::{Bench, Rows, settled},
-    model::Model,
     quality::Autoregression,
 };
 

@@ -21,11 +21,12 @@ use fd_model::{Channel, Record};
 
 use self::features::{Example, Network};
 pub use self::result::{Ceiling, Compensation};
+use fd_sim::simulate::Simulator;
+
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
     fit::{FitError, Horizon, Log},
     shrink::{Settled, closed, forecast_errors, gap_per_output},
-    simulate::Simulator,
 };
 
 /// Orders `[na, nb]` of the linear equation that are tried, by least squares …
@@ -54,10 +55,9 @@ struct Trained {
 /// held-out logs, or when a simulation diverges. The monitor sees [`Stage::Ceiling`].
 ///
 /// ```
-/// use fd_gap::{
-///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
-///     ceiling::ceiling,
-/// };
+/// use fd_effect::Candidate;
+/// use fd_gap::{diagnose::{Case, Settings, diagnose}, ceiling::ceiling};
+/// use fd_sim::model::Model;
 /// # use fd_model::{Channel, Record};
 /// # let model: Model = r#"
 /// # version = 1

@@ -9,10 +9,11 @@ use super::{
     result::{Explanation, Leftover},
     trial::Trial,
 };
+use fd_effect::{Candidate, SiteRef};
+use fd_sim::model::Model;
+
 use crate::{
-    effect::{Candidate, SiteRef},
     fit::{Minimum, Problem},
-    model::Model,
     quality::noise_floor,
     shrink::gap_per_output,
 };

@@ -16,11 +16,12 @@ use super::{
     settings::Settings,
     steps::refine,
 };
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
 use crate::{
-    effect::Candidate,
     evidence::{NoisePrior, evidence, likelihood},
     fit::{FitError, Horizon, Problem},
-    model::Model,
 };
 
 /// Errors within this many times the noise may be noise of another colour.

@@ -1,8 +1,9 @@
 //! What is diagnosed.
 
 use fd_model::Record;
+use fd_sim::simulate::Nominal;
 
-use crate::{effect::Suspects, simulate::Nominal};
+use fd_effect::Suspects;
 
 /// What is diagnosed: a simulator, what it may lack, and logs of the real thing.
 #[derive(Clone, Copy, Debug)]

@@ -12,14 +12,15 @@
 
 use std::collections::HashMap;
 
-use crate::{
-    effect::{Candidate, Rounding, SiteRef},
+use fd_effect::{Candidate, Rounding, SiteRef};
+use fd_sim::{
     equation::Expr,
-    fit::{NullFit, Segment},
     model::{Model, Output, Parameter},
     patch::Patch,
     simulate::{Nominal, Simulator},
 };
+
+use crate::fit::{NullFit, Segment};
 
 /// Steps of finite differences, as fractions of the spread of a state or of the command.
 const STEP: f64 = 1e-4;
@@ -295,10 +296,9 @@ impl Course<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        fit::{Horizon, Log, Plan, Problem, Weights, null_fit},
-        simulate::EquationSimulator,
-    };
+    use fd_sim::simulate::EquationSimulator;
+
+    use crate::fit::{Horizon, Log, Plan, Problem, Weights, null_fit};
     use fd_model::{Channel, Record};
     use std::sync::Arc;
 

@@ -1,9 +1,10 @@
 //! Models with all values settled, and what they make of the training logs.
 
 use super::result::{Explanation, Start};
+use fd_sim::model::{Model, Parameter};
+
 use crate::{
     fit::{FitError, LeastSquares, Problem},
-    model::{Model, Parameter},
     shrink::gap_per_output,
 };
 

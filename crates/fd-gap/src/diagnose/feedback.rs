@@ -8,11 +8,11 @@ use super::{
     case::Case,
     prepare::{Prepared, prepare},
 };
+use fd_sim::{model::Model, simulate::LoggedLoop};
+
 use crate::{
     evidence::{NoisePrior, likelihood},
     fit::{FitError, Horizon, Log, Plan, Problem},
-    model::Model,
-    simulate::LoggedLoop,
 };
 
 /// Noise of any size and colour.

@@ -1,10 +1,11 @@
 //! Gaps on held-out logs, before and after.
 
 use super::{result::HeldOut, settings::Settings};
+use fd_sim::simulate::Simulator;
+
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
-    simulate::Simulator,
 };
 
 /// Refitted parameters: name, value, deviation from nominal in standard deviations of the prior.

@@ -15,6 +15,8 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
+use fd_sim::simulate::Simulator;
+
 use crate::{
     evidence::confidence,
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
@@ -22,7 +24,6 @@ use crate::{
     shrink::{
         Closed, Contest, Rules, Settled, contest, dominant_time_constant, gap_per_output, horizons,
     },
-    simulate::Simulator,
 };
 
 /// A free run whose error is above this part of the signal is lost.
@@ -58,7 +59,7 @@ pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]
     let Minimum { z, .. } = &null.minimum;
     let refitted = nuisances(&null.problem, z);
     let parameters = simulator.parameters().iter();
-    let value = |p: &crate::model::Parameter| {
+    let value = |p: &fd_sim::model::Parameter| {
         let refitted = refitted.iter().find(|(name, ..)| *name == p.name);
         refitted.map_or(p.value, |(_, value, _)| *value)
     };

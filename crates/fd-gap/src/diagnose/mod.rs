@@ -1,7 +1,7 @@
 //! From a model, candidates and logs to an answer.
 //!
 //! 0. A controller in the loop is run on the logged outputs, if it did see these
-//!    ([`LoggedLoop`](crate::simulate::LoggedLoop)).
+//!    ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)).
 //! 1. The nuisances are fitted alone ([`null_fit`](crate::fit::null_fit)).
 //! 2. Every candidate is scored at every start by what it could explain besides the nuisances,
 //!    and fitted a little from the best three.
@@ -69,17 +69,20 @@ pub use self::{
     },
     settings::Settings,
 };
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
 use crate::{
-    effect::Candidate,
     fit::{FitError, Horizon, Log, Minimum, Problem},
-    model::Model,
     shrink::Rules,
 };
 
 /// Diagnoses the gap between a model and logs of the real system.
 ///
 /// ```
-/// use fd_gap::{diagnose::{Case, Settings, Verdict, diagnose}, effect::Candidate, model::Model};
+/// use fd_effect::Candidate;
+/// use fd_gap::diagnose::{Case, Settings, Verdict, diagnose};
+/// use fd_sim::model::Model;
 /// use fd_model::{Channel, Record};
 ///
 /// let model: Model = r#"

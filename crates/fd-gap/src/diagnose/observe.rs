@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 
 use super::{outliers::Outliers, prepare::KnownNoise, result::Estimate};
+use fd_effect::{Candidate, Kind, Observation, SiteRef};
+
 use crate::{
-    effect::{Candidate, Kind, Observation, SiteRef},
     evidence::{DECADES, NoisePrior, likelihood},
     quality::{Autoregression, HeavyTails, heavy_tails, interval_log_likelihood},
 };

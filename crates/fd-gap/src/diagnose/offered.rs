@@ -1,7 +1,7 @@
 //! Candidates, sorted by what they act on.
 
 use super::result::NotTested;
-use crate::effect::{Candidate, Kind, Suspects};
+use fd_effect::{Candidate, Kind, Suspects};
 
 /// What there is to try.
 #[derive(Debug)]

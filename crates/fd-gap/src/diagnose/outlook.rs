@@ -6,11 +6,12 @@
 //! not. A fit alone tells the two apart only when it leaves something.
 
 use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
+use fd_sim::simulate::Simulator;
+
 use crate::{
     fit::{FitError, Log, Minimum, NullFit, Problem, Variable},
     quality::Autoregression,
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
-    simulate::Simulator,
 };
 
 /// An explanation that surely closes less than this share of a held-out gap does not forecast it, and

@@ -16,13 +16,13 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
+use fd_effect::{Candidate, Kind, Suspects, map::mechanism};
+use fd_sim::{model::Model, simulate::Nominal};
+
 use crate::{
-    effect::{Candidate, Kind, Suspects, map::mechanism},
     evidence::{SEPARATED, distance, evidence, likelihood},
     fit::{FitError, Minimum, NullFit, Plan, Problem, Projection},
-    model::Model,
     shrink::gap,
-    simulate::Nominal,
 };
 
 /// First causes that others are tried beside.

@@ -5,13 +5,16 @@ use std::sync::Arc;
 use fd_model::{Record, SampleTime};
 
 use super::{attempt::REACHED, case::Case};
+use fd_sim::{
+    model::Model,
+    simulate::{EquationSimulator, Simulator},
+};
+
 use crate::{
     evidence::NoisePrior,
     fit::{FitError, Horizon, Log, NullFit, Plan, Problem, Weights, null_fit},
-    model::Model,
     quality::{Defect, Finding, grid_step, inspect, noise_floor, robust_third_difference_floor},
     shrink::{dominant_time_constant, gap_per_output},
-    simulate::{EquationSimulator, Simulator},
 };
 
 /// A stated noise is believed up to this factor below what third differences show …

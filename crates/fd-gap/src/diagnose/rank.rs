@@ -6,8 +6,9 @@ use super::{
     result::{Cause, Estimate, Explanation, Group, Pair},
     trial::Trial,
 };
+use fd_effect::{Candidate, Side, map::mechanism};
+
 use crate::{
-    effect::{Candidate, Side, map::mechanism},
     evidence::{NoisePrior, evidence, likelihood, pool},
     fit::{Minimum, Problem},
     shrink::gap,

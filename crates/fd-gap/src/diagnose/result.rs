@@ -1,12 +1,9 @@
 //! What a diagnosis says.
 
-use crate::{
-    effect::{Candidate, NotTestable, Side, SiteRef},
-    fit::Horizon,
-    model::Model,
-    quality::Finding,
-    shrink::Closed,
-};
+use fd_effect::{Candidate, NotTestable, Side, SiteRef};
+use fd_sim::model::Model;
+
+use crate::{fit::Horizon, quality::Finding, shrink::Closed};
 
 /// The answer to: which effect, how sure, how far does the gap shrink?
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +14,7 @@ pub struct Diagnosis {
     pub regime: Regime,
     /// Whether the controller in the loop was run on the logged outputs, which it did see: causes
     /// are weighed with the commands that the plant really had
-    /// ([`LoggedLoop`](crate::simulate::LoggedLoop)). Explanations and held-out gaps are of the
+    /// ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Explanations and held-out gaps are of the
     /// simulator as it came, with its loop closed.
     pub is_logged_loop: bool,
     /// Probability that the nominal model, with its parameters refitted, explains the log.

@@ -13,13 +13,13 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
+use fd_effect::Candidate;
+use fd_sim::{model::Model, simulate::Nominal};
+
 use crate::{
-    effect::Candidate,
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},
-    model::Model,
     quality::spectral_peaks,
-    simulate::Nominal,
 };
 
 /// Lines of the spectrum at which periodic effects are started.

@@ -3,11 +3,14 @@
 use rayon::prelude::*;
 
 use super::{prepare::with_step, trial::Trial};
+use fd_sim::{
+    model::{Law, Model},
+    simulate::Nominal,
+};
+
 use crate::{
     fit::{FitError, Minimum, NullFit, Problem, null_fit},
-    model::{Law, Model},
     shrink::gap_per_output,
-    simulate::Nominal,
 };
 
 /// Largest change of an output, in sigma, that a step of half the length may make.

@@ -3,14 +3,12 @@
 use std::sync::Arc;
 
 use super::{command::Command, prepare::with_step};
-use crate::{
-    effect::{Candidate, EffectParameter},
-    fit::{
-        FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
-        Weights, minimise, minimise_all,
-    },
-    model::Model,
-    simulate::Nominal,
+use fd_effect::{Candidate, EffectParameter};
+use fd_sim::{model::Model, simulate::Nominal};
+
+use crate::fit::{
+    FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
+    Weights, minimise, minimise_all,
 };
 
 /// Starts of a candidate that get a short fit.

@@ -5,16 +5,19 @@ use std::sync::Arc;
 use fd_model::SampleTime;
 
 use super::rival::Contender;
+use fd_sim::{
+    equation::Expr,
+    model::{Hold, Model, Output, Parameter},
+    simulate::Simulator,
+};
+
 use crate::{
     diagnose::Case,
-    equation::Expr,
     evidence::SEPARATED,
     fit::{
         FitError, Horizon, LeastSquares, Log, Plan, Problem, Search, Variable, Weights, minimise,
     },
     locate::bench::{Bench, settled},
-    model::{Hold, Model, Output, Parameter},
-    simulate::Simulator,
 };
 
 /// Samples of the present logs that are simulated again.

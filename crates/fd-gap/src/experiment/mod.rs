@@ -42,10 +42,9 @@ const FASTER: u32 = 4;
 /// question. The monitor sees [`Stage::Experiment`], once per kind of experiment.
 ///
 /// ```
-/// use fd_gap::{
-///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
-///     experiment::{Reach, next},
-/// };
+/// use fd_effect::Candidate;
+/// use fd_gap::{diagnose::{Case, Settings, diagnose}, experiment::{Reach, next}};
+/// use fd_sim::model::Model;
 /// # use fd_model::{Channel, Record};
 /// # let model: Model = r#"
 /// # version = 1
@@ -206,10 +205,10 @@ fn sensors(
     let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(0.01);
     let model = case.nominal.model();
     let is_logged = |name: &str| {
-        model.outputs.iter().any(|output| output.value == crate::equation::Expr::name(name))
+        model.outputs.iter().any(|output| output.value == fd_sim::equation::Expr::name(name))
     };
     let initial = simulator.initial();
-    let sensor = |(i, state): (usize, &crate::simulate::Initial)| {
+    let sensor = |(i, state): (usize, &fd_sim::simulate::Initial)| {
         let noise = ratio * spread(&states, i, initial.len());
         let name = &state.channel.name;
         (!is_logged(name) && 0.0 < noise).then(|| (name.clone(), noise))

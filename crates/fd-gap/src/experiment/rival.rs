@@ -1,12 +1,13 @@
 //! Explanations that are to be told apart, with the models that they were fitted as.
 
 use super::result::Rival;
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
 use crate::{
     diagnose::{Case, Cause, Diagnosis, Start, Verdict},
-    effect::Candidate,
     fit::Variable,
     locate::places::name,
-    model::Model,
 };
 
 /// Most rivals that are refitted.

@@ -3,7 +3,7 @@
 use fd_model::RecordError;
 use thiserror::Error;
 
-use crate::simulate::SimulateError;
+use fd_sim::simulate::SimulateError;
 
 /// A model cannot be fitted to logs.
 #[derive(Clone, Debug, PartialEq, Error)]

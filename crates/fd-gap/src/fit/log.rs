@@ -3,7 +3,7 @@
 use fd_model::{Channel, Record};
 
 use super::error::FitError;
-use crate::simulate::Simulator;
+use fd_sim::simulate::Simulator;
 
 /// Relative difference of two sample times that are meant to be equal.
 const ROUNDING: f64 = 1e-6;
@@ -27,7 +27,8 @@ impl Log {
     /// errors.
     ///
     /// ```
-    /// use fd_gap::{fit::Log, simulate::BlackBox};
+    /// use fd_gap::fit::Log;
+    /// use fd_sim::simulate::BlackBox;
     /// use faer::mat;
     /// use fd_model::{Channel, Discrete, Record, SampleTime, StateSpace};
     ///

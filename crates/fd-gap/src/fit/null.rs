@@ -10,7 +10,7 @@ use super::{
     problem::Problem,
     weights::Weights,
 };
-use crate::simulate::Simulator;
+use fd_sim::simulate::Simulator;
 
 /// Samples from which a fit works its way to the whole log.
 const PREFIXES: [usize; 3] = [100, 250, 500];

@@ -3,7 +3,7 @@
 use fd_model::Record;
 
 use super::{error::FitError, log::Log, variable::Variable};
-use crate::simulate::Simulator;
+use fd_sim::simulate::Simulator;
 
 /// How long a simulation runs without seeing the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

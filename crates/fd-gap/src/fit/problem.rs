@@ -12,7 +12,7 @@ use super::{
     variable::Variable,
     weights::Weights,
 };
-use crate::simulate::{Outcome, Run, Simulator};
+use fd_sim::simulate::{Outcome, Run, Simulator};
 
 /// The weighted error of a simulation, as a function of nuisances and parameters of an effect.
 #[derive(Clone, Debug)]

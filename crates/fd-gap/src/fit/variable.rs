@@ -1,6 +1,8 @@
 //! An unknown of a fit.
 
-use crate::{effect::EffectParameter, model::Parameter, simulate::Initial};
+use fd_sim::{model::Parameter, simulate::Initial};
+
+use fd_effect::EffectParameter;
 
 /// Standard deviation of what is known of a value, in tolerances.
 const PRIOR: f64 = 0.67;

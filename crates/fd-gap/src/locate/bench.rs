@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use fd_sim::simulate::Simulator;
+
 use crate::{
     diagnose::{Case, Diagnosis, Start},
     fit::{FitError, Log, Segment},
-    simulate::Simulator,
 };
 
 /// The training logs of a case, in the order and the units of its simulator, with the segments that

@@ -6,14 +6,17 @@ use super::{
     empirical_bayes::regress,
     result::FreeSignal,
 };
-use crate::{
-    diagnose::{Case, Diagnosis, Start},
-    effect::SiteRef,
+use fd_effect::SiteRef;
+use fd_sim::{
     equation::Expr,
-    fit::Variable,
     model::{Input, Law, Model},
     patch::Patch,
     simulate::Simulator,
+};
+
+use crate::{
+    diagnose::{Case, Diagnosis, Start},
+    fit::Variable,
 };
 
 /// Samples per knot, as long as there are not too many knots …

@@ -33,21 +33,23 @@ use self::{
     bench::{Bench, settled},
     free_signal::Probe,
 };
+use fd_sim::{
+    equation::Expr,
+    model::{Model, Output},
+};
+
 use crate::{
     diagnose::{Case, Diagnosis, Monitor},
-    equation::Expr,
     fit::FitError,
-    model::{Model, Output},
 };
 
 /// Says where the gap lies that a diagnosis has found. The monitor sees [`Stage::Locate`](crate::diagnose::Stage), with a piece
 /// per place.
 ///
 /// ```
-/// use fd_gap::{
-///     diagnose::{Case, Settings, diagnose}, effect::Candidate, model::Model,
-///     locate::locate,
-/// };
+/// use fd_effect::Candidate;
+/// use fd_gap::{diagnose::{Case, Settings, diagnose}, locate::locate};
+/// use fd_sim::model::Model;
 /// # use fd_model::{Channel, Record};
 /// # let model: Model = r#"
 /// # version = 1

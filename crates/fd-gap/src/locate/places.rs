@@ -6,13 +6,10 @@ use super::{
     free_signal::Probe,
     result::{FreeSignal, PlaceEvidence, SideEvidence},
 };
-use crate::{
-    diagnose::{Cause, Diagnosis, Monitor, Stage},
-    effect::{Side, SiteRef},
-    equation::Expr,
-    model::Model,
-    simulate::Simulator,
-};
+use fd_effect::{Side, SiteRef};
+use fd_sim::{equation::Expr, model::Model, simulate::Simulator};
+
+use crate::diagnose::{Cause, Diagnosis, Monitor, Stage};
 
 /// Probability from which a place is named.
 const NAMED: f64 = 0.5;

@@ -104,7 +104,7 @@ pub(super) fn regions(
 }
 
 /// The free signal at the first place that has an evident one.
-fn missing_signal(places: &[PlaceEvidence]) -> Option<(crate::effect::SiteRef, Vec<f64>)> {
+fn missing_signal(places: &[PlaceEvidence]) -> Option<(fd_effect::SiteRef, Vec<f64>)> {
     let evident = places.iter().find_map(|place| {
         let free = place.free.as_ref().filter(|free| EVIDENT < free.log_evidence)?;
         Some((place, free))

@@ -2,7 +2,7 @@
 
 use fd_model::Channel;
 
-use crate::effect::{Side, SiteRef};
+use fd_effect::{Side, SiteRef};
 
 /// Where a gap lies, seen from several sides. Every part has a sentence in words, and claims only
 /// what is significant: a part that finds nothing says so.

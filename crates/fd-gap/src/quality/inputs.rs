@@ -1,7 +1,9 @@
 //! Inputs in a wrong unit, and swapped columns: tried out in the simulation.
 
 use super::{finding::Defect, inspect::agreement};
-use crate::{fit::Log, simulate::Simulator};
+use fd_sim::simulate::Simulator;
+
+use crate::fit::Log;
 
 /// Part of the disagreement of the outputs, all together, that a change of inputs may leave.
 const BETTER: f64 = 0.2;

@@ -5,10 +5,9 @@ use super::{
     finding::{Defect, Finding},
     inputs::input_defects,
 };
-use crate::{
-    fit::{FitError, Log},
-    simulate::Simulator,
-};
+use fd_sim::simulate::Simulator;
+
+use crate::fit::{FitError, Log};
 
 /// Correlation with future inputs, in standard deviations of that of white signals, that speaks
 /// for feedback.

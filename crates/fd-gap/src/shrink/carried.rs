@@ -5,11 +5,12 @@ use std::{collections::HashMap, sync::Arc};
 use fd_model::{Channel, SampleTime};
 
 use super::forecast::Settled;
-use crate::{
-    fit::Log,
+use fd_sim::{
     model::Parameter,
     simulate::{Initial, Port, Simulator},
 };
+
+use crate::fit::Log;
 
 /// Change of the initial states, in their size, that shows whether a memory depends on them.
 const NUDGE: f64 = 1e-3;

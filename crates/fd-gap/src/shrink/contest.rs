@@ -4,10 +4,11 @@ use super::{
     forecast::{Forecast, Settled, forecast},
     gap::{Closed, closed},
 };
+use fd_sim::simulate::Simulator;
+
 use crate::{
     evidence::{BlockErrors, win_frequencies_over},
     fit::{FitError, Horizon, Log},
-    simulate::Simulator,
 };
 use fd_compensate::calibrate::autocorrelation_time;
 

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use super::carried::Carried;
-use crate::{
-    fit::{
-        FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
-        Weights, minimise,
-    },
-    simulate::Simulator,
+use fd_sim::simulate::Simulator;
+
+use crate::fit::{
+    FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
+    Weights, minimise,
 };
 
 /// Part of a free run from which its initial state is estimated.

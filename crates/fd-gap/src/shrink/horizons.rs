@@ -1,11 +1,9 @@
 //! How far to forecast: the memory of the plant settles it.
 
 use faer::Mat;
+use fd_sim::simulate::Simulator;
 
-use crate::{
-    fit::{Horizon, Log},
-    simulate::Simulator,
-};
+use crate::fit::{Horizon, Log};
 
 /// Instants of a log at which a plant is linearised.
 const INSTANTS: usize = 9;

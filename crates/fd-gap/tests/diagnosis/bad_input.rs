@@ -1,14 +1,14 @@
 //! Bad input: a clear finding, not a number; and no harm from simulators that fail.
 
 use crate::bench_cases::{Reality, example, record};
+use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
-    effect::{EverySite, ReplayScales, library},
     fit::FitError,
-    model::Model,
     quality::Defect,
 };
 use fd_model::Record;
+use fd_sim::{model::Model, scales::ReplayScales};
 
 const FEW: [&str; 3] = ["coulomb-friction", "sensor-bias", "input-gain"];
 
@@ -56,9 +56,9 @@ fn swapped_inputs() {
         .flat_map(|k| [1.5e-4 + 1.3 * steps.u(k)[0], 1.2e-4 + steps.u(k)[1]])
         .collect();
     let mut y = vec![0.0; log.len() * 2];
-    let mut simulator = fd_gap::simulate::EquationSimulator::<f64>::new(&model).unwrap();
+    let mut simulator = fd_sim::simulate::EquationSimulator::<f64>::new(&model).unwrap();
     let (theta, x0) = (model.nominal(), model.initial());
-    let _ = fd_gap::simulate::Simulator::simulate(&mut simulator, &theta, &x0, &u, &mut y);
+    let _ = fd_sim::simulate::Simulator::simulate(&mut simulator, &theta, &x0, &u, &mut y);
     let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
     let log = Record::new(inputs, outputs, u, y, log.ts()).unwrap();
     let swapped = with_inputs(&log, |u| vec![u[1], u[0]]);

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use fd_gap::{
-    effect::{Candidate, EffectParameter, Kind, Side, SiteRef},
+use fd_effect::{Candidate, EffectParameter, Kind, Side, SiteRef};
+use fd_model::{
+    Record, SampleTime,
+    signal::{ArNoise, WhiteNoise},
+};
+use fd_sim::{
     equation::Expr,
     model::{Delay, Model, Parameter},
     patch::Patch,
     simulate::{EquationSimulator, Simulator},
-};
-use fd_model::{
-    Record, SampleTime,
-    signal::{ArNoise, WhiteNoise},
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

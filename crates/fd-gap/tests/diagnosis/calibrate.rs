@@ -7,9 +7,8 @@ use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
     diagnose::{Case, Settings, diagnose},
-    model::Model,
-    patch::Patch,
 };
+use fd_sim::{model::Model, patch::Patch};
 
 fn reality(amplitude: f64, seed: u64) -> Reality {
     Reality { samples: 500, amplitude, parameter_error: 0.02, colour: 0.0, seed }

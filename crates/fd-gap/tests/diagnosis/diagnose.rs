@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
-use fd_gap::{
-    diagnose::{Case, Diagnosis, Settings, diagnose},
-    effect::Candidate,
+use fd_effect::Candidate;
+use fd_gap::diagnose::{Case, Diagnosis, Settings, diagnose};
+use fd_model::Record;
+use fd_sim::{
     model::{Model, Parameter},
     patch::Patch,
 };
-use fd_model::Record;
 
 /// A diagnosis with candidates that are there already.
 fn with(
@@ -272,7 +272,8 @@ fn windows_and_several_logs_name_the_cause_too() {
 /// With the whole library; prints the time.
 #[test]
 fn the_library_names_coulomb_friction() {
-    use fd_gap::effect::{ReplayScales, library, offers};
+    use fd_effect::{library, offers};
+    use fd_sim::scales::ReplayScales;
 
     for (name, site, law, amplitude) in [
         ("mass_spring_damper", "carriage", "-0.4*v/sqrt(v^2 + 0.004^2)", 10.0),

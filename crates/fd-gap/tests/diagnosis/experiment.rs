@@ -5,16 +5,18 @@ use std::time::Instant;
 use crate::bench_cases::{
     Reality, Recipe, candidate, candidates, example, excitation, expr, record, sizes,
 };
+use fd_effect::{Candidate, Side, SiteRef};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
-    effect::{Candidate, Side, SiteRef},
     evidence::SEPARATED,
     experiment::{Advice, Excitation, Reach, Rival, next},
+};
+use fd_model::{Record, signal::WhiteNoise};
+use fd_sim::{
     model::{Delay, Model, Parameter},
     patch::Patch,
     simulate::{EquationSimulator, Simulator},
 };
-use fd_model::{Record, signal::WhiteNoise};
 
 fn reality(amplitude: f64, seed: u64) -> Reality {
     Reality { samples: 600, amplitude, parameter_error: 0.02, colour: 0.0, seed }

@@ -1,9 +1,10 @@
 //! A controller in the loop sees the noise of the sensors, and the diagnosis knows it.
-use fd_gap::{
-    diagnose::{Case, Diagnosis, Settings, diagnose},
-    effect::{EverySite, ReplayScales, library},
+use fd_effect::{EverySite, library};
+use fd_gap::diagnose::{Case, Diagnosis, Settings, diagnose};
+use fd_sim::{
     model::{Hold, Input, Model},
     patch::Patch,
+    scales::ReplayScales,
     simulate::{EquationSimulator, LoggedLoop, Nominal, Simulator},
 };
 
@@ -46,7 +47,7 @@ fn record(truth: &Model, colour: f64, is_in_loop: bool, seed: u64) -> Record {
     let mut y = vec![0.0; SAMPLES * ny];
     let outcome =
         Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), &u, &mut y);
-    assert_eq!(outcome, fd_gap::simulate::Outcome::Complete);
+    assert_eq!(outcome, fd_sim::simulate::Outcome::Complete);
     if !is_in_loop {
         for (c, noise) in noise.iter().enumerate() {
             y.iter_mut().skip(c).step_by(ny).zip(noise).for_each(|(y, e)| *y += e);

@@ -7,8 +7,8 @@ use faer::{Mat, linalg::solvers::SolveLstsq};
 use fd_gap::{
     fit::{FitError, Horizon, Layout, LeastSquares, Plan, Search, Weights, minimise, null_fit},
     quality::Autoregression,
-    simulate::EquationSimulator,
 };
+use fd_sim::simulate::EquationSimulator;
 use proptest::prelude::*;
 
 /// `r = A z − b`, two shared unknowns and one of each of three segments.
@@ -219,7 +219,7 @@ fn what_does_not_fit_together_is_said() {
 fn candidates_are_the_nominal_model_at_zero_strength() {
     let model = example("mass_spring_damper");
     let u = crate::bench_cases::excitation(10.0, 200, 4);
-    let run = |model: &fd_gap::model::Model| {
+    let run = |model: &fd_sim::model::Model| {
         let mut simulator = EquationSimulator::<f64>::new(model).unwrap();
         let mut y = vec![0.0; 200];
         simulator.run(&model.nominal(), &model.initial(), &u, &mut y);

@@ -1,13 +1,16 @@
 //! Horizons from the memory of a plant, memories across windows, and contests of forecasts.
 
+use fd_effect::{Candidate, library, offers};
 use fd_gap::{
-    effect::{Candidate, ReplayScales, library, offers},
     fit::{Horizon, Log, Variable},
-    model::Model,
     shrink::{Rules, Settled, contest, dominant_time_constant, forecast_errors, gap, horizons},
-    simulate::{EquationSimulator, Simulator},
 };
 use fd_model::{Channel, Record, SampleTime};
+use fd_sim::{
+    model::Model,
+    scales::ReplayScales,
+    simulate::{EquationSimulator, Simulator},
+};
 use proptest::prelude::*;
 
 /// A lag behind an actuator, sampled every 0.1 s.
@@ -77,7 +80,7 @@ fn effect(model: &Model, u: &[f64], label: &str, values: &[f64]) -> (EquationSim
 type Known = Vec<(Variable, f64)>;
 
 fn theta(simulator: &EquationSimulator, known: &Known) -> Vec<f64> {
-    let value = |p: &fd_gap::model::Parameter| {
+    let value = |p: &fd_sim::model::Parameter| {
         let known = known.iter().find(|(variable, _)| variable.name == p.name);
         known.map_or(p.value, |(_, value)| *value)
     };

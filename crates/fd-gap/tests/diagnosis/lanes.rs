@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::bench_cases::{Reality, example, record};
-use fd_gap::{
-    effect::{Candidate, Kind, ReplayScales, library, offers},
-    fit::{Horizon, LeastSquares, Plan, Problem, Search, Variable, Weights, minimise_all},
+use fd_effect::{Candidate, Kind, library, offers};
+use fd_gap::fit::{Horizon, LeastSquares, Plan, Problem, Search, Variable, Weights, minimise_all};
+use fd_model::{Channel, SampleTime};
+use fd_sim::{
     model::Parameter,
+    scales::ReplayScales,
     simulate::{EquationSimulator, Initial, Outcome, Port, Run, Simulator},
 };
-use fd_model::{Channel, SampleTime};
 use proptest::prelude::*;
 
 const PLANTS: [&str; 8] = [

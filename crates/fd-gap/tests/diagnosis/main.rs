@@ -21,5 +21,4 @@ mod lanes;
 mod locate;
 mod measurement;
 mod quality;
-mod real_logs;
 mod reproduce;

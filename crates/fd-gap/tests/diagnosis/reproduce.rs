@@ -1,15 +1,18 @@
 //! The patched model, printed, parsed and run, reproduces what the diagnosis reports to the bit.
 
 use crate::bench_cases::{Reality, example, expr, record};
+use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Explanation, Settings, Verdict, diagnose},
-    effect::{EverySite, ReplayScales, library},
     fit::Horizon,
-    model::Model,
-    patch::Patch,
-    simulate::{EquationSimulator, Simulator},
 };
 use fd_model::Record;
+use fd_sim::{
+    model::Model,
+    patch::Patch,
+    scales::ReplayScales,
+    simulate::{EquationSimulator, Simulator},
+};
 
 /// The library without what these cases do not need.
 fn diagnosis(model: &Model, logs: &[Record], horizon: Horizon, only: &[&str]) -> Diagnosis {
@@ -97,8 +100,8 @@ fn of_effects_with_memory_and_of_no_effect() {
     for (seed, time, label) in [(7, 0.005, "input-delay"), (8, 0.0, "")] {
         let mut patch = Patch::of(&model);
         patch.wrap_input("u", "seen", expr("late")).unwrap();
-        let (value, time) = (expr("u"), fd_gap::equation::Expr::Number(time));
-        patch.add_delay(fd_gap::model::Delay { name: "late".into(), value, time });
+        let (value, time) = (expr("u"), fd_sim::equation::Expr::Number(time));
+        patch.add_delay(fd_sim::model::Delay { name: "late".into(), value, time });
         let truth = if label.is_empty() { model.clone() } else { patch.finish().unwrap() };
         let logs = [record(&truth, reality(20.0, seed), 1)];
         let diagnosis = diagnosis(&model, &logs, Horizon::FreeRun, &FEW);
@@ -114,8 +117,8 @@ fn of_a_pair() {
     let mut patch = Patch::of(&model);
     patch.add_force("carriage", "friction", expr("-0.5*v/sqrt(v^2 + 0.004^2)")).unwrap();
     patch.wrap_input("force", "seen", expr("late")).unwrap();
-    let (value, time) = (expr("force"), fd_gap::equation::Expr::Number(0.03));
-    patch.add_delay(fd_gap::model::Delay { name: "late".into(), value, time });
+    let (value, time) = (expr("force"), fd_sim::equation::Expr::Number(0.03));
+    patch.add_delay(fd_sim::model::Delay { name: "late".into(), value, time });
     let logs = [record(&patch.finish().unwrap(), reality(10.0, 9), 1)];
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -1,6 +1,3 @@
 //! Laws of files: round trips, errors with their place, real logs, and the documentation itself.
 
-mod docs;
-mod logs;
 mod models;
-mod turbine;

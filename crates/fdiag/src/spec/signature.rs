@@ -49,7 +49,7 @@ impl FaultSites {
 
     /// What belongs to sensors and actuators, as far as they are thought of, in the order of the
     /// signatures.
-    pub(crate) fn in_order<T>(
+    pub fn in_order<T>(
         self,
         sensors: impl IntoIterator<Item = T>,
         actuators: impl IntoIterator<Item = T>,

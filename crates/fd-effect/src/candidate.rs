@@ -1,0 +1,287 @@
+//! What an effect offers to a diagnosis: candidates, each a patched model with parameters to fit.
+
+use thiserror::Error;
+
+use fd_sim::scales::ReplayScales;
+use fd_sim::{equation::SyntaxError, model::Model, patch::PatchError};
+
+/// A cause of a gap between simulator and reality, tried at every site where it makes sense.
+///
+/// An effect of one's own is a type that implements this trait; [`Sketch`](super::Sketch) does the
+/// bookkeeping. A pump that loses a part of its flow with the temperature of the day:
+///
+/// ```
+/// use fd_effect::{Candidate, Effect, NotTestable, Sketch};
+/// use fd_sim::{scales::ReplayScales, model::Model};
+///
+/// #[derive(Debug)]
+/// struct DailySwing;
+///
+/// impl Effect for DailySwing {
+///     fn label(&self) -> &'static str {
+///         "daily-swing"
+///     }
+///
+///     fn family(&self) -> &'static str {
+///         "actuator-gain"
+///     }
+///
+///     fn candidates(
+///         &self,
+///         nominal: &Model,
+///         scales: &ReplayScales,
+///     ) -> Vec<Result<Candidate, NotTestable>> {
+///         let each = scales.inputs.iter().enumerate().map(|(i, _)| {
+///             Sketch::of_input(self, "sinusoid", nominal, scales, i)
+///                 .strength("a", "swing", "1", 1.0, [0.0, 0.5])
+///                 .wrap_input("u*(1 + a*sin(2*pi*t/86400))")
+///                 .start(&[0.05])
+///                 .finish()
+///         });
+///         each.collect()
+///     }
+/// }
+///
+/// let model: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "tank"
+/// sample_time = 60.0
+/// inputs = { flow = { unit = "m^3/s" } }
+/// states = { h = { unit = "m", initial = 1.0, derivative = "flow - 1e-4*h" } }
+/// outputs = { level = { unit = "m", value = "h" } }
+/// "#.parse()?;
+/// let u: Vec<f64> = (0..500).map(|k| if k % 100 < 50 { 1e-4 } else { 2e-4 }).collect();
+/// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 500)?;
+/// let candidates = DailySwing.candidates(&model, &scales);
+/// let candidate = candidates[0].as_ref().unwrap();
+/// assert_eq!(candidate.parameters[0].name, "flow_swing");
+/// let applied = candidate.model.definitions.last().unwrap();
+/// assert_eq!(applied.value.to_string(), "flow*(1 + flow_swing*sin(2*pi*t/86400))");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Effect: std::fmt::Debug + Send + Sync {
+    /// Name of the effect, such as `coulomb-friction`: laws under one label are variants of one
+    /// cause.
+    fn label(&self) -> &'static str;
+
+    /// The mechanism that the effect belongs to, such as `friction`: wider than the label.
+    fn family(&self) -> &'static str;
+
+    /// One candidate per law and site, or the reason why there is none.
+    fn candidates(
+        &self,
+        nominal: &Model,
+        scales: &ReplayScales,
+    ) -> Vec<Result<Candidate, NotTestable>>;
+}
+
+/// One law of an effect at one site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Label of the effect, such as `coulomb-friction`.
+    pub label: &'static str,
+    /// The law, such as `symmetric`. The first law of a label at a site is the simplest. Parameters
+    /// of the same name mean the same in all laws of a label, so that a fit of one starts another,
+    /// the rest of its parameters being neutral.
+    pub law: &'static str,
+    /// The mechanism, wider than the label.
+    pub family: &'static str,
+    /// Where the effect is.
+    pub site: SiteRef,
+    /// The other end of a coupling. Label, law, site and partner together are unique.
+    pub partner: Option<SiteRef>,
+    /// Side of the plant.
+    pub side: Side,
+    /// What the effect acts on.
+    pub kind: Kind,
+    /// The model with the effect in it; with all strengths at their neutral values (which are the
+    /// values in the model) its simulations equal those of the nominal model.
+    pub model: Model,
+    /// What there is to fit, in the order of the parameters at the end of those of the model.
+    pub parameters: Vec<EffectParameter>,
+    /// Points from which to fit, in physical units, in the order of `parameters`.
+    pub starts: Vec<Vec<f64>>,
+    /// A parameter, in Hz, that is better started at the peaks of the spectrum of the residual; the
+    /// `starts` hold a coarse grid in its place.
+    pub spectral: Option<usize>,
+    /// The first parameter is the quantum that an input is rounded to, and its scale the largest
+    /// input: outputs jump as it changes, so that it is searched before it is fitted. `starts` hold
+    /// the coarse ones.
+    pub rounding: Option<Rounding>,
+}
+
+impl Candidate {
+    /// What its laws have in common: label, site and partner, as of a
+    /// `fd_gap::diagnose::Cause`.
+    #[must_use]
+    pub fn identity(&self) -> (&'static str, &SiteRef, Option<&SiteRef>) {
+        (self.label, &self.site, self.partner.as_ref())
+    }
+}
+
+/// What an effect acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The simulation: the model is patched.
+    Simulation,
+    /// The measurement of an output, as a matter of its distribution: the model is the nominal one.
+    Observation(Observation),
+}
+
+/// How a command becomes a multiple of a quantum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// To the nearest multiple.
+    Nearest,
+    /// The rest is cut off, as where a number is stored as an integer.
+    TowardsZero,
+}
+
+impl Rounding {
+    /// The multiple of the quantum.
+    ///
+    /// ```
+    /// use fd_effect::Rounding;
+    ///
+    /// assert_eq!(Rounding::Nearest.apply(-0.7, 0.5), -0.5);
+    /// assert_eq!(Rounding::TowardsZero.apply(-0.9, 0.5), -0.5);
+    /// ```
+    #[must_use]
+    pub fn apply(self, u: f64, quantum: f64) -> f64 {
+        let steps = u / quantum;
+        quantum
+            * match self {
+                Self::Nearest => (steps + 0.5).floor(),
+                Self::TowardsZero => steps.trunc(),
+            }
+    }
+}
+
+/// What is wrong with the noise of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observation {
+    /// Values lie on a grid; `parameters` has its step.
+    Quantised,
+    /// A share of the samples is far off; `parameters` has the share.
+    Outliers,
+    /// The noise is stronger than stated; `parameters` has its standard deviation.
+    Noise,
+    /// The noise is stronger than stated and far from Gaussian; `parameters` has its standard
+    /// deviation and the degrees of freedom of Student's distribution.
+    HeavyTails,
+}
+
+/// Side of the plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Side {
+    /// Between the logged command and the plant.
+    Input,
+    /// The plant.
+    Dynamics,
+    /// Between the plant and the logged measurement.
+    Output,
+}
+
+/// Where an effect is.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum SiteRef {
+    /// An input of the plant, by its place in [`Draft::inputs`](fd_sim::model::Draft::inputs).
+    Input(usize, String),
+    /// A named place for forces, by its place in [`Draft::sites`](fd_sim::model::Draft::sites).
+    Force(usize, String),
+    /// A state of the plant, by its place in [`Draft::states`](fd_sim::model::Draft::states).
+    State(usize, String),
+    /// An output, by its place in [`Draft::outputs`](fd_sim::model::Draft::outputs).
+    Output(usize, String),
+    /// A parameter, by its place in [`Draft::parameters`](fd_sim::model::Draft::parameters).
+    Parameter(usize, String),
+    /// No place in particular.
+    WholeModel,
+}
+
+impl SiteRef {
+    /// Name of the input, site, state, output or parameter.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Input(_, name)
+            | Self::Force(_, name)
+            | Self::State(_, name)
+            | Self::Output(_, name)
+            | Self::Parameter(_, name) => Some(name),
+            Self::WholeModel => None,
+        }
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectParameter {
+    /// Name in the patched model.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// One unit of the coordinate of a fit, in physical units.
+    pub scale: f64,
+    /// Lower bound in physical units.
+    pub low: f64,
+    /// Upper bound in physical units.
+    pub high: f64,
+    /// Where the effect is exactly absent (a strength) or has the simplest shape.
+    pub neutral: f64,
+    /// Whether the effect is absent at the neutral value, whatever the shape parameters are. With
+    /// several strengths all of them must be neutral.
+    pub is_strength: bool,
+    /// Whether `1/value` is what a person would call it: a limit that is infinite at zero strength.
+    pub is_reciprocal: bool,
+}
+
+/// Why a candidate cannot be tried.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{label} ({law}) cannot be tested here: {reason}")]
+pub struct NotTestable {
+    /// Label of the effect.
+    pub label: &'static str,
+    /// The law.
+    pub law: &'static str,
+    /// Where it would be.
+    pub site: SiteRef,
+    /// What is missing.
+    pub reason: Box<Reason>,
+}
+
+/// What keeps an effect out of a model.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The site has no such quantity.
+    #[error("the site has no {0}")]
+    Missing(&'static str),
+    /// A signal does not move, or a force does not move what is there.
+    #[error("{0} does not move in this log")]
+    Still(&'static str),
+    /// There is nothing to couple to.
+    #[error("there is no other {0}")]
+    Alone(&'static str),
+    /// The user says that the parameter is exact.
+    #[error("the parameter is said to be exact")]
+    Exact,
+    /// The parameter is not used by the plant, or is zero.
+    #[error("the plant does not depend on the parameter, or it is zero")]
+    Unused,
+    /// No starting point is within the bounds, for this log and integration step.
+    #[error("the log is too short or the integration step too long for it")]
+    Bounds,
+    /// A template of the effect is not an expression.
+    #[error("`{template}`: {error}")]
+    Syntax {
+        /// The template.
+        template: String,
+        /// What is wrong with it.
+        error: SyntaxError,
+    },
+    /// The model cannot be patched.
+    #[error(transparent)]
+    Patch(#[from] PatchError),
+}

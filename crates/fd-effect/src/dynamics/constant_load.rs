@@ -1,0 +1,41 @@
+//! Constant load.
+
+use super::each_site;
+use fd_sim::{model::Model, scales::ReplayScales};
+
+use crate::{Effect, Offers};
+
+/// A constant force, from the start of the log or, `applied-late`, since some time: it grows from
+/// nothing within the integration step before that time, so that outputs follow the time smoothly.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantLoad;
+
+/// Times from which to start: what a step excites has died away after a part of the log, and a fit
+/// cannot see from one step response to another.
+const ONSETS: u8 = 24;
+
+impl Effect for ConstantLoad {
+    fn label(&self) -> &'static str {
+        "constant-load"
+    }
+
+    fn family(&self) -> &'static str {
+        "load"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        each_site(self, nominal, scales, |sketch, at| {
+            vec![
+                sketch("constant")
+                    .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
+                    .force("constant_load", "c")
+                    .starts([[0.1]]),
+                sketch("applied-late")
+                    .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
+                    .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
+                    .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
+            ]
+        })
+    }
+}

@@ -1,0 +1,34 @@
+//! Error of the gain of an actuator.
+
+use super::each_input;
+use fd_sim::{model::Model, scales::ReplayScales};
+
+use crate::{Effect, Offers};
+
+/// Gain error `u + e u`; in the asymmetric law `u + e u + a |u|`, that is `e ± a` for the two
+/// signs.
+#[derive(Clone, Copy, Debug)]
+pub struct InputGain;
+
+impl Effect for InputGain {
+    fn label(&self) -> &'static str {
+        "input-gain"
+    }
+
+    fn family(&self) -> &'static str {
+        "actuator-gain"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        each_input(self, nominal, scales, |sketch, _| {
+            let gain = |law| sketch(law).strength("e", "gain_error", "1", 1.0, [-0.9, 2.0]);
+            vec![
+                gain("symmetric").wrap_input("(1 + e)*u").starts([[0.05], [-0.2]]),
+                gain("asymmetric")
+                    .strength("a", "gain_asymmetry", "1", 1.0, [-1.0, 1.0])
+                    .wrap_input("(1 + e)*u + a*abs(u)")
+                    .starts([[0.05, 0.05], [-0.05, -0.05]]),
+            ]
+        })
+    }
+}

@@ -1,0 +1,41 @@
+//! Effects between the logged command and the plant.
+
+mod backlash;
+mod cross_coupling;
+mod dead_zone;
+mod delay;
+mod gain;
+mod lag;
+mod offset;
+mod quantisation;
+mod rate_limit;
+mod saturation;
+
+pub(super) use self::delay::{LONGEST, STARTS};
+pub use self::{
+    backlash::InputBacklash, cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone,
+    delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset,
+    quantisation::InputQuantisation, rate_limit::InputRateLimit, saturation::InputSaturation,
+};
+use fd_sim::scales::{ReplayScales, SignalScale};
+
+use super::{Effect, Offers, Reason, Sketch};
+use fd_sim::model::Model;
+
+/// What the effects say when an input is constant.
+const STILL: Reason = Reason::Still("the input");
+
+/// The laws of an effect at every input that moves, each as a sketch.
+fn each_input<'a>(
+    effect: &'a dyn Effect,
+    nominal: &'a Model,
+    scales: &'a ReplayScales,
+    laws: impl Fn(&dyn Fn(&'static str) -> Sketch<'a>, &SignalScale) -> Vec<Sketch<'a>>,
+) -> Offers {
+    let offers = scales.inputs.iter().enumerate().flat_map(|(i, input)| {
+        let sketch =
+            |law| Sketch::of_input(effect, law, nominal, scales, i).require(input.moves(), STILL);
+        laws(&sketch, input)
+    });
+    offers.map(Sketch::finish).collect()
+}

@@ -1,0 +1,58 @@
+//! Saturation of an actuator.
+
+use super::each_input;
+use fd_sim::{
+    model::Model,
+    scales::{ReplayScales, SignalScale},
+};
+
+use crate::{Effect, Offers, Sketch, units::per};
+
+/// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.
+/// Hard `u / max(1, |s u|)`; soft `u / (1 + |s u|^n)^(1/n)`; asymmetric with `s (1 ± a)` for the
+/// two signs; and `tanh(s u)/s`.
+#[derive(Clone, Copy, Debug)]
+pub struct InputSaturation;
+
+/// Limits from which to start, as fractions of the largest input.
+const LEVELS: [f64; 5] = [0.97, 0.92, 0.8, 0.62, 0.42];
+
+impl Effect for InputSaturation {
+    fn label(&self) -> &'static str {
+        "input-saturation"
+    }
+
+    fn family(&self) -> &'static str {
+        "actuator-nonlinearity"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        each_input(self, nominal, scales, |sketch, input| {
+            vec![
+                limit(sketch("hard"), input)
+                    .wrap_input("u/max(1, s*abs(u))")
+                    .starts(LEVELS.map(|level| [1.0 / level])),
+                limit(sketch("soft"), input)
+                    .shape("n", "sharpness", "1", 1.0, [1.2, 40.0], 40.0)
+                    // Below 1e-9 the power is lost in rounding, and its slope stays finite.
+                    .wrap_input("u/(1 + max(s*abs(u), 1e-9)^n)^(1/n)")
+                    // The last one takes 2 % of the largest input.
+                    .starts([[1.0 / 0.92, 8.0], [1.0 / 0.8, 3.0], [1.0 / 0.5, 3.0], [0.4, 3.0]]),
+                limit(sketch("tanh"), input)
+                    .bind("S", 1e-9 / input.peak())
+                    .wrap_input("if(s > 0, tanh(s*u)/max(s, S), u)")
+                    // The first one takes 1 % of the largest input.
+                    .starts([[0.17], [0.5], [1.0], [1.6]]),
+                limit(sketch("asymmetric"), input)
+                    .shape("a", "limit_asymmetry", "1", 1.0, [-1.0, 1.0], 0.0)
+                    .wrap_input("u/max(1, s*(abs(u) + a*u))")
+                    .starts([[1.5, 0.5], [1.5, -0.5], [0.9, 0.5], [0.9, -0.5]]),
+            ]
+        })
+    }
+}
+
+fn limit<'a>(sketch: Sketch<'a>, input: &SignalScale) -> Sketch<'a> {
+    let unit = per("1", &input.unit);
+    sketch.limit("s", "limit", unit, 1.0 / input.peak(), [0.0, 12.5])
+}

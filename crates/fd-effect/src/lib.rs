@@ -1,0 +1,93 @@
+//! The library of effects: what a simulator may lack, at every site of a model.
+//!
+//! An [`Effect`] offers [`Candidate`]s: patched models with parameters, their units, bounds and
+//! starts. Every candidate is exactly the nominal model at zero strength, whatever its shape
+//! parameters are, on the integration grid of the nominal model; strengths carry the physical
+//! signs as bounds. Memories (play, lags, rate limits, hysteresis) are exact over an integration
+//! step for held inputs, and what the plant sees is their mean over the step.
+//!
+//! Units, bounds and starts come from [`ReplayScales`], the sizes of all signals in a simulation
+//! of the nominal model with the inputs of the log.
+
+mod candidate;
+mod default_sites;
+pub mod dynamics;
+pub mod input;
+pub mod map;
+pub mod sensor;
+mod sketch;
+mod suspects;
+mod units;
+
+pub use self::{
+    candidate::{
+        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding, Side,
+        SiteRef,
+    },
+    default_sites::with_default_sites,
+    sketch::Sketch,
+    suspects::{EverySite, Suspects},
+};
+
+use fd_sim::{model::Model, scales::ReplayScales};
+
+/// What an effect offers: one candidate per law and site, or the reason why there is none.
+pub type Offers = Vec<Result<Candidate, NotTestable>>;
+
+/// All effects that are known.
+///
+/// ```
+/// use fd_effect::library;
+///
+/// let labels: Vec<&str> = library().iter().map(|effect| effect.label()).collect();
+/// assert!(labels.contains(&"coulomb-friction"));
+/// ```
+#[must_use]
+pub fn library() -> Vec<Box<dyn Effect>> {
+    use self::{dynamics as d, input as i, map as m, sensor as s};
+    vec![
+        Box::new(i::InputGain),
+        Box::new(i::InputOffset),
+        Box::new(i::InputDeadZone),
+        Box::new(i::InputSaturation),
+        Box::new(i::InputBacklash),
+        Box::new(i::InputDelay),
+        Box::new(i::InputLag),
+        Box::new(i::InputRateLimit),
+        Box::new(i::InputQuantisation),
+        Box::new(i::InputCrossCoupling),
+        Box::new(d::ViscousFriction),
+        Box::new(d::CoulombFriction),
+        Box::new(d::Drag),
+        Box::new(d::LinearStiffness),
+        Box::new(d::Stiffening),
+        Box::new(d::ConstantLoad),
+        Box::new(d::GravityLoad),
+        Box::new(d::PeriodicForce),
+        Box::new(d::Hysteresis),
+        Box::new(d::ResonantMode),
+        Box::new(d::EndStop),
+        Box::new(d::Overflow),
+        Box::new(d::StateCoupling),
+        Box::new(d::ParameterError),
+        Box::new(s::SensorBias),
+        Box::new(s::SensorDrift),
+        Box::new(s::SensorScale),
+        Box::new(s::SensorLag),
+        Box::new(s::SensorDelay),
+        Box::new(s::SensorSaturation),
+        Box::new(s::SensorCrossTalk),
+        Box::new(s::SensorQuantisation),
+        Box::new(s::SensorOutliers),
+        Box::new(s::SensorNoise),
+        Box::new(m::InputMap),
+        Box::new(m::ForceMap),
+        Box::new(m::SensorMap),
+    ]
+}
+
+/// What all effects of a library offer for a model, in the order of the library.
+#[must_use]
+pub fn offers(library: &[Box<dyn Effect>], nominal: &Model, scales: &ReplayScales) -> Offers {
+    library.iter().flat_map(|effect| effect.candidates(nominal, scales)).collect()
+}

@@ -1,0 +1,36 @@
+//! Delay of a sensor.
+
+use super::each_output;
+use fd_sim::{model::Model, scales::ReplayScales};
+
+use crate::{
+    Effect, Offers,
+    input::{LONGEST, STARTS},
+};
+
+/// Delay by any fraction of a sample; between integration steps the past is interpolated.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorDelay;
+
+impl Effect for SensorDelay {
+    fn label(&self) -> &'static str {
+        "sensor-delay"
+    }
+
+    fn family(&self) -> &'static str {
+        "sensor-dynamics"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        let longest = LONGEST.min(0.25 * scales.duration / scales.ts);
+        each_output(self, nominal, scales, |sketch, _| {
+            vec![
+                sketch("pure")
+                    .strength("T", "delay", "s", scales.ts, [0.0, longest])
+                    .delay("late", "delayed", "y", "T")
+                    .wrap_output("late")
+                    .starts(STARTS),
+            ]
+        })
+    }
+}

@@ -1,0 +1,43 @@
+//! Effects between the plant and the logged measurement.
+
+mod bias;
+mod cross_talk;
+mod delay;
+mod drift;
+mod lag;
+mod noise;
+mod saturation;
+mod scale;
+
+pub use self::{
+    bias::SensorBias,
+    cross_talk::SensorCrossTalk,
+    delay::SensorDelay,
+    drift::SensorDrift,
+    lag::SensorLag,
+    noise::{SensorNoise, SensorOutliers, SensorQuantisation},
+    saturation::SensorSaturation,
+    scale::SensorScale,
+};
+use fd_sim::scales::{ReplayScales, SignalScale};
+
+use super::{Effect, Offers, Reason, Sketch};
+use fd_sim::model::Model;
+
+/// What the effects say when an output is constant.
+const STILL: Reason = Reason::Still("the output");
+
+/// The laws of an effect at every output that moves, each as a sketch.
+fn each_output<'a>(
+    effect: &'a dyn Effect,
+    nominal: &'a Model,
+    scales: &'a ReplayScales,
+    laws: impl Fn(&dyn Fn(&'static str) -> Sketch<'a>, &SignalScale) -> Vec<Sketch<'a>>,
+) -> Offers {
+    let offers = scales.outputs.iter().enumerate().flat_map(|(i, output)| {
+        let sketch =
+            |law| Sketch::of_output(effect, law, nominal, scales, i).require(output.moves(), STILL);
+        laws(&sketch, output)
+    });
+    offers.map(Sketch::finish).collect()
+}

@@ -1,0 +1,80 @@
+//! States, delays and definitions that an effect adds.
+
+use super::Sketch;
+use fd_sim::{
+    equation::{Comparison, Cond, Expr},
+    model::{Delay, Law, State},
+};
+
+use crate::Reason;
+
+impl Sketch<'_> {
+    /// Adds a memory: a state that changes at the end of each integration step, to what
+    /// [`becomes`](Self::becomes) says. The local name stands for its value at the start of the
+    /// step, which is the template `at_first` in the first step of a run.
+    #[must_use]
+    pub fn memory(mut self, local: &str, name: &str, unit: &str, at_first: &str) -> Self {
+        let state = self.fresh(name);
+        let is_first = Cond::compare(Comparison::Greater, Expr::name("first"), Expr::Number(0.0));
+        let value = Expr::choice(is_first, self.expr(at_first), Expr::name(&state));
+        self.add_state(&state, unit, Law::Update(value.clone()));
+        self.memories.push((local.to_owned(), state));
+        self.bind(local, value)
+    }
+
+    /// States what a memory becomes at the end of a step, from values at its start.
+    #[must_use]
+    pub fn becomes(mut self, local: &str, template: &str) -> Self {
+        let law = Law::Update(self.expr(template));
+        self.set_law(local, law);
+        self
+    }
+
+    /// Adds a state, 0 at the start of a run, with the derivative that [`moves`](Self::moves) says.
+    #[must_use]
+    pub fn dynamic(mut self, local: &str, name: &str, unit: &str) -> Self {
+        let state = self.fresh(name);
+        self.add_state(&state, unit, Law::Derivative(Expr::Number(0.0)));
+        self.memories.push((local.to_owned(), state.clone()));
+        self.bind(local, Expr::name(state))
+    }
+
+    /// States the derivative of a state.
+    #[must_use]
+    pub fn moves(mut self, local: &str, derivative: &str) -> Self {
+        let law = Law::Derivative(self.expr(derivative));
+        self.set_law(local, law);
+        self
+    }
+
+    fn set_law(&mut self, local: &str, law: Law) {
+        let memory = self.memories.iter().find(|(known, _)| known == local);
+        match memory.and_then(|(_, name)| self.states.iter_mut().find(|s| s.name == *name)) {
+            Some(state) => state.law = law,
+            None => self.fail(Reason::Missing("such memory")),
+        }
+    }
+
+    fn add_state(&mut self, name: &str, unit: &str, law: Law) {
+        let unit = if unit.is_empty() { "1" } else { unit }.to_owned();
+        self.states.push(State { name: name.to_owned(), unit, initial: 0.0, tolerance: None, law });
+    }
+
+    /// Adds the value of a template some time (a template of parameters, in s) ago.
+    #[must_use]
+    pub fn delay(mut self, local: &str, name: &str, value: &str, time: &str) -> Self {
+        let name = self.fresh(name);
+        let (value, time) = (self.expr(value), self.expr(time));
+        self.patch.add_delay(Delay { name: name.clone(), value, time });
+        self.bind(local, Expr::name(name))
+    }
+
+    /// Adds a named expression.
+    #[must_use]
+    pub fn define(mut self, local: &str, name: &str, template: &str) -> Self {
+        let name = self.fresh(name);
+        let value = self.expr(template);
+        self.patch.add_definition(name.clone(), value);
+        self.bind(local, Expr::name(name))
+    }
+}

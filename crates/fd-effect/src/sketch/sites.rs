@@ -1,0 +1,62 @@
+//! Where an effect meets the model.
+
+use super::Sketch;
+use fd_sim::patch::PatchError;
+
+impl Sketch<'_> {
+    /// Lets the plant see the value of a template instead of the input `u`.
+    #[must_use]
+    pub fn wrap_input(mut self, template: &str) -> Self {
+        let (applied, value) = (self.fresh("applied"), self.expr(template));
+        let result = self.patch.wrap_input(&self.prefix, &applied, value);
+        self.keep(result)
+    }
+
+    /// Lets the sensor show the value of a template instead of `y`.
+    #[must_use]
+    pub fn wrap_output(mut self, template: &str) -> Self {
+        let (measured, value) = (self.expr("y").to_string(), self.expr(template));
+        let result = self.patch.wrap_output(&self.prefix, &measured, value);
+        self.keep(result)
+    }
+
+    /// Lets the plant see the value of a template instead of the parameter `p`.
+    #[must_use]
+    pub fn wrap_parameter(mut self, template: &str) -> Self {
+        let (real, value) = (self.fresh("real"), self.expr(template));
+        let result = self.patch.wrap_parameter(&self.prefix, &real, value);
+        self.keep(result)
+    }
+
+    /// Adds a force at the site.
+    #[must_use]
+    pub fn force(mut self, name: &str, template: &str) -> Self {
+        let (name, value) = (self.fresh(name), self.expr(template));
+        let result = self.patch.add_force(&self.prefix, &name, value);
+        self.keep(result)
+    }
+
+    /// Adds a force at the site that works against `v` or `x`, to which the template is positive.
+    #[must_use]
+    pub fn resist(mut self, name: &str, template: &str) -> Self {
+        let (name, value) = (self.fresh(name), self.expr(template));
+        let value = self.force.map_or_else(|| -value.clone(), |force| force.against(value.clone()));
+        let result = self.patch.add_force(&self.prefix, &name, value);
+        self.keep(result)
+    }
+
+    /// Adds a force at another site.
+    #[must_use]
+    pub fn force_at(mut self, site: &str, name: &str, template: &str) -> Self {
+        let (name, value) = (self.fresh(name), self.expr(template));
+        let result = self.patch.add_force(site, &name, value);
+        self.keep(result)
+    }
+
+    fn keep(mut self, result: Result<(), PatchError>) -> Self {
+        if let Err(error) = result {
+            self.fail(error.into());
+        }
+        self
+    }
+}

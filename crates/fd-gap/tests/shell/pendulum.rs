@@ -1,0 +1,242 @@
+//! A driven pendulum as a black box, and the real one with something that the black box lacks.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicUsize, Ordering},
+};
+
+use fd_model::{Channel, Record, SampleTime, signal::WhiteNoise};
+use fd_sim::{
+    model::Parameter,
+    simulate::{Initial, Port, Shell, Simulator},
+};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+pub(crate) const TS: f64 = 0.02;
+/// Noise of angle and rate.
+pub(crate) const NOISE: [f64; 2] = [0.002, 0.01];
+/// Inertia, stiffness of gravity and damping.
+pub(crate) const THETA: [f64; 3] = [0.05, 1.2, 0.12];
+
+/// `J q'' = u + f - G sin(q) - d q'`, by Runge-Kutta of order 4 with fixed steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Pendulum {
+    inputs: Vec<Channel>,
+    outputs: Vec<Channel>,
+    parameters: Vec<Parameter>,
+    initial: Vec<Initial>,
+    ports: Vec<Port>,
+    ts: f64,
+    theta: [f64; 3],
+    x: [f64; 2],
+    /// Whether outputs can be had without a step.
+    measures: bool,
+    /// Below this inertia it does not run, and how often that was tried.
+    least_inertia: f64,
+    refused: Arc<AtomicUsize>,
+}
+
+impl Pendulum {
+    pub(crate) fn new(ts: f64) -> Self {
+        let names = [("J", "kg m^2"), ("G", "N m"), ("d", "N m s")];
+        let parameter = |((name, unit), value): ((&str, &str), f64)| Parameter {
+            tolerance: 0.03,
+            bounds: Some([1e-3, 10.0]),
+            ..Parameter::new(name, unit, value)
+        };
+        let initial = |name: &str, unit: &str| Initial {
+            channel: Channel::new(name, unit),
+            value: 0.0,
+            tolerance: Some(0.05),
+        };
+        Self {
+            inputs: vec![Channel::new("motor torque", "N m")],
+            outputs: vec![Channel::new("angle", "rad"), Channel::new("rate", "rad/s")],
+            parameters: names.into_iter().zip(THETA).map(parameter).collect(),
+            initial: vec![initial("q", "rad"), initial("w", "rad/s")],
+            ports: vec![Port { channel: Channel::new("pivot", "N m") }],
+            ts,
+            theta: THETA,
+            x: [0.0; 2],
+            measures: true,
+            least_inertia: f64::NEG_INFINITY,
+            refused: Arc::default(),
+        }
+    }
+
+    pub(crate) fn without_measuring(mut self) -> Self {
+        self.measures = false;
+        self
+    }
+
+    /// Lets fits try inertias from -20 % to 220 %, but does not run below `least`; returns how
+    /// often that was tried.
+    pub(crate) fn loosen(&mut self, least: f64) -> Arc<AtomicUsize> {
+        self.parameters[0].tolerance = 0.6;
+        self.parameters[0].bounds = Some([-1.0, 1.0]);
+        self.least_inertia = least;
+        Arc::clone(&self.refused)
+    }
+
+    fn rates(&self, x: [f64; 2], torque: f64) -> [f64; 2] {
+        let [inertia, gravity, damping] = self.theta;
+        [x[1], (torque - gravity * x[0].sin() - damping * x[1]) / inertia]
+    }
+}
+
+impl Simulator for Pendulum {
+    fn ts(&self) -> SampleTime {
+        SampleTime::new(self.ts).unwrap()
+    }
+
+    fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+
+    fn outputs(&self) -> &[Channel] {
+        &self.outputs
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn initial(&self) -> &[Initial] {
+        &self.initial
+    }
+
+    fn ports(&self) -> &[Port] {
+        &self.ports
+    }
+
+    fn start(&mut self, theta: &[f64], x0: &[f64], _first: u64) {
+        self.theta.copy_from_slice(theta);
+        self.x.copy_from_slice(x0);
+        if theta[0] < self.least_inertia {
+            self.x = [f64::NAN; 2];
+            self.refused.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(&self.x);
+        let torque = u[0] + f.first().unwrap_or(&0.0);
+        self.x = runge_kutta(self.x, self.ts, |x| self.rates(x, torque));
+        if self.x.iter().any(|x| x.abs() > 50.0) {
+            self.x = [f64::NAN; 2];
+        }
+    }
+
+    fn measure(&mut self, _u: &[f64], y: &mut [f64]) -> bool {
+        if self.measures {
+            y.copy_from_slice(&self.x);
+        }
+        self.measures
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.x
+    }
+
+    fn boxed(&self) -> Box<dyn Simulator> {
+        Box::new(self.clone())
+    }
+}
+
+fn runge_kutta(x: [f64; 2], h: f64, rates: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+    let ahead = |k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
+    let k_1 = rates(x);
+    let k_2 = rates(ahead(k_1, 0.5 * h));
+    let k_3 = rates(ahead(k_2, 0.5 * h));
+    let k_4 = rates(ahead(k_3, h));
+    let mean = |i: usize| (k_1[i] + 2.0 * (k_2[i] + k_3[i]) + k_4[i]) / 6.0;
+    ahead([mean(0), mean(1)], h)
+}
+
+/// The shell of the pendulum that steps every `ts` seconds.
+pub(crate) fn shell(ts: f64) -> Shell {
+    let noise = NOISE.map(Some);
+    let shell = Shell::new("black-box pendulum", Box::new(Pendulum::new(ts))).unwrap();
+    shell.with_noise(&noise).with_motion("pivot", Some("angle"), Some("rate")).unwrap()
+}
+
+/// Integration steps of the real pendulum per sample.
+pub(crate) const FINE: usize = 40;
+
+/// What the real pendulum has and the black box has not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cause {
+    Nothing,
+    DeadZone(f64),
+    /// In integration steps.
+    Delay(usize),
+    Lag(f64),
+    RateLimit(f64),
+    AngleBias(f64),
+    Coulomb(f64),
+    Inertia(f64),
+}
+
+/// Steps of random height held for 10 to 40 samples.
+pub(crate) fn excitation(samples: usize, amplitude: f64, seed: u64) -> Vec<f64> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut u = Vec::with_capacity(samples + 40);
+    while u.len() < samples {
+        let level = amplitude * random.random_range(-1.0..1.0);
+        u.extend(std::iter::repeat_n(level, random.random_range(10..40_usize)));
+    }
+    u.truncate(samples);
+    u
+}
+
+/// A log of the real pendulum, integrated forty times finer, with parameters up to 3 % off, an
+/// initial state that nobody knows, and noise.
+pub(crate) fn log(cause: Cause, samples: usize, seed: u64) -> Record {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x5eed);
+    let mut off = |scale: f64| scale * random.random_range(-1.0..1.0);
+    let [inertia, gravity, damping] = THETA.map(|value| value * (1.0 + off(0.03)));
+    let mut x = [off(0.04), off(0.04)];
+    let u = excitation(samples, 0.8, seed);
+    let h = TS / FINE as f64;
+    let inertia = if let Cause::Inertia(e) = cause { inertia * (1.0 + e) } else { inertia };
+    let (mut lagged, mut limited) = (u[0], u[0]);
+    let noise: Vec<Vec<f64>> = (0..2)
+        .map(|i| WhiteNoise::new(NOISE[i], 2 * seed + i as u64).values(samples).unwrap())
+        .collect();
+    let mut y = Vec::with_capacity(2 * samples);
+    for k in 0..samples {
+        let bias = if let Cause::AngleBias(b) = cause { b } else { 0.0 };
+        y.extend([x[0] + bias + noise[0][k], x[1] + noise[1][k]]);
+        for i in 0..FINE {
+            let seen = match cause {
+                Cause::DeadZone(w) => u[k] - u[k].clamp(-w, w),
+                Cause::Delay(late) => u[(k * FINE + i).saturating_sub(late) / FINE],
+                Cause::Lag(time) => {
+                    let before = lagged;
+                    lagged += (u[k] - lagged) * (1.0 - (-h / time).exp());
+                    0.5 * (before + lagged)
+                }
+                Cause::RateLimit(rate) => {
+                    let before = limited;
+                    limited += (u[k] - limited).clamp(-rate * h, rate * h);
+                    0.5 * (before + limited)
+                }
+                _ => u[k],
+            };
+            let friction = |w: f64| match cause {
+                // Not the library's tanh.
+                Cause::Coulomb(f) => f * w / (w * w + 0.02 * 0.02).sqrt(),
+                _ => 0.0,
+            };
+            x = runge_kutta(x, h, |x| {
+                let torque = seen - friction(x[1]);
+                [x[1], (torque - gravity * x[0].sin() - damping * x[1]) / inertia]
+            });
+        }
+    }
+    let ts = SampleTime::new(TS).unwrap();
+    let pendulum = Pendulum::new(TS);
+    assert!(y.iter().all(|y| y.abs() < 20.0), "the pendulum goes round");
+    Record::new(pendulum.inputs, pendulum.outputs, u, y, ts).unwrap()
+}

@@ -1,0 +1,126 @@
+//! `fdiag blind make`.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use fd_log::write_log;
+use rayon::prelude::*;
+
+use super::{
+    draw::draw,
+    error::BlindError,
+    oracle::oracle,
+    random::Random,
+    seal::SealKey,
+    truth::{CaseKind, Scene, Truth},
+};
+
+/// Name of the file with the secret, beside the truths.
+pub(super) const KEY: &str = "seal.key";
+/// Name of the directory of cases.
+pub(super) const CASES: &str = "cases";
+/// Name of the file with the commitment, in the directory of a case.
+pub(super) const COMMITMENT: &str = "commitment.sha256";
+
+/// What is to be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Everything but the secret follows from it.
+    pub seed: u64,
+    /// Number of cases of each kind.
+    pub counts: Vec<(CaseKind, usize)>,
+    /// Samples of each log.
+    pub samples: usize,
+    /// Whether to look for all rivals of each effect; without it, only whether it is visible.
+    pub full_oracle: bool,
+}
+
+/// Makes cases in `out` and their truths in `truth`; `done` is called after each case.
+///
+/// # Errors
+///
+/// Returns an error when there are cases already, the truth would lie among the cases, a case
+/// cannot be drawn, or a file cannot be written.
+pub fn make(
+    order: &Order,
+    out: &Path,
+    truth: &Path,
+    key: &SealKey,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Truth>, BlindError> {
+    let cases = out.join(CASES);
+    for directory in [&cases, truth] {
+        if directory.exists() {
+            return Err(BlindError::Exists { directory: directory.to_owned() });
+        }
+    }
+    if truth.starts_with(&cases) {
+        return Err(BlindError::TruthBeside { directory: cases });
+    }
+    fs::create_dir_all(&cases).map_err(BlindError::file(&cases))?;
+    fs::create_dir_all(truth).map_err(BlindError::file(truth))?;
+    write(&truth.join(KEY), key.to_hex())?;
+
+    let kinds = order.counts.iter().flat_map(|(kind, n)| (0..*n).map(move |i| (*kind, i)));
+    let kinds: Vec<(CaseKind, usize)> = kinds.collect();
+    // The order of the cases tells nothing of their kinds.
+    let mut numbers: Vec<usize> = (1..=kinds.len()).collect();
+    Random::named(order.seed, "order").shuffle(&mut numbers);
+    let made: Result<Vec<Truth>, BlindError> = kinds
+        .par_iter()
+        .zip(&numbers)
+        .map(|((kind, i), number)| {
+            let case = format!("case-{number:04}");
+            let made = one(order, *kind, *i, &case, &cases, truth, key)?;
+            done();
+            Ok(made)
+        })
+        .collect();
+    let mut made = made?;
+    made.sort_by(|a, b| a.case.cmp(&b.case));
+    Ok(made)
+}
+
+fn one(
+    order: &Order,
+    kind: CaseKind,
+    i: usize,
+    case: &str,
+    cases: &Path,
+    truths: &Path,
+    key: &SealKey,
+) -> Result<Truth, BlindError> {
+    let (mut truth, model) = draw(order.seed, kind, i, order.samples)?;
+    case.clone_into(&mut truth.case);
+    let scene = Scene::new(&truth, &model)?;
+    let log = |run, is_noisy| -> Result<_, BlindError> {
+        let log = scene.log(run, is_noisy)?;
+        log.ok_or_else(|| BlindError::content(case.as_ref(), "the plant diverges"))
+    };
+    let (train, held_out, clean) = (log(0, true)?, log(1, true)?, log(0, false)?);
+    let seen = oracle(&scene, &clean, order.full_oracle)?;
+    drop(scene);
+    truth.oracle = Some(seen);
+
+    let directory = cases.join(case);
+    fs::create_dir_all(&directory).map_err(BlindError::file(&directory))?;
+    write(&directory.join("model.toml"), model.to_string())?;
+    write_log(directory.join("train.csv"), &train)?;
+    write_log(directory.join("held_out.csv"), &held_out)?;
+    let text = serde_json::to_string(&truth).map_err(|e| BlindError::content(truths, e))?;
+    let (sealed, commitment) = key.seal(case, &text);
+    write(&directory.join(COMMITMENT), commitment)?;
+    write(&sealed_file(truths, case), sealed)?;
+    Ok(truth)
+}
+
+/// Where the truth of a case is.
+pub(super) fn sealed_file(truths: &Path, case: &str) -> PathBuf {
+    truths.join(format!("{case}.sealed"))
+}
+
+fn write(file: &Path, content: impl AsRef<[u8]>) -> Result<(), BlindError> {
+    fs::write(file, content).map_err(BlindError::file(file))
+}

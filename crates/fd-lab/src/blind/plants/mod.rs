@@ -1,0 +1,173 @@
+//! The plants of the blind test, in our own right-hand sides: nothing of the simulator that the
+//! diagnosis uses is used here, except to read names and numbers from the model files.
+
+mod drives;
+mod engine17;
+mod mechanics;
+mod process;
+
+use fd_sim::model::{LoadError, Model};
+
+use super::{error::BlindError, excitation::Drive};
+
+/// A plant with its parameters set.
+pub(super) trait Physics: Send {
+    /// Sets the parameters, in the order of the model file.
+    fn set(&mut self, p: &[f64]);
+
+    /// Rates of the states at inputs `u` and forces `f`, one per site.
+    fn rates(&self, x: &[f64], u: &[f64], f: &[f64], dx: &mut [f64]);
+
+    /// Outputs, without what sensors do to them.
+    fn outputs(&self, x: &[f64], u: &[f64], y: &mut [f64]);
+
+    /// Position and velocity at a site, both linear in the states.
+    fn motion(&self, x: &[f64], site: usize) -> [Option<f64>; 2];
+
+    /// A sampled controller: commands from measured outputs and references; moves its memory on.
+    fn control(&self, memory: &mut [f64], y: &[f64], reference: &[f64], u: &mut [f64]);
+
+    /// Size of the controller's memory.
+    fn memory(&self) -> usize {
+        0
+    }
+
+    /// The state to begin with, from the initial states of the model.
+    fn begin(&self, x0: &[f64]) -> Vec<f64> {
+        x0.to_vec()
+    }
+}
+
+/// Makes a plant with its parameters set.
+type Build = fn(&[f64]) -> Result<Box<dyn Physics>, BlindError>;
+
+/// A kind of plant.
+#[derive(Clone, Copy)]
+pub(super) struct Plant {
+    pub(super) name: &'static str,
+    /// Text of the nominal model, or a function that makes it.
+    model: fn() -> Result<Model, BlindError>,
+    physics: Build,
+    /// One per external input.
+    pub(super) drives: &'static [Drive],
+    /// Whether the controller, if there is one, sees the noise that is logged.
+    pub(super) noise_in_loop: bool,
+    /// Longest integration step of the truth, in seconds.
+    pub(super) step: f64,
+    /// Whether something turns around at its sites, as friction needs it.
+    pub(super) reverses: bool,
+    /// Share of the cases.
+    pub(super) weight: usize,
+}
+
+impl Plant {
+    /// The nominal model as a user would write it: no parameter is known better than to within
+    /// 3 % unless the file says so, and the initial states within their tolerance.
+    pub(super) fn model(&self) -> Result<Model, BlindError> {
+        let mut draft = (self.model)()?.into_draft();
+        for parameter in &mut draft.parameters {
+            parameter.tolerance = parameter.tolerance.min(0.03);
+        }
+        // The controller passes the noise of the speed sensor on to the voltage.
+        if self.noise_in_loop {
+            for output in draft.outputs.iter_mut().filter(|output| output.name == "voltage") {
+                output.noise = Some(0.009);
+            }
+        }
+        Model::try_from(draft).map_err(|error| BlindError::Model {
+            error: Box::new(LoadError::Model { file: self.name.to_owned(), error }),
+        })
+    }
+
+    pub(super) fn physics(&self, p: &[f64]) -> Result<Box<dyn Physics>, BlindError> {
+        (self.physics)(p)
+    }
+}
+
+/// All plants.
+pub(super) const ALL: [Plant; 11] = [
+    mechanics::MASS_SPRING_DAMPER,
+    mechanics::PENDULUM,
+    mechanics::CART_POLE,
+    mechanics::CART_POLE_BALANCED,
+    drives::DC_DRIVE,
+    drives::DC_DRIVE_CLOSED_LOOP,
+    drives::TWO_MASS_DRIVE,
+    process::TANKS,
+    process::TWO_INPUT,
+    process::TWO_SPOOL_ENGINE,
+    engine17::ENGINE17,
+];
+
+/// The plant of a name.
+pub(super) fn plant(name: &str) -> Option<&'static Plant> {
+    ALL.iter().find(|plant| plant.name == name)
+}
+
+fn parse(text: &str, file: &str) -> Result<Model, BlindError> {
+    text.parse().map_err(|error| BlindError::Model {
+        error: Box::new(LoadError::Model { file: file.to_owned(), error }),
+    })
+}
+
+/// A plant whose equations are plain functions of its parameters.
+#[derive(Clone)]
+struct Equations {
+    p: Vec<f64>,
+    laws: Laws,
+}
+
+type Rates = fn(p: &[f64], x: &[f64], u: &[f64], f: &[f64], dx: &mut [f64]);
+type Outputs = fn(p: &[f64], x: &[f64], u: &[f64], y: &mut [f64]);
+type Motion = fn(x: &[f64], site: usize) -> [Option<f64>; 2];
+type Control = fn(p: &[f64], memory: &mut [f64], y: &[f64], reference: &[f64], u: &mut [f64]);
+
+#[derive(Clone, Copy)]
+struct Laws {
+    rates: Rates,
+    outputs: Outputs,
+    motion: Motion,
+    control: Control,
+    memory: usize,
+}
+
+impl Laws {
+    const fn open(rates: Rates, outputs: Outputs, motion: Motion) -> Self {
+        Self { rates, outputs, motion, control: no_control, memory: 0 }
+    }
+
+    fn at(self, p: &[f64]) -> Box<dyn Physics> {
+        Box::new(Equations { p: p.to_vec(), laws: self })
+    }
+}
+
+/// Without a controller the references are the commands.
+fn no_control(_: &[f64], _: &mut [f64], _: &[f64], reference: &[f64], u: &mut [f64]) {
+    u.copy_from_slice(reference);
+}
+
+impl Physics for Equations {
+    fn set(&mut self, p: &[f64]) {
+        self.p.copy_from_slice(p);
+    }
+
+    fn rates(&self, x: &[f64], u: &[f64], f: &[f64], dx: &mut [f64]) {
+        (self.laws.rates)(&self.p, x, u, f, dx);
+    }
+
+    fn outputs(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
+        (self.laws.outputs)(&self.p, x, u, y);
+    }
+
+    fn motion(&self, x: &[f64], site: usize) -> [Option<f64>; 2] {
+        (self.laws.motion)(x, site)
+    }
+
+    fn control(&self, memory: &mut [f64], y: &[f64], reference: &[f64], u: &mut [f64]) {
+        (self.laws.control)(&self.p, memory, y, reference, u);
+    }
+
+    fn memory(&self) -> usize {
+        self.laws.memory
+    }
+}

@@ -1,0 +1,290 @@
+//! Every choice of a comparison.
+
+use fd_compensate::decide::Debouncing;
+use fd_model::fault::Site;
+use serde::{Deserialize, Serialize};
+
+use super::{defaults, error::CompareError, fault::FaultGrid};
+use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec};
+
+use crate::engine::{EngineConfig, FreshRun, PlantConfig, ReductionConfig, TrainingRun};
+
+/// The version of the configuration format.
+pub const CONFIG_VERSION: u32 = 1;
+
+/// A tournament: every residual generator with every bias model and every detector, on every
+/// scenario.
+///
+/// Engines that set the thresholds and engines that the results are taken from never mix. Each
+/// engine is learned from a run of its own, its detectors are scaled on others, and what is counted
+/// comes from still others.
+///
+/// ```
+/// let config = fd_lab::compare::CompareConfig::default();
+/// let text = toml::to_string(&config)?;
+/// assert_eq!(toml::from_str::<fd_lab::compare::CompareConfig>(&text)?, config);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CompareConfig {
+    /// Version of this format.
+    pub version: u32,
+    /// Seed of the first engine.
+    pub first_seed: u64,
+    /// How many engines and runs there are of each kind.
+    pub engines: Engines,
+    /// Wanted probability of an alarm in a fault-free run.
+    pub false_alarms: f64,
+    /// Time between samples in s.
+    pub sample_time_s: f64,
+    /// How the model of the residual generator is made from the nominal plant.
+    pub reduction: ReductionConfig,
+    /// The run that the bias is learned from.
+    pub training: TrainingRun,
+    /// All other runs, each with a fresh input.
+    pub fresh: FreshRun,
+    /// The faults that are to be found.
+    pub faults: FaultGrid,
+    /// Time in s at the start of each log that is not learned from.
+    pub settle_s: Option<f64>,
+    /// When an alarm is raised; the same for all entries.
+    pub rule: Debouncing,
+    /// What the methods are compared on.
+    pub scenarios: Vec<Scenario>,
+    /// Samples to residuals.
+    pub generators: Vec<Generator>,
+    /// Models of the bias that is subtracted.
+    pub biases: Vec<Bias>,
+    /// Residuals to alarms.
+    pub detectors: Vec<Detector>,
+}
+
+/// How many engines and runs there are of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Engines {
+    /// Engines that set the thresholds.
+    pub thresholds: u64,
+    /// Engines that the results are taken from.
+    pub test: u64,
+    /// Fault-free runs per engine, of any kind, that scale its detectors.
+    pub calibration_runs: u64,
+    /// Fault-free runs per engine that set the thresholds.
+    pub threshold_runs: u64,
+    /// Runs per test engine without an injected fault, in which no alarm may be.
+    pub test_runs: u64,
+    /// How many of these are also run with every fault in every size.
+    pub fault_runs: u64,
+}
+
+/// What the methods are compared on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// A short name.
+    pub name: String,
+    /// What it is meant to show, in a sentence.
+    #[serde(default)]
+    pub about: String,
+    /// The plant and what makes it differ from its model.
+    #[serde(default)]
+    pub plant: PlantConfig,
+    /// A fault that is there already while the bias is learned; the faults to be found are then
+    /// on top of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub present: Option<Present>,
+}
+
+/// A fault that was there before anybody looked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Present {
+    /// Where.
+    pub site: Site,
+    /// Its size, a share of the reading or of the component's parameter.
+    pub size: f64,
+    /// Whether it was there while the bias was learned and the detectors were scaled. Without this
+    /// it comes after that, as deterioration does, and is a fault to be found itself.
+    #[serde(default)]
+    pub while_learning: bool,
+}
+
+/// A named residual generator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Generator {
+    /// A short name.
+    pub name: String,
+    /// The generator.
+    pub spec: GeneratorSpec,
+    /// Rows of the weighting on its residual.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weighting: Option<Vec<Vec<f64>>>,
+}
+
+/// A named bias model, or none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bias {
+    /// A short name.
+    pub name: String,
+    /// The bias model; without it nothing is subtracted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spec: Option<BiasSpec>,
+}
+
+/// A named detector.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Detector {
+    /// A short name.
+    pub name: String,
+    /// The detector. The rate of false alarms in it plays no part: that of the comparison counts.
+    pub spec: DetectorSpec,
+}
+
+impl Default for Engines {
+    fn default() -> Self {
+        Self {
+            thresholds: 20,
+            test: 20,
+            calibration_runs: 10,
+            threshold_runs: 20,
+            test_runs: 15,
+            fault_runs: 2,
+        }
+    }
+}
+
+impl Default for CompareConfig {
+    fn default() -> Self {
+        let engine = EngineConfig::default();
+        Self {
+            version: CONFIG_VERSION,
+            first_seed: 1,
+            engines: Engines::default(),
+            false_alarms: 0.01,
+            sample_time_s: engine.sample_time_s,
+            reduction: engine.reduction,
+            training: engine.training,
+            fresh: engine.fresh,
+            faults: FaultGrid::default(),
+            settle_s: Some(0.0),
+            rule: Debouncing::default(),
+            scenarios: defaults::scenarios(),
+            generators: defaults::generators(),
+            biases: defaults::biases(),
+            detectors: defaults::detectors(),
+        }
+    }
+}
+
+impl CompareConfig {
+    /// The benchmark behind a scenario.
+    pub(super) fn engine(&self, scenario: &Scenario) -> EngineConfig {
+        EngineConfig {
+            sample_time_s: self.sample_time_s,
+            plant: scenario.plant.clone(),
+            reduction: self.reduction,
+            training: self.training.clone(),
+            fresh: self.fresh.clone(),
+            ..EngineConfig::default()
+        }
+    }
+
+    /// The pipeline of a generator and a bias model; the detector comes later.
+    pub(super) fn pipeline(&self, generator: &Generator, bias: &BiasSpec) -> PipelineSpec {
+        PipelineSpec {
+            generator: generator.spec.clone(),
+            weighting: generator.weighting.clone(),
+            bias: bias.clone(),
+            rule: self.rule,
+            settle_s: self.settle_s,
+            ..PipelineSpec::default()
+        }
+    }
+
+    /// Number of entries: every generator with every bias model and every detector.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        self.generators.len() * self.biases.len() * self.detectors.len()
+    }
+
+    /// Rates of false alarms per run at which alarms are counted, the wanted one first, then those
+    /// of the ROC that the fault-free runs can resolve.
+    pub(super) fn rates(&self) -> Vec<f64> {
+        let runs = self.engines.thresholds * self.engines.threshold_runs;
+        let resolved = |rate: &f64| rate * (runs + 1) as f64 >= 1.0;
+        let others = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5].into_iter().filter(resolved);
+        let wanted = self.false_alarms;
+        let differs = |rate: &f64| (rate - wanted).abs() > 1e-9;
+        std::iter::once(wanted).chain(others.filter(differs)).collect()
+    }
+
+    /// Length of a fresh run in s.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.fresh.duration_s
+    }
+
+    /// # Errors
+    ///
+    /// Returns the first setting that cannot be.
+    pub fn check(&self) -> Result<(), CompareError> {
+        if self.version != CONFIG_VERSION {
+            let (expected, found) = (CONFIG_VERSION, self.version);
+            return Err(CompareError::Version { expected, found });
+        }
+        let setting = |setting: &str, expected, found: String| {
+            Err(CompareError::Setting { setting: setting.to_owned(), expected, found })
+        };
+        let counts = [
+            ("engines.thresholds", self.engines.thresholds),
+            ("engines.test", self.engines.test),
+            ("engines.calibration_runs", self.engines.calibration_runs),
+            ("engines.threshold_runs", self.engines.threshold_runs),
+            ("engines.test_runs", self.engines.test_runs),
+            ("engines.fault_runs", self.engines.fault_runs),
+            ("scenarios", self.scenarios.len() as u64),
+            ("generators", self.generators.len() as u64),
+            ("biases", self.biases.len() as u64),
+            ("detectors", self.detectors.len() as u64),
+        ];
+        for (name, count) in counts {
+            if count == 0 {
+                return setting(name, "at least 1", "0".to_owned());
+            }
+        }
+        let Engines { test_runs, fault_runs, .. } = self.engines;
+        if fault_runs > test_runs {
+            let expected = "at most engines.test_runs: faults are laid on runs that are there";
+            let found = format!("{fault_runs} of {test_runs} runs");
+            return setting("engines.fault_runs", expected, found);
+        }
+        let runs = self.engines.thresholds * self.engines.threshold_runs;
+        let resolved = self.false_alarms * (runs + 1) as f64;
+        if !(self.false_alarms < 1.0 && resolved >= 1.0) {
+            let expected = "a probability below 1 that the fault-free runs can resolve: \
+                            false_alarms * (engines.thresholds * engines.threshold_runs + 1) >= 1";
+            let found = format!("{} with {runs} runs", self.false_alarms);
+            return setting("false_alarms", expected, found);
+        }
+        for (list, names) in [
+            ("scenarios", names(&self.scenarios, |s| &s.name)),
+            ("generators", names(&self.generators, |g| &g.name)),
+            ("biases", names(&self.biases, |b| &b.name)),
+            ("detectors", names(&self.detectors, |d| &d.name)),
+        ] {
+            let twice = (1..names.len()).find(|&i| names[..i].contains(&names[i]));
+            if let Some(i) = twice {
+                let found = format!("`{}` twice", names[i]);
+                return setting(&format!("{list}.name"), "names that differ", found);
+            }
+        }
+        self.faults.check(self.duration_s())
+    }
+}
+
+fn names<T>(all: &[T], name: impl Fn(&T) -> &String) -> Vec<&str> {
+    all.iter().map(|one| name(one).as_str()).collect()
+}

@@ -1,0 +1,55 @@
+//! What can stop a comparison.
+
+use std::path::PathBuf;
+
+use fd_report::PictureError;
+use thiserror::Error;
+
+use crate::{engine::EngineStudyError, journal::JournalError};
+
+/// A comparison cannot be set up, run or continued.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// The configuration is of another version.
+    #[error("configuration has version {found}, this program reads version {expected}")]
+    Version {
+        /// Version that can be read.
+        expected: u32,
+        /// Version that was found.
+        found: u32,
+    },
+    /// A setting cannot be.
+    #[error("{setting}: expected {expected}, got {found}")]
+    Setting {
+        /// Name of the setting.
+        setting: String,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// The directory holds the beginning of another comparison.
+    #[error(
+        "{} was begun with another configuration; choose another directory or begin anew with \
+         --restart", journal.display()
+    )]
+    OtherRun {
+        /// The file of finished engines.
+        journal: PathBuf,
+    },
+    /// No engine of a scenario could be run.
+    #[error("scenario `{scenario}`: {error}")]
+    Scenario {
+        /// Its name.
+        scenario: String,
+        /// Why.
+        error: EngineStudyError,
+    },
+    /// The file of finished engines.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// A picture of the report.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}

@@ -1,0 +1,86 @@
+//! All runs of an engine through one residual generator and one bias model.
+
+use fd_model::Record;
+
+use super::scene::Runs;
+use fdiag::training::{Subtracted, Subtraction, Trained, TrainingError};
+
+/// Residuals, row by row.
+pub(super) struct Residuals {
+    /// Of the runs without an injected fault, whole.
+    pub(super) healthy: Vec<Vec<f64>>,
+    /// Of the same with each kind of fault in each size, from the start of the faults on: before it they
+    /// are the same.
+    pub(super) faulty: Vec<Vec<Vec<Vec<f64>>>>,
+}
+
+impl Residuals {
+    /// The primary residuals; `start` is the first sample with a fault.
+    pub(super) fn primary(
+        trained: &Trained,
+        runs: &Runs,
+        start: usize,
+    ) -> Result<Self, TrainingError> {
+        let mut generator = trained.primary()?;
+        let (mut healthy, mut faulty) = (Vec::new(), Vec::new());
+        for (i, record) in runs.healthy.iter().enumerate() {
+            healthy.push(generator.whole(record, start)?);
+            if let Some(kinds) = runs.faulty.get(i) {
+                faulty.push(each(kinds, |record, _| generator.again(record, start))?);
+            }
+        }
+        Ok(Self { healthy, faulty })
+    }
+
+    /// What a bias model leaves of these primary residuals.
+    pub(super) fn compensated(
+        &self,
+        trained: &Trained,
+        runs: &Runs,
+        start: usize,
+    ) -> Result<Self, TrainingError> {
+        let mut subtraction = trained.subtraction()?;
+        let (mut healthy, mut faulty) = (Vec::new(), Vec::new());
+        for (i, (record, primary)) in runs.healthy.iter().zip(&self.healthy).enumerate() {
+            let whole = subtraction.of(record, primary)?;
+            if let (Some(kinds), Some(tails)) = (runs.faulty.get(i), self.faulty.get(i)) {
+                let channels = primary.len() / record.len().max(1);
+                let before = &primary[..start.min(record.len()) * channels];
+                faulty.push(each(kinds, |record, (k, s)| {
+                    tail(&mut subtraction, &whole, record, before, &tails[k][s])
+                })?);
+            }
+            healthy.push(whole.residual);
+        }
+        Ok(Self { healthy, faulty })
+    }
+}
+
+/// Every kind and size of fault.
+fn each(
+    kinds: &[Vec<Record>],
+    mut residual: impl FnMut(&Record, (usize, usize)) -> Result<Vec<f64>, TrainingError>,
+) -> Result<Vec<Vec<Vec<f64>>>, TrainingError> {
+    kinds
+        .iter()
+        .enumerate()
+        .map(|(k, sizes)| {
+            sizes.iter().enumerate().map(|(s, record)| residual(record, (k, s))).collect()
+        })
+        .collect()
+}
+
+/// The compensated residual from the start of a fault on, where the primary one is `after`.
+fn tail(
+    subtraction: &mut Subtraction,
+    healthy: &Subtracted,
+    record: &Record,
+    before: &[f64],
+    after: &[f64],
+) -> Result<Vec<f64>, TrainingError> {
+    if let Some(known) = healthy.again(before.len(), after) {
+        return Ok(known);
+    }
+    let mut whole = subtraction.of(record, &[before, after].concat())?.residual;
+    Ok(whole.split_off(before.len()))
+}

@@ -1,0 +1,15 @@
+//! One withheld cause in a jet engine, two simulators that lack it: which of them names it?
+//!
+//! [`engine_log`] makes logs of an engine that has a cause, by another integration than that of the
+//! simulators in [`fdiag::engine_plant`].
+//!
+//! *What is not independent:* the engine of the logs and that of the nonlinear simulator share the
+//! equations of the gas path; only step, scatter, noise and the withheld cause differ.
+
+mod reality;
+mod study;
+
+pub use self::{
+    reality::{EngineCause, engine_log},
+    study::{Answer, diagnose_engine},
+};

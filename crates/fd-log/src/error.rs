@@ -1,0 +1,202 @@
+//! What can be wrong with a log.
+
+use std::io;
+
+use fd_model::{TimeBaseError, file::FileAction, unit::UnitError};
+use thiserror::Error;
+
+use crate::map::RowRule;
+
+/// A log cannot be read or written. Rows are lines of the file, counted from 1, as an editor
+/// shows them.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LogError {
+    /// The operating system refuses.
+    #[error("{file}: cannot {action}: {kind}")]
+    Io {
+        /// Name of the file.
+        file: String,
+        /// What was tried.
+        action: FileAction,
+        /// Kind of the refusal.
+        kind: io::ErrorKind,
+    },
+    /// There is not a single byte, or only comments.
+    #[error("{file}: expected a header and rows, found an empty file")]
+    Empty {
+        /// Name of the file.
+        file: String,
+    },
+    /// There is a header and nothing else.
+    #[error("{file}: expected rows after the header, found none")]
+    NoRows {
+        /// Name of the file.
+        file: String,
+    },
+    /// The rules about rows let none through.
+    #[error("{file}: expected rows that fit {rules:?}, found none")]
+    NoneSelected {
+        /// Name of the file.
+        file: String,
+        /// The rules.
+        rules: Vec<RowRule>,
+    },
+    /// The log was written in a version of the format that is not known.
+    #[error("{file}, row 1: expected log format version 1, found {found}")]
+    Version {
+        /// Name of the file.
+        file: String,
+        /// Version that the file claims.
+        found: String,
+    },
+    /// The separator of columns is not a single byte.
+    #[error("{file}: expected an ASCII character between columns, the column map says `{found}`")]
+    Delimiter {
+        /// Name of the file.
+        file: String,
+        /// Separator in the map.
+        found: char,
+    },
+    /// A cell or header is not UTF-8 text.
+    #[error("{file}, row {row}: expected UTF-8 text, found {found}")]
+    NotUtf8 {
+        /// Name of the file.
+        file: String,
+        /// Line of the file.
+        row: u64,
+        /// What was found.
+        found: String,
+    },
+    /// A column is not there.
+    #[error(
+        "{file}: there is no column `{column}`{}; the columns are {known:?}",
+        nearest.as_ref().map_or(String::new(), |n| format!(", did you mean `{n}`?"))
+    )]
+    MissingColumn {
+        /// Name of the file.
+        file: String,
+        /// Column that was looked for.
+        column: String,
+        /// The column with the most similar name, if one is similar.
+        nearest: Option<String>,
+        /// Columns there are.
+        known: Vec<String>,
+    },
+    /// No column looks like time, and no sample time is given.
+    #[error(
+        "{file}: expected a column `time` or `t`, or a sample time in the column map; the columns are {known:?}"
+    )]
+    NoTime {
+        /// Name of the file.
+        file: String,
+        /// Columns there are.
+        known: Vec<String>,
+    },
+    /// A name fits several columns.
+    #[error("{file}: `{column}` fits several columns: {matches:?}")]
+    AmbiguousColumn {
+        /// Name of the file.
+        file: String,
+        /// Name that was looked for.
+        column: String,
+        /// The columns that it fits.
+        matches: Vec<String>,
+    },
+    /// The map names no output.
+    #[error("{file}: the column map names no output")]
+    NoOutputs {
+        /// Name of the file.
+        file: String,
+    },
+    /// The header and the map give different units to a column.
+    #[error("column `{column}` of {file}: the header says [{header}], the column map says [{map}]")]
+    UnitConflict {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Unit in the header.
+        header: String,
+        /// Unit in the map.
+        map: String,
+    },
+    /// A column has a unit of the wrong kind.
+    #[error("column `{column}` of {file}: {source}")]
+    Unit {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Why it cannot be converted.
+        source: UnitError,
+    },
+    /// A row has more or fewer cells than the header.
+    #[error("{file}, row {row}: expected {expected} cells, found {found}")]
+    Cells {
+        /// Name of the file.
+        file: String,
+        /// Line of the file.
+        row: u64,
+        /// Cells of the header.
+        expected: usize,
+        /// Cells of the row.
+        found: usize,
+    },
+    /// A cell is not a number.
+    #[error("column `{column}` of {file}, row {row}: expected a finite number, found `{found}`")]
+    Number {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Line of the file.
+        row: u64,
+        /// Text of the cell.
+        found: String,
+    },
+    /// A time is not after the one before.
+    #[error(
+        "column `{column}` of {file}, row {row}: expected a time after {before} s, found {time} s"
+    )]
+    NotIncreasing {
+        /// Name of the file.
+        file: String,
+        /// Name of the time column.
+        column: String,
+        /// Line of the file.
+        row: u64,
+        /// Time of the row before, in seconds.
+        before: f64,
+        /// Time that was found, in seconds.
+        time: f64,
+    },
+    /// The times do not make an even time base.
+    #[error("{file}: {source}")]
+    TimeBase {
+        /// Name of the file.
+        file: String,
+        /// Why not.
+        source: TimeBaseError,
+    },
+    /// Two channels of a record would make columns of the same name.
+    #[error("{file}: two channels of the record are called `{column}`")]
+    DuplicateColumn {
+        /// Name of the file.
+        file: String,
+        /// The name.
+        column: String,
+    },
+    /// A name or unit cannot stand in a header.
+    #[error("{file}: `{header}` would not be read back as channel `{name}` with unit `{unit}`")]
+    Unwritable {
+        /// Name of the file.
+        file: String,
+        /// The header it would have.
+        header: String,
+        /// Name of the channel.
+        name: String,
+        /// Unit of the channel.
+        unit: String,
+    },
+}

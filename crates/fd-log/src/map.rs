@@ -1,0 +1,230 @@
+//! Which columns of a log are time, inputs and outputs.
+
+use serde::{Deserialize, Serialize};
+
+use fd_model::{Channel, ResamplePolicy, SampleTime, file::LinearModel};
+
+/// The way from the columns of a log to the channels of a record.
+///
+/// ```
+/// use fd_log::LogMap;
+///
+/// let map: LogMap = toml::from_str(
+///     r#"
+///     time = { column = "time_s" }
+///
+///     [[inputs]]
+///     name = "voltage"
+///     column = "input_voltage_V"
+///     unit = "V"
+///
+///     [[outputs]]
+///     name = "power"
+///     column = "electric_power_W"
+///     column_unit = "W"
+///     unit = "kW"
+///     "#,
+/// )?;
+/// assert_eq!(map.outputs[0].column.as_deref(), Some("electric_power_W"));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LogMap {
+    /// Where time comes from.
+    pub time: TimeMap,
+    /// Input channels, in order.
+    pub inputs: Vec<ColumnMap>,
+    /// Output channels, in order; at least one.
+    pub outputs: Vec<ColumnMap>,
+    /// Separator of columns; without it, the most frequent of `,`, `;` and tab in the header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delimiter: Option<char>,
+    /// Whether numbers are written `1,5` instead of `1.5`.
+    pub decimal_comma: bool,
+    /// Which rows are samples of this log: those that every rule lets through; all if there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RowRule>,
+    /// How the samples are put on an even time base.
+    pub resample: ResamplePolicy,
+}
+
+/// Which rows belong to the log, by the number in one of their columns: a run out of a file of many,
+/// or a stretch of time. Everything that is given must hold; a row whose number is missing is out.
+///
+/// ```
+/// use fd_log::{LogMap, RowRule, read_log_from};
+///
+/// let csv = "run,t,y\n0,0,5\n0,1,6\n1,0,7\n1,1,8\n";
+/// let mut map: LogMap = toml::from_str("outputs = [{ name = 'y' }]")?;
+/// map.rows = vec![RowRule::equal("run", 1.0)];
+/// assert_eq!(read_log_from("runs.csv", csv.as_bytes(), &map)?.record.y(0), [7.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RowRule {
+    /// Header of the column, with or without its unit; numbers are compared as they are in the file.
+    pub column: String,
+    /// The number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equals: Option<f64>,
+    /// The least number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// A number that is too large.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
+}
+
+/// Where the time of a log comes from.
+///
+/// | `column` | `sample_time` | Time base |
+/// |----------|---------------|-----------|
+/// | given | | that column, resampled if it is not even |
+/// | given | given | that column, resampled to that sample time |
+/// | | given | rows are samples, the first at 0 s |
+/// | | | a column called `time`, `t` or `time_s`, in any case |
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TimeMap {
+    /// Column of time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
+    /// Unit of that column; without it, the unit in the header, and without that, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Time between samples, in seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_time: Option<f64>,
+}
+
+/// The way from a column to a channel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnMap {
+    /// Name of the channel in the record.
+    pub name: String,
+    /// Unit of the channel in the record; without it, the unit of the column.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Header of the column, with or without its unit; without it, `name`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
+    /// Unit of the column where the header gives none; without it, `unit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column_unit: Option<String>,
+}
+
+impl LogMap {
+    /// Columns that are called as the channels, converted to the units of the channels.
+    ///
+    /// ```
+    /// # use fd_log::LogMap;
+    /// # use fd_model::Channel;
+    /// let map = LogMap::for_channels(&[Channel::new("wf", "kg/s")], &[Channel::new("N", "rpm")]);
+    /// assert_eq!(map.inputs[0].name, "wf");
+    /// ```
+    #[must_use]
+    pub fn for_channels(inputs: &[Channel], outputs: &[Channel]) -> Self {
+        let map = |channels: &[Channel]| channels.iter().map(ColumnMap::from).collect();
+        Self { inputs: map(inputs), outputs: map(outputs), ..Self::default() }
+    }
+
+    /// Columns that are called as the channels of a model, converted to its units.
+    ///
+    /// ```
+    /// # use fd_log::LogMap;
+    /// # use fd_model::file::LinearModel;
+    /// # let text = r#"
+    /// # version = 1
+    /// # kind = "state-space"
+    /// # inputs = [{ name = "u", unit = "V" }]
+    /// # outputs = [{ name = "y", unit = "W" }]
+    /// # matrices = { A = [[-1.0]], B = [[1.0]], C = [[1.0]], D = [[0.0]] }
+    /// # "#;
+    /// let model = LinearModel::parse("model.toml", text)?;
+    /// let map = LogMap::for_model(&model);
+    /// assert_eq!(map.outputs[0].unit.as_deref(), Some("W"));
+    /// # Ok::<(), fd_model::file::ModelFileError>(())
+    /// ```
+    #[must_use]
+    pub fn for_model(model: &LinearModel) -> Self {
+        Self::for_channels(&model.input_channels(), &model.output_channels())
+    }
+}
+
+impl RowRule {
+    /// Rows with this number in a column.
+    #[must_use]
+    pub fn equal(column: impl Into<String>, number: f64) -> Self {
+        Self { column: column.into(), equals: Some(number), ..Self::default() }
+    }
+
+    /// Whether a row with this number belongs to the log.
+    pub(super) fn admits(&self, number: f64) -> bool {
+        // NaN is neither equal, nor at least, nor below.
+        self.equals.is_none_or(|wanted| (wanted..=wanted).contains(&number))
+            && self.from.is_none_or(|least| least <= number)
+            && self.until.is_none_or(|end| number < end)
+            && !number.is_nan()
+    }
+}
+
+impl TimeMap {
+    /// A column of time in seconds, or in the unit that its header gives.
+    ///
+    /// ```
+    /// # use fd_log::TimeMap;
+    /// assert_eq!(TimeMap::in_column("time_s").unit, None);
+    /// ```
+    #[must_use]
+    pub fn in_column(column: impl Into<String>) -> Self {
+        Self { column: Some(column.into()), ..Self::default() }
+    }
+
+    /// Rows that are samples.
+    ///
+    /// ```
+    /// # use fd_log::TimeMap;
+    /// # use fd_model::SampleTime;
+    /// assert_eq!(TimeMap::every(SampleTime::new(0.1)?).sample_time, Some(0.1));
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn every(ts: SampleTime) -> Self {
+        Self { sample_time: Some(ts.seconds()), ..Self::default() }
+    }
+}
+
+impl ColumnMap {
+    /// A channel from a column of another name, in the unit of the column.
+    ///
+    /// ```
+    /// # use fd_log::ColumnMap;
+    /// let power = ColumnMap::new("power", "electric_power_W").in_unit("W");
+    /// assert_eq!(power.unit.as_deref(), Some("W"));
+    /// ```
+    #[must_use]
+    pub fn new(name: impl Into<String>, column: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: None, column: Some(column.into()), column_unit: None }
+    }
+
+    /// Sets the unit of the channel.
+    #[must_use]
+    pub fn in_unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = Some(unit.into());
+        self
+    }
+}
+
+impl From<&Channel> for ColumnMap {
+    fn from(channel: &Channel) -> Self {
+        Self {
+            name: channel.name.clone(),
+            unit: Some(channel.unit.clone()),
+            column: None,
+            column_unit: None,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The examples in `docs/formats.md` and in `examples/` are what the documentation says.
+
+use fd_model::{
+    Inputs, Simulation,
+    file::{LinearModel, LinearSystem},
+    signal::SignalSpec,
+    unit::KNOWN_UNITS,
+};
+
+use crate::{LogMap, read_log, read_log_from, write_log_to};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+fn documentation() -> String {
+    std::fs::read_to_string(format!("{ROOT}/docs/formats.md")).unwrap()
+}
+
+/// The fenced block whose opening line is ` ```language name `.
+fn block(name: &str) -> String {
+    let text = documentation();
+    let mut blocks = text.split("\n```").skip(1).step_by(2);
+    let block = blocks.find(|block| block.lines().next().is_some_and(|line| line.ends_with(name)));
+    let block = block.unwrap_or_else(|| panic!("no block {name}"));
+    block.split_once('\n').unwrap().1.to_owned()
+}
+
+#[test]
+fn the_documented_files_work_together() {
+    let model = LinearModel::parse("model.toml", &block("model.toml")).unwrap();
+    let map: LogMap = toml::from_str(&block("map.toml")).unwrap();
+    let log = read_log_from("run.csv", block("run.csv").as_bytes(), &map).unwrap();
+    assert_eq!(log.record.inputs(), model.input_channels());
+    assert_eq!(log.record.outputs(), model.output_channels());
+    assert_eq!(log.time_base.samples, 6);
+    assert_eq!(log.record.missing().outputs, [1, 0]);
+    assert!(log.record.scaled(&model.scaling()).is_ok());
+}
+
+#[test]
+fn the_documented_simulation_runs() {
+    let simulation: Simulation = toml::from_str(&block("simulation.toml")).unwrap();
+    assert_eq!((simulation.faults.len(), simulation.output_noise.len()), (2, 2));
+    for kind in block("signals.toml").split("\n\n") {
+        toml::from_str::<SignalSpec>(kind).unwrap_or_else(|e| panic!("{kind}\n{e}"));
+    }
+}
+
+#[test]
+fn every_known_unit_is_documented() {
+    let text = documentation();
+    for spelling in KNOWN_UNITS.iter().flat_map(|(names, ..)| names.iter()) {
+        assert!(spelling.is_empty() || text.contains(&format!("`{spelling}`")), "{spelling}");
+    }
+}
+
+#[derive(serde::Deserialize)]
+struct Run {
+    samples: usize,
+    sample_time: f64,
+    input: SignalSpec,
+    simulation: Simulation,
+}
+
+/// The example log is the example model's answer to a documented input with documented noise; it
+/// is made again here, number by number.
+#[test]
+fn the_example_log_is_made_from_the_example_model() {
+    let model = LinearModel::read(format!("{ROOT}/examples/turbine.toml")).unwrap();
+    let text = std::fs::read_to_string(format!("{ROOT}/examples/turbine-run.toml")).unwrap();
+    let run: Run = toml::from_str(&text).unwrap();
+    let LinearSystem::Continuous(system) = &model.system else { panic!("continuous") };
+    let ts = fd_model::SampleTime::new(run.sample_time).unwrap();
+    let plant = system.sample_zoh(ts).unwrap().freeze::<f64, fd_core::Heap>().unwrap();
+    let channel = model.input_channels().remove(0);
+    let inputs = Inputs::from_signals([(channel, run.input)], run.samples, ts).unwrap();
+    let deviations = run.simulation.run(&plant, &inputs, model.output_channels()).unwrap();
+    let (inputs, outputs) = (model.input_channels(), model.output_channels());
+    let record = deviations.unscaled(&model.scaling(), &inputs, &outputs).unwrap();
+    let path = format!("{ROOT}/examples/turbine-run.csv");
+    if std::env::var_os("FDIAG_WRITE_EXAMPLES").is_some() {
+        crate::write_log(&path, &record).unwrap();
+    }
+    let mut made = Vec::new();
+    write_log_to("turbine-run.csv", &mut made, &record).unwrap();
+    assert!(made.len() < 100_000);
+    let stored = read_log(&path, &LogMap::for_model(&model)).unwrap().record;
+    assert_eq!(stored.len(), record.len());
+    for (a, b) in stored.samples().zip(record.samples()) {
+        for (a, b) in a.0.iter().chain(a.1).zip(b.0.iter().chain(b.1)) {
+            // Sines and matrix exponentials differ between machines by a few roundings of
+            // values up to 1e4.
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn one_run_and_one_stretch_out_of_a_file_of_many() {
+    let csv = "run,time_s,position_rad\n3,0,1\n2,1,oops\n3,1,2\n,2,3\n3,2,4\n3,5,5\n3,6,6\n";
+    let mut map: LogMap = toml::from_str(&block("rows.toml")).unwrap();
+    let read = |map: &LogMap| read_log_from("runs.csv", csv.as_bytes(), map);
+    let record = read(&map).unwrap().record;
+    assert_eq!((record.len(), record.y(0)[0], record.y(1)[0]), (2, 2.0, 4.0));
+
+    map.rows[0].equals = Some(4.0);
+    let message = read(&map).unwrap_err().to_string();
+    assert!(message.contains("found none") && message.contains("4.0"), "{message}");
+    map.rows[0].column = "runs".to_owned();
+    assert!(read(&map).unwrap_err().to_string().contains("did you mean `run`?"));
+}

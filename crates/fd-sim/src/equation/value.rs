@@ -1,0 +1,200 @@
+//! What a slot of the bytecode holds: one number, or several side by side.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
+
+use std::{fmt::Debug, marker::PhantomData, sync::OnceLock};
+
+use fd_core::Scalar;
+
+use super::{
+    kernel::{OneLane, Work},
+    registers::InLanes,
+};
+
+/// A number, or several independent ones that take the same way through a program.
+///
+/// Every [`Scalar`] is a value of one lane. [`Lanes`] has several: one pass through the
+/// instructions then does the work of as many runs, and what it computes in each lane is to the
+/// bit what a run of its own would.
+pub trait Value: Copy + Debug + Send + Sync + 'static {
+    /// One of the numbers.
+    type Lane: Scalar;
+
+    /// How many there are.
+    const LANES: usize;
+
+    /// The same number in every lane.
+    fn splat(lane: Self::Lane) -> Self;
+
+    /// The number in a lane.
+    fn lane(&self, lane: usize) -> Self::Lane;
+
+    /// Replaces the number in a lane.
+    fn set_lane(&mut self, lane: usize, value: Self::Lane);
+
+    /// A function of each lane.
+    #[must_use]
+    fn map(self, f: impl Fn(Self::Lane) -> Self::Lane) -> Self;
+
+    /// A function of each lane of two values.
+    #[must_use]
+    fn zip(self, b: Self, f: impl Fn(Self::Lane, Self::Lane) -> Self::Lane) -> Self;
+
+    /// A function of each lane of three values.
+    #[must_use]
+    fn zip3(
+        self,
+        b: Self,
+        c: Self,
+        f: impl Fn(Self::Lane, Self::Lane, Self::Lane) -> Self::Lane,
+    ) -> Self;
+
+    /// Whether all the numbers are finite.
+    fn all_finite(&self) -> bool;
+
+    /// Does some work, with the best instructions that this machine has for such values.
+    fn vectorized<W: Work<Self>>(work: W);
+
+    /// A constant in every lane.
+    #[must_use]
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::splat(Self::Lane::from_design(value))
+    }
+}
+
+impl<T: Scalar> Value for T {
+    type Lane = T;
+
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn splat(lane: T) -> Self {
+        lane
+    }
+
+    #[inline(always)]
+    fn lane(&self, _lane: usize) -> T {
+        *self
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, _lane: usize, value: T) {
+        *self = value;
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(T) -> T) -> Self {
+        f(self)
+    }
+
+    #[inline(always)]
+    fn zip(self, b: Self, f: impl Fn(T, T) -> T) -> Self {
+        f(self, b)
+    }
+
+    #[inline(always)]
+    fn zip3(self, b: Self, c: Self, f: impl Fn(T, T, T) -> T) -> Self {
+        f(self, b, c)
+    }
+
+    #[inline(always)]
+    fn all_finite(&self) -> bool {
+        self.is_finite()
+    }
+
+    #[inline(always)]
+    fn vectorized<W: Work<Self>>(work: W) {
+        work.run(OneLane);
+    }
+}
+
+/// `N` numbers side by side.
+///
+/// Arithmetic, roots, comparisons, sines and exponentials of all lanes are one or a few dozen
+/// instructions where the machine has wide registers (AVX2, found at run time); the other functions
+/// are called lane by lane.
+///
+/// ```
+/// use fd_sim::equation::{Expr, Lanes, Program, Scope};
+///
+/// let scope = Scope { fast: vec!["x".into()], ..Scope::default() };
+/// let program = Program::compile(&scope, &[Expr::parse("x^2 + 1")?])?;
+/// let mut workspace = program.workspace::<Lanes<4>>();
+/// workspace.fast_mut()[0] = Lanes([0.0, 1.0, 2.0, 3.0]);
+/// let mut results = [Lanes([0.0; 4])];
+/// program.run(&mut workspace, &mut results);
+/// assert_eq!(results[0].0, [1.0, 2.0, 5.0, 10.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> Value for Lanes<N> {
+    type Lane = f64;
+
+    const LANES: usize = N;
+
+    #[inline(always)]
+    fn splat(lane: f64) -> Self {
+        Self([lane; N])
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, value: f64) {
+        self.0[lane] = value;
+    }
+
+    #[inline(always)]
+    fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        for i in 0..N {
+            self.0[i] = f(self.0[i]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn zip(mut self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        for i in 0..N {
+            self.0[i] = f(self.0[i], b.0[i]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn zip3(mut self, b: Self, c: Self, f: impl Fn(f64, f64, f64) -> f64) -> Self {
+        for i in 0..N {
+            self.0[i] = f(self.0[i], b.0[i], c.0[i]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn all_finite(&self) -> bool {
+        let mut all = true;
+        for value in self.0 {
+            all &= value.is_finite();
+        }
+        all
+    }
+
+    fn vectorized<W: Work<Self>>(work: W) {
+        // Asking the processor what it can do takes longer than a short program.
+        static ARCH: OnceLock<pulp::Arch> = OnceLock::new();
+        let work = InLanes { work, lanes: PhantomData::<Self> };
+        match *ARCH.get_or_init(pulp::Arch::new) {
+            // Fewer lanes than the widest register has.
+            #[cfg(target_arch = "x86_64")]
+            pulp::Arch::V4(wide) if !N.is_multiple_of(8) => pulp::Simd::vectorize(*wide, work),
+            arch => arch.dispatch(work),
+        }
+    }
+}

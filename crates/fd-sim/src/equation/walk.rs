@@ -1,0 +1,168 @@
+//! Walks over a tree: names, replacement, depth.
+
+use super::expr::{Cond, Expr};
+
+impl Expr {
+    /// Calls `visit` for every name in the tree (not for tables), in the order of the text.
+    pub fn visit_names<'a>(&'a self, visit: &mut impl FnMut(&'a str)) {
+        match self {
+            Self::Number(_) => {}
+            Self::Name(name) => visit(name),
+            Self::Unary(_, x) | Self::Lookup(_, _, x) => x.visit_names(visit),
+            Self::Binary(_, a, b) => {
+                a.visit_names(visit);
+                b.visit_names(visit);
+            }
+            Self::Clamp(arguments) => arguments.iter().for_each(|x| x.visit_names(visit)),
+            Self::If(condition, value, otherwise) => {
+                condition.visit(&mut |x| x.visit_names(visit));
+                value.visit_names(visit);
+                otherwise.visit_names(visit);
+            }
+        }
+    }
+
+    /// Calls `visit` for the name of every table in the tree.
+    pub fn visit_tables<'a>(&'a self, visit: &mut impl FnMut(&'a str)) {
+        match self {
+            Self::Number(_) | Self::Name(_) => {}
+            Self::Unary(_, x) => x.visit_tables(visit),
+            Self::Lookup(_, table, x) => {
+                visit(table);
+                x.visit_tables(visit);
+            }
+            Self::Binary(_, a, b) => {
+                a.visit_tables(visit);
+                b.visit_tables(visit);
+            }
+            Self::Clamp(arguments) => arguments.iter().for_each(|x| x.visit_tables(visit)),
+            Self::If(condition, value, otherwise) => {
+                condition.visit(&mut |x| x.visit_tables(visit));
+                value.visit_tables(visit);
+                otherwise.visit_tables(visit);
+            }
+        }
+    }
+
+    /// Whether `name` occurs.
+    ///
+    /// ```
+    /// # use fd_sim::equation::Expr;
+    /// assert!(Expr::parse("a*exp(b)")?.mentions("b"));
+    /// # Ok::<(), fd_sim::equation::SyntaxError>(())
+    /// ```
+    #[must_use]
+    pub fn mentions(&self, name: &str) -> bool {
+        let mut found = false;
+        self.visit_names(&mut |known| found |= known == name);
+        found
+    }
+
+    /// The tree with every name for which `replacement` has an expression replaced by it.
+    ///
+    /// ```
+    /// # use fd_sim::equation::Expr;
+    /// let delayed = Expr::parse("k*u")?.substitute(&|name| (name == "u").then(|| Expr::name("u") + Expr::name("b")));
+    /// assert_eq!(delayed.to_string(), "k*(u + b)");
+    /// # Ok::<(), fd_sim::equation::SyntaxError>(())
+    /// ```
+    #[must_use]
+    pub fn substitute(&self, replacement: &impl Fn(&str) -> Option<Self>) -> Self {
+        self.map(&|leaf| match leaf {
+            Self::Name(name) => replacement(name),
+            _ => None,
+        })
+    }
+
+    /// The tree with a name or table renamed.
+    ///
+    /// ```
+    /// # use fd_sim::equation::Expr;
+    /// assert_eq!(Expr::parse("a*f(a)")?.rename("a", "c").to_string(), "c*f(c)");
+    /// # Ok::<(), fd_sim::equation::SyntaxError>(())
+    /// ```
+    #[must_use]
+    pub fn rename(&self, from: &str, to: &str) -> Self {
+        let renamed = |known: &String| (known == from).then(|| to.to_owned());
+        self.map(&|node| match node {
+            Self::Name(name) => renamed(name).map(Self::Name),
+            Self::Lookup(kind, table, x) => {
+                let table = renamed(table)?;
+                Some(Self::Lookup(*kind, table, Box::new(x.rename(from, to))))
+            }
+            _ => None,
+        })
+    }
+
+    /// Number of levels of the tree, conditions included.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        1 + match self {
+            Self::Number(_) | Self::Name(_) => 0,
+            Self::Unary(_, x) | Self::Lookup(_, _, x) => x.depth(),
+            Self::Binary(_, a, b) => a.depth().max(b.depth()),
+            Self::Clamp(arguments) => arguments.iter().map(Self::depth).max().unwrap_or(0),
+            Self::If(condition, value, otherwise) => {
+                condition.depth().max(value.depth()).max(otherwise.depth())
+            }
+        }
+    }
+
+    /// Rebuilds the tree; a node for which `replace` answers is replaced whole.
+    fn map(&self, replace: &impl Fn(&Self) -> Option<Self>) -> Self {
+        if let Some(replaced) = replace(self) {
+            return replaced;
+        }
+        match self {
+            Self::Number(_) | Self::Name(_) => self.clone(),
+            Self::Unary(function, x) => Self::unary(*function, x.map(replace)),
+            Self::Lookup(kind, table, x) => {
+                Self::Lookup(*kind, table.clone(), Box::new(x.map(replace)))
+            }
+            Self::Binary(operator, a, b) => Self::binary(*operator, a.map(replace), b.map(replace)),
+            Self::Clamp(arguments) => {
+                Self::Clamp(Box::new(arguments.each_ref().map(|x| x.map(replace))))
+            }
+            Self::If(condition, value, otherwise) => Self::choice(
+                condition.map(&|x| x.map(replace)),
+                value.map(replace),
+                otherwise.map(replace),
+            ),
+        }
+    }
+}
+
+impl Cond {
+    /// Calls `visit` for every compared expression.
+    fn visit<'a>(&'a self, visit: &mut dyn FnMut(&'a Expr)) {
+        match self {
+            Self::Compare(_, a, b) => {
+                visit(a);
+                visit(b);
+            }
+            Self::And(a, b) | Self::Or(a, b) => {
+                a.visit(visit);
+                b.visit(visit);
+            }
+            Self::Not(a) => a.visit(visit),
+        }
+    }
+
+    /// Rebuilds the condition with every compared expression replaced.
+    pub(super) fn map(&self, replace: &dyn Fn(&Expr) -> Expr) -> Self {
+        match self {
+            Self::Compare(comparison, a, b) => Self::compare(*comparison, replace(a), replace(b)),
+            Self::And(a, b) => Self::And(Box::new(a.map(replace)), Box::new(b.map(replace))),
+            Self::Or(a, b) => Self::Or(Box::new(a.map(replace)), Box::new(b.map(replace))),
+            Self::Not(a) => Self::Not(Box::new(a.map(replace))),
+        }
+    }
+
+    fn depth(&self) -> usize {
+        1 + match self {
+            Self::Compare(_, a, b) => a.depth().max(b.depth()),
+            Self::And(a, b) | Self::Or(a, b) => a.depth().max(b.depth()),
+            Self::Not(a) => a.depth(),
+        }
+    }
+}

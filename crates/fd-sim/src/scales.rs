@@ -1,0 +1,319 @@
+//! Sizes of all signals in a simulation of the nominal model.
+
+use fd_model::SampleTime;
+
+use crate::{
+    equation::{Expr, Unary},
+    model::{Draft, Law, Model, Output, Site},
+    simulate::{EquationSimulator, SimulateError, Simulator},
+};
+
+/// Size of a signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalScale {
+    /// Name, or the expression.
+    pub name: String,
+    /// Unit, if it is known.
+    pub unit: String,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+}
+
+impl SignalScale {
+    /// Largest magnitude.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// Root of the mean square.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        self.mean.hypot(self.std)
+    }
+
+    /// Whether the signal changes by more than rounding.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.std > 1e-9 * self.peak()
+    }
+
+    pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
+        let n = values.clone().count().max(1) as f64;
+        let mean = values.clone().sum::<f64>() / n;
+        let std = (values.clone().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.fold(f64::NEG_INFINITY, f64::max);
+        Self { name: name.to_owned(), unit: unit.to_owned(), mean, std, low, high }
+    }
+}
+
+/// Size of what a force moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForceScale {
+    /// Name of the site.
+    pub name: String,
+    /// Unit of the force.
+    pub unit: String,
+    /// The force that makes the accelerations of the replay: their standard deviation divided by
+    /// `|mobility|`. Zero when nothing moves.
+    pub force: f64,
+    /// Mean acceleration per force, with its sign: negative where a positive force works against
+    /// what is called the velocity.
+    pub mobility: f64,
+    /// Largest change of the velocity by a force of 1 in one integration step.
+    pub kick: f64,
+    /// Whether the force acts at the end of an integration step (states with update laws) instead
+    /// of during it.
+    pub is_discrete: bool,
+    /// Acceleration of the replay.
+    pub motion: SignalScale,
+    /// Acceleration of the nominal model, an expression of its names; a rate where the site has no
+    /// velocity, and a number where no equation of motion is known.
+    pub acceleration: Expr,
+    /// Acceleration per force, an expression.
+    pub compliance: Expr,
+    /// The velocity on which the force works: that of the site, or the state it enters where the
+    /// site has neither velocity nor position (a current, which a voltage drives).
+    pub velocity: Option<(Expr, SignalScale)>,
+    /// The displacement on which the force works.
+    pub position: Option<(Expr, SignalScale)>,
+}
+
+/// Sizes of all signals in a simulation of the nominal model, from which effects take their units
+/// and starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplayScales {
+    /// Time between samples, in seconds.
+    pub ts: f64,
+    /// Length of the log, in seconds.
+    pub duration: f64,
+    /// Integration step of the nominal model, in seconds; all candidates use it.
+    pub step: f64,
+    /// Inputs of the plant as they arrive, those that a controller drives included.
+    pub inputs: Vec<SignalScale>,
+    /// States of the plant.
+    pub states: Vec<SignalScale>,
+    /// Outputs.
+    pub outputs: Vec<SignalScale>,
+    /// Sites of forces.
+    pub sites: Vec<ForceScale>,
+}
+
+/// The quantities of one site that are probed.
+struct SiteProbe {
+    acceleration: Expr,
+    compliance: Expr,
+    velocity: Option<Expr>,
+    position: Option<Expr>,
+}
+
+impl ReplayScales {
+    /// Simulates the nominal model for `samples` samples with inputs `u` (row by row, as
+    /// [`Simulator::simulate`] takes them) and measures all signals. Samples after a divergence do
+    /// not count.
+    ///
+    /// ```
+    /// # use fd_sim::{scales::ReplayScales, model::Model};
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "slider"
+    /// sample_time = 0.01
+    /// parameters = { m = { unit = "kg", value = 2.0 } }
+    /// inputs = { u = { unit = "N" } }
+    /// states = { v = { unit = "m/s", initial = 0.0, derivative = "u/m" } }
+    /// outputs = { y = { unit = "m/s", value = "v" } }
+    /// sites = { rail = { unit = "N", enters = { v = "1/m" }, velocity = "v" } }
+    /// "#.parse()?;
+    /// let u: Vec<f64> = (0..100).map(|k| if k < 50 { 3.0 } else { -3.0 }).collect();
+    /// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 100)?;
+    /// assert_eq!(scales.inputs[0].peak(), 3.0);
+    /// assert_eq!(scales.sites[0].mobility, 0.5);
+    /// assert!((scales.sites[0].force - 3.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model cannot be simulated.
+    pub fn of(
+        model: &Model,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<Self, SimulateError> {
+        let nominal = EquationSimulator::<f64>::at(model, ts)?;
+        let step = ts.seconds() / nominal.substeps() as f64;
+
+        let sites: Vec<SiteProbe> =
+            model.sites.iter().map(|site| SiteProbe::of(model, site)).collect();
+        let mut probe = Probe { draft: model.clone().into_draft(), count: 0 };
+        probe.draft.step = Some(step);
+        for input in &model.inputs {
+            probe.show(&Expr::name(&input.name));
+        }
+        for state in &model.states {
+            probe.show(&Expr::name(&state.name));
+        }
+        for site in &sites {
+            probe.show(&site.acceleration);
+            probe.show(&site.compliance);
+            for expr in [&site.velocity, &site.position].into_iter().flatten() {
+                probe.show(expr);
+            }
+        }
+        // Probes use names of the model as its own equations do.
+        let probed = Model::try_from(probe.draft).unwrap_or_else(|_| model.clone());
+        let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
+        let ny = probed.outputs.len();
+        let mut y = vec![0.0; samples * ny];
+        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
+
+        let mut columns = (0..ny).map(|column| {
+            let values = y.iter().skip(column).step_by(ny).copied();
+            move |name: &str, unit: &str| {
+                SignalScale::of(name, unit, values.clone().take_while(|x| x.is_finite()))
+            }
+        });
+        let mut next = |name: &str, unit: &str| {
+            columns.next().map_or_else(
+                || SignalScale::of(name, unit, std::iter::empty()),
+                |column| column(name, unit),
+            )
+        };
+        let outputs = model.outputs.iter().map(|o| next(&o.name, &o.unit)).collect();
+        let inputs = model.inputs.iter().map(|i| next(&i.name, &i.unit)).collect();
+        let states = model.states.iter().map(|s| next(&s.name, &s.unit)).collect();
+        let sites = model.sites.iter().zip(sites).map(|(site, probe)| {
+            let acceleration = next("acceleration", "");
+            let compliance = next("compliance", "");
+            let mut signal = |expr: Option<Expr>| {
+                expr.map(|expr| {
+                    let scale = next(&expr.to_string(), "");
+                    (expr, scale)
+                })
+            };
+            let moves = acceleration.moves() && compliance.mean.abs() > 0.0;
+            ForceScale {
+                name: site.name.clone(),
+                unit: site.unit.clone(),
+                force: if moves { acceleration.std / compliance.mean.abs() } else { 0.0 },
+                mobility: compliance.mean,
+                kick: compliance.peak() * if is_discrete(model, site) { 1.0 } else { step },
+                is_discrete: is_discrete(model, site),
+                velocity: signal(probe.velocity),
+                position: signal(probe.position),
+                acceleration: probe.acceleration,
+                compliance: probe.compliance,
+                motion: acceleration,
+            }
+        });
+        let sites = sites.collect();
+        let duration = samples as f64 * ts.seconds();
+        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites })
+    }
+}
+
+impl ReplayScales {
+    /// The same for an integration step divided into `factor`, where the outputs of candidates
+    /// depend on the step by more than the noise. The nominal model is to be simulated with this
+    /// [`step`](Self::step) then, too.
+    #[must_use]
+    pub fn refined(mut self, factor: u32) -> Self {
+        let factor = f64::from(factor.max(1));
+        self.step /= factor;
+        for site in self.sites.iter_mut().filter(|site| !site.is_discrete) {
+            site.kick /= factor;
+        }
+        self
+    }
+}
+
+/// A model that shows inner quantities as outputs.
+struct Probe {
+    draft: Draft,
+    count: usize,
+}
+
+impl Probe {
+    fn show(&mut self, value: &Expr) {
+        self.count += 1;
+        let name = self.draft.fresh_name(&format!("probe_{}", self.count));
+        let unit = "1".to_owned();
+        self.draft.outputs.push(Output { name, unit, value: value.clone(), noise: None });
+    }
+}
+
+impl SiteProbe {
+    fn of(model: &Model, site: &Site) -> Self {
+        let entered = match site.enters.as_slice() {
+            [(state, _)] if site.velocity.is_none() && site.position.is_none() => {
+                Some(Expr::name(state))
+            }
+            _ => None,
+        };
+        let velocity = site.velocity.clone().or(entered);
+        let moved = velocity
+            .clone()
+            .or_else(|| site.position.clone())
+            .or_else(|| site.enters.first().map(|(state, _)| Expr::name(state)))
+            .unwrap_or(Expr::Number(0.0));
+        let moved = inline(model, &moved);
+        let mut acceleration = Expr::Number(0.0);
+        let mut compliance = Expr::Number(0.0);
+        for state in &model.states {
+            let slope = moved.differentiate(&state.name).simplify();
+            let rate = match &state.law {
+                Law::Derivative(law) => law.clone(),
+                Law::Update(law) => law.clone() - Expr::name(&state.name),
+            };
+            acceleration = acceleration + slope.clone() * rate;
+            for (_, factor) in site.enters.iter().filter(|(entered, _)| *entered == state.name) {
+                compliance = compliance + slope.clone() * factor.clone();
+            }
+        }
+        Self {
+            acceleration: acceleration.simplify(),
+            compliance: compliance.simplify(),
+            velocity,
+            position: site.position.clone(),
+        }
+    }
+}
+
+/// Whether a force at the site acts at the end of an integration step instead of during it.
+fn is_discrete(model: &Model, site: &Site) -> bool {
+    let entered = |name: &str| site.enters.iter().any(|(state, _)| state == name);
+    model.states.iter().any(|s| entered(&s.name) && matches!(s.law, Law::Update(_)))
+}
+
+/// The expression with all definitions of the model written out.
+#[must_use]
+pub fn inline(model: &Model, expr: &Expr) -> Expr {
+    expr.substitute(&|name| {
+        let definition = model.definitions.iter().find(|definition| definition.name == name)?;
+        Some(inline(model, &definition.value))
+    })
+}
+
+impl ForceScale {
+    /// Whether the nominal model says what moves the site; a black box does not.
+    #[must_use]
+    pub fn has_equation(&self) -> bool {
+        !matches!(self.acceleration, Expr::Number(_))
+    }
+
+    /// `force` with the sign that makes it work against a motion or displacement to which it is
+    /// positive.
+    #[must_use]
+    pub fn against(&self, force: Expr) -> Expr {
+        if self.mobility < 0.0 { force } else { Expr::unary(Unary::Neg, force) }
+    }
+}

@@ -1,0 +1,166 @@
+//! A closed loop whose controller acts on what was logged.
+//!
+//! The controller of a real loop sees measured outputs, noise included, and so the noise of the
+//! sensors drives the plant. A simulated loop knows nothing of it: its controller sees simulated
+//! outputs, and what the noise has moved looks like an effect. Here the controller is run on the
+//! *logged* outputs instead. It then gives the commands that the plant has really had, and the
+//! plant is simulated in the open loop with these (the *direct* approach to identification in
+//! closed loop; L. Ljung, *System Identification*, 2nd ed. 1999, section 13.4).
+//!
+//! That is right for every effect: one of the actuator or of the plant acts after the controller,
+//! and what a faulty sensor shows is what the controller saw.
+//!
+//! *When not to use:* where the controller did not see what was logged (other sensors, other
+//! filters, a log of a simulation whose noise was added afterwards): then its commands are wrong.
+//! On plants that are unstable without their controller: then small errors grow without end. Both
+//! show in what the fit of the nominal model leaves.
+
+use fd_model::{Channel, Record, SampleTime};
+
+use super::{Nominal, SimulateError, Simulator};
+use crate::{
+    model::{Model, ModelError, Reference},
+    scales::ReplayScales,
+};
+
+/// Relative difference of two times that are meant to be equal.
+const ROUNDING: f64 = 1e-6;
+
+/// A model with a sampled controller, of which the controller acts on logged outputs.
+///
+/// Each output that the controller uses is one more reference of it, which has to be in the
+/// [`record`](Self::record). The model that effects are spliced into is that with the loop closed.
+///
+/// ```
+/// use fd_sim::{model::Model, simulate::{LoggedLoop, Nominal}};
+/// use fd_model::{Channel, Record, SampleTime};
+///
+/// let model: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "tank"
+/// sample_time = 0.1
+/// inputs = { u = { unit = "m/s" } }
+/// outputs = { y = { unit = "m", value = "h" } }
+/// states = { h = { unit = "m", initial = 0.0, derivative = "u - h" } }
+/// [controller]
+/// sample_time = 0.1
+/// references = { r = { unit = "m" } }
+/// signals = { u = "2*(r - y)" }
+/// "#.parse()?;
+/// let ts = SampleTime::new(0.1)?;
+/// let logged = LoggedLoop::of(&model, ts).ok_or("a sampled controller that uses an output")?;
+/// let simulator = logged.simulator(ts)?;
+/// let names: Vec<&str> = simulator.inputs().iter().map(|i| i.name.as_str()).collect();
+/// assert_eq!(names, ["r", "y_logged"]);
+/// let (r, y) = ([Channel::new("r", "m")], [Channel::new("y", "m")]);
+/// let record = Record::from_rows(r.to_vec(), y.to_vec(), [([1.0], [0.2]); 3], ts)?;
+/// assert_eq!(logged.record(&record)?.u(2), [1.0, 0.2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LoggedLoop<'a> {
+    nominal: &'a dyn Nominal,
+    /// Names of the outputs that the controller uses, and of the references in their place.
+    replaced: Vec<(String, String)>,
+}
+
+impl<'a> LoggedLoop<'a> {
+    /// The same loop on logged outputs; `None` when it has no controller that acts at samples of
+    /// the log and uses an output. What a controller sees between samples is in no log.
+    #[must_use]
+    pub fn of(nominal: &'a dyn Nominal, ts: SampleTime) -> Option<Self> {
+        let mut draft = nominal.model().clone().into_draft();
+        let samples = draft.controller.as_ref()?.sample_time? / ts.seconds();
+        let is_whole = 0.5 < samples && (samples - samples.round()).abs() < ROUNDING * samples;
+        let names: Vec<String> = draft.outputs.iter().map(|output| output.name.clone()).collect();
+        let seen: Vec<String> = {
+            let expressions = draft.controller.as_mut()?.expressions_mut();
+            let is_seen = |name: &String| expressions.iter().any(|expr| expr.mentions(name));
+            names.into_iter().filter(is_seen).collect()
+        };
+        let wish = |name: &String| draft.fresh_name(&format!("{name}_logged"));
+        let replaced: Vec<_> = seen.iter().map(|name| (name.clone(), wish(name))).collect();
+        (is_whole && !replaced.is_empty()).then_some(Self { nominal, replaced })
+    }
+
+    /// A record with the logged outputs among its inputs, interpolated where they are missing.
+    /// One without these outputs stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// Never for a record, which has values for all its channels.
+    pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
+        let places = self.replaced.iter().filter_map(|(output, name)| {
+            let place = record.output_index(output)?;
+            let channel = Channel::new(name, &record.outputs()[place].unit);
+            Some((channel, without_holes(record.output(place).collect())))
+        });
+        let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
+        let inputs = [record.inputs(), &channels].concat();
+        let row =
+            |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
+        let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
+        let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
+        let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
+        Ok(new.starting_at(record.time(0)))
+    }
+
+    /// The model with its controller on logged outputs.
+    fn opened(&self, model: &Model) -> Result<Model, ModelError> {
+        let mut draft = model.clone().into_draft();
+        let unit_of = |name: &String| {
+            let output = model.outputs.iter().find(|output| output.name == *name);
+            output.map_or_else(|| "1".to_owned(), |output| output.unit.clone())
+        };
+        if let Some(controller) = &mut draft.controller {
+            for (output, name) in &self.replaced {
+                let unit = unit_of(output);
+                controller.references.push(Reference { name: name.clone(), unit });
+                for expr in controller.expressions_mut() {
+                    *expr = expr.rename(output, name);
+                }
+            }
+        }
+        Model::try_from(draft)
+    }
+}
+
+impl Nominal for LoggedLoop<'_> {
+    fn model(&self) -> &Model {
+        self.nominal.model()
+    }
+
+    fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
+        self.nominal.patched(&self.opened(model)?, ts)
+    }
+
+    fn scales(
+        &self,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<ReplayScales, SimulateError> {
+        self.nominal.scales(ts, u, samples)
+    }
+}
+
+/// Missing values on straight lines between their neighbours; the ends are held, and a signal
+/// without any value is zero.
+fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
+    let known: Vec<usize> = (0..signal.len()).filter(|k| signal[*k].is_finite()).collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+        return vec![0.0; signal.len()];
+    };
+    let [begin, end] = [signal[first], signal[last]];
+    signal[..first].fill(begin);
+    signal[last..].fill(end);
+    for pair in known.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let (a, slope) = (signal[from], (signal[to] - signal[from]) / (to - from) as f64);
+        for (i, value) in signal[from..to].iter_mut().enumerate() {
+            *value = a + slope * i as f64;
+        }
+    }
+    signal
+}

@@ -1,0 +1,134 @@
+//! Delays and the first step of a run.
+
+use fd_sim::{
+    model::Model,
+    simulate::{EquationSimulator, OperatingPoint, Outcome, SimulateError, Simulator, linearize},
+};
+
+fn model(body: &str) -> Model {
+    let text = format!("version = 1\nkind = \"equations\"\nname = \"test\"\n{body}");
+    text.parse().unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn simulate(model: &Model, u: &[f64], samples: usize) -> Vec<f64> {
+    let mut simulator = EquationSimulator::<f64>::new(model).unwrap();
+    let mut y = vec![0.0; samples];
+    let outcome =
+        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
+    assert_eq!(outcome, Outcome::Complete);
+    y
+}
+
+const DELAYS: &str = r#"sample_time = 0.1
+parameters = { T_u = { unit = "s", value = 0.25 }, T_y = { unit = "s", value = 0.13 } }
+inputs = { u = { unit = "1" } }
+states = { x = { unit = "1", initial = 0.0, derivative = "u_late" } }
+outputs = { y = { unit = "1", value = "x_late" } }
+[delays]
+x_late = { value = "x", time = "T_y" }
+u_late = { value = "u", time = "T_u" }"#;
+
+fn delayed(t_u: f64, t_y: f64, u: &[f64]) -> Vec<f64> {
+    let mut simulator = EquationSimulator::<f64>::new(&model(DELAYS)).unwrap();
+    let mut y = vec![0.0; u.len()];
+    assert_eq!(
+        Simulator::simulate(&mut simulator, &[t_u, t_y], &[0.0], u, &mut y),
+        Outcome::Complete
+    );
+    y
+}
+
+#[test]
+fn delays_of_held_inputs_are_exact() {
+    // A step at 0.1 s, integrated: a ramp from 0.1 s + T_u on.
+    let mut u = [1.0; 30];
+    u[0] = 0.0;
+    for t_u in [0.0, 0.03, 0.1, 0.25, 1.07] {
+        for (k, y) in delayed(t_u, 0.0, &u).into_iter().enumerate() {
+            let exact = (0.1 * k as f64 - 0.1 - t_u).max(0.0);
+            assert!((y - exact).abs() < 1e-14, "{t_u}, {k}: {y}, {exact}");
+        }
+    }
+    // A delayed sensor of a ramp that has gone on for longer than the delay.
+    let y = delayed(0.0, 0.13, &[1.0; 30]);
+    assert!((10..30).all(|k| (y[k] - (0.1 * k as f64 - 0.13)).abs() < 1e-14), "{y:?}");
+    // Before the run nothing moved.
+    assert!(delayed(5.0, 0.0, &u).iter().all(|y| *y == 0.0));
+    assert!((delayed(5.0, 0.0, &[1.0; 30])[29] - 2.9).abs() < 1e-13);
+}
+
+#[test]
+fn delays_are_continuous_in_their_length() {
+    let u: Vec<f64> = (0..60).map(|k| f64::from(k * k % 7)).collect();
+    for length in [0.0, 0.1, 0.2, 0.37] {
+        let (here, near) = (delayed(length, length, &u), delayed(length + 1e-9, length + 1e-9, &u));
+        // Slopes are at most 6/s for y, whose delay and input are shifted.
+        assert!(here.iter().zip(&near).all(|(a, b)| (a - b).abs() < 2e-8), "{length}");
+    }
+}
+
+#[test]
+fn a_delay_has_no_finite_linear_model() {
+    let model = model(DELAYS);
+    let mut at = OperatingPoint::initial(&model);
+    let error = linearize(&model, &at).unwrap_err();
+    assert_eq!(error, SimulateError::Delay { delay: "x_late".into() });
+    at.theta.fill(0.0);
+    assert_eq!(linearize(&model, &at).unwrap().b()[(0, 0)], 1.0);
+}
+
+#[test]
+fn control_signals_are_delayed_on_their_way() {
+    let model = model(
+        r#"sample_time = 0.1
+        parameters = { T_d = { unit = "s", value = 0.05 } }
+        inputs = { u = { unit = "1/s" } }
+        states = { x = { unit = "1", initial = 0.0, derivative = "u_late" } }
+        outputs = { y = { unit = "1", value = "x" } }
+        delays = { u_late = { value = "u", time = "T_d" } }
+        [controller]
+        sample_time = 0.1
+        references = { r = { unit = "1" } }
+        [controller.signals]
+        u = "2*(r - y)""#,
+    );
+    let y = simulate(&model, &[1.0; 20], 20);
+    let mut x = 0.0;
+    // Before the run the first signal was held.
+    let mut before = 2.0;
+    for (k, y) in y.iter().enumerate() {
+        assert!((y - x).abs() < 1e-13, "{k}: {y}, {x}");
+        let signal = 2.0 * (1.0 - x);
+        x += 0.05 * before + 0.05 * signal;
+        before = signal;
+    }
+}
+
+#[test]
+fn delays_of_delays_add_up() {
+    let twice = DELAYS.replace("value = \"u\"", "value = \"u_1\"")
+        + "\nu_1 = { value = \"u\", time = \"T_y\" }\n";
+    let mut simulator = EquationSimulator::<f64>::new(&model(&twice)).unwrap();
+    let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 7)).collect();
+    let mut y = vec![0.0; 40];
+    Simulator::simulate(&mut simulator, &[0.3, 0.2], &[0.0], &u, &mut y);
+    let once = delayed(0.5, 0.2, &u);
+    assert!(y.iter().zip(&once).all(|(a, b)| (a - b).abs() < 1e-13), "{y:?} {once:?}");
+}
+
+#[test]
+fn the_first_step_is_known() {
+    let model = model(
+        r#"sample_time = 0.1
+        states = { count = { unit = "1", initial = 0.0, update = "if(first > 0, 10, count + 1)" } }
+        outputs = { y = { unit = "1", value = "count" } }"#,
+    );
+    assert_eq!(simulate(&model, &[], 4), [0.0, 10.0, 11.0, 12.0]);
+    // Of every run.
+    let mut simulator = EquationSimulator::<f64>::new(&model).unwrap();
+    for _ in 0..2 {
+        let mut y = [0.0; 3];
+        Simulator::simulate(&mut simulator, &[], &[5.0], &[], &mut y);
+        assert_eq!(y, [5.0, 10.0, 11.0]);
+    }
+}

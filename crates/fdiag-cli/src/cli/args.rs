@@ -1,0 +1,254 @@
+//! What can be asked on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use fdiag_cli::gap::{HorizonChoice, Named};
+
+/// Compares a plant with its model on line, learns the bias that modelling errors leave in the
+/// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
+///
+/// Without a command it runs `fdiag engine`: the paper's experiment on a simulated jet engine.
+#[derive(Debug, Parser)]
+#[command(name = "fdiag", version, max_term_width = 100, after_help = AFTER_HELP)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+const AFTER_HELP: &str = "\
+Which command:
+  fdiag gap         says what the model does not know: where, which effect, how far it matters
+  fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag engine      shows on a simulated jet engine what compensation gains
+  fdiag compare     says which residual, compensation and detector find the smallest faults there
+
+Exit codes:
+  0  done
+  1  done, and --fail-on-alarm was given and a log raised an alarm
+  2  the command line is wrong
+  3  an input file is missing or wrong; the message says where
+  4  the data or the model do not allow what was asked; the message says why
+  5  a result could not be written
+
+Tables go to standard output, progress and errors to standard error. Progress is shown only on a
+terminal. Results are the same for any number of threads.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run the jet-engine benchmark: residual compensation with and without sensor faults
+    ///
+    /// Simulates perturbed engines, one per seed, with a 5th-order model of the nominal one. For
+    /// each it learns the bias of the residual, freezes it, and finds the smallest T7 and P6
+    /// sensor faults that are detected with and without compensation at the same false-alarm
+    /// rate. Writes report.html, report.json and the pictures of the paper's figures 4 to 7.
+    Engine(EngineArgs),
+    /// Compare every residual generator, bias model and detector on the same engines
+    ///
+    /// Brings all of them to the same rate of false alarms on engines of their own, then counts on
+    /// other engines which sensor and component faults they find, how soon, and whether they name the
+    /// right sensor. Writes report.html, report.md and report.json. A run that was killed continues where it
+    /// stopped when it is started again with the same settings and directory. docs/compare.md says
+    /// which method to choose when.
+    Compare(CompareArgs),
+    /// Learn and remove the residual bias of your own model, then look for faults in later logs
+    ///
+    /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
+    /// both. The healthy logs are for training and for the alarm threshold.
+    Compensate(CompensateArgs),
+    /// Say which unmodelled effect separates a simulator from logs of the real system
+    ///
+    /// Reads a model with equations as text (docs/model-equations.md), a linear one or the jet engine
+    /// (kind = "engine17", docs/gap.md), and logs of the real thing (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
+    /// effect at every place of the model, and says where the gap lies, which effect causes it and
+    /// how sure that is, how far the gap shrinks on data that no fit has seen, and what experiment
+    /// would settle what this log cannot. Writes report.html, report.json and patched.toml, the
+    /// simulator with the cause in it. How to read the answer: docs/gap.md.
+    #[command(after_help = GAP_HELP)]
+    Gap(Box<GapArgs>),
+    /// Test the gap diagnosis on cases whose cause it does not know
+    ///
+    /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without
+    /// it, `score` opens the truth and counts. See docs/blind.md.
+    Blind {
+        #[command(subcommand)]
+        command: super::blind::BlindCommand,
+    },
+}
+
+const GAP_HELP: &str = "\
+Examples:
+  fdiag gap --model cart.toml --log monday.csv
+  fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
+  fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
+  fdiag gap --model cart.toml --log monday.csv --exclude delay@force --calibrate 5
+  fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
+
+#[derive(Debug, Default, Args)]
+pub(crate) struct EngineArgs {
+    /// Configuration file (TOML); see --print-config for all settings and their defaults
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Number of perturbed engines
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seeds: Option<u64>,
+    /// First seed
+    #[arg(long, value_name = "S")]
+    pub(crate) first_seed: Option<u64>,
+    /// Print the configuration that would run, and stop
+    #[arg(long)]
+    pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    /// Configuration file (TOML); see --print-config for all settings and their defaults
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Number of engines that set the thresholds, and of those that the results are taken from
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seeds: Option<u64>,
+    /// First seed
+    #[arg(long, value_name = "S")]
+    pub(crate) first_seed: Option<u64>,
+    /// Only this scenario of the configuration, several times for several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scenario: Vec<String>,
+    /// Begin anew, even if the directory holds the beginning of a comparison
+    #[arg(long)]
+    pub(crate) restart: bool,
+    /// Print the configuration that would run, and stop
+    #[arg(long)]
+    pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompensateArgs {
+    /// Model file of the nominal plant (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: PathBuf,
+    /// Log of the real plant (CSV), several times for several; without --healthy the first one is
+    /// the healthy log, the others are diagnosed
+    #[arg(long = "log", value_name = "FILE", required_unless_present = "healthy")]
+    pub(crate) logs: Vec<PathBuf>,
+    /// Log of the healthy plant (CSV) to learn from, several times for several runs
+    #[arg(long, value_name = "FILE")]
+    pub(crate) healthy: Vec<PathBuf>,
+    /// Column map of the logs (TOML); without it columns are found by channel name
+    #[arg(long, value_name = "FILE")]
+    pub(crate) columns: Option<PathBuf>,
+    /// Choice of residual generator, bias model, detector and rule (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) spec: Option<PathBuf>,
+    /// Share of each healthy log, from its start, to learn the bias from; the alarm threshold is
+    /// taken from the rest
+    #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = share)]
+    pub(crate) learn_share: f64,
+    /// Print the spec that would run, and stop
+    #[arg(long)]
+    pub(crate) print_spec: bool,
+    /// Exit with code 1 when a later log raises an alarm
+    #[arg(long)]
+    pub(crate) fail_on_alarm: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GapArgs {
+    /// Model file of the simulator (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: PathBuf,
+    /// Log of the real system (CSV), several times for several runs
+    #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
+    pub(crate) logs: Vec<PathBuf>,
+    /// Column map of the logs (TOML); channels that it does not name are found by name
+    #[arg(long, value_name = "FILE")]
+    pub(crate) columns: Option<PathBuf>,
+    /// Log that no fit sees, to say how far the gap shrinks; several times for several
+    #[arg(long, value_name = "FILE", conflicts_with = "split")]
+    pub(crate) held_out: Vec<PathBuf>,
+    /// Share of each log that is fitted to; its end is held out [default: 0.67 without --held-out]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(crate) split: Option<f64>,
+    /// How long simulations run without seeing the outputs: `free` through the whole log, a number
+    /// of seconds, or `auto`, which follows from how long the model remembers its initial state
+    #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
+    pub(crate) horizon: HorizonChoice,
+    /// Effect that is not tried: a label or a mechanism, also at one place (delay@u); several times
+    #[arg(long, value_name = "EFFECT[@PLACE]")]
+    pub(crate) exclude: Vec<String>,
+    /// Effect that is tried, no others; named as for --exclude
+    #[arg(long, value_name = "EFFECT[@PLACE]")]
+    pub(crate) only: Vec<String>,
+    /// How well a parameter is known, relative to its value, instead of what the model says;
+    /// 0 for exactly
+    #[arg(long, value_name = "NAME=SHARE")]
+    pub(crate) tolerance: Vec<Named>,
+    /// Standard deviation of the noise of an output, in its unit, instead of what the model says
+    #[arg(long, value_name = "OUTPUT=SIGMA")]
+    pub(crate) noise: Vec<Named>,
+    /// Time between samples, in seconds, to which logs are resampled; without it the median of the
+    /// first log
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) resample: Option<f64>,
+    /// Longest hole of a log that is bridged, in seconds; without it five samples
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) longest_hole: Option<f64>,
+    /// Leave out rows whose time is not later than that of the row before, instead of refusing
+    /// the log
+    #[arg(long)]
+    pub(crate) drop_disorder: bool,
+    /// Diagnose simulated logs of known cause as well, N of each, to see what such logs can tell
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) calibrate: Option<u32>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Print the model that would be diagnosed, with all its places for effects, and stop
+    #[arg(long)]
+    pub(crate) print_model: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OutputArgs {
+    /// Directory for the report; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "fdiag-report")]
+    pub(crate) out: PathBuf,
+    /// Print the result as JSON instead of a table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Number of threads; 0 takes all cores
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+}
+
+impl Default for OutputArgs {
+    fn default() -> Self {
+        Self { out: PathBuf::from("fdiag-report"), json: false, threads: 0 }
+    }
+}
+
+/// A part of a whole that leaves something of it.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
+        Ok(_) => Err("expected a number between 0 and 1, both excluded".to_owned()),
+        Err(error) => Err(format!("expected a number between 0 and 1: {error}")),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if 0.0 < number && number.is_finite() => Ok(number),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}

@@ -1,0 +1,102 @@
+//! `fdiag compare`: the tournament.
+
+use std::{fs, io::ErrorKind, process::ExitCode};
+
+use fd_lab::compare::{CompareConfig, CompareError, Comparison, Watcher};
+use fd_report::Table;
+use indicatif::ProgressBar;
+
+use super::{
+    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+};
+
+/// Name of the file of finished engines.
+const JOURNAL: &str = "progress.jsonl";
+
+pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
+    let config = configuration(args)?;
+    if args.print_config {
+        print!("{}", toml::to_string(&config).map_err(Failure::analysis)?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let refused = |error| refusal(args, &error);
+    config.check().map_err(refused)?;
+    let output = Output::prepare(&args.output)?.compact();
+    let journal = args.output.out.join(JOURNAL);
+    if args.restart {
+        match fs::remove_file(&journal) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(Failure::output(&journal, error));
+            }
+            _ => {}
+        }
+    }
+    let pool = pool(args.output.threads)?;
+    let shown = Shown(bar(1, "engines"));
+    let comparison =
+        pool.install(|| Comparison::run(&config, Some(&journal), &shown)).map_err(refused)?;
+    shown.0.finish_and_clear();
+    let mut page = comparison.page().map_err(Failure::analysis)?;
+    page.heading("Configuration");
+    page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
+    let tables: Vec<Table> = comparison.tables();
+    output.write("report.md", &comparison.markdown(&command()))?;
+    output.finish(&comparison.headline(), &tables, &page, &comparison)?;
+    // Everything in it is in the report now.
+    fs::remove_file(&journal).map_err(|error| Failure::output(&journal, error))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The command line as it was given, the program by its name alone.
+fn command() -> String {
+    let arguments = std::env::args().skip(1);
+    ["fdiag".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+struct Shown(ProgressBar);
+
+impl Watcher for Shown {
+    fn begin(&self, engines: u64, done: u64) {
+        self.0.set_length(engines);
+        self.0.set_position(done);
+        // What was done before says nothing about the time that is left.
+        self.0.reset_eta();
+    }
+
+    fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
+fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
+    let mut config: CompareConfig = match &args.config {
+        None => CompareConfig::default(),
+        Some(file) => toml_file::read(file)?,
+    };
+    if let Some(seeds) = args.seeds {
+        config.engines.thresholds = seeds;
+        config.engines.test = seeds;
+    }
+    if let Some(first) = args.first_seed {
+        config.first_seed = first;
+    }
+    let known: Vec<&str> = config.scenarios.iter().map(|s| s.name.as_str()).collect();
+    if let Some(name) = args.scenario.iter().find(|name| !known.contains(&name.as_str())) {
+        let text = format!("there is no scenario `{name}`; there are {}", known.join(", "));
+        return Err(Failure::analysis(text));
+    }
+    if !args.scenario.is_empty() {
+        config.scenarios.retain(|scenario| args.scenario.contains(&scenario.name));
+    }
+    Ok(config)
+}
+
+/// A setting that cannot be is the fault of the configuration file.
+fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
+    let setting = matches!(error, CompareError::Version { .. } | CompareError::Setting { .. });
+    match &args.config {
+        Some(file) if setting => Failure::input(file, error),
+        _ if matches!(error, CompareError::Journal(_)) => Failure::of_input(error),
+        _ => Failure::analysis(error),
+    }
+}

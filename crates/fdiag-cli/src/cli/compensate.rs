@@ -1,0 +1,48 @@
+//! `fdiag compensate`: a user's own model and logs.
+
+use std::process::ExitCode;
+
+use fdiag::spec::PipelineSpec;
+use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
+
+use super::{args::CompensateArgs, failure::Failure, output::Output, progress::bar, toml_file};
+
+pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
+    let spec = args.spec.as_deref().map(toml_file::read::<PipelineSpec>).transpose()?;
+    let spec = spec.unwrap_or_default();
+    if args.print_spec {
+        print!("{}", toml::to_string(&spec).map_err(Failure::analysis)?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut logs = args.logs.clone();
+    let mut healthy = args.healthy.clone();
+    if healthy.is_empty() {
+        healthy.push(logs.remove(0));
+    }
+    let request = Request {
+        model: args.model.clone(),
+        healthy,
+        logs,
+        columns: args.columns.as_deref().map(toml_file::read).transpose()?,
+        spec,
+        share_to_learn: args.learn_share,
+    };
+    let output = Output::prepare(&args.output)?;
+    let progress = bar((request.healthy.len() + request.logs.len()) as u64, "logs");
+    let (study, traces) = LogStudy::run(&request, || progress.inc(1)).map_err(|error| {
+        let reason = error.to_string();
+        match error {
+            LogStudyError::Training(_) | LogStudyError::Model(_) | LogStudyError::NoExcitation => {
+                Failure::analysis(reason)
+            }
+            _ => Failure::of_input(reason),
+        }
+    })?;
+    progress.finish_and_clear();
+    let mut page = study.page(&traces).map_err(Failure::analysis)?;
+    page.heading("Settings");
+    page.details("Show the spec", toml::to_string(&study.spec).map_err(Failure::analysis)?);
+    output.finish(&study.headline(), &study.tables(), &page, &study)?;
+    let alarmed = study.logs.iter().any(|log| !log.healthy && log.first_alarm_s.1.is_some());
+    Ok(if args.fail_on_alarm && alarmed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}

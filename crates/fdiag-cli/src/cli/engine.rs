@@ -1,0 +1,79 @@
+//! `fdiag engine`: the benchmark.
+
+use std::{process::ExitCode, time::Instant};
+
+use fd_lab::engine::{Benchmark, EngineConfig, EngineStudyError};
+use fd_report::{Table, figure};
+
+use super::{
+    args::EngineArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+};
+
+/// Size of the pictures that are written as files, in pixels.
+const PICTURE_SIZE: (u32, u32) = (720, 400);
+
+pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
+    let config = configuration(args)?;
+    if args.print_config {
+        print!("{}", toml::to_string(&config).map_err(Failure::analysis)?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let output = Output::prepare(&args.output)?;
+    let pool = pool(args.output.threads)?;
+    let refused = |error| refusal(args, &error);
+    let benchmark = Benchmark::new(config).map_err(refused)?;
+    let begun = Instant::now();
+    let progress = bar(benchmark.config().seeds, "engines");
+    let study = pool.install(|| benchmark.study(|| progress.inc(1))).map_err(refused)?;
+    progress.finish_and_clear();
+    let seconds = begun.elapsed().as_secs_f64();
+    let first = study.trials.first().map_or(benchmark.config().first_seed, |trial| trial.seed);
+    let example = benchmark.example(first).map_err(Failure::analysis)?;
+
+    let mut pictures = example.pictures();
+    pictures.push(study.ratio_picture());
+    for named in &pictures {
+        let svg =
+            named.picture.to_svg(PICTURE_SIZE.0, PICTURE_SIZE.1).map_err(Failure::analysis)?;
+        output.write(&format!("{}.svg", named.file), &svg)?;
+    }
+    let mut page = study.page(&example).map_err(Failure::analysis)?;
+    page.heading("Configuration");
+    page.details("Show all settings", toml::to_string(&study.config).map_err(Failure::analysis)?);
+    let mut tables = study.tables();
+    let mut time = Table::new("Time", &["engines", "total [s]", "per engine [ms]"]);
+    let engines = benchmark.config().seeds;
+    time.push([engines.to_string(), figure(seconds), figure(1e3 * seconds / engines as f64)]);
+    tables.push(time);
+    output.finish(&study.headline(), &tables, &page, &study)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn configuration(args: &EngineArgs) -> Result<EngineConfig, Failure> {
+    let mut config = match &args.config {
+        None => EngineConfig::default(),
+        Some(file) => toml_file::read(file)?,
+    };
+    if let Some(seeds) = args.seeds {
+        config.seeds = seeds;
+    }
+    if let Some(first) = args.first_seed {
+        config.first_seed = first;
+    }
+    Ok(config)
+}
+
+/// A setting that cannot be is the fault of the configuration file, all else of what it asks for.
+fn refusal(args: &EngineArgs, error: &EngineStudyError) -> Failure {
+    let setting = matches!(
+        error,
+        EngineStudyError::Version { .. }
+            | EngineStudyError::Setting { .. }
+            | EngineStudyError::None { .. }
+            | EngineStudyError::UnknownSensor { .. }
+    );
+    match &args.config {
+        Some(file) if setting => Failure::input(file, error),
+        _ => Failure::analysis(error),
+    }
+}

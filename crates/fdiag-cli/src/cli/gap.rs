@@ -1,0 +1,71 @@
+//! `fdiag gap`: a user's simulator and logs of the real system.
+
+use std::{process::ExitCode, time::Instant};
+
+use fdiag::model::Disorder;
+use fdiag_cli::gap::{
+    FitError, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, TimingReport,
+};
+
+use super::{
+    args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,
+};
+
+pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
+    let request = request(args)?;
+    if args.print_model {
+        print!("{}", Subject::of(&request).map_err(|error| refusal(&error))?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let output = Output::prepare(&args.output)?;
+    let pool = pool(args.output.threads)?;
+    let begun = Instant::now();
+    let progress = Stages::new();
+    let study = pool.install(|| GapStudy::run(&request, &progress));
+    progress.finish();
+    let mut study = study.map_err(|error| refusal(&error))?;
+    let threads = pool.current_num_threads();
+    study.report.timing = TimingReport { seconds: begun.elapsed().as_secs_f64(), threads };
+    let page = study.page().map_err(Failure::analysis)?;
+    for (name, model) in &study.models {
+        output.write(name, model)?;
+    }
+    output.finish(&study.report.headline, &study.tables(), &page, &study.report)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn request(args: &GapArgs) -> Result<Request, Failure> {
+    let held_out = match (&args.held_out[..], args.split) {
+        ([], split) => HeldOutChoice::Split(split.unwrap_or(0.67)),
+        (files, _) => HeldOutChoice::Logs(files.to_vec()),
+    };
+    let disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
+    Ok(Request {
+        columns: args.columns.as_deref().map(toml_file::read).transpose()?,
+        held_out,
+        horizon: args.horizon,
+        exclude: args.exclude.clone(),
+        only: args.only.clone(),
+        tolerances: args.tolerance.clone(),
+        noise: args.noise.clone(),
+        resample: ResampleChoice {
+            sample_time: args.resample,
+            longest_gap: args.longest_hole,
+            disorder,
+        },
+        seed: args.seed,
+        calibrate: args.calibrate.map(|n| n as usize),
+        ..Request::new(&args.model, &args.logs)
+    })
+}
+
+/// What cannot be simulated or fitted is no mistake of a file.
+fn refusal(error: &GapError) -> Failure {
+    let is_analysis = match error {
+        GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
+        GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
+        _ => false,
+    };
+    let reason = error.to_string();
+    if is_analysis { Failure::Analysis(reason) } else { Failure::of_input(reason) }
+}

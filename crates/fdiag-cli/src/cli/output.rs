@@ -1,0 +1,103 @@
+//! Where results go: whole files only, and standard output for what was asked for.
+
+use std::{
+    fs,
+    io::{IsTerminal, Write},
+    path::Path,
+};
+
+use fd_report::{Page, Table};
+use fdiag::model::file::write_atomically;
+use serde::Serialize;
+
+use super::{args::OutputArgs, failure::Failure};
+
+/// Width of tables when the terminal does not say.
+const DEFAULT_WIDTH: u16 = 110;
+
+/// A directory that results are written to. Directories that were made for results that never came
+/// are removed again.
+pub(crate) struct Output<'a> {
+    directory: &'a Path,
+    json: bool,
+    /// Whether JSON is written without line breaks.
+    compact: bool,
+    /// Directories that were not there before, innermost first.
+    made: Vec<&'a Path>,
+}
+
+impl Drop for Output<'_> {
+    fn drop(&mut self) {
+        for directory in &self.made {
+            // Fails, as it should, when there is something in it.
+            let _ = fs::remove_dir(directory);
+        }
+    }
+}
+
+impl<'a> Output<'a> {
+    /// Makes the directory if needed, before any work is done for it.
+    pub(crate) fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
+        let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let made = args.out.ancestors().take_while(missing).collect();
+        let output = Self { directory: &args.out, json: args.json, compact: false, made };
+        fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
+        Ok(output)
+    }
+
+    /// Writes JSON without line breaks, for data that are large and that nobody reads.
+    pub(crate) fn compact(self) -> Self {
+        let mut output = self;
+        output.compact = true;
+        output
+    }
+
+    /// Writes a file as a whole: it appears complete or not at all.
+    pub(crate) fn write(&self, name: &str, content: &str) -> Result<(), Failure> {
+        let path = self.directory.join(name);
+        write_atomically(&path, |out| out.write_all(content.as_bytes()))
+            .map_err(|e| Failure::output(&path, e))
+    }
+
+    /// Writes the page and its data, then prints tables or JSON.
+    pub(crate) fn finish(
+        &self,
+        headline: &str,
+        tables: &[Table],
+        page: &Page,
+        data: &impl Serialize,
+    ) -> Result<(), Failure> {
+        let written =
+            if self.compact { serde_json::to_string } else { serde_json::to_string_pretty };
+        let json =
+            written(data).map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
+        self.write("report.json", &json)?;
+        self.write("report.html", &page.to_html())?;
+        let mut out = std::io::stdout().lock();
+        let printed = if self.json {
+            writeln!(out, "{json}")
+        } else {
+            print_tables(&mut out, headline, tables)
+        };
+        // A reader that has seen enough, such as `head`, is no failure.
+        match printed {
+            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+                return Err(Failure::output("standard output", e));
+            }
+            _ => {}
+        }
+        if std::io::stderr().is_terminal() {
+            let report = self.directory.join("report.html");
+            eprintln!("Report: {}", report.display());
+        }
+        Ok(())
+    }
+}
+
+fn print_tables(out: &mut impl Write, headline: &str, tables: &[Table]) -> std::io::Result<()> {
+    writeln!(out, "{headline}")?;
+    for table in tables {
+        writeln!(out, "\n{}", table.to_text(DEFAULT_WIDTH))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! Progress on standard error, only when somebody is looking.
+
+use std::{
+    io::IsTerminal,
+    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    thread::JoinHandle,
+    time::Duration,
+};
+
+use fdiag_cli::gap::{Monitor, Stage};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Time after which somebody who waits wants to know for what.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Time between two drawings.
+const TICK: Duration = Duration::from_millis(200);
+
+/// A bar over `length` steps; invisible when standard error is not a terminal.
+pub(crate) fn bar(length: u64, what: &'static str) -> ProgressBar {
+    let target = if std::io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let bar = ProgressBar::with_draw_target(Some(length), target);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left") {
+        bar.set_style(style);
+    }
+    bar.set_message(what);
+    bar.enable_steady_tick(TICK);
+    bar
+}
+
+/// Progress of a diagnosis, one stage after another; shown once it takes long.
+pub(crate) struct Stages {
+    bar: ProgressBar,
+    /// Dropped at the end, which the thread that shows the bar hears.
+    ended: Option<Sender<()>>,
+    shown: Option<JoinHandle<()>>,
+}
+
+impl Stages {
+    pub(crate) fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {elapsed}") {
+            bar.set_style(style);
+        }
+        let (ended, end) = channel();
+        let late = bar.clone();
+        let shown = std::io::stderr().is_terminal().then(|| {
+            std::thread::spawn(move || {
+                if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                    late.set_draw_target(ProgressDrawTarget::stderr());
+                    // Also within a long piece somebody sees that it lives.
+                    late.enable_steady_tick(TICK);
+                }
+            })
+        });
+        Self { bar, ended: Some(ended), shown }
+    }
+
+    pub(crate) fn finish(mut self) {
+        self.ended = None;
+        if let Some(shown) = self.shown.take() {
+            // It only waits; when it has panicked there is nothing to clear.
+            let _ = shown.join();
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Monitor for Stages {
+    fn begin(&self, stage: Stage, pieces: usize) {
+        self.bar.set_length(pieces as u64);
+        self.bar.set_position(0);
+        self.bar.set_message(match stage {
+            Stage::Screen => "trying effects",
+            Stage::Fit => "fitting",
+            Stage::Pairs => "trying pairs",
+            Stage::Judge => "judging",
+            Stage::Locate => "locating",
+            Stage::Ceiling => "learning black boxes",
+            Stage::Experiment => "trying experiments",
+            Stage::Calibrate => "diagnosing simulated logs",
+        });
+    }
+
+    fn advance(&self) {
+        self.bar.inc(1);
+    }
+}

@@ -1,0 +1,175 @@
+//! The pictures of a report.
+
+use super::{
+    report::{BandReport, LawReport, RegionReport, Report, SpectrumReport, TimesReport},
+    traces::{Signals, Trace},
+};
+use fd_report::{Line, Picture};
+
+/// A picture and what it says.
+pub(super) type Captioned = (Picture, String);
+
+/// Most outputs, spectra, regions and logs that are drawn; the JSON has them all.
+const MOST: usize = 3;
+/// Part of a run that the zoom shows.
+const ZOOM: usize = 12;
+/// Fewest samples that it shows.
+const LEAST_ZOOM: usize = 40;
+
+/// Real against simulated, before and after: each output as a whole and where it matters most.
+pub(super) fn runs(trace: &Trace) -> Vec<Captioned> {
+    let which = if trace.part.is_held_out {
+        "Held-out data, which no fit has seen; the first part settles the initial state"
+    } else {
+        "Data that were fitted to"
+    };
+    let mut pictures = Vec::new();
+    for signals in trace.outputs.iter().take(MOST) {
+        let n = trace.time.len();
+        let caption = format!("{which}.");
+        pictures.push((run(trace, signals, 0, n, &signals.name), caption));
+        let (from, to) = zoom(signals, n);
+        if (from, to) != (0, n) {
+            let title = format!("{}, where it matters most", signals.name);
+            let caption = "The stretch in which the best explanation changes most.".to_owned();
+            pictures.push((run(trace, signals, from, to, &title), caption));
+        }
+    }
+    pictures
+}
+
+fn run(trace: &Trace, signals: &Signals, from: usize, to: usize, title: &str) -> Picture {
+    let line = |name: &str, values: &[f64]| {
+        let time = trace.time.iter().copied();
+        Line::new(name, time.zip(values.iter().copied()).take(to).skip(from))
+    };
+    Picture {
+        title: title.to_owned(),
+        x_label: "time [s]".to_owned(),
+        y_label: format!("{} [{}]", signals.name, signals.unit),
+        lines: vec![
+            line("measured", &signals.measured),
+            line("simulated before", &signals.before),
+            line("simulated after", &signals.after),
+        ],
+        ..Picture::default()
+    }
+}
+
+/// The stretch in which before and after differ most.
+fn zoom(signals: &Signals, n: usize) -> (usize, usize) {
+    let length = (n / ZOOM).max(LEAST_ZOOM);
+    if n <= 2 * length {
+        return (0, n);
+    }
+    let pairs = signals.before.iter().zip(&signals.after);
+    let squares: Vec<f64> = pairs
+        .map(|(b, a)| (b - a) * (b - a))
+        .map(|square| if square.is_finite() { square } else { 0.0 })
+        .collect();
+    let step = (length / 4).max(1);
+    let energy = |from: &usize| squares.iter().skip(*from).take(length).sum::<f64>();
+    let starts = (0..n - length).step_by(step);
+    let from = starts.max_by(|a, b| energy(a).total_cmp(&energy(b))).unwrap_or(0);
+    (from, from + length)
+}
+
+/// The law over what it depends on, with what the data say without it.
+pub(super) fn law(law: &LawReport) -> Captioned {
+    let points = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
+    let data =
+        Line { dots: true, ..Line::new("from the data, without the law", points(&law.data)) };
+    let curve = Line { dots: !law.is_curve, ..Line::new("fitted law", points(&law.points)) };
+    let lines = if law.data.is_empty() { vec![curve] } else { vec![data, curve] };
+    let picture = Picture {
+        title: law.name.clone(),
+        x_label: format!("{} [{}]", law.over, law.over_unit),
+        y_label: format!("[{}]", law.unit),
+        lines,
+        ..Picture::default()
+    };
+    let data = if law.data.is_empty() {
+        ""
+    } else {
+        ". The points are what the model with its own parameters refitted lacks here; with the law \
+         in it, these parameters are others"
+    };
+    (picture, format!("{}{data}.", law.expression))
+}
+
+/// Where the gap lies: frequency, region, time.
+pub(super) fn places(report: &Report) -> Vec<Captioned> {
+    let location = &report.location;
+    let spectra = location.spectra.iter().filter(|s| !s.bands.is_empty()).take(MOST);
+    let regions = location.regions.iter().filter(|r| r.is_significant && !r.bins.is_empty());
+    let times = location.times.iter().filter(|t| !t.stretches.is_empty()).take(MOST);
+    let pictures = spectra.map(spectrum).chain(regions.take(MOST).map(region));
+    pictures.chain(times.map(|course| time(course, location.times.len()))).collect()
+}
+
+fn spectrum(spectrum: &SpectrumReport) -> Captioned {
+    // Power per Hz, so that wide bands do not look strong.
+    let line = |name: &str, power: &dyn Fn(&BandReport) -> f64| {
+        let density = |b: &BandReport| power(b) / (b.high_hz - b.low_hz);
+        let steps = spectrum.bands.iter().flat_map(|b| {
+            let low = if b.low_hz > 0.0 { b.low_hz } else { 0.5 * b.high_hz };
+            [(low, density(b)), (b.high_hz, density(b))]
+        });
+        Line::new(name, steps.collect::<Vec<_>>())
+    };
+    let picture = Picture {
+        title: format!("Spectrum of the residual of {}", spectrum.output),
+        x_label: "frequency [Hz]".to_owned(),
+        y_label: "power [sigma²/Hz]".to_owned(),
+        log_x: true,
+        log_y: true,
+        lines: vec![
+            line("parameters refitted", &|b| b.refit),
+            line("after", &|b| b.after),
+            line("noise floor", &|b| b.floor),
+        ],
+        ..Picture::default()
+    };
+    (picture, spectrum.statement.clone())
+}
+
+fn region(region: &RegionReport) -> Captioned {
+    let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        let bins = region.bins.iter().enumerate();
+        bins.flat_map(|(i, b)| [(b.low, value(i)), (b.high, value(i))]).collect()
+    };
+    let bins = &region.bins;
+    let picture = Picture {
+        title: format!("The {} over {}", region.of, region.on),
+        x_label: format!("{} [{}]", region.on, region.unit),
+        y_label: region.of.clone(),
+        lines: vec![
+            Line::new("mean", over(&|i| bins[i].mean)),
+            Line::new("rms", over(&|i| bins[i].rms)),
+        ],
+        ..Picture::default()
+    };
+    (picture, region.statement.clone())
+}
+
+fn time(course: &TimesReport, logs: usize) -> Captioned {
+    let line = |name: &str, value: &dyn Fn(usize) -> f64| {
+        let stretches = course.stretches.iter().enumerate();
+        let steps = stretches.flat_map(|(i, s)| [(s.from_s, value(i)), (s.to_s, value(i))]);
+        Line::new(name, steps.collect::<Vec<_>>())
+    };
+    let stretches = &course.stretches;
+    let which = if 1 < logs { format!(", log {}", course.log) } else { String::new() };
+    let picture = Picture {
+        title: format!("The gap over time{which}"),
+        x_label: "time [s]".to_owned(),
+        y_label: "rms residual [sigma]".to_owned(),
+        lines: vec![
+            line("parameters refitted", &|i| stretches[i].refit),
+            line("after", &|i| stretches[i].after),
+        ],
+        levels: vec![(1.0, "noise".to_owned())],
+        ..Picture::default()
+    };
+    (picture, course.statement.clone())
+}

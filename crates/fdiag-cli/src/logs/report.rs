@@ -1,0 +1,220 @@
+//! A study of logs as a sentence, tables, pictures and a page.
+
+use super::study::{LogResult, LogStudy, SignalUnit, Traces};
+use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+use fdiag::training::Trace;
+
+impl LogStudy {
+    /// What came out, in one sentence.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        let later: Vec<&LogResult> = self.logs.iter().filter(|log| !log.healthy).collect();
+        let shown: Vec<&LogResult> =
+            if later.is_empty() { self.logs.iter().collect() } else { later.clone() };
+        let total = |f: &dyn Fn(&LogResult) -> &[f64]| {
+            let squares = shown.iter().flat_map(|log| f(log)).map(|v| v * v);
+            let count = shown.iter().map(|log| f(log).len()).sum::<usize>().max(1);
+            (squares.sum::<f64>() / count as f64).sqrt()
+        };
+        let (before, after) = (total(&|log| &log.rms_primary), total(&|log| &log.rms_compensated));
+        // Several outputs have no unit in common; what is left is how much smaller they became.
+        let change = match &self.residuals[..] {
+            [only] => format!(
+                " from {} to {} {}",
+                figure(only.scale * before),
+                figure(only.scale * after),
+                only.unit
+            ),
+            _ => String::new(),
+        };
+        let which = if later.is_empty() { "healthy logs" } else { "later logs" };
+        let alarmed = later.iter().filter(|log| log.first_alarm_s.1.is_some()).count();
+        let alarms = match (later.len(), alarmed) {
+            (0, _) => String::new(),
+            (n, 0) => format!(" None of the {n} later logs raises an alarm."),
+            (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
+        };
+        let verb = if after <= before {
+            format!("{} times smaller", figure(before / after))
+        } else {
+            format!("{} times larger", figure(after / before))
+        };
+        format!(
+            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}",
+            self.warning()
+        )
+    }
+
+    /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
+    fn warning(&self) -> String {
+        let total = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        let worse: Vec<String> = self
+            .logs
+            .iter()
+            .filter(|log| total(&log.rms_compensated) > total(&log.rms_primary))
+            .map(file_name)
+            .collect();
+        if worse.is_empty() {
+            return String::new();
+        }
+        format!(
+            " It makes the residual larger on {}: the bias there is not the one that was learned, \
+             for example because it is not linear in the input.",
+            worse.join(", ")
+        )
+    }
+
+    /// The result as tables.
+    #[must_use]
+    pub fn tables(&self) -> Vec<Table> {
+        let mut logs = Table::new(
+            format!("{}: residuals", self.model),
+            &[
+                "log",
+                "role",
+                "samples",
+                "residual",
+                "rms primary",
+                "rms compensated",
+                "times smaller",
+                "first alarm [s]",
+                "in alarm [%]",
+            ],
+        );
+        for log in &self.logs {
+            for (channel, residual) in self.residuals.iter().enumerate() {
+                let scale = residual.scale;
+                let before = scale * log.rms_primary[channel];
+                let after = scale * log.rms_compensated[channel];
+                logs.push([
+                    file_name(log),
+                    if log.healthy { "healthy" } else { "later" }.to_owned(),
+                    log.samples.to_string(),
+                    format!("{} [{}]", residual.name, residual.unit),
+                    figure(before),
+                    figure(after),
+                    figure(before / after),
+                    log.first_alarm_s.1.map_or_else(|| "none".to_owned(), |t| format!("{t:.1}")),
+                    format!("{:.2}", 100.0 * log.alarm_share.1),
+                ]);
+            }
+        }
+        let mut bias = Table::new("Learned bias model", &["quantity", "value"]);
+        bias.push(["orders".to_owned(), self.bias.orders.clone()]);
+        bias.push(["parameters".to_owned(), list(&self.bias.theta)]);
+        for (name, poles) in self.residuals.iter().zip(&self.bias.poles) {
+            bias.push([format!("pole magnitudes, {}", name.name), list(poles)]);
+        }
+        if let Some(selection) = &self.bias.selection {
+            bias.push(["order criteria".to_owned(), selection.clone()]);
+        }
+        vec![logs, bias]
+    }
+
+    /// The whole report as a page.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a picture cannot be drawn.
+    pub fn page(&self, traces: &Traces) -> Result<Page, PictureError> {
+        let mut page = Page::new("Residual compensation on logs", self.headline());
+        for table in self.tables() {
+            page.table(table);
+        }
+        for (log, (_, with)) in self.logs.iter().zip(&traces.logs) {
+            let role = if log.healthy { "healthy" } else { "later" };
+            page.heading(format!("{} ({role})", file_name(log)));
+            for (channel, residual) in self.residuals.iter().enumerate() {
+                page.picture(&self.residual_picture(with, channel, residual), caption(log))?;
+            }
+            if self.residuals.len() > 1 {
+                page.picture(&statistic_picture(with), "Test statistic over all residuals.")?;
+            }
+            if let Some(named) = &log.named {
+                page.table(named.table());
+            }
+            if let Some(sizes) = &log.sensor_sizes {
+                let mut table =
+                    Table::new("If it is a lasting sensor fault", &["of sensor", "size"]);
+                for (output, size) in self.outputs.iter().zip(sizes) {
+                    table.push([output.name.clone(), format!("{} {}", figure(*size), output.unit)]);
+                }
+                page.table(table);
+            }
+            if !log.events.is_empty() {
+                page.table(events(log));
+            }
+        }
+        Ok(page)
+    }
+
+    fn residual_picture(&self, trace: &Trace, channel: usize, residual: &SignalUnit) -> Picture {
+        let SignalUnit { name, unit, scale } = residual;
+        let line = |label: &str, values: &[f64]| {
+            let own = values.iter().skip(channel).step_by(trace.channels.max(1)).map(|v| v * scale);
+            Line::new(label, trace.time.iter().copied().zip(own))
+        };
+        let mut picture = Picture {
+            title: format!("Residual of {name}"),
+            x_label: "time [s]".to_owned(),
+            y_label: format!("residual [{unit}]"),
+            lines: vec![line("primary", &trace.residual), line("compensated", &trace.compensated)],
+            ..Picture::default()
+        };
+        if let (1, Some(&threshold)) = (self.residuals.len(), trace.threshold.first()) {
+            let threshold = threshold * scale;
+            picture.levels =
+                vec![(threshold, "threshold of r*".to_owned()), (-threshold, String::new())];
+        }
+        if let Some(k) = trace.first_alarm(0) {
+            picture.marks.push((trace.time[k], "first alarm".to_owned()));
+        }
+        picture
+    }
+}
+
+fn file_name(log: &LogResult) -> String {
+    log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned())
+}
+
+fn statistic_picture(trace: &Trace) -> Picture {
+    let over_time = |values: &[f64]| -> Vec<(f64, f64)> {
+        trace.time.iter().copied().zip(values.iter().copied()).collect()
+    };
+    Picture {
+        title: "Detector".to_owned(),
+        x_label: "time [s]".to_owned(),
+        y_label: "statistic [1]".to_owned(),
+        lines: vec![
+            Line::new("statistic", over_time(&trace.statistic)),
+            Line::new("threshold", over_time(&trace.threshold)),
+        ],
+        ..Picture::default()
+    }
+}
+
+fn caption(log: &LogResult) -> String {
+    let base = &log.time_base;
+    let even = if base.even {
+        "an even time base".to_owned()
+    } else {
+        format!("an uneven time base (jitter {} s), resampled", figure(base.jitter_s))
+    };
+    let refused = match log.refused {
+        0 => String::new(),
+        n => format!(" {n} samples were missing and left out."),
+    };
+    format!("{} samples on {even}.{refused}", log.samples)
+}
+
+fn events(log: &LogResult) -> Table {
+    let mut table = Table::new("Events", &["sample", "event"]);
+    for event in &log.events {
+        table.push([event.k.to_string(), event.kind.to_string()]);
+    }
+    table
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{v:.5}")).collect::<Vec<_>>().join(", ")
+}

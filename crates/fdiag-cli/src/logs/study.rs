@@ -1,0 +1,291 @@
+//! From files to a trained diagnosis and what it says of each later log.
+
+use std::path::{Path, PathBuf};
+
+use fd_core::{DynPipeline, Event, stage::Stage};
+use fd_log::{LogMap, read_log};
+use fd_model::{
+    Discrete, Record, SampleTime, StateSpace, TimeBaseReport,
+    file::{LinearModel, LinearSystem},
+};
+use serde::{Deserialize, Serialize};
+
+use super::{error::LogStudyError, named::NamedFault};
+use fdiag::{
+    spec::PipelineSpec,
+    training::{Healthy, Trace, TrainingError, sensor_sizes, train},
+};
+
+/// The version of the JSON report.
+pub const REPORT_VERSION: u32 = 1;
+
+/// What is to be studied.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Model file of the nominal plant.
+    pub model: PathBuf,
+    /// Logs of the healthy plant.
+    pub healthy: Vec<PathBuf>,
+    /// Logs to be diagnosed.
+    pub logs: Vec<PathBuf>,
+    /// Column map; none finds columns by channel name.
+    pub columns: Option<LogMap>,
+    /// The diagnosis.
+    pub spec: PipelineSpec,
+    /// Share of each healthy log, from its start, that the bias is learned from; the threshold is
+    /// taken from the rest.
+    pub share_to_learn: f64,
+}
+
+/// The result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogStudy {
+    /// Version of this schema.
+    pub version: u32,
+    /// Name of the model.
+    pub model: String,
+    /// Output channels.
+    pub outputs: Vec<SignalUnit>,
+    /// Residual channels.
+    pub residuals: Vec<SignalUnit>,
+    /// What was chosen.
+    pub spec: PipelineSpec,
+    /// The learned bias.
+    pub bias: BiasSummary,
+    /// Every log, healthy ones first.
+    pub logs: Vec<LogResult>,
+}
+
+/// A channel, its unit, and what one in the signals of the report is worth in that unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SignalUnit {
+    /// Name.
+    pub name: String,
+    /// Unit; `1` when outputs of different units were combined.
+    pub unit: String,
+    /// Value of one in that unit.
+    pub scale: f64,
+}
+
+/// The learned bias model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BiasSummary {
+    /// Orders.
+    pub orders: String,
+    /// Parameters of each residual channel.
+    pub theta: Vec<f64>,
+    /// Magnitudes of the poles of each residual channel.
+    pub poles: Vec<Vec<f64>>,
+    /// What the order criteria chose, if the order was to be chosen.
+    pub selection: Option<String>,
+    /// Phases of a recursive training.
+    pub events: Vec<Event>,
+}
+
+/// What became of one log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogResult {
+    /// The file.
+    pub file: PathBuf,
+    /// Whether it is one of the healthy logs.
+    pub healthy: bool,
+    /// Samples on the even time base.
+    pub samples: usize,
+    /// The time base of the file.
+    pub time_base: TimeBaseReport,
+    /// Root mean square of each residual channel before compensation, in scaled units.
+    pub rms_primary: Vec<f64>,
+    /// Root mean square of each residual channel after compensation.
+    pub rms_compensated: Vec<f64>,
+    /// Largest magnitude before and after compensation, all channels.
+    pub largest: (f64, f64),
+    /// Time in s of the first alarm without and with compensation.
+    pub first_alarm_s: (Option<f64>, Option<f64>),
+    /// Share of samples in alarm without and with compensation.
+    pub alarm_share: (f64, f64),
+    /// After an alarm that stands at the end of the log: the size that a lasting fault of each
+    /// output's sensor would have to explain it, in the unit of the output.
+    pub sensor_sizes: Option<Vec<f64>>,
+    /// After an alarm: which fault it was ascribed to, when the spec asks for isolation.
+    #[serde(default)]
+    pub named: Option<NamedFault>,
+    /// What happened.
+    pub events: Vec<Event>,
+    /// Samples refused because they were missing.
+    pub refused: usize,
+}
+
+/// The signals of the logs, for pictures.
+pub struct Traces {
+    /// For each log, without and with compensation.
+    pub(super) logs: Vec<(Trace, Trace)>,
+}
+
+impl LogStudy {
+    /// Reads, learns and diagnoses; calls `done` after each log.
+    ///
+    /// ```no_run
+    /// use fdiag::spec::PipelineSpec;
+    /// use fdiag_cli::logs::{LogStudy, Request};
+    ///
+    /// let request = Request {
+    ///     model: "model.toml".into(),
+    ///     healthy: vec!["healthy.csv".into()],
+    ///     logs: vec!["today.csv".into()],
+    ///     columns: None,
+    ///     spec: PipelineSpec::default(),
+    ///     share_to_learn: 0.7,
+    /// };
+    /// let (study, _traces) = LogStudy::run(&request, || ())?;
+    /// println!("{}", study.headline());
+    /// # Ok::<(), fdiag_cli::logs::LogStudyError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the first file, row or step that is wrong.
+    pub fn run(request: &Request, done: impl Fn()) -> Result<(Self, Traces), LogStudyError> {
+        let file = LinearModel::read(&request.model)?;
+        let mut map = request.columns.clone().unwrap_or_else(|| LogMap::for_model(&file));
+        if let Some(ts) = file.system.sample_time() {
+            map.resample.sample_time.get_or_insert(ts.seconds());
+        }
+        let paths: Vec<&PathBuf> = request.healthy.iter().chain(&request.logs).collect();
+        let mut files = Vec::new();
+        for path in &paths {
+            let log = read(path, &file, &map)?;
+            // All logs are brought onto the time base of the first.
+            map.resample.sample_time.get_or_insert(log.0.ts().seconds());
+            files.push(log);
+        }
+        let Some((first, _)) = files.first() else {
+            return Err(TrainingError::NoHealthyLog.into());
+        };
+        let model = sampled(&file, first.ts())?;
+        let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
+            .iter()
+            .map(|(record, _)| Healthy::split(record, request.share_to_learn))
+            .collect();
+        if !healthy.iter().any(|log| input_moves(log.record)) {
+            return Err(LogStudyError::NoExcitation);
+        }
+        let trained = train(&request.spec, &model, &healthy)?;
+        let outputs: Vec<SignalUnit> = file
+            .outputs
+            .iter()
+            .map(|o| SignalUnit {
+                name: o.channel.name.clone(),
+                unit: o.channel.unit.clone(),
+                scale: o.scale.scale.unwrap_or(1.0),
+            })
+            .collect();
+        let (mut plain, mut compensated) = (trained.uncompensated()?, trained.compensated()?);
+        let (mut logs, mut traces) = (Vec::new(), Vec::new());
+        for (i, (path, (record, time_base))) in paths.iter().zip(&files).enumerate() {
+            let run = |pipeline: &mut DynPipeline| {
+                pipeline.reset();
+                Trace::of(pipeline, record).map_err(TrainingError::from)
+            };
+            let (without, with) = (run(&mut plain)?, run(&mut compensated)?);
+            logs.push(LogResult {
+                file: (*path).clone(),
+                healthy: i < request.healthy.len(),
+                samples: record.len(),
+                time_base: time_base.clone(),
+                rms_primary: rms(&with, &with.residual),
+                rms_compensated: rms(&with, &with.compensated),
+                largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
+                first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
+                alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
+                sensor_sizes: sensor_sizes(&trained, &with)?
+                    .map(|sizes| sizes.iter().zip(&outputs).map(|(s, o)| s * o.scale).collect()),
+                named: NamedFault::of(&with, &request.spec.isolation, &file.inputs, &file.outputs),
+                events: with.events.clone(),
+                refused: with.refused,
+            });
+            traces.push((without, with));
+            done();
+        }
+        let bias = trained.bias_model();
+        let poles = bias.pole_radii().map_err(TrainingError::from)?;
+        let study = Self {
+            version: REPORT_VERSION,
+            model: file.name.clone().unwrap_or_else(|| request.model.display().to_string()),
+            residuals: residual_units(&request.spec, &outputs, trained.design().residual_len()),
+            outputs,
+            spec: request.spec.clone(),
+            bias: BiasSummary {
+                orders: bias.orders(),
+                theta: bias.theta(),
+                poles,
+                selection: trained.order_selection().map(|t| t.verdict().to_string()),
+                events: trained.events().to_vec(),
+            },
+            logs,
+        };
+        Ok((study, Traces { logs: traces }))
+    }
+}
+
+fn read(
+    path: &Path,
+    model: &LinearModel,
+    map: &LogMap,
+) -> Result<(Record, TimeBaseReport), LogStudyError> {
+    let log = read_log(path, map)?;
+    let scaled = log.record.scaled(&model.scaling()).map_err(|source| LogStudyError::Record {
+        file: path.to_owned(),
+        source: Box::new(source),
+    })?;
+    Ok((scaled, log.time_base))
+}
+
+fn sampled(file: &LinearModel, ts: SampleTime) -> Result<StateSpace<Discrete>, LogStudyError> {
+    Ok(match &file.system {
+        LinearSystem::Continuous(model) => model.sample_zoh(ts)?,
+        LinearSystem::Discrete(model) => model.clone(),
+    })
+}
+
+fn input_moves(record: &Record) -> bool {
+    (0..record.inputs().len()).any(|channel| {
+        let mut values = record.input(channel).filter(|v| v.is_finite());
+        let first = values.next();
+        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
+    })
+}
+
+/// Residuals that are compared output by output keep the unit of the output.
+fn residual_units(spec: &PipelineSpec, outputs: &[SignalUnit], channels: usize) -> Vec<SignalUnit> {
+    let per_output = spec.generator.is_per_output() && spec.weighting.is_none();
+    if per_output {
+        return outputs.to_vec();
+    }
+    let name = |i| SignalUnit { name: format!("r{i}"), unit: "1".to_owned(), scale: 1.0 };
+    (1..=channels).map(name).collect()
+}
+
+/// Root mean square per channel over the samples in which the bias was subtracted.
+fn rms(trace: &Trace, values: &[f64]) -> Vec<f64> {
+    let channels = trace.channels.max(1);
+    let count = trace.compensating.iter().filter(|on| **on).count().max(1);
+    (0..channels)
+        .map(|channel| {
+            let rows = values.chunks_exact(channels).zip(&trace.compensating);
+            let squares = rows.filter(|(_, on)| **on).map(|(row, _)| row[channel].powi(2));
+            (squares.sum::<f64>() / count as f64).sqrt()
+        })
+        .collect()
+}
+
+/// First alarm among the samples in which the bias was subtracted, so that both residuals are
+/// judged over the same samples.
+fn alarm_time(trace: &Trace, compensated: &Trace) -> Option<f64> {
+    (0..trace.len()).find(|&k| compensated.compensating[k] && trace.alarm[k]).map(|k| trace.time[k])
+}
+
+fn alarm_share(trace: &Trace, compensated: &Trace) -> f64 {
+    let judged = (0..trace.len()).filter(|&k| compensated.compensating[k]);
+    let (alarms, count) = judged.fold((0, 0), |(a, n), k| (a + usize::from(trace.alarm[k]), n + 1));
+    alarms as f64 / f64::from(count.max(1))
+}

@@ -1,0 +1,186 @@
+//! Learning the bias from healthy residuals, in one go or sample by sample.
+
+use fd_compensate::residual_compensation::ResidualCompensator;
+use fd_core::{Event, EventKind, Frame, IoDims, stage::Compensator};
+use fd_ident::{
+    IdentError,
+    arx::{ArxFit, ArxModel, ArxOrders},
+    extended::ExtendedLeastSquares,
+    hammerstein::HammersteinModel,
+    instrumental::InstrumentalVariables,
+    least_squares::LeastSquares,
+    order::{OrderTable, paper_orders, select_orders},
+    prediction_error::{NoiseStructure, PredictionError},
+    refine::{Prefilter, Sriv},
+    scheduled::ScheduledModel,
+    subspace::Subspace,
+};
+use fd_model::Record;
+
+use super::{
+    bias::LearnedBias,
+    error::TrainingError,
+    structure::{Sizes, Structure},
+};
+use crate::spec::{LearningSpec, OrderSpec, PipelineSpec, StructureSpec};
+
+/// One part in so many of the training data is held out when orders are compared.
+const HELD_OUT_PART: usize = 4;
+
+/// A bias model and how it came about.
+pub(super) struct Learned {
+    pub(super) bias: LearnedBias,
+    pub(super) selection: Option<OrderTable>,
+    pub(super) events: Vec<Event>,
+}
+
+/// Learns from residual records, one per log.
+pub(super) fn learn(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, TrainingError> {
+    let learned = match Structure::of(&spec.bias.structure, records)? {
+        Some(structure) => learn_equations(spec, &structure, records)?,
+        None => learn_states(spec, records)?,
+    };
+    let radius = learned.bias.pole_radii()?.into_iter().flatten().fold(0.0, f64::max);
+    if radius >= 1.0 {
+        return Err(TrainingError::UnstableBias { radius });
+    }
+    Ok(learned)
+}
+
+fn learn_equations(
+    spec: &PipelineSpec,
+    structure: &Structure,
+    records: &[Record],
+) -> Result<Learned, TrainingError> {
+    let (orders, selection) = match &spec.bias.orders {
+        OrderSpec::Fixed(orders) => (*orders, None),
+        OrderSpec::Select { most, criterion, offset } => {
+            let table = score_orders(&structure.seen(records)?, *most, *offset)?;
+            let best =
+                table.choice(*criterion).ok_or(TrainingError::NoOrder { most: *most })?.orders;
+            (best, Some(table))
+        }
+    };
+    if spec.bias.learning.is_on_line() {
+        let [record] = records else {
+            return Err(TrainingError::RecursiveNeedsOneLog { found: records.len() });
+        };
+        let (bias, events) = learn_on_line(spec, structure, orders, record)?;
+        return Ok(Learned { bias, selection, events });
+    }
+    let fit = |seen: &[Record]| batch(&spec.bias.learning, orders, seen);
+    let bias = match structure {
+        Structure::Linear => LearnedBias::Linear(fit(records)?),
+        Structure::Hammerstein(expansion) => {
+            let linear = fit(&structure.seen(records)?)?;
+            LearnedBias::Hammerstein(HammersteinModel::new(expansion.clone(), linear)?)
+        }
+        Structure::Scheduled(regions) => {
+            LearnedBias::Scheduled(ScheduledModel::learn(regions.clone(), records, fit)?)
+        }
+    };
+    Ok(Learned { bias, selection, events: Vec::new() })
+}
+
+/// Subspace identification; of the orders only the constant counts.
+fn learn_states(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, TrainingError> {
+    let StructureSpec::StateSpace { states, horizon } = spec.bias.structure else {
+        return Err(TrainingError::NoOrder { most: 0 });
+    };
+    let mut subspace = Subspace::new(states);
+    if let Some(horizon) = horizon {
+        subspace = subspace.with_horizon(horizon);
+    }
+    let (OrderSpec::Fixed(ArxOrders { offset, .. }) | OrderSpec::Select { offset, .. }) =
+        spec.bias.orders;
+    if offset {
+        subspace = subspace.with_offset();
+    }
+    let bias = LearnedBias::StateSpace(Box::new(subspace.fit(records)?.model));
+    Ok(Learned { bias, selection: None, events: Vec::new() })
+}
+
+/// Difference equations from records in one go.
+fn batch(
+    learning: &LearningSpec,
+    orders: ArxOrders,
+    records: &[Record],
+) -> Result<ArxModel, IdentError> {
+    let search = |noise: NoiseStructure, from_rest: bool| {
+        let search = PredictionError::new(orders, noise);
+        let search = if from_rest { search.from_rest() } else { search };
+        Ok(search.fit(records)?.model)
+    };
+    match learning {
+        LearningSpec::Batch { prefilter_rad_s } => {
+            let mut fit = ArxFit::new(orders);
+            if let (Some(omega), Some(first)) = (prefilter_rad_s, records.first()) {
+                fit = fit.with_prefilter(Prefilter::low_pass(2, *omega, first.ts())?);
+            }
+            Ok(fit.fit(records)?.model)
+        }
+        LearningSpec::Instrumental { instruments } => {
+            Ok(InstrumentalVariables::new(orders, *instruments).fit(records)?.model)
+        }
+        LearningSpec::RefinedInstrumental {} => Ok(Sriv::new(orders).fit(records)?.estimate.model),
+        LearningSpec::Extended { nc } => {
+            Ok(ExtendedLeastSquares::new(orders, *nc).fit(records)?.model)
+        }
+        LearningSpec::Armax { nc } => search(NoiseStructure::Armax { nc: *nc }, false),
+        LearningSpec::OutputError { from_rest } => search(NoiseStructure::OutputError, *from_rest),
+        LearningSpec::BoxJenkins { nc, nd, from_rest } => {
+            search(NoiseStructure::BoxJenkins { nc: *nc, nd: *nd }, *from_rest)
+        }
+        // On-line learning has a way of its own; over records it is least squares.
+        LearningSpec::Recursive(_)
+        | LearningSpec::RandomWalk(_)
+        | LearningSpec::RecursiveExtended { .. }
+        | LearningSpec::RecursiveInstrumental(_) => Ok(ArxFit::new(orders).fit(records)?.model),
+    }
+}
+
+/// Judges the paper's structures; the last part of each log is held out from the comparison.
+fn score_orders(
+    records: &[Record],
+    most: usize,
+    offset: bool,
+) -> Result<OrderTable, TrainingError> {
+    let candidates: Vec<ArxOrders> = paper_orders(most)
+        .into_iter()
+        .map(|orders| if offset { orders.with_offset() } else { orders })
+        .collect();
+    let cut = |record: &Record| record.len() - record.len() / HELD_OUT_PART;
+    let training: Vec<Record> = records.iter().map(|r| r.slice(0, cut(r))).collect();
+    let held_out: Vec<Record> = records.iter().map(|r| r.slice(cut(r), r.len())).collect();
+    let (training, held_out): (Vec<&Record>, Vec<&Record>) =
+        (training.iter().collect(), held_out.iter().collect());
+    Ok(select_orders(&candidates, &LeastSquares::new(), &training, &held_out)?)
+}
+
+/// Lets the compensator train itself, as it would next to the plant, until it opens its switch.
+fn learn_on_line(
+    spec: &PipelineSpec,
+    structure: &Structure,
+    orders: ArxOrders,
+    record: &Record,
+) -> Result<(LearnedBias, Vec<Event>), TrainingError> {
+    let (nu, channels) = (record.inputs().len(), record.outputs().len());
+    let sizes = Sizes { orders, nu, channels };
+    let identifier = structure.identifier(&spec.bias.learning, sizes)?;
+    let silent = vec![0.0; identifier.theta().len()];
+    let empty = structure.with_parameters(sizes, &silent, record.ts())?.freeze()?;
+    let mut compensator = ResidualCompensator::new(identifier, empty, &spec.compensation)?;
+    let mut r_star = vec![0.0; channels];
+    let mut events = Vec::new();
+    for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
+        let r = record.y(k);
+        let frame = Frame::new(IoDims { nu, ny: channels }, k as u64, record.u(k), r)?;
+        let step = compensator.step(frame, r, &mut r_star);
+        events.extend(step.events.iter().map(|kind| Event { k: frame.k(), kind }));
+        if step.events.iter().any(|kind| kind == EventKind::Frozen) {
+            let theta = compensator.theta().unwrap_or_default();
+            return Ok((structure.with_parameters(sizes, theta, record.ts())?, events));
+        }
+    }
+    Err(TrainingError::NotConverged { samples: record.len() })
+}

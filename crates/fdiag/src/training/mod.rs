@@ -1,0 +1,31 @@
+//! Training: healthy logs in, a trained diagnosis out, and later logs through it.
+//!
+//! ```text
+//! healthy logs ──generator──▶ r ──learning──▶ θ* ──┐
+//!              └────────────▶ r ──compensation by θ*──▶ r* ──▶ threshold ──▶ Trained ──▶ pipeline for later logs
+//! ```
+//!
+//! The engine benchmark and a user's own model and logs are trained the same way.
+
+mod bias;
+mod error;
+mod learn;
+mod replay;
+mod residuals;
+mod running;
+mod silent;
+mod size;
+mod structure;
+mod trace;
+mod train;
+
+pub use self::{
+    bias::LearnedBias,
+    error::TrainingError,
+    replay::{Primary, Subtracted, Subtraction},
+    residuals::residual_record,
+    running::RunningBias,
+    size::{sensor_signatures, sensor_sizes},
+    trace::Trace,
+    train::{Healthy, Trained, train, train_on},
+};

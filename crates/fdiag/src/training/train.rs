@@ -1,0 +1,381 @@
+//! Learning from healthy logs: the bias first, then what is normal for the rest.
+
+use std::ops::Range;
+
+use fd_compensate::{
+    DrivenRows, SampleRows,
+    calibrate::CalibrationPlan,
+    residual_compensation::{PreFitted, ResidualCompensator},
+};
+use fd_core::{
+    DynPipeline, DynStages, Event, MissingSamples, Pipeline,
+    stage::{Compensator, DecisionRule, Detector, Uncompensated},
+};
+use fd_ident::order::OrderTable;
+use fd_model::{Discrete, Record, StateSpace};
+use fd_residual::GeneratorDesign;
+
+use super::{
+    bias::LearnedBias,
+    error::TrainingError,
+    learn::learn,
+    residuals::residual_record,
+    running::RunningBias,
+    silent::Silent,
+    structure::{DynIdentifier, stand_by},
+    trace::Trace,
+};
+use crate::spec::{DetectorData, DetectorSpec, PipelineSpec};
+
+/// A log of the healthy plant and what its samples are for.
+#[derive(Clone, Debug)]
+pub struct Healthy<'a> {
+    /// The log.
+    pub record: &'a Record,
+    /// Samples that the bias is learned from.
+    pub learn: Range<usize>,
+    /// Samples that the detector is calibrated on.
+    pub calibrate: Range<usize>,
+}
+
+impl<'a> Healthy<'a> {
+    /// Learns from the first part of a log and calibrates on the rest.
+    ///
+    /// ```
+    /// use fdiag::{model::{Channel, Record, SampleTime}, training::Healthy};
+    ///
+    /// let (one, ts) = (Channel::numbered("c", 1), SampleTime::new(1.0)?);
+    /// let record = Record::new(one.clone(), one, vec![0.0; 10], vec![0.0; 10], ts)?;
+    /// assert_eq!(Healthy::split(&record, 0.7).calibrate, 7..10);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to len")]
+    pub fn split(record: &'a Record, share_to_learn: f64) -> Self {
+        let cut = (record.len() as f64 * share_to_learn.clamp(0.0, 1.0)).round() as usize;
+        Self { record, learn: 0..cut, calibrate: cut..record.len() }
+    }
+
+    /// Only learns from a log.
+    #[must_use]
+    pub fn learn(record: &'a Record) -> Self {
+        Self { record, learn: 0..record.len(), calibrate: 0..0 }
+    }
+
+    /// Only calibrates on a log.
+    #[must_use]
+    pub fn calibrate(record: &'a Record) -> Self {
+        Self { record, learn: 0..0, calibrate: 0..record.len() }
+    }
+}
+
+/// A diagnosis that has learned what is normal.
+#[derive(Debug)]
+pub struct Trained {
+    spec: PipelineSpec,
+    nominal: StateSpace<Discrete>,
+    design: Box<dyn GeneratorDesign>,
+    bias: LearnedBias,
+    selection: Option<OrderTable>,
+    fit: PreFitted,
+    events: Vec<Event>,
+    /// Inputs of the fault-free samples.
+    inputs: Vec<f64>,
+    /// The fault-free samples at which a log begins, without the first.
+    starts: Vec<usize>,
+    primary: Vec<f64>,
+    compensated: Vec<f64>,
+}
+
+/// Learns the bias and calibrates the detector.
+///
+/// The residual generator starts from rest at the first sample of each log; the first
+/// `settle` samples are not learned from.
+///
+/// # Errors
+///
+/// Returns the first step that the model or the logs do not allow.
+pub fn train(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+    healthy: &[Healthy<'_>],
+) -> Result<Trained, TrainingError> {
+    let to_learn = healthy.iter().filter(|log| !log.learn.is_empty());
+    let learned_from: Vec<Record> =
+        to_learn.clone().map(|log| log.record.slice(log.learn.start, log.learn.end)).collect();
+    let design = spec.generator.design(model, spec.weighting.as_deref(), &learned_from)?;
+    let settle = settling_samples(spec, design.as_ref())?;
+    let mut generator = design.build()?;
+    let mut records = Vec::new();
+    for log in to_learn {
+        let residual = residual_record(&mut generator, log.record, settle)?;
+        records.push(residual.slice(log.learn.start, log.learn.end));
+    }
+    if records.is_empty() {
+        return Err(TrainingError::NoHealthyLog);
+    }
+    let complete = |record: &Record| (0..record.len()).any(|k| record.is_complete(k));
+    if !records.iter().any(complete) {
+        let found = records.iter().map(Record::len).max().unwrap_or(0);
+        let what = "learning the bias after the settling time";
+        return Err(TrainingError::TooShort { what, needed: settle.saturating_add(1), found });
+    }
+    let learned = learn(spec, &records)?;
+    let filling = if settle == 0 { 0 } else { settle + learned.bias.memory() };
+    let fit = pre_fitted(learned.bias.loaded(), &records)?.filling(filling as u64);
+    let mut trained = Trained {
+        spec: spec.clone(),
+        nominal: model.clone(),
+        design,
+        bias: learned.bias,
+        selection: learned.selection,
+        fit,
+        events: learned.events,
+        inputs: Vec::new(),
+        starts: Vec::new(),
+        primary: Vec::new(),
+        compensated: Vec::new(),
+    };
+    for log in healthy.iter().filter(|log| !log.calibrate.is_empty()) {
+        trained.calibrate_on(log)?;
+    }
+    Ok(trained)
+}
+
+/// Learns from one log and calibrates on others, as the benchmarks do.
+///
+/// # Errors
+///
+/// As [`train`].
+pub fn train_on(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+    training: &Record,
+    calibration: &[Record],
+) -> Result<Trained, TrainingError> {
+    let mut healthy = vec![Healthy::learn(training)];
+    healthy.extend(calibration.iter().map(Healthy::calibrate));
+    train(spec, model, &healthy)
+}
+
+impl Trained {
+    /// What was chosen.
+    #[must_use]
+    pub fn spec(&self) -> &PipelineSpec {
+        &self.spec
+    }
+
+    /// The residual generator at design time.
+    #[must_use]
+    pub fn design(&self) -> &dyn GeneratorDesign {
+        self.design.as_ref()
+    }
+
+    /// The frozen bias model.
+    #[must_use]
+    pub fn bias_model(&self) -> &LearnedBias {
+        &self.bias
+    }
+
+    /// How all orders did, when they were to be chosen.
+    #[must_use]
+    pub fn order_selection(&self) -> Option<&OrderTable> {
+        self.selection.as_ref()
+    }
+
+    /// Phases of a recursive training.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Largest fault-free magnitudes of the primary and the compensated residual in the
+    /// calibration data, all channels together.
+    #[must_use]
+    pub fn fault_free_maxima(&self) -> (f64, f64) {
+        let peak = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        (peak(&self.primary), peak(&self.compensated))
+    }
+
+    /// Fault-free samples of the primary and the compensated residual, row by row, next to
+    /// [their inputs](Trained::calibration_inputs).
+    #[must_use]
+    pub fn calibration(&self) -> (&[f64], &[f64]) {
+        (&self.primary, &self.compensated)
+    }
+
+    /// Inputs of the fault-free samples, row by row.
+    #[must_use]
+    pub fn calibration_inputs(&self) -> &[f64] {
+        &self.inputs
+    }
+
+    /// A fresh pipeline that subtracts the learned bias.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there was no calibration data, or it does not fit the detector.
+    pub fn compensated(&self) -> Result<DynPipeline, TrainingError> {
+        self.pipeline(Box::new(self.compensator()?), &self.compensated)
+    }
+
+    /// A fresh pipeline without compensation, its detector calibrated in the same way.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trained::compensated`].
+    pub fn uncompensated(&self) -> Result<DynPipeline, TrainingError> {
+        let compensator = Uncompensated::new(self.design.residual_len());
+        self.pipeline(Box::new(compensator), &self.primary)
+    }
+
+    fn pipeline(
+        &self,
+        compensator: Box<dyn Compensator>,
+        healthy: &[f64],
+    ) -> Result<DynPipeline, TrainingError> {
+        let detector = self.detector(healthy)?;
+        let PipelineSpec { isolation, rule, sizing, .. } = &self.spec;
+        let rows = SampleRows::new(self.design.residual_len(), healthy)?;
+        let rule = isolation.rule(*rule, sizing, self.design.as_ref(), rows)?;
+        self.assemble(compensator, detector, rule)
+    }
+
+    /// The detector of the spec, calibrated on one of the two fault-free residuals.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the residual does not fit the design, or is too short for the rate.
+    pub fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, TrainingError> {
+        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
+        self.detector_from(&self.spec.detector, healthy, Some(&plan))
+    }
+
+    /// Another detector with the scales of fault-free residuals, its threshold not calibrated.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the residual does not fit the design or the detector.
+    pub fn scaled(
+        &self,
+        detector: &DetectorSpec,
+        healthy: &[f64],
+    ) -> Result<Box<dyn Detector>, TrainingError> {
+        self.detector_from(detector, healthy, None)
+    }
+
+    fn detector_from(
+        &self,
+        detector: &DetectorSpec,
+        healthy: &[f64],
+        plan: Option<&CalibrationPlan>,
+    ) -> Result<Box<dyn Detector>, TrainingError> {
+        let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
+        let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
+        let data = DetectorData {
+            healthy: DrivenRows::new(inputs, residuals)?.in_runs(&self.starts)?,
+            plan,
+            model: &self.nominal,
+            design: self.design.as_ref(),
+        };
+        Ok(detector.calibrated(&data)?)
+    }
+
+    fn assemble(
+        &self,
+        compensator: Box<dyn Compensator>,
+        detector: Box<dyn Detector>,
+        rule: Box<dyn DecisionRule>,
+    ) -> Result<DynPipeline, TrainingError> {
+        let stages = DynStages { generator: self.design.build()?, compensator, detector, rule };
+        let missing = match self.spec.hold_missing {
+            0 => MissingSamples::Reject,
+            at_most => MissingSamples::Hold { at_most },
+        };
+        Ok(Pipeline::new(stages)?.with_missing_samples(missing))
+    }
+
+    pub(super) fn compensator(
+        &self,
+    ) -> Result<ResidualCompensator<f64, DynIdentifier, RunningBias>, TrainingError> {
+        let nu = self.design.io().nu;
+        let identifier = stand_by(&self.bias, &self.spec.bias.learning, nu)?;
+        let plan = &self.spec.compensation;
+        let simulator = self.bias.freeze()?;
+        Ok(ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?)
+    }
+
+    /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
+    /// held.
+    fn watch(&self, record: &Record) -> Result<Trace, TrainingError> {
+        Ok(Trace::of(&mut self.silent()?, record)?)
+    }
+
+    /// A pipeline that compensates and never alarms.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the design cannot be built.
+    pub fn silent(&self) -> Result<DynPipeline, TrainingError> {
+        let judge = Box::new(Silent(self.design.residual_len()));
+        let pipeline = self.assemble(Box::new(self.compensator()?), judge.clone(), judge)?;
+        Ok(pipeline.with_missing_samples(MissingSamples::Hold { at_most: u64::MAX }))
+    }
+
+    /// Adds what both residuals look like in healthy data.
+    fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), TrainingError> {
+        let channels = self.design.residual_len();
+        let trace = self.watch(log.record)?;
+        let start = self.primary.len() / channels;
+        for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
+            if trace.compensating[k] && log.record.is_complete(k) {
+                let row = k * channels..(k + 1) * channels;
+                self.inputs.extend_from_slice(log.record.u(k));
+                self.primary.extend_from_slice(&trace.residual[row.clone()]);
+                self.compensated.extend_from_slice(&trace.compensated[row]);
+            }
+        }
+        if 0 < start && start < self.primary.len() / channels {
+            self.starts.push(start);
+        }
+        Ok(())
+    }
+}
+
+/// Ranges of the learning data, complete samples only.
+fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, TrainingError> {
+    let (mut u, mut r) = (Vec::new(), Vec::new());
+    for record in records {
+        for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
+            u.extend_from_slice(record.u(k));
+            r.extend_from_slice(record.y(k));
+        }
+    }
+    let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
+    Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
+}
+
+/// Samples until the generator has forgotten where it started.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked, not negative"
+)]
+fn settling_samples(
+    spec: &PipelineSpec,
+    design: &dyn GeneratorDesign,
+) -> Result<usize, TrainingError> {
+    let form = design.form()?;
+    let ts = form.system().domain().ts.seconds();
+    if let Some(found) = spec.settle_s {
+        if !(found >= 0.0 && found.is_finite()) {
+            let (setting, expected) = ("settle_s", "finite and not negative");
+            return Err(TrainingError::Setting { setting, expected, found });
+        }
+        return Ok((found / ts).round() as usize);
+    }
+    // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
+    let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
+    Ok(samples as usize)
+}
