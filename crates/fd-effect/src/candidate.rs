@@ -1,9 +1,8 @@
 //! What an effect offers to a diagnosis: candidates, each a patched model with parameters to fit.
 
-use thiserror::Error;
-
 use fd_sim::scales::ReplayScales;
 use fd_sim::{equation::SyntaxError, model::Model, patch::PatchError};
+use thiserror::Error;
 
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///

@@ -1,10 +1,11 @@
 //! Sites of forces for a model that names none.
 
-use super::units::per;
 use fd_sim::{
     equation::Expr,
     model::{Draft, Law, Model, Site, State},
 };
+
+use super::units::per;
 
 /// The model with a site at every state equation that no site of the model enters, so that effects
 /// of the dynamics can be tried there. Simulations do not change.

@@ -19,6 +19,8 @@ mod sketch;
 mod suspects;
 mod units;
 
+use fd_sim::{model::Model, scales::ReplayScales};
+
 pub use self::{
     candidate::{
         Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding, Side,
@@ -28,8 +30,6 @@ pub use self::{
     sketch::Sketch,
     suspects::{EverySite, Suspects},
 };
-
-use fd_sim::{model::Model, scales::ReplayScales};
 
 /// What an effect offers: one candidate per law and site, or the reason why there is none.
 pub type Offers = Vec<Result<Candidate, NotTestable>>;

@@ -5,10 +5,10 @@
 //! missing and what it depends on, not what it is. *When not to use:* as a cause with a name; its
 //! six strengths fit nearly anything static, and need a prior of their own.
 
+use fd_sim::model::Model;
 use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
 
 use super::{Candidate, Effect, Offers, Reason, Sketch};
-use fd_sim::model::Model;
 
 /// Number of hat functions.
 const HATS: u8 = 6;

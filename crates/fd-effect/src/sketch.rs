@@ -4,14 +4,14 @@ mod equations;
 mod sites;
 
 use fd_sim::scales::{ForceScale, ReplayScales};
-
-use super::candidate::{
-    Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding, Side, SiteRef,
-};
 use fd_sim::{
     equation::Expr,
     model::{Model, Parameter, State},
     patch::Patch,
+};
+
+use super::candidate::{
+    Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding, Side, SiteRef,
 };
 
 /// A candidate in the making.

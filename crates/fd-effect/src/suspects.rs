@@ -2,10 +2,10 @@
 
 use std::fmt::Debug;
 
+use fd_sim::model::Model;
 use fd_sim::scales::ReplayScales;
 
 use super::{Candidate, Effect, NotTestable, Offers, offers};
-use fd_sim::model::Model;
 
 /// What a diagnosis tries.
 pub trait Suspects: Debug + Send + Sync {

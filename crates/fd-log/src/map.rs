@@ -1,8 +1,7 @@
 //! Which columns of a log are time, inputs and outputs.
 
-use serde::{Deserialize, Serialize};
-
 use fd_model::{Channel, ResamplePolicy, SampleTime, file::LinearModel};
+use serde::{Deserialize, Serialize};
 
 /// The way from the columns of a log to the channels of a record.
 ///

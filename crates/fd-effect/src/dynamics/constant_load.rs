@@ -1,8 +1,8 @@
 //! Constant load.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// A constant force, from the start of the log or, `applied-late`, since some time: it grows from

@@ -1,9 +1,9 @@
 //! Coulomb friction and its relatives.
 
-use super::each_site;
 use fd_sim::scales::inline;
 use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// Dry friction `f tanh(v/V)` with a creep velocity `V` of a fiftieth of the usual velocity, or

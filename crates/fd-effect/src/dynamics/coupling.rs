@@ -1,8 +1,8 @@
 //! Coupling between states.
 
-use super::per;
 use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
 
+use super::per;
 use crate::{Effect, Offers, Reason, SiteRef, Sketch};
 
 /// A force `c (b - mean)` that comes from a state `b` which is neither velocity nor position of the

@@ -1,8 +1,8 @@
 //! An end stop of a moving part.
 
-use super::{SiteUnits, each_site};
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::{SiteUnits, each_site};
 use crate::{Effect, Offers, Reason, Sketch, units::per};
 
 /// A stop that pushes back with stiffness `k` beyond a distance `1/s` from the middle of the range

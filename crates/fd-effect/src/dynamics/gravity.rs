@@ -1,8 +1,8 @@
 //! Load that depends on an angle, as gravity does.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers, Reason};
 
 /// A torque `a sin(x)`, or `a sin(x) + b cos(x)` of an arm at any angle. Only where the position is

@@ -1,8 +1,8 @@
 //! Friction with memory: presliding.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// Rate-independent hysteresis `f z` over a distance `D`, exact for any monotone motion.

@@ -14,6 +14,9 @@ mod periodic;
 mod stiffness;
 mod viscous;
 
+use fd_sim::model::Model;
+use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
+
 pub use self::{
     constant_load::ConstantLoad,
     coulomb::CoulombFriction,
@@ -29,10 +32,7 @@ pub use self::{
     stiffness::{LinearStiffness, Stiffening},
     viscous::ViscousFriction,
 };
-use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
-
 use super::{Effect, Offers, Reason, Sketch, units::per};
-use fd_sim::model::Model;
 
 /// What effects say that need to know what moves the site.
 const NO_EQUATION: Reason = Reason::Missing("equation of motion");

@@ -1,8 +1,8 @@
 //! A resonance that the model lacks.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers, Reason};
 
 /// Shares of the mass from which to start, each with so many frequencies on a logarithmic grid. A small

@@ -1,8 +1,8 @@
 //! Periodic force.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// Frequencies of the coarse grid from which to start.

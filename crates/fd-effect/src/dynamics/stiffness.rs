@@ -1,8 +1,8 @@
 //! Stiffness that the model lacks.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// A spring `k x`: also a leak that grows with a level.

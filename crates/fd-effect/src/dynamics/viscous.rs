@@ -1,8 +1,8 @@
 //! Viscous friction.
 
-use super::each_site;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_site;
 use crate::{Effect, Offers};
 
 /// Friction `c v`; negative where the model has too much of it.

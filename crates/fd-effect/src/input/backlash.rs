@@ -1,8 +1,8 @@
 //! Backlash of an actuator.
 
-use super::each_input;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_input;
 use crate::{Effect, Offers};
 
 /// Play of half width `w` between command and plant, at rest in the middle when a run starts. The

@@ -1,8 +1,8 @@
 //! Dead zone of an actuator.
 
-use super::each_input;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_input;
 use crate::{Effect, Offers};
 
 /// Dead zone of half width `w`: what is left is shifted, not scaled. In the asymmetric law it goes

@@ -1,8 +1,8 @@
 //! Delay of an actuator.
 
-use super::each_input;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_input;
 use crate::{Effect, Offers};
 
 /// Longest delay and time constant, in samples.

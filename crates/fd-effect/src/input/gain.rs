@@ -1,8 +1,8 @@
 //! Error of the gain of an actuator.
 
-use super::each_input;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_input;
 use crate::{Effect, Offers};
 
 /// Gain error `u + e u`; in the asymmetric law `u + e u + a |u|`, that is `e ± a` for the two

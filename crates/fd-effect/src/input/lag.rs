@@ -1,11 +1,11 @@
 //! Lag of an actuator.
 
+use fd_sim::{model::Model, scales::ReplayScales};
+
 use super::{
     delay::{LONGEST, STARTS},
     each_input,
 };
-use fd_sim::{model::Model, scales::ReplayScales};
-
 use crate::{Effect, Offers};
 
 /// Lag of order 1 with time constant `T`, or of order 2 with a second time constant `r T`. A run

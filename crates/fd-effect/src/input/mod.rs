@@ -11,16 +11,16 @@ mod quantisation;
 mod rate_limit;
 mod saturation;
 
+use fd_sim::model::Model;
+use fd_sim::scales::{ReplayScales, SignalScale};
+
 pub(super) use self::delay::{LONGEST, STARTS};
 pub use self::{
     backlash::InputBacklash, cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone,
     delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset,
     quantisation::InputQuantisation, rate_limit::InputRateLimit, saturation::InputSaturation,
 };
-use fd_sim::scales::{ReplayScales, SignalScale};
-
 use super::{Effect, Offers, Reason, Sketch};
-use fd_sim::model::Model;
 
 /// What the effects say when an input is constant.
 const STILL: Reason = Reason::Still("the input");

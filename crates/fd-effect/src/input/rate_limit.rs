@@ -1,11 +1,11 @@
 //! Rate limit of an actuator.
 
-use super::each_input;
 use fd_sim::{
     model::Model,
     scales::{ReplayScales, SignalScale},
 };
 
+use super::each_input;
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Rate limit `1/s`: the strength is the inverse of the fastest rate, so that none is exactly none.

@@ -1,11 +1,11 @@
 //! Saturation of an actuator.
 
-use super::each_input;
 use fd_sim::{
     model::Model,
     scales::{ReplayScales, SignalScale},
 };
 
+use super::each_input;
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.

@@ -1,8 +1,8 @@
 //! Bias of a sensor.
 
-use super::each_output;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_output;
 use crate::{Effect, Offers};
 
 /// Bias `y + b`.

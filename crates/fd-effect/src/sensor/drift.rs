@@ -1,8 +1,8 @@
 //! Drift of a sensor.
 
-use super::each_output;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_output;
 use crate::{Effect, Offers, units::per};
 
 /// Drift `y + r t` since the beginning of the log, or one that settles, `y + a (1 - exp(-t/T))`.

@@ -9,6 +9,9 @@ mod noise;
 mod saturation;
 mod scale;
 
+use fd_sim::model::Model;
+use fd_sim::scales::{ReplayScales, SignalScale};
+
 pub use self::{
     bias::SensorBias,
     cross_talk::SensorCrossTalk,
@@ -19,10 +22,7 @@ pub use self::{
     saturation::SensorSaturation,
     scale::SensorScale,
 };
-use fd_sim::scales::{ReplayScales, SignalScale};
-
 use super::{Effect, Offers, Reason, Sketch};
-use fd_sim::model::Model;
 
 /// What the effects say when an output is constant.
 const STILL: Reason = Reason::Still("the output");

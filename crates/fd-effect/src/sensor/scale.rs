@@ -1,8 +1,8 @@
 //! Scale error of a sensor.
 
-use super::each_output;
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use super::each_output;
 use crate::{Effect, Offers};
 
 /// Scale error `(1 + e) y`.

@@ -1,11 +1,11 @@
 //! States, delays and definitions that an effect adds.
 
-use super::Sketch;
 use fd_sim::{
     equation::{Comparison, Cond, Expr},
     model::{Delay, Law, State},
 };
 
+use super::Sketch;
 use crate::Reason;
 
 impl Sketch<'_> {

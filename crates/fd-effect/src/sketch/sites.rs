@@ -1,7 +1,8 @@
 //! Where an effect meets the model.
 
-use super::Sketch;
 use fd_sim::patch::PatchError;
+
+use super::Sketch;
 
 impl Sketch<'_> {
     /// Lets the plant see the value of a template instead of the input `u`.

@@ -18,11 +18,10 @@ use fd_ident::{
     refine::Sriv,
 };
 use fd_model::{Channel, Record};
+use fd_sim::simulate::Simulator;
 
 use self::features::{Example, Network};
 pub use self::result::{Ceiling, Compensation};
-use fd_sim::simulate::Simulator;
-
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
     fit::{FitError, Horizon, Log},

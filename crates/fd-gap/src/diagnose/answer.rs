@@ -1,5 +1,8 @@
 //! A possible answer: an explanation of the logs, what it leaves, and how it forecasts.
 
+use fd_effect::{Candidate, SiteRef};
+use fd_sim::model::Model;
+
 use super::{
     explain::explain,
     leftover::{Known, leftover},
@@ -9,9 +12,6 @@ use super::{
     result::{Explanation, Leftover},
     trial::Trial,
 };
-use fd_effect::{Candidate, SiteRef};
-use fd_sim::model::Model;
-
 use crate::{
     fit::{Minimum, Problem},
     quality::noise_floor,

@@ -1,5 +1,8 @@
 //! One attempt at an answer: singles, the colour of the noise, pairs.
 
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
 use super::{
     answer::{Answer, Rest},
     case::Case,
@@ -16,9 +19,6 @@ use super::{
     settings::Settings,
     steps::refine,
 };
-use fd_effect::Candidate;
-use fd_sim::model::Model;
-
 use crate::{
     evidence::{NoisePrior, evidence, likelihood},
     fit::{FitError, Horizon, Problem},

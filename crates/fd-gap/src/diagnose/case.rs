@@ -1,9 +1,8 @@
 //! What is diagnosed.
 
+use fd_effect::Suspects;
 use fd_model::Record;
 use fd_sim::simulate::Nominal;
-
-use fd_effect::Suspects;
 
 /// What is diagnosed: a simulator, what it may lack, and logs of the real thing.
 #[derive(Clone, Copy, Debug)]

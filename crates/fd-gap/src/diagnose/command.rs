@@ -295,12 +295,13 @@ impl Course<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::sync::Arc;
+
+    use fd_model::{Channel, Record};
     use fd_sim::simulate::EquationSimulator;
 
+    use super::*;
     use crate::fit::{Horizon, Log, Plan, Problem, Weights, null_fit};
-    use fd_model::{Channel, Record};
-    use std::sync::Arc;
 
     const MODEL: &str = r#"
         version = 1

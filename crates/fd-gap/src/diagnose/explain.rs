@@ -1,8 +1,8 @@
 //! Models with all values settled, and what they make of the training logs.
 
-use super::result::{Explanation, Start};
 use fd_sim::model::{Model, Parameter};
 
+use super::result::{Explanation, Start};
 use crate::{
     fit::{FitError, LeastSquares, Problem},
     shrink::gap_per_output,

@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use fd_model::Record;
+use fd_sim::{model::Model, simulate::LoggedLoop};
 
 use super::{
     case::Case,
     prepare::{Prepared, prepare},
 };
-use fd_sim::{model::Model, simulate::LoggedLoop};
-
 use crate::{
     evidence::{NoisePrior, likelihood},
     fit::{FitError, Horizon, Log, Plan, Problem},

@@ -1,8 +1,8 @@
 //! Gaps on held-out logs, before and after.
 
-use super::{result::HeldOut, settings::Settings};
 use fd_sim::simulate::Simulator;
 
+use super::{result::HeldOut, settings::Settings};
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},

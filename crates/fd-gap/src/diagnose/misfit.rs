@@ -7,6 +7,8 @@
 //!   what to believe is how often they win ([`weigh`]),
 //! * a cause that does not clearly close a part of the gap at two horizons is no answer.
 
+use fd_sim::simulate::Simulator;
+
 use super::{
     held_out::nuisances,
     judge::Judgement,
@@ -15,8 +17,6 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
-use fd_sim::simulate::Simulator;
-
 use crate::{
     evidence::confidence,
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},

@@ -44,6 +44,9 @@ mod steps;
 mod told_floor;
 mod trial;
 
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
 use self::{
     answer::Answer,
     attempt::{Attempt, Depth, Weighing},
@@ -69,9 +72,6 @@ pub use self::{
     },
     settings::Settings,
 };
-use fd_effect::Candidate;
-use fd_sim::model::Model;
-
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, Problem},
     shrink::Rules,

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{outliers::Outliers, prepare::KnownNoise, result::Estimate};
 use fd_effect::{Candidate, Kind, Observation, SiteRef};
 
+use super::{outliers::Outliers, prepare::KnownNoise, result::Estimate};
 use crate::{
     evidence::{DECADES, NoisePrior, likelihood},
     quality::{Autoregression, HeavyTails, heavy_tails, interval_log_likelihood},

@@ -1,7 +1,8 @@
 //! Candidates, sorted by what they act on.
 
-use super::result::NotTested;
 use fd_effect::{Candidate, Kind, Suspects};
+
+use super::result::NotTested;
 
 /// What there is to try.
 #[derive(Debug)]

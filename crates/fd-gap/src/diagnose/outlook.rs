@@ -5,9 +5,9 @@
 //! the wrong kind forecasts another run badly; the right one with a slightly different law does
 //! not. A fit alone tells the two apart only when it leaves something.
 
-use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
 use fd_sim::simulate::Simulator;
 
+use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
 use crate::{
     fit::{FitError, Log, Minimum, NullFit, Problem, Variable},
     quality::Autoregression,

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use fd_effect::{Candidate, Kind, Suspects, map::mechanism};
+use fd_sim::{model::Model, simulate::Nominal};
 use rayon::prelude::*;
 
 use super::{
@@ -16,9 +18,6 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
-use fd_effect::{Candidate, Kind, Suspects, map::mechanism};
-use fd_sim::{model::Model, simulate::Nominal};
-
 use crate::{
     evidence::{SEPARATED, distance, evidence, likelihood},
     fit::{FitError, Minimum, NullFit, Plan, Problem, Projection},

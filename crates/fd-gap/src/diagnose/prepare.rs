@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use fd_model::{Record, SampleTime};
-
-use super::{attempt::REACHED, case::Case};
 use fd_sim::{
     model::Model,
     simulate::{EquationSimulator, Simulator},
 };
 
+use super::{attempt::REACHED, case::Case};
 use crate::{
     evidence::NoisePrior,
     fit::{FitError, Horizon, Log, NullFit, Plan, Problem, Weights, null_fit},

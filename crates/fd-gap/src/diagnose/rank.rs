@@ -1,13 +1,13 @@
 //! Evidence of trials, pooled over the laws of a cause; sums over mechanisms and sides.
 
+use fd_effect::{Candidate, Side, map::mechanism};
+
 use super::{
     explain::settle,
     observe::Observed,
     result::{Cause, Estimate, Explanation, Group, Pair},
     trial::Trial,
 };
-use fd_effect::{Candidate, Side, map::mechanism};
-
 use crate::{
     evidence::{NoisePrior, evidence, likelihood, pool},
     fit::{Minimum, Problem},

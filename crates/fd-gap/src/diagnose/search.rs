@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use fd_effect::Candidate;
+use fd_sim::{model::Model, simulate::Nominal};
 use rayon::prelude::*;
 
 use super::{
@@ -13,9 +15,6 @@ use super::{
     settings::Settings,
     trial::Trial,
 };
-use fd_effect::Candidate;
-use fd_sim::{model::Model, simulate::Nominal};
-
 use crate::{
     evidence::likelihood,
     fit::{FitError, NullFit, Projection, Weights, null_fit},

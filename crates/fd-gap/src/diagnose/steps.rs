@@ -1,13 +1,12 @@
 //! Is the integration step short enough for the effects that matter?
 
-use rayon::prelude::*;
-
-use super::{prepare::with_step, trial::Trial};
 use fd_sim::{
     model::{Law, Model},
     simulate::Nominal,
 };
+use rayon::prelude::*;
 
+use super::{prepare::with_step, trial::Trial};
 use crate::{
     fit::{FitError, Minimum, NullFit, Problem, null_fit},
     shrink::gap_per_output,

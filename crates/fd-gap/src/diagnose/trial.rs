@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{command::Command, prepare::with_step};
 use fd_effect::{Candidate, EffectParameter};
 use fd_sim::{model::Model, simulate::Nominal};
 
+use super::{command::Command, prepare::with_step};
 use crate::fit::{
     FitError, LeastSquares, Minimum, NullFit, Problem, Projection, Score, Search, Variable,
     Weights, minimise, minimise_all,

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use fd_model::SampleTime;
-
-use super::rival::Contender;
 use fd_sim::{
     equation::Expr,
     model::{Hold, Model, Output, Parameter},
     simulate::Simulator,
 };
 
+use super::rival::Contender;
 use crate::{
     diagnose::Case,
     evidence::SEPARATED,

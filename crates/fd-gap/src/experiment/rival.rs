@@ -1,9 +1,9 @@
 //! Explanations that are to be told apart, with the models that they were fitted as.
 
-use super::result::Rival;
 use fd_effect::Candidate;
 use fd_sim::model::Model;
 
+use super::result::Rival;
 use crate::{
     diagnose::{Case, Cause, Diagnosis, Start, Verdict},
     fit::Variable,

@@ -1,9 +1,8 @@
 //! Why a model cannot be fitted to logs.
 
 use fd_model::RecordError;
-use thiserror::Error;
-
 use fd_sim::simulate::SimulateError;
+use thiserror::Error;
 
 /// A model cannot be fitted to logs.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -1,9 +1,9 @@
 //! A record, in the order and the units of a simulator.
 
 use fd_model::{Channel, Record};
+use fd_sim::simulate::Simulator;
 
 use super::error::FitError;
-use fd_sim::simulate::Simulator;
 
 /// Relative difference of two sample times that are meant to be equal.
 const ROUNDING: f64 = 1e-6;

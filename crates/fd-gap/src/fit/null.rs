@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use fd_sim::simulate::Simulator;
+
 use super::{
     error::FitError,
     layout::LeastSquares,
@@ -10,7 +12,6 @@ use super::{
     problem::Problem,
     weights::Weights,
 };
-use fd_sim::simulate::Simulator;
 
 /// Samples from which a fit works its way to the whole log.
 const PREFIXES: [usize; 3] = [100, 250, 500];

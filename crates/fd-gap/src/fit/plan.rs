@@ -1,9 +1,9 @@
 //! What is fitted to what: logs, segments, and the unknowns of the nominal model.
 
 use fd_model::Record;
+use fd_sim::simulate::Simulator;
 
 use super::{error::FitError, log::Log, variable::Variable};
-use fd_sim::simulate::Simulator;
 
 /// How long a simulation runs without seeing the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,8 @@ mod slopes;
 
 use std::{ops::Range, sync::Arc};
 
+use fd_sim::simulate::{Outcome, Run, Simulator};
+
 use super::{
     error::FitError,
     layout::Layout,
@@ -12,7 +14,6 @@ use super::{
     variable::Variable,
     weights::Weights,
 };
-use fd_sim::simulate::{Outcome, Run, Simulator};
 
 /// The weighted error of a simulation, as a function of nuisances and parameters of an effect.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 //! An unknown of a fit.
 
-use fd_sim::{model::Parameter, simulate::Initial};
-
 use fd_effect::EffectParameter;
+use fd_sim::{model::Parameter, simulate::Initial};
 
 /// Standard deviation of what is known of a value, in tolerances.
 const PRIOR: f64 = 0.67;

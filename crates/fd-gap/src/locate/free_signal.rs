@@ -1,11 +1,5 @@
 //! A free signal at a place: what would have to be added there to explain the gap?
 
-use super::{
-    bench::{Bench, Rows, settled},
-    columns::Column,
-    empirical_bayes::regress,
-    result::FreeSignal,
-};
 use fd_effect::SiteRef;
 use fd_sim::{
     equation::Expr,
@@ -14,6 +8,12 @@ use fd_sim::{
     simulate::Simulator,
 };
 
+use super::{
+    bench::{Bench, Rows, settled},
+    columns::Column,
+    empirical_bayes::regress,
+    result::FreeSignal,
+};
 use crate::{
     diagnose::{Case, Diagnosis, Start},
     fit::Variable,

@@ -25,6 +25,11 @@ mod result;
 mod spectrum;
 mod times;
 
+use fd_sim::{
+    equation::Expr,
+    model::{Model, Output},
+};
+
 pub use self::result::{
     Band, Bin, Change, ChannelGap, FreeSignal, Location, PlaceEvidence, Region, RegionOf, RegionOn,
     SideEvidence, Size, Spectrum, Stretch, TimeCourse,
@@ -33,11 +38,6 @@ use self::{
     bench::{Bench, settled},
     free_signal::Probe,
 };
-use fd_sim::{
-    equation::Expr,
-    model::{Model, Output},
-};
-
 use crate::{
     diagnose::{Case, Diagnosis, Monitor},
     fit::FitError,

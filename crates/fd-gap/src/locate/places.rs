@@ -1,14 +1,13 @@
 //! Sides of the plant, and places on them: inputs, forces, state equations, outputs.
 
+use fd_effect::{Side, SiteRef};
+use fd_sim::{equation::Expr, model::Model, simulate::Simulator};
 use rayon::prelude::*;
 
 use super::{
     free_signal::Probe,
     result::{FreeSignal, PlaceEvidence, SideEvidence},
 };
-use fd_effect::{Side, SiteRef};
-use fd_sim::{equation::Expr, model::Model, simulate::Simulator};
-
 use crate::diagnose::{Cause, Diagnosis, Monitor, Stage};
 
 /// Probability from which a place is named.

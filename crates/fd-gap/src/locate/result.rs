@@ -1,8 +1,7 @@
 //! Where a gap lies.
 
-use fd_model::Channel;
-
 use fd_effect::{Side, SiteRef};
+use fd_model::Channel;
 
 /// Where a gap lies, seen from several sides. Every part has a sentence in words, and claims only
 /// what is significant: a part that finds nothing says so.

@@ -1,8 +1,8 @@
 //! Inputs in a wrong unit, and swapped columns: tried out in the simulation.
 
-use super::{finding::Defect, inspect::agreement};
 use fd_sim::simulate::Simulator;
 
+use super::{finding::Defect, inspect::agreement};
 use crate::fit::Log;
 
 /// Part of the disagreement of the outputs, all together, that a change of inputs may leave.

@@ -1,12 +1,12 @@
 //! What a log shows, alone and next to the nominal simulation.
 
+use fd_sim::simulate::Simulator;
+
 use super::{
     channel::defects,
     finding::{Defect, Finding},
     inputs::input_defects,
 };
-use fd_sim::simulate::Simulator;
-
 use crate::fit::{FitError, Log};
 
 /// Correlation with future inputs, in standard deviations of that of white signals, that speaks

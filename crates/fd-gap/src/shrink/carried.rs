@@ -3,13 +3,12 @@
 use std::{collections::HashMap, sync::Arc};
 
 use fd_model::{Channel, SampleTime};
-
-use super::forecast::Settled;
 use fd_sim::{
     model::Parameter,
     simulate::{Initial, Port, Simulator},
 };
 
+use super::forecast::Settled;
 use crate::fit::Log;
 
 /// Change of the initial states, in their size, that shows whether a memory depends on them.

@@ -1,16 +1,16 @@
 //! Which of several settled models forecasts best, and how sure that is.
 
+use fd_compensate::calibrate::autocorrelation_time;
+use fd_sim::simulate::Simulator;
+
 use super::{
     forecast::{Forecast, Settled, forecast},
     gap::{Closed, closed},
 };
-use fd_sim::simulate::Simulator;
-
 use crate::{
     evidence::{BlockErrors, win_frequencies_over},
     fit::{FitError, Horizon, Log},
 };
-use fd_compensate::calibrate::autocorrelation_time;
 
 /// Length of a bootstrap block, in autocorrelation times of the errors without any effect.
 const BLOCK: f64 = 5.0;

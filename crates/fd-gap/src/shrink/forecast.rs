@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::carried::Carried;
 use fd_sim::simulate::Simulator;
 
+use super::carried::Carried;
 use crate::fit::{
     FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
     Weights, minimise,

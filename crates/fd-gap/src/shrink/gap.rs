@@ -1,8 +1,7 @@
 //! The size of a gap, and how much of it an effect closes.
 
-use statrs::distribution::{ContinuousCDF, Normal};
-
 use fd_compensate::calibrate::{CircularBlocks, autocorrelation_time};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Errors per output, segment and sample, in units of the noise; NaN where there is none.
 pub type Errors = [Vec<Vec<f64>>];

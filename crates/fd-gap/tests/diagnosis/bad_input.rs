@@ -1,6 +1,5 @@
 //! Bad input: a clear finding, not a number; and no harm from simulators that fail.
 
-use crate::bench_cases::{Reality, example, record};
 use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
@@ -9,6 +8,8 @@ use fd_gap::{
 };
 use fd_model::Record;
 use fd_sim::{model::Model, scales::ReplayScales};
+
+use crate::bench_cases::{Reality, example, record};
 
 const FEW: [&str; 3] = ["coulomb-friction", "sensor-bias", "input-gain"];
 

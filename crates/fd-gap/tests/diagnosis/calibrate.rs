@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
     diagnose::{Case, Settings, diagnose},
 };
 use fd_sim::{model::Model, patch::Patch};
+
+use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 
 fn reality(amplitude: f64, seed: u64) -> Reality {
     Reality { samples: 500, amplitude, parameter_error: 0.02, colour: 0.0, seed }

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 use fd_effect::Candidate;
 use fd_gap::diagnose::{Case, Diagnosis, Settings, diagnose};
 use fd_model::Record;
@@ -10,6 +9,8 @@ use fd_sim::{
     model::{Model, Parameter},
     patch::Patch,
 };
+
+use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 
 /// A diagnosis with candidates that are there already.
 fn with(

@@ -2,9 +2,6 @@
 
 use std::time::Instant;
 
-use crate::bench_cases::{
-    Reality, Recipe, candidate, candidates, example, excitation, expr, record, sizes,
-};
 use fd_effect::{Candidate, Side, SiteRef};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
@@ -16,6 +13,10 @@ use fd_sim::{
     model::{Delay, Model, Parameter},
     patch::Patch,
     simulate::{EquationSimulator, Simulator},
+};
+
+use crate::bench_cases::{
+    Reality, Recipe, candidate, candidates, example, excitation, expr, record, sizes,
 };
 
 fn reality(amplitude: f64, seed: u64) -> Reality {

@@ -1,6 +1,10 @@
 //! A controller in the loop sees the noise of the sensors, and the diagnosis knows it.
 use fd_effect::{EverySite, library};
 use fd_gap::diagnose::{Case, Diagnosis, Settings, diagnose};
+use fd_model::{
+    Record,
+    signal::{ArNoise, WhiteNoise},
+};
 use fd_sim::{
     model::{Hold, Input, Model},
     patch::Patch,
@@ -9,10 +13,6 @@ use fd_sim::{
 };
 
 use crate::bench_cases::{example, excitation, expr};
-use fd_model::{
-    Record,
-    signal::{ArNoise, WhiteNoise},
-};
 
 const SAMPLES: usize = 600;
 

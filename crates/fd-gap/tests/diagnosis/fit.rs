@@ -2,7 +2,6 @@
 
 use std::{ops::Range, sync::Arc};
 
-use crate::bench_cases::{Reality, candidates, example, record, sizes};
 use faer::{Mat, linalg::solvers::SolveLstsq};
 use fd_gap::{
     fit::{FitError, Horizon, Layout, LeastSquares, Plan, Search, Weights, minimise, null_fit},
@@ -10,6 +9,8 @@ use fd_gap::{
 };
 use fd_sim::simulate::EquationSimulator;
 use proptest::prelude::*;
+
+use crate::bench_cases::{Reality, candidates, example, record, sizes};
 
 /// `r = A z − b`, two shared unknowns and one of each of three segments.
 struct Linear {

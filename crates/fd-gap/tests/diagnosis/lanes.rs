@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::bench_cases::{Reality, example, record};
 use fd_effect::{Candidate, Kind, library, offers};
 use fd_gap::fit::{Horizon, LeastSquares, Plan, Problem, Search, Variable, Weights, minimise_all};
 use fd_model::{Channel, SampleTime};
@@ -12,6 +11,8 @@ use fd_sim::{
     simulate::{EquationSimulator, Initial, Outcome, Port, Run, Simulator},
 };
 use proptest::prelude::*;
+
+use crate::bench_cases::{Reality, example, record};
 
 const PLANTS: [&str; 8] = [
     "mass_spring_damper",

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 use fd_effect::SiteRef;
 use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, diagnose},
@@ -14,6 +13,8 @@ use fd_sim::{
     model::{Model, Parameter},
     patch::Patch,
 };
+
+use crate::bench_cases::{Reality, candidates, example, expr, record, sizes};
 
 fn reality(amplitude: f64, seed: u64) -> Reality {
     Reality { samples: 1000, amplitude, parameter_error: 0.03, colour: 0.0, seed }

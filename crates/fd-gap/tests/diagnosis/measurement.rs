@@ -1,10 +1,11 @@
 //! Effects of the measurement, and gaps that nothing in the library explains.
 
-use crate::bench_cases::{Reality, example, expr, record};
 use fd_effect::{EverySite, library};
 use fd_gap::diagnose::{Case, Diagnosis, Settings, Verdict, diagnose};
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, patch::Patch, scales::ReplayScales};
+
+use crate::bench_cases::{Reality, example, expr, record};
 
 const FEW: [&str; 6] = [
     "coulomb-friction",

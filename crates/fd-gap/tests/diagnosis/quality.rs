@@ -1,12 +1,13 @@
 //! Findings about logs, and what noise is.
 
-use crate::bench_cases::{Reality, example, record};
 use fd_gap::quality::{Autoregression, Defect, inspect, noise_floor, third_difference_floor};
 use fd_model::{
     Channel, Record,
     signal::{ArNoise, WhiteNoise},
 };
 use fd_sim::simulate::EquationSimulator;
+
+use crate::bench_cases::{Reality, example, record};
 
 const REALITY: Reality =
     Reality { samples: 1000, amplitude: 20.0, parameter_error: 0.02, colour: 0.0, seed: 4 };

@@ -1,6 +1,5 @@
 //! The patched model, printed, parsed and run, reproduces what the diagnosis reports to the bit.
 
-use crate::bench_cases::{Reality, example, expr, record};
 use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Explanation, Settings, Verdict, diagnose},
@@ -13,6 +12,8 @@ use fd_sim::{
     scales::ReplayScales,
     simulate::{EquationSimulator, Simulator},
 };
+
+use crate::bench_cases::{Reality, example, expr, record};
 
 /// The library without what these cases do not need.
 fn diagnosis(model: &Model, logs: &[Record], horizon: Horizon, only: &[&str]) -> Diagnosis {

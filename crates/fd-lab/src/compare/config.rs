@@ -2,11 +2,10 @@
 
 use fd_compensate::decide::Debouncing;
 use fd_model::fault::Site;
+use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec};
 use serde::{Deserialize, Serialize};
 
 use super::{defaults, error::CompareError, fault::FaultGrid};
-use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec};
-
 use crate::engine::{EngineConfig, FreshRun, PlantConfig, ReductionConfig, TrainingRun};
 
 /// The version of the configuration format.

@@ -4,10 +4,9 @@ use std::time::Instant;
 
 use fd_core::stage::Stage;
 use fd_model::Record;
-
-use super::scene::Scene;
 use fdiag::training::{Trained, TrainingError};
 
+use super::scene::Scene;
 use crate::engine::EngineStudyError;
 
 /// The run is timed so many times; the quickest counts, as everything else is something else's

@@ -10,13 +10,12 @@ use fd_compensate::{
 use fd_ident::{arx::ArxOrders, hammerstein::Basis};
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::fault::Site;
-
-use super::config::{Bias, Detector, Generator, Present, Scenario};
 use fdiag::spec::{
     AdaptiveSpec, BiasSpec, BoundSpec, DetectorSpec, DisturbanceSpec, GeneratorSpec, LearningSpec,
     OrderSpec, ParameterSpec, StructureSpec,
 };
 
+use super::config::{Bias, Detector, Generator, Present, Scenario};
 use crate::engine::{EngineChoice, PlantConfig};
 
 /// The linear engine, the nonlinear one where it is modelled, moved, and with dynamics that no model

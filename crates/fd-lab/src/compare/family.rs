@@ -1,7 +1,8 @@
 //! What kind of diagnosis an entry is, as the literature divides them.
 
-use super::{config::CompareConfig, result::EntryName};
 use fdiag::spec::{DetectorSpec, GeneratorSpec};
+
+use super::{config::CompareConfig, result::EntryName};
 
 /// A way to be robust against a wrong model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The faults that every entry is asked to find.
 
 use fd_model::fault::{FaultProfile, FaultSpec, Site};
+use fd_report::figure;
 use serde::{Deserialize, Serialize};
 
 use super::error::CompareError;
-use fd_report::figure;
 
 /// The faults: every site with every profile in every size, both signs in turn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,12 +1,13 @@
 //! The comparison as a page of text that can be kept next to the code.
 
+use fd_report::{Table, figure};
+
 use super::{
     config::CompareConfig,
     family::Family,
     report::{SHOWN, percent},
     result::{Comparison, EntryResult, ScenarioResult},
 };
-use fd_report::{Table, figure};
 
 /// Entries shown of each scenario.
 const BEST: usize = 5;

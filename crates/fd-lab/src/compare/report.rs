@@ -1,10 +1,11 @@
 //! The comparison as a sentence, tables, pictures and a page.
 
+use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table, figure};
+
 use super::{
     overall::Overall,
     result::{Comparison, EntryResult, ScenarioResult},
 };
-use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table, figure};
 
 /// Entries shown of all; the rest is in the JSON.
 pub(super) const SHOWN: usize = 12;

@@ -1,9 +1,9 @@
 //! All runs of an engine through one residual generator and one bias model.
 
 use fd_model::Record;
+use fdiag::training::{Subtracted, Subtraction, Trained, TrainingError};
 
 use super::scene::Runs;
-use fdiag::training::{Subtracted, Subtraction, Trained, TrainingError};
 
 /// Residuals, row by row.
 pub(super) struct Residuals {

@@ -7,17 +7,16 @@ use fd_model::{
     Discrete, Record, StateSpace,
     fault::{ChannelRef, FaultProfile, FaultSpec, Site},
 };
+use fdiag::{
+    spec::PipelineSpec,
+    training::{Trained, TrainingError, train_on},
+};
 
 use super::{
     config::{CompareConfig, Present, Scenario},
     error::CompareError,
     fault::FaultKind,
 };
-use fdiag::{
-    spec::PipelineSpec,
-    training::{Trained, TrainingError, train_on},
-};
-
 use crate::engine::{Benchmark, Case, Draw, EngineStudyError, Reality};
 
 /// A scenario ready to run.

@@ -2,6 +2,10 @@
 
 use fd_compensate::SampleRows;
 use fd_model::Record;
+use fdiag::{
+    spec::BiasSpec,
+    training::{Trained, TrainingError, sensor_signatures},
+};
 
 use super::{
     config::{CompareConfig, Detector},
@@ -11,11 +15,6 @@ use super::{
     tally::{Alarms, Outcome, Role, Unit},
     watch::{Fork, Levels, Watch},
 };
-use fdiag::{
-    spec::BiasSpec,
-    training::{Trained, TrainingError, sensor_signatures},
-};
-
 use crate::engine::EngineStudyError;
 
 /// Seconds at the end of a run over which a fault is named.

@@ -7,10 +7,10 @@ use fd_compensate::{
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::uncertainty::MatrixPerturbation;
+use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec};
 use serde::{Deserialize, Serialize};
 
 use super::excitation::{FreshRun, TrainingRun};
-use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec};
 
 /// The version of the configuration format.
 pub const CONFIG_VERSION: u32 = 1;

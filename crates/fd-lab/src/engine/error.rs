@@ -2,9 +2,8 @@
 
 use fd_jetengine::EngineError;
 use fd_model::{ModelError, SimulationError};
-use thiserror::Error;
-
 use fdiag::training::TrainingError;
+use thiserror::Error;
 
 /// The benchmark cannot be set up or run.
 #[derive(Clone, Debug, PartialEq, Error)]

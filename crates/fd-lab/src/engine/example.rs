@@ -1,13 +1,13 @@
 //! One seed looked at closely: the signals behind the paper's figures 4 to 7.
 
 use fd_model::Record;
+use fdiag::training::{Trace, Trained, TrainingError, residual_record};
 use serde::{Deserialize, Serialize};
 
 use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
 };
-use fdiag::training::{Trace, Trained, TrainingError, residual_record};
 
 /// Frequencies at which gains are compared.
 const FREQUENCIES: usize = 200;

@@ -1,11 +1,11 @@
 //! The benchmark's result as a sentence, tables, pictures and a page.
 
+use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+
 use super::{
     example::{Example, FaultyRun, Residuals},
     study::{Range, Study},
 };
-use fd_report::{Line, Page, Picture, PictureError, Table, figure};
-
 use crate::quantile::median;
 
 /// A picture with the name of its file.

@@ -10,14 +10,13 @@ use fd_core::{
     stage::{Detector, Stage},
 };
 use fd_model::{Channel, Record};
+use fdiag::training::{Trace, Trained, TrainingError, sensor_sizes, train_on};
 use serde::{Deserialize, Serialize};
 
 use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
 };
-use fdiag::training::{Trace, Trained, TrainingError, sensor_sizes, train_on};
-
 use crate::quantile::median;
 
 /// Largest fault that is tried, relative to the reading.

@@ -1,5 +1,7 @@
 //! The report as a page: pictures first, then what they rest on.
 
+use fd_report::{Bar, Bars, Page, PictureError, Shares, Table, figure};
+
 use super::{
     GapStudy,
     headline::{capital, spoiled},
@@ -8,7 +10,6 @@ use super::{
     tables,
     words::{four, probability, share},
 };
-use fd_report::{Bar, Bars, Page, PictureError, Shares, Table, figure};
 
 /// Least probability of a bar.
 const SHOWN: f64 = 0.005;

@@ -1,10 +1,11 @@
 //! The pictures of a report.
 
+use fd_report::{Line, Picture};
+
 use super::{
     report::{BandReport, LawReport, RegionReport, Report, SpectrumReport, TimesReport},
     traces::{Signals, Trace},
 };
-use fd_report::{Line, Picture};
 
 /// A picture and what it says.
 pub(super) type Captioned = (Picture, String);

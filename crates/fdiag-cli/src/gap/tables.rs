@@ -1,12 +1,13 @@
 //! What the terminal shows below the headline.
 
+use fd_report::{Table, figure};
+
 use super::{
     GapStudy,
     headline::spoiled,
     report::{CauseReport, ClosedReport, HorizonReport, Report},
     words::{probability, share},
 };
-use fd_report::{Table, figure};
 
 /// Least probability of a row.
 const SHOWN: f64 = 0.01;

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use fd_log::LogError;
 use fd_model::{ModelError, RecordError, file::ModelFileError};
-use thiserror::Error;
-
 use fdiag::training::TrainingError;
+use thiserror::Error;
 
 /// Logs cannot be studied.
 #[derive(Debug, Error)]

@@ -2,10 +2,9 @@
 
 use fd_core::stage::Decision;
 use fd_model::file::ModelChannel;
-use serde::{Deserialize, Serialize};
-
 use fd_report::{Table, figure};
 use fdiag::{spec::IsolationSpec, training::Trace};
+use serde::{Deserialize, Serialize};
 
 /// What the decision says of a fault at the last sample with an alarm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

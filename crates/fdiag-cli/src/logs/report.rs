@@ -1,8 +1,9 @@
 //! A study of logs as a sentence, tables, pictures and a page.
 
-use super::study::{LogResult, LogStudy, SignalUnit, Traces};
 use fd_report::{Line, Page, Picture, PictureError, Table, figure};
 use fdiag::training::Trace;
+
+use super::study::{LogResult, LogStudy, SignalUnit, Traces};
 
 impl LogStudy {
     /// What came out, in one sentence.

@@ -8,13 +8,13 @@ use fd_model::{
     Discrete, Record, SampleTime, StateSpace, TimeBaseReport,
     file::{LinearModel, LinearSystem},
 };
-use serde::{Deserialize, Serialize};
-
-use super::{error::LogStudyError, named::NamedFault};
 use fdiag::{
     spec::PipelineSpec,
     training::{Healthy, Trace, TrainingError, sensor_sizes, train},
 };
+use serde::{Deserialize, Serialize};
+
+use super::{error::LogStudyError, named::NamedFault};
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{BySquares, Calibration, Rate, Score};
 use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+
+use super::{BySquares, Calibration, Rate, Score};
 
 /// Verdicts that a report lists.
 const LISTED: usize = 60;

@@ -7,9 +7,8 @@ use fd_gap::{
 };
 use serde::Serialize;
 
-use crate::gap::headline::capital;
-
 use super::{CauseReport, ClosedReport, PairReport};
+use crate::gap::headline::capital;
 
 /// What a black-box compensation could remove, whatever the cause.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
