@@ -118,7 +118,7 @@ fn a_bad_cell_is_named_with_its_row() {
     }
     assert!(message("t,wf,T_7\n0,inf,2\n").ends_with("found `inf`"));
     assert!(
-        message("t,wf,T_7\n,1,2\n").starts_with("column `t` of run3.csv, row 2: expected a finite")
+        message("t,wf,T_7\n,1,2\n").starts_with("column `t` of run3.csv, row 2: expected a time")
     );
 }
 
