@@ -151,23 +151,26 @@ where
     pub fn step(&mut self, u: &[T], y: &[T]) -> Result<Step<'_, T>, FrameError> {
         let io = self.stages.generator.io();
         let mut events = Events::none();
-        match (Frame::new(io, self.k, u, y), self.missing) {
-            (Ok(_), _) => {
+        let frame = match (Frame::new(io, self.k, u, y), self.missing) {
+            (Ok(frame), _) => {
                 self.held = 0;
                 self.u.copy_from_slice(u);
                 self.y.copy_from_slice(y);
+                frame
             }
             (Err(FrameError::NonFinite { .. }), MissingSamples::Hold { at_most })
                 if self.k > 0 && self.held < at_most =>
             {
-                self.held += 1;
                 hold(&mut self.u, u);
                 hold(&mut self.y, y);
+                // Another sample than the one that was refused, and a restored memory may be anything.
+                let held = Frame::new(io, self.k, &self.u, &self.y)?;
+                self.held += 1;
                 events.push(EventKind::SampleHeld);
+                held
             }
             (Err(error), _) => return Err(error),
-        }
-        let frame = Frame::new(io, self.k, &self.u, &self.y)?;
+        };
         self.k += 1;
 
         let Stages { generator, compensator, detector, rule } = &mut self.stages;
