@@ -1,5 +1,8 @@
 //! The stages joined into one diagnosis that runs sample by sample.
 
+mod parts;
+
+pub use self::parts::{DynStages, MissingSamples, Stages, Step};
 use crate::{
     error::{BuildError, FrameError},
     event::{EventKind, Events},
@@ -8,47 +11,146 @@ use crate::{
     sink::Sink,
     snapshot::StateVisitor,
     stage::{
-        Compensation, Compensator, Decision, DecisionRule, Detector, Evidence, Phase,
-        ResidualGenerator, Stage, Verdict,
+        Compensation, Compensator, DecisionRule, Detector, Evidence, ResidualGenerator, Stage,
     },
 };
 
-/// The parts of a [`Pipeline`], named so that a pipeline reads top to bottom.
-#[derive(Clone, Debug)]
-pub struct Stages<G, C, D, J> {
-    /// Samples to primary residuals.
-    pub generator: G,
-    /// Primary to compensated residuals.
-    pub compensator: C,
-    /// Compensated residuals to test statistics.
-    pub detector: D,
-    /// Test statistics to decisions.
-    pub rule: J,
-}
-
-/// Stages chosen at run time.
-pub type DynStages<T = f64> = Stages<
-    Box<dyn ResidualGenerator<T>>,
-    Box<dyn Compensator<T>>,
-    Box<dyn Detector<T>>,
-    Box<dyn DecisionRule<T>>,
->;
-
-/// What to do with a sample that has a NaN or an infinity in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MissingSamples {
-    /// Refuse it with an error; the pipeline stays as it was.
-    #[default]
-    Reject,
-    /// Replace each missing channel by its last good value, for at most so many samples in a
-    /// row; then refuse.
-    Hold {
-        /// Most consecutive samples to replace.
-        at_most: u64,
-    },
-}
-
-/// A running diagnosis.
+/// A running diagnosis: the four stages, the buffers between them, and a policy for missing samples.
+///
+/// [`step`](Self::step) is the only place in the workspace where stages meet, and it reads like the
+/// picture of the method: check the sample, make the residual, compensate it, test it, decide. Data
+/// flow forward only. No stage calls a later one, none keeps another's output, and what one sample
+/// produced leaves as a single borrowed [`Step`].
+///
+/// # The contract
+///
+/// *Building* can fail: [`new`](Self::new) compares the numbers of channels that the stages were
+/// built for and names the first that does not fit. *Stepping* can fail in one way only, by a sample
+/// that is no good, and then the pipeline is as it was before the call.
+///
+/// A step allocates nothing and takes about the same time in every phase, so a pipeline may run in the
+/// loop of a controller. It contains no thread, no clock and no random number: the same samples give
+/// the same decisions to the bit, today, on a restored copy, and in a replay of the log.
+///
+/// # Samples and their index
+///
+/// `k` starts at 0 and counts the samples that were accepted. A rejected sample gets no index, and the
+/// stages never learn that it was there: for them the next good one follows the last good one. That is
+/// fine for a value lost now and then. After a long gap call [`reset`](Stage::reset), because the
+/// states of observers and the histories of bias models are then those of another time.
+///
+/// [`MissingSamples`] decides what counts as good. `Reject` hands every NaN back to the caller, who
+/// alone knows whether the sensor or the recorder failed. `Hold` repeats the last good value of the
+/// missing channels for a stated number of samples in a row and says so by the event `SampleHeld`. A
+/// sample with the wrong number of channels is an error under either policy.
+///
+/// # Static or dynamic
+///
+/// The type parameter is the struct of stages. With concrete types the compiler sees through the whole
+/// pipeline, and with [`Fixed`](crate::Fixed) sizes in the stages nothing is on the heap but the
+/// buffers between them. With [`DynStages`] each stage is a box, chosen at run time by a spec or a
+/// command line. [`DynPipeline`] is no second implementation: it is `Pipeline` with other type
+/// arguments. The two kinds may be mixed, stage by stage.
+///
+/// # Stopping and going on
+///
+/// A pipeline is a [`Stage`], so [`Snapshot::of`](crate::Snapshot::of) saves all of it, wherever it
+/// is: in the middle of a training, during an alarm, between two held samples. Restore the snapshot
+/// into a pipeline that was built from the same design.
+///
+/// # What to do elsewhere
+///
+/// * Acting on a decision: in a [`Sink`], or in the loop around `step`.
+/// * Resampling, scaling, units: before, when the record is made.
+/// * Many units at once: a pipeline each, or `fdiag::fleet`, which computes side by side.
+/// * A bank of generators: one generator to the pipeline, `fd_residual::bank`.
+///
+/// # Example
+///
+/// The smallest whole diagnosis. Two sensors of the same temperature must agree; their difference is
+/// the residual, a constant threshold tests it, and every alarm is a fault.
+///
+/// ```
+/// use fd_core::{
+///     DynStages, EventKind, Frame, IoDims, MissingSamples, Pipeline, Snapshot, Stages, StateVisitor,
+///     stage::{
+///         Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
+///         Verdict,
+///     },
+/// };
+///
+/// #[derive(Debug)]
+/// struct Difference;
+/// #[derive(Debug)]
+/// struct AtMost(f64);
+/// #[derive(Debug)]
+/// struct AlarmIsFault;
+///
+/// impl ResidualGenerator for Difference {
+///     fn io(&self) -> IoDims { IoDims { nu: 0, ny: 2 } }
+///     fn residual_len(&self) -> usize { 1 }
+///     fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
+///         r[0] = frame.y()[0] - frame.y()[1];
+///     }
+/// }
+///
+/// impl Detector for AtMost {
+///     fn residual_len(&self) -> usize { 1 }
+///     fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
+///         Verdict { statistic: r[0].abs(), threshold: self.0 }
+///     }
+/// }
+///
+/// impl DecisionRule for AlarmIsFault {
+///     fn residual_len(&self) -> usize { 1 }
+///     fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
+///         if evidence.verdict.alarm() {
+///             Decision::Fault(Fault::since(evidence.k))
+///         } else {
+///             Decision::Nominal
+///         }
+///     }
+/// }
+///
+/// // None of the three has a memory, so `reset` and `visit_state` of their `Stage` are empty.
+/// # macro_rules! without_memory { ($($stage:ty)*) => { $(
+/// # impl Stage for $stage {
+/// #     fn reset(&mut self) {}
+/// #     fn visit_state(&mut self, _: &mut dyn StateVisitor<f64>) {}
+/// # }
+/// # )* } }
+/// # without_memory!(Difference AtMost AlarmIsFault);
+///
+/// let mut pipeline = Pipeline::new(Stages {
+///     generator: Difference,
+///     compensator: Uncompensated::new(1),
+///     detector: AtMost(0.5),
+///     rule: AlarmIsFault,
+/// })?
+/// .with_missing_samples(MissingSamples::Hold { at_most: 1 });
+///
+/// let log = [[20.0, 20.1], [20.2, 20.2], [20.3, f64::NAN], [20.4, 21.7]];
+/// let mut story = Vec::new();
+/// for y in &log {
+///     let step = pipeline.step(&[], y)?;
+///     story.extend(step.events.iter().map(|kind| (step.k, kind)));
+/// }
+/// assert_eq!(story, [(2, EventKind::SampleHeld), (3, EventKind::AlarmRaised)]);
+///
+/// // The same with stages chosen at run time; it takes over where the other one was saved.
+/// let stages: DynStages = Stages {
+///     generator: Box::new(Difference),
+///     compensator: Box::new(Uncompensated::new(1)),
+///     detector: Box::new(AtMost(0.5)),
+///     rule: Box::new(AlarmIsFault),
+/// };
+/// let mut other = Pipeline::new(stages)?;
+/// Snapshot::of(&mut pipeline).restore(&mut other)?;
+/// let step = other.step(&[], &[20.5, 20.5])?;
+/// assert_eq!(step.k, 4);
+/// assert!(step.events.iter().eq([EventKind::AlarmCleared]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Pipeline<T, S> {
     stages: S,
@@ -64,25 +166,6 @@ pub struct Pipeline<T, S> {
 
 /// A [`Pipeline`] whose stages were chosen at run time.
 pub type DynPipeline<T = f64> = Pipeline<T, DynStages<T>>;
-
-/// Everything that one sample produced, borrowed from the pipeline.
-#[derive(Clone, Copy, Debug)]
-pub struct Step<'a, T> {
-    /// Sample index.
-    pub k: u64,
-    /// Primary residual `r`.
-    pub residual: &'a [T],
-    /// Compensated residual `r* = r − μ̂`.
-    pub compensated: &'a [T],
-    /// Whether the bias is being learned or subtracted.
-    pub phase: Phase,
-    /// Test statistic of the compensated residual.
-    pub verdict: Verdict<T>,
-    /// Outcome.
-    pub decision: Decision<T>,
-    /// What happened at this sample.
-    pub events: Events,
-}
 
 impl<T, G, C, D, J> Pipeline<T, Stages<G, C, D, J>>
 where
