@@ -23,5 +23,7 @@ pub mod detect;
 pub mod evaluate;
 pub mod residual_compensation;
 mod rows;
+#[cfg(feature = "testing")]
+pub mod testing;
 
 pub use crate::rows::{DrivenRows, RowsError, SampleRows};

@@ -8,6 +8,7 @@ use fd_core::{
         Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
         Verdict,
     },
+    testing::memory,
 };
 use proptest::prelude::*;
 
@@ -257,6 +258,55 @@ fn a_snapshot_of_something_else_is_refused() {
         Err(SnapshotError::Field { .. })
     ));
     assert_eq!(Snapshot::of(&mut p), before, "a refused snapshot changes nothing");
+}
+
+/// A stage that forgets one of its two numbers where it is told to.
+#[derive(Clone, Debug, Default)]
+struct Forgetful {
+    sums: [f64; 2],
+    reset_forgets: bool,
+    visit_forgets: bool,
+}
+
+impl Forgetful {
+    fn step(&mut self, k: usize) -> f64 {
+        self.sums[0] += k as f64;
+        self.sums[1] += 1.0;
+        self.sums[0] * self.sums[1]
+    }
+}
+
+impl Stage for Forgetful {
+    fn reset(&mut self) {
+        let sums = if self.reset_forgets { &mut self.sums[..1] } else { &mut self.sums[..] };
+        sums.fill(0.0);
+    }
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        visitor.reals("sum", &mut self.sums[..1]);
+        if !self.visit_forgets {
+            visitor.reals("other sum", &mut self.sums[1..]);
+        }
+    }
+}
+
+#[test]
+fn a_stage_that_remembers_all_passes_the_law() {
+    let whole = Forgetful::default();
+    memory(&mut whole.clone(), &mut whole.clone(), 10, Forgetful::step);
+}
+
+#[test]
+#[should_panic(expected = "reset must restart the stage")]
+fn a_field_that_reset_forgets_breaks_the_law() {
+    let broken = Forgetful { reset_forgets: true, ..Forgetful::default() };
+    memory(&mut broken.clone(), &mut broken.clone(), 10, Forgetful::step);
+}
+
+#[test]
+#[should_panic(expected = "a restored stage must continue")]
+fn a_field_that_visit_state_forgets_breaks_the_law() {
+    let broken = Forgetful { visit_forgets: true, ..Forgetful::default() };
+    memory(&mut broken.clone(), &mut broken.clone(), 10, Forgetful::step);
 }
 
 proptest! {
