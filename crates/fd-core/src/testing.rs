@@ -13,6 +13,9 @@ use crate::{
     stage::{ResidualGenerator, Stage},
 };
 
+/// One of a list: a name, and a stage behind it. `Named<dyn Detector>` is a detector of any kind.
+pub type Named<S> = (&'static str, Box<S>);
+
 /// Samples `(u, y)` for a law.
 pub type Samples<T> = [(Vec<T>, Vec<T>)];
 

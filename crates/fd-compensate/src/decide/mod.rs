@@ -29,7 +29,7 @@ pub use self::{
 #[cfg(feature = "testing")]
 pub fn every_rule<T: fd_core::Scalar>(
     healthy: crate::SampleRows<'_>,
-) -> Result<Vec<(&'static str, Box<dyn fd_core::stage::DecisionRule<T>>)>, RuleError> {
+) -> Result<Vec<fd_core::testing::Named<dyn fd_core::stage::DecisionRule<T>>>, RuleError> {
     let channels = healthy.channels();
     let is_on = |channel: usize| (0..channels).map(move |i| i == channel);
     let hypotheses: Vec<Hypothesis> = (0..channels)

@@ -55,7 +55,7 @@ pub use self::{
 #[cfg(feature = "testing")]
 pub fn every_detector<T: fd_core::Scalar>(
     healthy: crate::DrivenRows<'_>,
-) -> Result<Vec<(&'static str, Box<dyn fd_core::stage::Detector<T>>)>, DetectorError> {
+) -> Result<Vec<fd_core::testing::Named<dyn fd_core::stage::Detector<T>>>, DetectorError> {
     use self::{
         adaptive::{Bands, Evaluation, InputBound},
         glr::{Course, GlrDesign},

@@ -88,7 +88,7 @@ pub use self::{
 pub fn every_compensator<T, I, M>(
     identifier: &I,
     model: &M,
-) -> Result<Vec<(&'static str, Box<dyn fd_core::stage::Compensator<T>>)>, CompensationError>
+) -> Result<Vec<fd_core::testing::Named<dyn fd_core::stage::Compensator<T>>>, CompensationError>
 where
     T: fd_core::Scalar,
     I: fd_core::stage::Identifier<T> + Clone + 'static,
