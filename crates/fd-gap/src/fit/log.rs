@@ -19,6 +19,8 @@ pub struct Log {
     pub(crate) samples: usize,
     /// Number of the first sample since the clock of the model was started.
     pub(crate) first: usize,
+    /// Whether the log begins in motion: its states are not where the model says they start.
+    pub(crate) is_in_motion: bool,
 }
 
 impl Log {
@@ -96,7 +98,7 @@ impl Log {
             }
         }
         let (nu, ny) = (inputs.len(), outputs.len());
-        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len(), first: 0 })
+        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len(), first: 0, is_in_motion: false })
     }
 
     /// The logs of records, each [`continuing`](Self::continuing) one of the `earlier` ones if it
@@ -113,11 +115,20 @@ impl Log {
     }
 
     /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force
-    /// keeps its phase, and a drift goes on. Any other log has a clock of its own.
+    /// keeps its phase, a drift goes on, and the states are wherever that run had brought them, so that
+    /// they are free. Any other log has a clock of its own, and begins where the model says.
     #[must_use]
     pub fn continuing(mut self, record: &Record, earlier: &[Record]) -> Self {
-        self.first = earlier.iter().find(|e| record.continues(e)).map_or(0, Record::len);
+        let before = earlier.iter().find(|e| record.continues(e)).map(Record::len);
+        self.first = before.unwrap_or(0);
+        self.is_in_motion |= before.is_some();
         self
+    }
+
+    /// The same log, whose states at the start nobody knows.
+    #[must_use]
+    pub fn in_motion(self) -> Self {
+        Self { is_in_motion: true, ..self }
     }
 
     /// Number of samples.

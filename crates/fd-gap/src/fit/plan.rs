@@ -36,9 +36,9 @@ const WINDOW_BOX: f64 = 30.0;
 /// Logs cut into segments, with the unknowns of the nominal model: its uncertain parameters,
 /// which all segments share, and the initial states of each segment.
 ///
-/// At the start of a log only states with a tolerance are unknown. Within a log every state of
-/// the nominal model is, and states that an effect adds start where the effect says (left free,
-/// they would win falsely).
+/// At the start of a log only states with a tolerance are unknown. Within a log, and where it begins
+/// in motion, every state of the nominal model is, and states that an effect adds start where the
+/// effect says (left free, they would win falsely).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub(crate) logs: Vec<Log>,
@@ -123,9 +123,11 @@ impl Plan {
                 }
             }
         }
-        let is_cut = self.segments.iter().any(|segment| 0 < segment.from);
+        let logs = &self.logs;
+        let is_free = |segment: &Segment| 0 < segment.from || logs[segment.log].is_in_motion;
+        let is_any_free = self.segments.iter().any(is_free);
         let free: Vec<usize> = (0..initial.len())
-            .filter(|&i| is_cut || Variable::initial(&initial[i]).is_some())
+            .filter(|&i| is_any_free || Variable::initial(&initial[i]).is_some())
             .collect();
         self.own_names = free.iter().map(|&i| initial[i].channel.name.clone()).collect();
         for (segment, start) in self.segments.iter().zip(&starts) {
@@ -135,7 +137,7 @@ impl Plan {
                 let smallest = (1e-3 * start[i].abs()).max(1e-6);
                 let scale = width.max(state.tolerance.unwrap_or(0.0)).max(smallest);
                 let (name, unit) = (&state.channel.name, &state.channel.unit);
-                if 0 < segment.from {
+                if is_free(segment) {
                     let mut own = Variable::known(name, unit, start[i], scale);
                     own.prior = Some(WINDOW_PRIOR * scale);
                     own.low = start[i] - WINDOW_BOX * scale;

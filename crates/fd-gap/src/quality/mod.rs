@@ -19,7 +19,7 @@ pub use self::{
     finding::{Defect, Finding, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},
-    pattern::pattern,
+    pattern::{Signal, pattern},
     spectrum::spectral_peaks,
 };
 pub(crate) use self::{distribution::OUTLIER_WIDTHS, spectrum::transform};

@@ -7,6 +7,15 @@ const DELAYS: [usize; 6] = [0, 1, 2, 4, 8, 16];
 /// Most functions that are used together.
 const MOST: usize = 4;
 
+/// A signal that residuals may depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    /// Values in each segment.
+    pub values: Vec<Vec<f64>>,
+    /// Least delay, in samples, with which it can be a cause of a residual.
+    pub earliest: usize,
+}
+
 /// By how much the log-likelihood of a residual rises when up to four delayed functions of the
 /// `signals` predict it, beyond what chance would do: each costs `½ ln n + ln K` for the choice of
 /// one out of `K`. The residual is whitened first, and functions with it, so that noise of any
@@ -15,19 +24,25 @@ const MOST: usize = 4;
 ///
 /// Residual and signals are in segments; NaN where nothing was measured. Zero when nothing helps.
 ///
+/// **Causality.** A signal is used from its [earliest](Signal::earliest) delay on. A logged command must not
+/// be used at the sample of the residual itself: in a loop it was made from the measurement of that very
+/// sample, noise included, and then true noise is a "pattern" of it (38 to 90 nats in simulated loops, 5 at
+/// most from a delay of one sample on).
+///
 /// ```
-/// use fd_gap::quality::pattern;
+/// use fd_gap::quality::{Signal, pattern};
 ///
 /// let u: Vec<f64> = (0..300).map(|k| f64::from((k * k) % 17) - 8.0).collect();
 /// let noise = |k: usize| ((k * 7919 + 5) % 101) as f64 / 50.0 - 1.0;
-/// let follows: Vec<f64> = (0..300).map(|k| 0.1 * u[k].abs() + noise(k)).collect();
+/// let before = |k: usize| u[k.saturating_sub(1)];
+/// let follows: Vec<f64> = (0..300).map(|k| 0.1 * before(k).abs() + noise(k)).collect();
 /// let alone: Vec<f64> = (0..300).map(noise).collect();
-/// let signals = [vec![u]];
+/// let signals = [Signal { values: vec![u.clone()], earliest: 1 }];
 /// assert!(pattern(&[follows], &signals) > 10.0);
 /// assert!(pattern(&[alone], &signals) < 1.0);
 /// ```
 #[must_use]
-pub fn pattern(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> f64 {
+pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
     let slices: Vec<&[f64]> = residual.iter().map(Vec::as_slice).collect();
     let colour = Autoregression::fit(&slices, Autoregression::HIGHEST_ORDER);
     let mut left = whitened(&colour, residual, residual);
@@ -102,14 +117,14 @@ fn whitened(colour: &Autoregression, residual: &[Vec<f64>], signal: &[Vec<f64>])
 }
 
 /// Functions of the signals, each with several delays; a constant and a ramp.
-fn functions(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>>> {
+fn functions(residual: &[Vec<f64>], signals: &[Signal]) -> Vec<Vec<Vec<f64>>> {
     let shape = |f: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
         let segment = |(s, r): (usize, &Vec<f64>)| (0..r.len()).map(|k| f(s, k)).collect();
         residual.iter().enumerate().map(segment).collect()
     };
     let ramp = |s: usize, k: usize| k as f64 / residual[s].len().max(1) as f64 - 0.5;
     let mut all = vec![shape(&|_, _| 1.0), shape(&ramp)];
-    for signal in signals {
+    for Signal { values: signal, earliest } in signals {
         let finite = || signal.iter().flatten().filter(|v| v.is_finite());
         let n = finite().count().max(1) as f64;
         let mean = finite().sum::<f64>() / n;
@@ -118,7 +133,7 @@ fn functions(residual: &[Vec<f64>], signals: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f6
             continue;
         }
         let size = deviation.max(f64::MIN_POSITIVE);
-        for delay in DELAYS {
+        for delay in DELAYS.into_iter().filter(|delay| earliest <= delay) {
             let value = |s: usize, k: usize| signal[s][k.saturating_sub(delay)] / size;
             let change = |s: usize, k: usize| value(s, k) - value(s, k.saturating_sub(1));
             all.push(shape(&value));
