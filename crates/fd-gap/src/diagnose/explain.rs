@@ -2,9 +2,9 @@
 
 use fd_sim::model::{Model, Parameter};
 
-use super::result::{Explanation, Start};
+use super::result::{Explanation, Nuisance, Start};
 use crate::{
-    fit::{FitError, LeastSquares, Problem},
+    fit::{FitError, LeastSquares, Problem, Variable},
     shrink::gap_per_output,
 };
 
@@ -19,12 +19,18 @@ pub(super) fn explain(model: &Model, problem: &mut Problem, z: &[f64]) -> Option
         state: problem.start_of(s, z),
     });
     let starts = starts.collect();
-    let variables = problem.plan().nuisances().iter();
-    let nuisances = variables
-        .zip(z)
-        .map(|(v, z)| (v.name.clone(), v.value(*z), z * v.precision().sqrt()))
-        .collect();
-    Some(Explanation { model: settle(model, problem, z), nuisances, starts, outputs, gap })
+    let (model, nuisances) = (settle(model, problem, z), nuisances(problem, z));
+    Some(Explanation { model, nuisances, starts, outputs, gap })
+}
+
+/// The refitted parameters of the nominal model.
+pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<Nuisance> {
+    let nuisance = |(variable, z): (&Variable, &f64)| Nuisance {
+        name: variable.name.clone(),
+        value: variable.value(*z),
+        deviation: z * variable.precision().sqrt(),
+    };
+    problem.plan().nuisances().iter().zip(z).map(nuisance).collect()
 }
 
 /// The nominal model as it came, against the logs of a problem.

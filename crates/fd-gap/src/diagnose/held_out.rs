@@ -2,17 +2,11 @@
 
 use fd_sim::simulate::Simulator;
 
-use super::{result::HeldOut, settings::Settings};
+use super::{explain::nuisances, result::HeldOut, settings::Settings};
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
 };
-
-/// Refitted parameters: name, value, deviation from nominal in standard deviations of the prior.
-pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<(String, f64, f64)> {
-    let variables = problem.plan().nuisances().iter();
-    variables.zip(z).map(|(v, z)| (v.name.clone(), v.value(*z), z * v.precision().sqrt())).collect()
-}
 
 /// One entry per horizon at which nothing diverges.
 pub(super) fn compare(
@@ -24,7 +18,7 @@ pub(super) fn compare(
     settings: &Settings,
 ) -> Result<Vec<HeldOut>, FitError> {
     let named = |problem: &Problem, z: &[f64]| -> Vec<(String, f64)> {
-        nuisances(problem, z).into_iter().map(|(name, value, _)| (name, value)).collect()
+        nuisances(problem, z).into_iter().map(|n| (n.name, n.value)).collect()
     };
     let refitted = named(&null.problem, &null.minimum.z);
     let (mut simulator, mut values): (&dyn Simulator, _) = (nominal, refitted.clone());

@@ -4,7 +4,7 @@ use super::{
     answer::Answer,
     outlook::Outlook,
     rank::Ranking,
-    result::{Leftover, Pair, Verdict},
+    result::{CauseId, Leftover, Pair, Verdict},
     settings::Settings,
 };
 use crate::evidence::probabilities;
@@ -65,10 +65,10 @@ pub(super) fn judge(
 pub(super) fn verdict(
     judgement: Judgement,
     causes: &Ranking,
-    tied: &[usize],
+    tied: &[CauseId],
     pairs: &[Pair],
 ) -> Verdict {
-    let probability = |place: &usize| causes.get(*place).map(|(_, cause)| cause.probability);
+    let probability = |id: &CauseId| causes.get(id.0).map(|(_, cause)| cause.probability);
     let single: f64 = tied.iter().filter_map(probability).sum();
     let double: f64 = pairs.iter().map(|pair| pair.probability).sum();
     if NAMED < judgement.no_gap || causes.is_empty() {

@@ -10,10 +10,10 @@
 use fd_sim::simulate::Simulator;
 
 use super::{
-    held_out::nuisances,
+    explain::nuisances,
     judge::Judgement,
     rank::{Ranking, Yardstick, groups, is_same},
-    result::{Cause, Group},
+    result::{Cause, CauseId, Group},
     settings::Settings,
     trial::Trial,
 };
@@ -60,8 +60,8 @@ pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]
     let refitted = nuisances(&null.problem, z);
     let parameters = simulator.parameters().iter();
     let value = |p: &fd_sim::model::Parameter| {
-        let refitted = refitted.iter().find(|(name, ..)| *name == p.name);
-        refitted.map_or(p.value, |(_, value, _)| *value)
+        let refitted = refitted.iter().find(|nuisance| nuisance.name == p.name);
+        refitted.map_or(p.value, |nuisance| nuisance.value)
     };
     let theta: Vec<f64> = parameters.map(value).collect();
     let x0 = null.problem.start_of(0, z);
@@ -176,12 +176,12 @@ fn believe(causes: &mut [(Option<usize>, Cause)], wins: &[[f64; 2]]) {
     let all: Vec<Cause> = causes[..wins.len()].iter().map(|(_, cause)| cause.clone()).collect();
     for Group { causes: members, .. } in groups(&all, &[]) {
         let sum = |value: &dyn Fn([f64; 2]) -> f64| -> f64 {
-            members.iter().map(|c| value(wins[*c])).sum()
+            members.iter().map(|c| value(wins[c.0])).sum()
         };
         let together = confidence(sum(&|w| w[0]), sum(&|w| w[1]));
         let both = |[a, b]: [f64; 2]| a * b;
         let either = |[a, b]: [f64; 2]| a + b;
-        for &c in &members {
+        for CauseId(c) in members.iter().copied() {
             let (weight, weights) = if 0.0 < sum(&|w| both(w).sqrt()) {
                 (both(wins[c]).sqrt(), sum(&|w| both(w).sqrt()))
             } else {
@@ -205,7 +205,7 @@ impl<'a> Entrant<'a> {
         let values = problem.effect_values(&at.z);
         Self {
             simulator: problem.simulator(),
-            nuisances: nuisances.map(|(name, value, _)| (name, value)).collect(),
+            nuisances: nuisances.map(|n| (n.name, n.value)).collect(),
             effects: problem.effects().iter().cloned().zip(values).collect(),
         }
     }

@@ -67,8 +67,8 @@ pub use self::{
     case::Case,
     monitor::{Monitor, Stage},
     result::{
-        Cause, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested, Pair, Regime,
-        Start, Verdict,
+        Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
+        Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
     settings::Settings,
 };
@@ -216,10 +216,10 @@ const MOST_RIVALS: usize = 4;
 struct Judged {
     regime: Regime,
     judgement: Judgement,
-    tied: Vec<usize>,
-    rivals: Vec<(usize, f64)>,
+    tied: Vec<CauseId>,
+    rivals: Vec<RivalCause>,
     pairs: Vec<Pair>,
-    tied_pairs: Vec<usize>,
+    tied_pairs: Vec<PairId>,
     report_horizons: Vec<Horizon>,
 }
 

@@ -7,7 +7,7 @@
 
 use fd_sim::simulate::Simulator;
 
-use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
+use super::{answer::Answer, explain::nuisances, prepare::KnownNoise, settings::Settings};
 use crate::{
     fit::{FitError, Log, Minimum, NullFit, Problem, Variable},
     quality::Autoregression,
@@ -51,7 +51,7 @@ pub(super) fn outlook(
     }
     let run = |problem: &Problem, at: &Minimum| {
         let nuisances: Vec<(String, f64)> =
-            nuisances(problem, &at.z).into_iter().map(|(name, value, _)| (name, value)).collect();
+            nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect();
         let values = problem.effect_values(&at.z);
         let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
         let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);

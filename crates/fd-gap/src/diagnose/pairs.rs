@@ -14,7 +14,7 @@ use super::{
     observe::{Observed, observe},
     prepare::{KnownNoise, with_step},
     rank::{Ranking, Yardstick, estimates, is_same, observed_cause},
-    result::{Cause, Pair},
+    result::{Cause, Pair, PairId},
     settings::Settings,
     trial::Trial,
 };
@@ -274,13 +274,13 @@ pub(super) fn observed_beside<'a>(
 }
 
 /// The pairs that are worth being called so, the best first, with their evidence over that of the
-/// best single cause, and the places of those that the log cannot tell from the first.
+/// best single cause, and those that the log cannot tell from the first.
 pub(super) fn merge(
     duos: &mut Vec<Duo>,
     observed: Option<Pair>,
     causes: &Ranking,
     settings: &Settings,
-) -> (Vec<Pair>, Vec<usize>) {
+) -> (Vec<Pair>, Vec<PairId>) {
     let single = causes.first().map_or(0.0, |(_, cause)| cause.log_evidence.max(0.0));
     duos.retain(|duo| single + PAIR < duo.pair.log_evidence);
     let observed = observed.filter(|pair| single + PAIR < pair.log_evidence);
@@ -289,11 +289,11 @@ pub(super) fn merge(
         duos.iter().enumerate().map(|(i, duo)| (tied.contains(&i), duo.pair.clone())).collect();
     all.extend(observed.map(|pair| (false, pair)));
     all.sort_by(|(_, a), (_, b)| b.log_evidence.total_cmp(&a.log_evidence));
-    let is_tied = |(place, (is_tied, _)): (usize, &(bool, Pair))| is_tied.then_some(place);
+    let is_tied = |(place, (is_tied, _)): (usize, &(bool, Pair))| is_tied.then_some(PairId(place));
     let tied = match all.first() {
         None => vec![],
         Some((true, _)) => all.iter().enumerate().filter_map(is_tied).collect(),
-        Some((false, _)) => vec![0],
+        Some((false, _)) => vec![PairId(0)],
     };
     (all.into_iter().map(|(_, pair)| pair).collect(), tied)
 }

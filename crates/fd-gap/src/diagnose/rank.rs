@@ -5,7 +5,7 @@ use fd_effect::{Candidate, Side, map::mechanism};
 use super::{
     explain::settle,
     observe::Observed,
-    result::{Cause, Estimate, Explanation, Group, Pair},
+    result::{Cause, CauseId, Estimate, Explanation, Group, Pair, SideShare},
     trial::Trial,
 };
 use crate::{
@@ -108,14 +108,14 @@ pub(super) fn groups(causes: &[Cause], pairs: &[Pair]) -> Vec<Group> {
     for (place, cause) in causes.iter().enumerate() {
         if let Some(group) = groups.iter_mut().find(|group| is_of(group, cause)) {
             group.probability += cause.probability;
-            group.causes.push(place);
+            group.causes.push(CauseId(place));
         } else {
             groups.push(Group {
                 family: cause.family,
                 site: cause.site.clone(),
                 side: cause.side,
                 probability: cause.probability,
-                causes: vec![place],
+                causes: vec![CauseId(place)],
             });
         }
     }
@@ -128,15 +128,15 @@ pub(super) fn groups(causes: &[Cause], pairs: &[Pair]) -> Vec<Group> {
 }
 
 /// Probabilities that something is at work on a side of the plant.
-pub(super) fn sides(causes: &[Cause], pairs: &[Pair]) -> Vec<(Side, f64)> {
+pub(super) fn sides(causes: &[Cause], pairs: &[Pair]) -> Vec<SideShare> {
     let of = |side| {
         let alone = causes.iter().filter(|cause| cause.side == side).map(|cause| cause.probability);
         let is_there = |pair: &&Pair| pair.causes.iter().any(|cause| cause.side == side);
         let paired = pairs.iter().filter(is_there).map(|pair| pair.probability);
-        (side, alone.chain(paired).sum())
+        SideShare { side, probability: alone.chain(paired).sum() }
     };
-    let mut sides: [(Side, f64); 3] = [Side::Input, Side::Dynamics, Side::Output].map(of);
-    sides.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut sides = [Side::Input, Side::Dynamics, Side::Output].map(of);
+    sides.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     sides.to_vec()
 }
 
