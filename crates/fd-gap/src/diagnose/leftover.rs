@@ -1,10 +1,12 @@
 //! What the best explanation leaves: is it noise of the stated kind?
 
+use fd_sim::simulate::Simulator;
+
 use super::{prepare::KnownNoise, result::Leftover};
 use crate::{
     evidence::{NoisePrior, likelihood},
-    fit::{Problem, Segment},
-    quality::pattern,
+    fit::{Log, Problem, Segment},
+    quality::{Signal, pattern},
 };
 
 /// Innovation, as a fraction of the noise, below which noise is coloured.
@@ -69,25 +71,55 @@ fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
 }
 
 /// Inputs of the logs and outputs of the simulation, cut as the errors are.
-fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Vec<Vec<f64>>> {
+///
+/// A logged command may have been made from the measurement of its own sample, by a controller that nobody
+/// knows: it is a cause of nothing before the next sample. Nor is an output that passes it on at once.
+fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Signal> {
     let plan = problem.plan();
     let (Some(first), segments) = (plan.logs.first(), plan.segments()) else { return Vec::new() };
     let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
         (from..to).map(|k| rows[k * width + i]).collect()
     };
-    // With a controller on logged outputs, a command that is an output as well follows their noise
-    // at once: only what was before is no part of it.
-    let delay = usize::from(inputs < first.nu);
-    let inputs = (0..inputs.min(first.nu)).map(|i| -> Vec<Vec<f64>> {
-        let of = segments.iter();
-        of.map(|s| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to)).collect()
+    let of_all = |rows: &dyn Fn(&Segment) -> Vec<f64>| segments.iter().map(rows).collect();
+    // A controller on logged outputs is such a way at once, too.
+    let is_logged_loop = inputs < first.nu;
+    let at_once = passes_at_once(problem.simulator(), first);
+    let inputs = (0..inputs.min(first.nu)).map(|i| {
+        let values = of_all(&|s: &Segment| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to));
+        Signal { values, earliest: 1 }
     });
-    let outputs = (0..first.ny).map(|i| -> Vec<Vec<f64>> {
-        let late = |s: &Segment| -> Vec<f64> {
-            let now = column(&outputs[s.log], first.ny, i, s.from, s.to);
-            (0..now.len()).map(|k| now[k.saturating_sub(delay)]).collect()
-        };
-        segments.iter().map(late).collect()
+    let outputs = (0..first.ny).map(|i| {
+        let values = of_all(&|s: &Segment| column(&outputs[s.log], first.ny, i, s.from, s.to));
+        Signal { values, earliest: usize::from(is_logged_loop || at_once[i]) }
     });
     inputs.chain(outputs).collect()
+}
+
+/// Part of the size of an input by which it is moved.
+const NUDGE: f64 = 1e-3;
+
+/// Whether each output shows an input at the sample at which that is given.
+fn passes_at_once(simulator: &dyn Simulator, log: &Log) -> Vec<bool> {
+    let mut simulator = simulator.boxed();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let f = vec![0.0; simulator.ports().len()];
+    let mut shown = |u: &[f64]| -> Vec<f64> {
+        let mut y = vec![0.0; log.ny];
+        simulator.start(&theta, &x0, 0);
+        simulator.step(u, u, &f, &mut y);
+        y
+    };
+    let u = log.input(0).to_vec();
+    let before = shown(&u);
+    let mut at_once = vec![false; log.ny];
+    for i in 0..log.nu {
+        let largest = (0..log.samples()).map(|k| log.input(k)[i].abs()).fold(0.0, f64::max);
+        let mut moved = u.clone();
+        moved[i] += NUDGE * largest.max(f64::MIN_POSITIVE);
+        for (at_once, (a, b)) in at_once.iter_mut().zip(shown(&moved).iter().zip(&before)) {
+            *at_once |= a.to_bits() != b.to_bits();
+        }
+    }
+    at_once
 }

@@ -97,13 +97,77 @@ pub(super) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, Fit
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let model = pinned(case.nominal.model(), ts);
     let simulator = case.nominal.patched(&model, ts)?;
-    let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
+    let logs = Log::all(case.logs, &*simulator, &[])?;
     let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
     let stated: Vec<Option<f64>> = said.collect();
-    let null = weighted_null_fit(&plan, &*simulator, &stated)?;
-    let grids = (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
+    let null = begun(logs, &*simulator, horizon, &stated)?;
+    let plan = null.problem.plan();
+    let grids = (0..stated.len()).map(|c| grid_step(&measured(plan, c))).collect();
     let sigma = null.problem.weights().sigma.clone();
     Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma } })
+}
+
+/// The fit without any effect, from the starts that the logs really have. A log need not begin where the
+/// model says: one that was cut out of a longer run begins in motion, and a start that is held at the edge
+/// of its box bends everything that is fitted after it. With free starts there are more unknowns; they are
+/// taken where they lower the sum of squares by more than that many unknowns do by chance, as an F-test of
+/// the fit that is there (it need not come near the noise).
+fn begun(
+    logs: Vec<Log>,
+    simulator: &dyn Simulator,
+    horizon: Horizon,
+    stated: &[Option<f64>],
+) -> Result<NullFit, FitError> {
+    let fit = |logs: Vec<Log>| -> Result<NullFit, FitError> {
+        weighted_null_fit(&Arc::new(Plan::of_logs(simulator, logs, horizon)?), simulator, stated)
+    };
+    let free: Vec<Log> = logs.iter().map(|log| log.clone().in_motion()).collect();
+    let at_rest = fit(logs);
+    let in_motion = fit(free);
+    match (at_rest, in_motion) {
+        (Ok(at_rest), Ok(in_motion)) => {
+            Ok(if is_in_motion(&at_rest, &in_motion) { in_motion } else { at_rest })
+        }
+        // One of them may diverge, or be too short for so many unknowns.
+        (Ok(fit), Err(_)) | (Err(_), Ok(fit)) => Ok(fit),
+        (Err(error), Err(_)) => Err(error),
+    }
+}
+
+/// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
+const SURE: f64 = 10.0;
+/// Part of a log within which a start is forgotten …
+const BEGINNING: f64 = 1.0 / 3.0;
+/// … and the share of the gain that must lie there. What a free start gains all along the log, as the
+/// offset of an integrator does, may as well be an effect.
+const AT_THE_BEGINNING: f64 = 0.8;
+
+/// Whether free starts explain so much more that the logs cannot have begun where the model says.
+fn is_in_motion(at_rest: &NullFit, in_motion: &NullFit) -> bool {
+    let sigma = &at_rest.problem.weights().sigma;
+    // Sums of squares in the beginnings of all logs, and of all samples.
+    let squares = |fit: &NullFit| -> Option<[f64; 2]> {
+        let errors = fit.problem.clone().errors(&fit.minimum.z)?;
+        let plan = fit.problem.plan();
+        let mut sums = [0.0; 2];
+        for ((signals, own), common) in errors.iter().zip(&fit.problem.weights().sigma).zip(sigma) {
+            for (signal, segment) in signals.iter().zip(plan.segments()) {
+                let end = BEGINNING * plan.logs[segment.log].samples() as f64;
+                for (k, e) in signal.iter().enumerate().filter(|(_, e)| e.is_finite()) {
+                    let square = (e * own / common).powi(2);
+                    sums[0] += if ((segment.from + k) as f64) < end { square } else { 0.0 };
+                    sums[1] += square;
+                }
+            }
+        }
+        Some(sums)
+    };
+    let (Some(before), Some(after)) = (squares(at_rest), squares(in_motion)) else { return false };
+    let n = at_rest.problem.plan().measured() as f64;
+    let unknowns = in_motion.problem.plan().own_variables().count() as f64;
+    let gain = before[1] - after[1];
+    let is_early = AT_THE_BEGINNING * gain < before[0] - after[0];
+    is_early && unknowns * (n.ln() + SURE) * after[1] < n * gain
 }
 
 /// The model with the integration step that it has with its nominal parameters, whatever they will
