@@ -1,5 +1,6 @@
 //! Stages in boxes, and what an identifier does that knows no retraining.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::float_cmp, reason = "small whole numbers are exact")]
 
 use fd_core::{
     Events, Frame, IoDims, Snapshot, StateVisitor,

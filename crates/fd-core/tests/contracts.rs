@@ -1,5 +1,6 @@
 //! The small parts of the contracts: maps, buffers, scalars, frames, reports, events, snapshots.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::float_cmp, reason = "small whole numbers are exact")]
 
 use fd_core::{
     Buffer, EventKind, Events, Fixed, Frame, FrameError, Heap, HeapMap, IoDims, LinMap, Scalar,

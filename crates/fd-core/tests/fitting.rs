@@ -1,5 +1,6 @@
 //! Pipelines whose stages fit or do not, and what a step hands on.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::float_cmp, reason = "small whole numbers are exact")]
 
 use fd_core::{
     BuildError, EventKind, Events, Frame, FrameError, IoDims, MissingSamples, Pipeline, Snapshot,
