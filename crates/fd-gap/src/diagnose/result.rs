@@ -299,15 +299,6 @@ pub struct NotTested {
     pub reason: String,
 }
 
-impl Cause {
-    /// Whether a candidate is one of its laws.
-    pub(super) fn is_of(&self, candidate: &Candidate) -> bool {
-        self.label == candidate.label
-            && self.site == candidate.site
-            && self.partner == candidate.partner
-    }
-}
-
 impl NotTested {
     pub(super) fn of(candidate: &Candidate, reason: String) -> Self {
         let Candidate { label, law, site, .. } = candidate;

@@ -2,14 +2,18 @@
 
 use fd_sim::model::{Model, Parameter};
 
-use super::result::{Explanation, Nuisance, Start};
 use crate::{
+    diagnose::result::{Explanation, Nuisance, Start},
     fit::{FitError, LeastSquares, Problem, Variable},
     shrink::gap_per_output,
 };
 
 /// A fitted problem, of which `model` is the (patched) model; `None` when its simulation diverges.
-pub(super) fn explain(model: &Model, problem: &mut Problem, z: &[f64]) -> Option<Explanation> {
+pub(in crate::diagnose) fn explain(
+    model: &Model,
+    problem: &mut Problem,
+    z: &[f64],
+) -> Option<Explanation> {
     let gap = gap_per_output(&problem.errors(z)?);
     let outputs = problem.outputs(z)?;
     let segments = problem.plan().segments().to_vec();
@@ -24,7 +28,7 @@ pub(super) fn explain(model: &Model, problem: &mut Problem, z: &[f64]) -> Option
 }
 
 /// The refitted parameters of the nominal model.
-pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<Nuisance> {
+pub(in crate::diagnose) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<Nuisance> {
     let nuisance = |(variable, z): (&Variable, &f64)| Nuisance {
         name: variable.name.clone(),
         value: variable.value(*z),
@@ -34,7 +38,7 @@ pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<Nuisance> {
 }
 
 /// The nominal model as it came, against the logs of a problem.
-pub(super) fn nominal_explanation(
+pub(in crate::diagnose) fn nominal_explanation(
     model: &Model,
     problem: &Problem,
 ) -> Result<Explanation, FitError> {
@@ -44,7 +48,7 @@ pub(super) fn nominal_explanation(
 }
 
 /// The model with its parameters, and the initial state of the first run, as they were fitted.
-pub(super) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
+pub(in crate::diagnose) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
     let mut draft = model.clone().into_draft();
     let shared = problem.plan().nuisances().iter().chain(problem.effects());
     for (variable, z) in shared.zip(z) {
