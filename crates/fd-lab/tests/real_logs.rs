@@ -14,7 +14,7 @@ use std::{
 };
 
 use fd_effect::{EverySite, library, with_default_sites};
-use fd_gap::diagnose::{Case, Diagnosis, HeldOut, Regime, Settings, Verdict, diagnose};
+use fd_gap::diagnose::{Case, Diagnosis, HeldOut, Nuisance, Regime, Settings, Verdict, diagnose};
 use fd_log::{LogMap, RowRule, read_log};
 use fd_model::Record;
 use fd_sim::{model::Model, scales::ReplayScales};
@@ -111,7 +111,7 @@ fn print(diagnosis: &Diagnosis) {
         );
     }
     println!("  tied {:?} rivals {:?}", diagnosis.tied, diagnosis.rivals);
-    for (name, value, deviation) in &diagnosis.best.nuisances {
+    for Nuisance { name, value, deviation } in &diagnosis.best.nuisances {
         println!("    {name} = {value:.4e} ({deviation:+.1} sd)");
     }
     for HeldOut { horizon, seconds, nominal, refit, after, closed_of_refit, .. } in

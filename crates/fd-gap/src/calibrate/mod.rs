@@ -22,7 +22,9 @@ use self::{
     verdicts::{Answers, Outcome, best_temperature, column},
 };
 use crate::{
-    diagnose::{Case, Cause, Diagnosis, Monitor, Regime, Settings, Stage, Start, diagnose},
+    diagnose::{
+        Case, Cause, CauseId, Diagnosis, Monitor, Regime, Settings, Stage, Start, diagnose,
+    },
     fit::FitError,
     locate::{bench::Bench, places::name},
 };
@@ -80,7 +82,7 @@ pub fn self_calibrate(
     let source = Source::new(case, diagnosis, &bench);
     let leading = leading(diagnosis);
     let truths: Vec<Option<&Cause>> =
-        std::iter::once(None).chain(leading.iter().map(|&i| Some(&diagnosis.causes[i]))).collect();
+        std::iter::once(None).chain(leading.iter().map(|id| diagnosis.cause(*id))).collect();
     let jobs: Vec<(usize, usize)> =
         (0..truths.len()).flat_map(|row| (0..replicas).map(move |i| (row, i))).collect();
     monitor.begin(Stage::Calibrate, jobs.len());
@@ -109,15 +111,13 @@ pub fn self_calibrate(
 fn confusion(
     diagnosis: &Diagnosis,
     settings: &Settings,
-    leading: &[usize],
+    leading: &[CauseId],
     outcomes: &[Outcome],
 ) -> Confusion {
-    let truth = |cause: Option<usize>| {
-        let words = |place: usize| {
-            let cause = &diagnosis.causes[place];
-            format!("{} at {}", cause.label, name(&cause.site))
-        };
-        Truth { cause, name: cause.map_or_else(|| "no gap".to_owned(), words) }
+    let truth = |id: Option<CauseId>| {
+        let words = |cause: &Cause| format!("{} at {}", cause.label, name(&cause.site));
+        let cause = id.and_then(|id| diagnosis.cause(id));
+        Truth { cause: id, name: cause.map_or_else(|| "no gap".to_owned(), words) }
     };
     let truths: Vec<Truth> =
         std::iter::once(None).chain(leading.iter().copied().map(Some)).map(truth).collect();
@@ -158,13 +158,14 @@ fn confusion(
 
 /// Causes that are worth a row: the tied ones, the rivals, then others, as far as there is evidence
 /// for them.
-fn leading(diagnosis: &Diagnosis) -> Vec<usize> {
-    let rivals = diagnosis.rivals.iter().map(|(place, _)| *place);
-    let mut all: Vec<usize> = Vec::new();
-    for place in diagnosis.tied.iter().copied().chain(rivals).chain(0..diagnosis.causes.len()) {
-        let is_evident = diagnosis.causes.get(place).is_some_and(|c| 0.0 < c.log_evidence);
-        if is_evident && !all.contains(&place) {
-            all.push(place);
+fn leading(diagnosis: &Diagnosis) -> Vec<CauseId> {
+    let rivals = diagnosis.rivals.iter().map(|rival| rival.cause);
+    let others = (0..diagnosis.causes.len()).map(CauseId);
+    let mut all: Vec<CauseId> = Vec::new();
+    for id in diagnosis.tied.iter().copied().chain(rivals).chain(others) {
+        let is_evident = diagnosis.cause(id).is_some_and(|c| 0.0 < c.log_evidence);
+        if is_evident && !all.contains(&id) {
+            all.push(id);
         }
     }
     all.truncate(MOST_CAUSES);

@@ -1,5 +1,7 @@
 //! The expected confusion matrix of a log.
 
+use crate::diagnose::CauseId;
+
 /// What a diagnosis of logs like these would answer, whatever the cause is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confusion {
@@ -25,9 +27,8 @@ pub struct Confusion {
     pub threshold: f64,
     /// Mean number of answers in that set, over the replicas.
     pub set_size: f64,
-    /// That set for the present diagnosis: `None` is "no gap", others are places in
-    /// [`Diagnosis::causes`](crate::diagnose::Diagnosis::causes).
-    pub set: Vec<Option<usize>>,
+    /// That set for the present diagnosis; `None` is "no gap".
+    pub set: Vec<Option<CauseId>>,
     /// In words.
     pub statement: String,
 }
@@ -35,8 +36,8 @@ pub struct Confusion {
 /// A true cause.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truth {
-    /// Place in [`Diagnosis::causes`](crate::diagnose::Diagnosis::causes); `None` is "no gap".
-    pub cause: Option<usize>,
+    /// The cause; `None` is "no gap".
+    pub cause: Option<CauseId>,
     /// In words, such as `coulomb-friction at shaft`.
     pub name: String,
 }

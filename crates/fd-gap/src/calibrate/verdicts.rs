@@ -1,7 +1,7 @@
 //! What the diagnosis of a replica answers, and how probable it finds the truth.
 
 use crate::{
-    diagnose::{Cause, Diagnosis, Verdict},
+    diagnose::{Cause, CauseId, Diagnosis, Verdict},
     evidence::probabilities,
 };
 
@@ -29,8 +29,8 @@ pub(super) struct Outcome {
 pub(super) struct Answers {
     no_gap: f64,
     evidence: Vec<f64>,
-    /// Places of the tied causes, which count as one answer.
-    tied: Vec<usize>,
+    /// The tied causes, which count as one answer.
+    tied: Vec<CauseId>,
     truth: Truth,
 }
 
@@ -38,17 +38,29 @@ pub(super) struct Answers {
 #[derive(Clone, Copy, Debug)]
 enum Truth {
     NoGap,
-    /// A cause, by its place.
-    Cause(usize),
+    /// A cause.
+    Cause(CauseId),
     /// A cause that was not tried.
     Absent,
+}
+
+/// Probabilities of the answers of a diagnosis.
+#[derive(Clone, Debug)]
+pub(super) struct Probabilities {
+    no_gap: f64,
+    /// Of the tied causes together.
+    tied: f64,
+    /// Of each other cause.
+    others: Vec<(CauseId, f64)>,
 }
 
 impl Answers {
     /// `truth` is the true cause; `None` is "no gap".
     pub(super) fn of(diagnosis: &Diagnosis, truth: Option<&Cause>, no_gap: f64) -> Self {
-        let place =
-            |truth: &Cause| diagnosis.causes.iter().position(|c| c.identity() == truth.identity());
+        let place = |truth: &Cause| {
+            let place = diagnosis.causes.iter().position(|c| c.identity() == truth.identity());
+            place.map(CauseId)
+        };
         Self {
             no_gap,
             evidence: diagnosis.causes.iter().map(|cause| cause.log_evidence).collect(),
@@ -58,59 +70,58 @@ impl Answers {
         }
     }
 
-    /// Probabilities at a temperature: of "no gap", of the tied causes together, of each other cause
-    /// with its place.
-    pub(super) fn probabilities(&self, temperature: f64) -> (f64, f64, Vec<(usize, f64)>) {
+    /// Probabilities at a temperature.
+    pub(super) fn probabilities(&self, temperature: f64) -> Probabilities {
         let prior = (1.0 - self.no_gap) / self.evidence.len().max(1) as f64;
         let causes = self.evidence.iter().map(|evidence| (*evidence, prior));
         let answers: Vec<(f64, f64)> = std::iter::once((0.0, self.no_gap)).chain(causes).collect();
         let all = probabilities(&answers, temperature);
         let (no_gap, causes) = all.split_first().map_or((1.0, &all[..]), |(p, rest)| (*p, rest));
-        let tied = self.tied.iter().filter_map(|&i| causes.get(i)).sum::<f64>().max(0.0);
-        let others = causes.iter().copied().enumerate();
-        let others = others.filter(|(i, _)| !self.tied.contains(i)).collect();
-        (no_gap, tied, others)
+        let tied = self.tied.iter().filter_map(|id| causes.get(id.0)).sum::<f64>().max(0.0);
+        let others = causes.iter().copied().enumerate().map(|(i, p)| (CauseId(i), p));
+        let others = others.filter(|(id, _)| !self.tied.contains(id)).collect();
+        Probabilities { no_gap, tied, others }
     }
 
     /// Probability of the truth, or of the causes that are tied with it.
     pub(super) fn of_truth(&self, temperature: f64) -> f64 {
-        let (no_gap, tied, others) = self.probabilities(temperature);
+        let Probabilities { no_gap, tied, others } = self.probabilities(temperature);
         match self.truth {
             Truth::Absent => 0.0,
             Truth::NoGap => no_gap,
-            Truth::Cause(place) if self.tied.contains(&place) => tied,
-            Truth::Cause(place) => others
+            Truth::Cause(cause) if self.tied.contains(&cause) => tied,
+            Truth::Cause(cause) => others
                 .iter()
-                .find(|(i, _)| *i == place)
+                .find(|(other, _)| *other == cause)
                 .map_or(0.0, |(_, probability)| *probability),
         }
     }
 
     /// The highest probability of an answer.
     pub(super) fn top(&self, temperature: f64) -> f64 {
-        let (no_gap, tied, others) = self.probabilities(temperature);
+        let Probabilities { no_gap, tied, others } = self.probabilities(temperature);
         others.iter().map(|(_, p)| *p).fold(no_gap.max(tied), f64::max)
     }
 
     /// How many answers have at least this probability.
     pub(super) fn at_least(&self, threshold: f64, temperature: f64) -> usize {
-        let (no_gap, tied, others) = self.probabilities(temperature);
+        let Probabilities { no_gap, tied, others } = self.probabilities(temperature);
         let all = others.iter().map(|(_, p)| *p).chain([no_gap, tied]);
         all.filter(|p| threshold <= *p && 0.0 < *p).count()
     }
 
-    /// The answers with at least this probability, by place; `None` is "no gap".
-    pub(super) fn set(&self, threshold: f64, temperature: f64) -> Vec<Option<usize>> {
-        let (no_gap, tied, others) = self.probabilities(temperature);
+    /// The answers with at least this probability; `None` is "no gap".
+    pub(super) fn set(&self, threshold: f64, temperature: f64) -> Vec<Option<CauseId>> {
+        let Probabilities { no_gap, tied, others } = self.probabilities(temperature);
         let is_in = |p: f64| threshold <= p && 0.0 < p;
         let mut set = Vec::new();
         if is_in(no_gap) {
             set.push(None);
         }
         if is_in(tied) {
-            set.extend(self.tied.iter().map(|place| Some(*place)));
+            set.extend(self.tied.iter().copied().map(Some));
         }
-        set.extend(others.iter().filter(|(_, p)| is_in(*p)).map(|(place, _)| Some(*place)));
+        set.extend(others.iter().filter(|(_, p)| is_in(*p)).map(|(cause, _)| Some(*cause)));
         set
     }
 }
@@ -127,8 +138,10 @@ pub(super) fn column(diagnosis: &Diagnosis, truths: &[Option<&Cause>], row: usiz
         Verdict::NoneOfThese | Verdict::Unclear => return none,
     };
     let tied = answered.unwrap_or_default().iter().enumerate();
-    let tied: Vec<&Cause> =
-        tied.filter(|(i, _)| *i == 0 || diagnosis.tied.contains(i)).map(|(_, c)| c).collect();
+    let tied: Vec<&Cause> = tied
+        .filter(|(i, _)| *i == 0 || diagnosis.tied.contains(&CauseId(*i)))
+        .map(|(_, c)| c)
+        .collect();
     let is_answered = |truth: Option<&Cause>| {
         truth.is_some_and(|truth| tied.iter().any(|answer| answer.identity() == truth.identity()))
     };

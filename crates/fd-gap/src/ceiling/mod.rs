@@ -149,7 +149,7 @@ fn prepare(
 ) -> Result<Option<Vec<Trained>>, FitError> {
     let logs = Log::all(records, nominal, earlier)?;
     let nuisances: Vec<(String, f64)> =
-        diagnosis.refit.nuisances.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
+        diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value)).collect();
     let settled = Settled { simulator: &*refit, nuisances: &nuisances, effects: &[] };
     let sigma = &diagnosis.sigma;
     let errors = forecast_errors(nominal, settled, &logs, Horizon::FreeRun, sigma)?;

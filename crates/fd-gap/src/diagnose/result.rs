@@ -1,5 +1,7 @@
 //! What a diagnosis says.
 
+use std::fmt::{self, Display, Formatter};
+
 use fd_effect::{Candidate, NotTestable, Side, SiteRef};
 use fd_sim::model::Model;
 
@@ -27,19 +29,16 @@ pub struct Diagnosis {
     /// mechanisms may be at work together, probabilities of groups may add up to more than 1.
     pub groups: Vec<Group>,
     /// Sides of the plant, the most probable first; sums as those of `groups`.
-    pub sides: Vec<(Side, f64)>,
-    /// Places in `causes` of the causes that this log cannot tell from the first one, which is the
-    /// first of them: refitted to its noise-free simulation they leave less than 9 squares of the
-    /// noise.
-    pub tied: Vec<usize>,
-    /// Places in `causes` of other causes within the Bayes factor, with the squares of the noise
-    /// that a refit leaves.
-    pub rivals: Vec<(usize, f64)>,
+    pub sides: Vec<SideShare>,
+    /// The causes that this log cannot tell from the first one, which is the first of them: refitted
+    /// to its noise-free simulation they leave less than 9 squares of the noise.
+    pub tied: Vec<CauseId>,
+    /// Other causes within the Bayes factor, which the log does tell from the first one.
+    pub rivals: Vec<RivalCause>,
     /// Pairs of causes that act together, the best first; empty when none was worth a try.
     pub pairs: Vec<Pair>,
-    /// Places in `pairs` of the pairs that this log cannot tell from the first one, which is the
-    /// first of them.
-    pub tied_pairs: Vec<usize>,
+    /// The pairs that this log cannot tell from the first one, which is the first of them.
+    pub tied_pairs: Vec<PairId>,
     /// Why to doubt that the best explanation is all there is.
     pub leftover: Leftover,
     /// Noise of each output that residuals are measured in, in its unit.
@@ -66,6 +65,40 @@ pub struct Diagnosis {
     pub not_tested: Vec<NotTested>,
     /// Simulations of all logs that were made.
     pub simulations: usize,
+}
+
+impl Diagnosis {
+    /// The cause of an id; `None` when the id is of another diagnosis.
+    #[must_use]
+    pub fn cause(&self, id: CauseId) -> Option<&Cause> {
+        self.causes.get(id.0)
+    }
+
+    /// The pair of an id; `None` when the id is of another diagnosis.
+    #[must_use]
+    pub fn pair(&self, id: PairId) -> Option<&Pair> {
+        self.pairs.get(id.0)
+    }
+}
+
+/// A cause of a diagnosis: its place in [`Diagnosis::causes`], from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CauseId(pub usize);
+
+/// A pair of a diagnosis: its place in [`Diagnosis::pairs`], from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PairId(pub usize);
+
+impl Display for CauseId {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Display for PairId {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
 }
 
 /// The answer in one word.
@@ -106,8 +139,27 @@ pub struct Group {
     pub side: Side,
     /// Probability that it is at work, alone or as one of two.
     pub probability: f64,
-    /// Places of its causes in [`Diagnosis::causes`].
-    pub causes: Vec<usize>,
+    /// Its causes.
+    pub causes: Vec<CauseId>,
+}
+
+/// A side of the plant, with all that is at work there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideShare {
+    /// The side.
+    pub side: Side,
+    /// Probability that something is at work there, alone or as one of two.
+    pub probability: f64,
+}
+
+/// A cause that is nearly as probable as the first one, and can be told from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RivalCause {
+    /// The cause.
+    pub cause: CauseId,
+    /// Squares of the noise that it leaves when it is refitted to the noise-free simulation of the
+    /// first one.
+    pub distance: f64,
 }
 
 /// An effect at a site, all of its laws together.
@@ -202,15 +254,25 @@ pub struct Explanation {
     /// The model, patched where there is an effect; running it from the `starts` gives `outputs` to
     /// the bit.
     pub model: Model,
-    /// Refitted parameters of the nominal model: name, value, deviation from nominal in standard
-    /// deviations of the prior.
-    pub nuisances: Vec<(String, f64, f64)>,
+    /// Refitted parameters of the nominal model.
+    pub nuisances: Vec<Nuisance>,
     /// Where runs start.
     pub starts: Vec<Start>,
     /// Simulated outputs of each log, row by row.
     pub outputs: Vec<Vec<f64>>,
     /// Root mean square of the training residual of each output, in sigma.
     pub gap: Vec<f64>,
+}
+
+/// A refitted parameter of the nominal model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nuisance {
+    /// Name in the model.
+    pub name: String,
+    /// Value, in the unit of the parameter.
+    pub value: f64,
+    /// How far that is from nominal, in standard deviations of the prior.
+    pub deviation: f64,
 }
 
 /// The start of a run.
@@ -235,15 +297,6 @@ pub struct NotTested {
     pub site: SiteRef,
     /// Why it could not be tried.
     pub reason: String,
-}
-
-impl Cause {
-    /// Whether a candidate is one of its laws.
-    pub(super) fn is_of(&self, candidate: &Candidate) -> bool {
-        self.label == candidate.label
-            && self.site == candidate.site
-            && self.partner == candidate.partner
-    }
 }
 
 impl NotTested {

@@ -1,5 +1,7 @@
 //! Which experiment would separate what is left.
 
+use crate::diagnose::{CauseId, PairId};
+
 /// What can be done with the real system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
@@ -46,10 +48,10 @@ pub struct Advice {
 pub enum Rival {
     /// The model with refitted parameters.
     NoGap,
-    /// A place in [`Diagnosis::causes`](crate::diagnose::Diagnosis::causes).
-    Cause(usize),
-    /// A place in [`Diagnosis::pairs`](crate::diagnose::Diagnosis::pairs).
-    Pair(usize),
+    /// A cause of the diagnosis.
+    Cause(CauseId),
+    /// A pair of the diagnosis.
+    Pair(PairId),
 }
 
 /// How well an experiment separates causes.

@@ -35,15 +35,15 @@ pub(super) fn between(diagnosis: &Diagnosis) -> Vec<Rival> {
         Verdict::Pair => diagnosis.tied_pairs.iter().copied().map(Rival::Pair).collect(),
         _ => match diagnosis.tied.as_slice() {
             [leader] => {
-                let rivals = diagnosis.rivals.iter().map(|(place, _)| *place);
+                let rivals = diagnosis.rivals.iter().map(|rival| rival.cause);
                 std::iter::once(*leader).chain(rivals).map(Rival::Cause).collect()
             }
             tied => tied.iter().copied().map(Rival::Cause).collect(),
         },
     };
     let probability = match all.first() {
-        Some(Rival::Cause(place)) => diagnosis.causes.get(*place).map(|c| c.probability),
-        Some(Rival::Pair(place)) => diagnosis.pairs.get(*place).map(|pair| pair.probability),
+        Some(Rival::Cause(id)) => diagnosis.cause(*id).map(|cause| cause.probability),
+        Some(Rival::Pair(id)) => diagnosis.pair(*id).map(|pair| pair.probability),
         Some(Rival::NoGap) | None => None,
     };
     if probability.is_some_and(|p| p <= PROBABLE * diagnosis.no_gap) {
@@ -56,8 +56,8 @@ pub(super) fn between(diagnosis: &Diagnosis) -> Vec<Rival> {
 pub(super) fn leader(diagnosis: &Diagnosis, rival: Rival) -> Option<(&Model, Option<&[Start]>)> {
     let model = match rival {
         Rival::NoGap => &diagnosis.refit.model,
-        Rival::Cause(place) => &diagnosis.causes.get(place)?.model,
-        Rival::Pair(place) => &diagnosis.pairs.get(place)?.causes[0].model,
+        Rival::Cause(id) => &diagnosis.cause(id)?.model,
+        Rival::Pair(id) => &diagnosis.pair(id)?.causes[0].model,
     };
     let known = [&diagnosis.best, &diagnosis.refit].into_iter().find(|e| e.model == *model);
     Some((model, known.map(|explanation| explanation.starts.as_slice())))
@@ -68,8 +68,8 @@ pub(super) fn words(diagnosis: &Diagnosis, rival: Rival) -> String {
     let cause = |cause: &Cause| format!("{} at {}", cause.label, name(&cause.site));
     match rival {
         Rival::NoGap => "no gap".to_owned(),
-        Rival::Cause(place) => diagnosis.causes.get(place).map(cause).unwrap_or_default(),
-        Rival::Pair(place) => diagnosis.pairs.get(place).map_or_else(String::new, |pair| {
+        Rival::Cause(id) => diagnosis.cause(id).map(cause).unwrap_or_default(),
+        Rival::Pair(id) => diagnosis.pair(id).map_or_else(String::new, |pair| {
             let [first, second] = pair.causes.each_ref().map(cause);
             format!("{first} with {second}")
         }),
@@ -100,15 +100,15 @@ pub(super) fn contenders<'a>(
                 values: Vec::new(),
                 fitted: &diagnosis.refit.model,
             },
-            Rival::Cause(place) => {
-                let cause = diagnosis.causes.get(place)?;
+            Rival::Cause(id) => {
+                let cause = diagnosis.cause(id)?;
                 let candidate = found(&offers, cause)?;
                 let effects = variables(&candidate);
                 let (model, values) = (candidate.model, values(cause));
                 Contender { model, effects, values, fitted: &cause.model }
             }
-            Rival::Pair(place) => {
-                let [first, second] = &diagnosis.pairs.get(place)?.causes;
+            Rival::Pair(id) => {
+                let [first, second] = &diagnosis.pair(id)?.causes;
                 let one = found(&offers, first)?;
                 let beside: Vec<Candidate> =
                     case.suspects.beside(&one).into_iter().filter_map(Result::ok).collect();

@@ -15,7 +15,7 @@ use super::{
     result::FreeSignal,
 };
 use crate::{
-    diagnose::{Case, Diagnosis, Start},
+    diagnose::{Case, Diagnosis, Nuisance, Start},
     fit::Variable,
 };
 
@@ -119,7 +119,7 @@ impl<'a> Probe<'a> {
         let base = self.bench.run(&mut *simulator, &theta, self.starts, &Vec::new())?;
         let mut columns = Vec::new();
         let whole = 0..self.residual.len();
-        for (name, _, deviation) in &diagnosis.refit.nuisances {
+        for Nuisance { name, deviation, .. } in &diagnosis.refit.nuisances {
             let known = nominal.parameters.iter().find(|parameter| parameter.name == *name);
             let place = simulator.parameters().iter().position(|p| p.name == *name);
             let variable = known.and_then(Variable::nuisance);

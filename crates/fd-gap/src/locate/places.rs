@@ -8,7 +8,7 @@ use super::{
     free_signal::Probe,
     result::{FreeSignal, PlaceEvidence, SideEvidence},
 };
-use crate::diagnose::{Cause, Diagnosis, Monitor, Stage};
+use crate::diagnose::{Cause, Diagnosis, Monitor, SideShare, Stage};
 
 /// Probability from which a place is named.
 const NAMED: f64 = 0.5;
@@ -45,8 +45,9 @@ pub(super) fn places(
 
 pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<SideEvidence> {
     let outputs = diagnosis.sigma.len();
-    let side = |(side, probability): &(Side, f64)| {
-        let here = places.iter().filter(|place| place.side == *side);
+    let side = |&SideShare { side, probability }: &SideShare| {
+        let probability = probability.max(0.0);
+        let here = places.iter().filter(|place| place.side == side);
         let shares = here.filter_map(|place| place.free.as_ref()).map(|free| free.share);
         let free_share = shares.reduce(f64::max);
         let name = match side {
@@ -59,9 +60,9 @@ pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<Side
             format!("; a free signal there explains up to {:.0} % of the gap", 100.0 * share)
         });
         let statement = format!("{name}: probability {probability:.2}{free}");
-        SideEvidence { side: *side, probability: *probability, free_share, statement }
+        SideEvidence { side, probability, free_share, statement }
     };
-    diagnosis.sides.iter().map(|(s, p)| side(&(*s, p.max(0.0)))).collect()
+    diagnosis.sides.iter().map(side).collect()
 }
 
 fn side(site: &SiteRef) -> Side {

@@ -111,5 +111,5 @@ states = { x = { unit = "1", initial = 0.0, derivative = "p*u - x*sqrt(1.02 - p)
     let diagnosis = run(&model, log).unwrap();
     assert_eq!(diagnosis.verdict, Verdict::NoGap);
     assert!(diagnosis.refit.gap[0] < 1.2);
-    assert!(diagnosis.refit.nuisances[0].1 < 1.02);
+    assert!(diagnosis.refit.nuisances[0].value < 1.02);
 }

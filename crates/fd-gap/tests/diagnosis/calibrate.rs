@@ -5,7 +5,7 @@ use std::time::Instant;
 use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
-    diagnose::{Case, Settings, diagnose},
+    diagnose::{Case, CauseId, Settings, diagnose},
 };
 use fd_sim::{model::Model, patch::Patch};
 
@@ -51,7 +51,7 @@ fn an_easy_case_is_diagonal_whatever_the_number_of_threads() {
     }
     // No gap, and friction of 0.4 N in a log that shows it, are beyond doubt.
     assert!(replicas - 1 <= confusion.counts[0][0] && replicas - 1 <= confusion.counts[1][1]);
-    assert!(confusion.set.contains(&Some(0)) && !confusion.set.contains(&None));
+    assert!(confusion.set.contains(&Some(CauseId(0))) && !confusion.set.contains(&None));
     assert!(1.0 <= confusion.set_size && confusion.set_size < 3.0);
     assert_eq!(confusion, run(1));
 }

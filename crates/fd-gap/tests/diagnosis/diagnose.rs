@@ -243,7 +243,7 @@ fn gain_and_scale_of_a_linear_plant_are_one_answer() {
     parameter(&mut patch, "true_g", 0.3);
     patch.wrap_input("force", "seen", expr("(1 + true_g)*force")).unwrap();
     let diagnosis = run("mass_spring_damper", &patch.finish().unwrap(), reality(8.0, 41));
-    let tied: Vec<&str> = diagnosis.tied.iter().map(|&i| diagnosis.causes[i].label).collect();
+    let tied: Vec<&str> = diagnosis.tied.iter().map(|id| diagnosis.causes[id.0].label).collect();
     assert!(tied.contains(&"gain") && tied.contains(&"scale"), "{tied:?}");
     assert!(!tied.contains(&"coulomb") && !tied.contains(&"dead-zone"), "{tied:?}");
 }

@@ -43,7 +43,7 @@ pub(super) fn answer(
         (Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
         _ => Vec::new(),
     };
-    let refit = diagnosis.refit.nuisances.iter().map(|(name, value, _)| (name.clone(), *value));
+    let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));
     let closed = diagnosis.held_out.first().and_then(|held_out| held_out.closed_of_refit);
     Ok(Answer {
         case: name.to_owned(),
@@ -54,7 +54,7 @@ pub(super) fn answer(
         none_score: diagnosis.none_of_these + TIE_BREAK * above.fold(0.0, f64::max),
         says_none: diagnosis.verdict == Verdict::NoneOfThese,
         causes: diagnosis.causes.iter().take(KEPT).map(named).collect(),
-        tied: diagnosis.tied.clone(),
+        tied: diagnosis.tied.iter().map(|id| id.0).collect(),
         together,
         pairs: diagnosis.pairs.iter().take(KEPT).map(together_with).collect(),
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]

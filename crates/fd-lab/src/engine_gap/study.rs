@@ -1,7 +1,7 @@
 //! One withheld cause, two simulators that lack it: which of them names it?
 
 use fd_effect::{Effect, EverySite};
-use fd_gap::diagnose::{Case, Diagnosis, Settings, Verdict, diagnose};
+use fd_gap::diagnose::{Case, Cause, Diagnosis, Settings, Verdict, diagnose};
 use fd_model::Record;
 use fd_sim::simulate::Nominal;
 use fdiag::engine_plant::EnginePlantError;
@@ -48,16 +48,15 @@ impl Answer {
     #[must_use]
     pub fn of(diagnosis: &Diagnosis, cause: EngineCause) -> Self {
         let (label, site) = cause.name();
-        let is_it = |place: usize| {
-            let cause = diagnosis.causes.get(place);
-            cause.is_some_and(|c| c.label == label && c.site.name() == Some(site))
-        };
+        let is_it = |cause: &Cause| cause.label == label && cause.site.name() == Some(site);
+        let is_first = diagnosis.causes.first().is_some_and(is_it);
+        let mut tied = diagnosis.tied.iter().filter_map(|id| diagnosis.cause(*id));
         match diagnosis.verdict {
             Verdict::NoGap if cause == EngineCause::Nothing => Self::Right,
             Verdict::NoGap => Self::Missed,
-            Verdict::Cause if is_it(0) => Self::Right,
-            Verdict::Tied if diagnosis.tied.iter().any(|place| is_it(*place)) => Self::Tied,
-            Verdict::Unclear | Verdict::NoneOfThese if is_it(0) => Self::First,
+            Verdict::Cause if is_first => Self::Right,
+            Verdict::Tied if tied.any(is_it) => Self::Tied,
+            Verdict::Unclear | Verdict::NoneOfThese if is_first => Self::First,
             Verdict::Unclear | Verdict::NoneOfThese => Self::Unsure,
             Verdict::Cause | Verdict::Tied | Verdict::Pair => Self::Wrong,
         }

@@ -49,8 +49,8 @@ pub(super) fn patched_files(
     let mut files =
         vec![file("patched.toml".to_owned(), content, &logs, &subject.text(&diagnosis.best.model))];
     if diagnosis.verdict == Verdict::Tied {
-        for (i, &place) in diagnosis.tied.iter().enumerate().skip(1) {
-            let cause = &diagnosis.causes[place];
+        let tied = diagnosis.tied.iter().filter_map(|id| diagnosis.cause(*id));
+        for (i, cause) in tied.enumerate().skip(1) {
             let content = format!("the model with {}, which fits as well", name(cause));
             files.push(file(
                 format!("patched-{}.toml", i + 1),

@@ -169,12 +169,12 @@ fn noise(model: &Model, diagnosis: &Diagnosis) -> Vec<NoiseReport> {
 
 fn nuisances(model: &Model, diagnosis: &Diagnosis) -> Vec<NuisanceReport> {
     let known = |name: &str| model.parameters.iter().find(|p| p.name == name);
-    let each = diagnosis.best.nuisances.iter().map(|(name, value, deviation)| NuisanceReport {
-        name: name.clone(),
-        unit: known(name).map_or_else(String::new, |p| p.unit.clone()),
-        nominal: known(name).map_or(f64::NAN, |p| p.value),
-        refitted: *value,
-        deviation_sd: *deviation,
+    let each = diagnosis.best.nuisances.iter().map(|nuisance| NuisanceReport {
+        name: nuisance.name.clone(),
+        unit: known(&nuisance.name).map_or_else(String::new, |p| p.unit.clone()),
+        nominal: known(&nuisance.name).map_or(f64::NAN, |p| p.value),
+        refitted: nuisance.value,
+        deviation_sd: nuisance.deviation,
     });
     each.collect()
 }

@@ -44,12 +44,8 @@ pub(super) fn trace(
     if let Some(log) = held_out.first() {
         let before = nominal.simulator(ts)?;
         let after = nominal.patched(&diagnosis.best.model, ts)?;
-        let refitted: Vec<(String, f64)> = diagnosis
-            .best
-            .nuisances
-            .iter()
-            .map(|(name, value, _)| (name.clone(), *value))
-            .collect();
+        let refitted: Vec<(String, f64)> =
+            diagnosis.best.nuisances.iter().map(|n| (n.name.clone(), n.value)).collect();
         let run = |simulator, nuisances: &[(String, f64)]| {
             let settled = Settled { simulator, nuisances, effects: &[] };
             forecast_errors(&*before, settled, std::slice::from_ref(log), horizon, &diagnosis.sigma)

@@ -2,7 +2,7 @@
 
 use fd_effect::{Side, SiteRef};
 use fd_gap::{
-    diagnose::{Cause, Diagnosis, Estimate, Group, Pair},
+    diagnose::{Cause, Diagnosis, Estimate, Group, Pair, SideShare},
     locate::Location,
 };
 use serde::Serialize;
@@ -188,12 +188,12 @@ impl CauseReport {
     pub(in crate::gap) fn all(diagnosis: &Diagnosis) -> Vec<Self> {
         let mut causes: Vec<Self> = diagnosis.causes.iter().map(Self::of).collect();
         if 1 < diagnosis.tied.len() {
-            for &place in &diagnosis.tied {
-                causes[place].is_tied = true;
+            for id in &diagnosis.tied {
+                causes[id.0].is_tied = true;
             }
         }
-        for &(place, distance) in &diagnosis.rivals {
-            causes[place].rival_distance = Some(distance);
+        for rival in &diagnosis.rivals {
+            causes[rival.cause.0].rival_distance = Some(rival.distance);
         }
         causes
     }
@@ -220,8 +220,8 @@ impl PairReport {
     pub(in crate::gap) fn all(diagnosis: &Diagnosis) -> Vec<Self> {
         let mut pairs: Vec<Self> = diagnosis.pairs.iter().map(Self::of).collect();
         if 1 < diagnosis.tied_pairs.len() {
-            for &place in &diagnosis.tied_pairs {
-                pairs[place].is_tied = true;
+            for id in &diagnosis.tied_pairs {
+                pairs[id.0].is_tied = true;
             }
         }
         pairs
@@ -238,7 +238,7 @@ impl GroupReport {
             site: SiteReport::from(&group.site),
             side: side(group.side),
             probability: group.probability,
-            causes: group.causes.clone(),
+            causes: group.causes.iter().map(|id| id.0).collect(),
         }
     }
 }
@@ -246,11 +246,11 @@ impl GroupReport {
 impl SideReport {
     /// Sides with what a free signal at each of them explains.
     pub(in crate::gap) fn all(diagnosis: &Diagnosis, location: &Location) -> Vec<Self> {
-        let report = |(of, probability): &(Side, f64)| {
-            let known = location.sides.iter().find(|evidence| evidence.side == *of);
+        let report = |share: &SideShare| {
+            let known = location.sides.iter().find(|evidence| evidence.side == share.side);
             Self {
-                side: side(*of),
-                probability: *probability,
+                side: side(share.side),
+                probability: share.probability,
                 free_share: known.and_then(|evidence| evidence.free_share),
                 statement: known.map_or_else(String::new, |evidence| evidence.statement.clone()),
             }

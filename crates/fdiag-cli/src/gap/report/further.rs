@@ -3,6 +3,7 @@
 use fd_gap::{
     calibrate::Confusion,
     ceiling::{Ceiling, Compensation},
+    diagnose::CauseId,
     experiment::{Advice, Rival},
 };
 use serde::Serialize;
@@ -111,14 +112,14 @@ impl AdviceReport {
         pairs: &[PairReport],
     ) -> Self {
         let place = |rival: &Rival| match rival {
-            Rival::Cause(place) => Some(*place),
+            Rival::Cause(id) => Some(id.0),
             Rival::NoGap | Rival::Pair(_) => None,
         };
-        let cause = |place: &usize| causes.get(*place).map(|cause| cause.name.clone());
+        let cause = |id: &CauseId| causes.get(id.0).map(|cause| cause.name.clone());
         let name = |rival: &Rival| match rival {
             Rival::NoGap => Some("no gap".to_owned()),
-            Rival::Cause(place) => cause(place),
-            Rival::Pair(place) => pairs.get(*place).map(PairReport::name),
+            Rival::Cause(id) => cause(id),
+            Rival::Pair(id) => pairs.get(id.0).map(PairReport::name),
         };
         let rivals: Vec<String> = advice.between.iter().filter_map(name).collect();
         // The same names as everywhere in the report.
@@ -143,9 +144,9 @@ impl AdviceReport {
 
 impl CalibrationReport {
     pub(in crate::gap) fn of(confusion: &Confusion, causes: &[CauseReport]) -> Self {
-        let name = |cause: Option<usize>, otherwise: &str| match cause {
+        let name = |cause: Option<CauseId>, otherwise: &str| match cause {
             None => "no gap".to_owned(),
-            Some(place) => causes.get(place).map_or(otherwise.to_owned(), |c| c.name.clone()),
+            Some(id) => causes.get(id.0).map_or(otherwise.to_owned(), |c| c.name.clone()),
         };
         let truths: Vec<String> =
             confusion.truths.iter().map(|truth| name(truth.cause, &truth.name)).collect();

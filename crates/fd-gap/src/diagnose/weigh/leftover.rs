@@ -1,14 +1,12 @@
 //! What the best explanation leaves: is it noise of the stated kind?
 
-use super::{prepare::KnownNoise, result::Leftover};
+use super::colour::COLOURED;
 use crate::{
+    diagnose::{prepare::noise::KnownNoise, result::Leftover},
     evidence::{NoisePrior, likelihood},
     fit::{Problem, Segment},
     quality::pattern,
 };
-
-/// Innovation, as a fraction of the noise, below which noise is coloured.
-pub(super) const COLOURED: f64 = 0.985;
 
 /// Noise that is stronger than stated and has a colour that was not stated either is doubted sooner
 /// than white noise, by this factor of the spread.

@@ -6,9 +6,10 @@ use fd_sim::{
 };
 use rayon::prelude::*;
 
-use super::{prepare::with_step, trial::Trial};
+use super::{searched::Searched, trial::Trial};
 use crate::{
-    fit::{FitError, Minimum, NullFit, Problem, null_fit},
+    diagnose::prepare::step::with_step,
+    fit::{FitError, Minimum, Problem, null_fit},
     shrink::gap_per_output,
 };
 
@@ -19,47 +20,42 @@ const MOST_HALVINGS: usize = 3;
 /// Trials, the best first, of which the step is checked.
 const CHECKED: usize = 5;
 
-/// Halves the integration step, and fits the finalists and the model without any effect again,
-/// until the outputs of the best do not depend on it by more than a fifth of the noise. A model that is
-/// sampled itself stays as it is.
-pub(super) fn refine(
+/// The same search with a shorter integration step: it is halved, and the finalists and the model
+/// without any effect are fitted again, until the outputs of the best do not depend on it by more
+/// than a fifth of the noise. A model that is sampled itself stays as it is.
+pub(super) fn with_short_steps<'a>(
     nominal: &dyn Nominal,
-    model: &mut Model,
-    null: &mut NullFit,
-    trials: &mut [Trial<'_>],
-) -> Result<(), FitError> {
+    searched: Searched<'a>,
+) -> Result<Searched<'a>, FitError> {
+    let Searched { mut model, mut null, mut trials, .. } = searched;
     // A model that is sampled itself has no step that could be halved: that of a sample is its law.
-    if !model.all_states().any(|state| matches!(state.law, Law::Derivative(_))) {
-        return Ok(());
-    }
-    for _ in 0..MOST_HALVINGS {
-        let Some(step) = model.step.map(|step| 0.5 * step) else { return Ok(()) };
-        let mut order: Vec<usize> = (0..trials.len()).filter(|i| trials[*i].is_final).collect();
-        order.sort_by(|a, b| trials[*a].cost().total_cmp(&trials[*b].cost()));
-        order.truncate(CHECKED);
-        let finalists = order.iter().filter_map(|&i| {
-            let trial = &trials[i];
-            Some((&trial.model, &trial.problem, trial.best.as_ref()?))
-        });
-        let all = finalists.chain([(&*model, &null.problem, &null.minimum)]);
+    let is_sampled = !model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
+    for _ in 0..if is_sampled { 0 } else { MOST_HALVINGS } {
+        let Some(step) = model.step.map(|step| 0.5 * step) else { break };
+        let mut best: Vec<&Trial<'_>> = trials.iter().filter(|trial| trial.is_final).collect();
+        best.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        best.truncate(CHECKED);
+        let finalists = best
+            .into_iter()
+            .filter_map(|trial| Some((&trial.model, &trial.problem, trial.best.as_ref()?)));
+        let all = finalists.chain([(&model, &null.problem, &null.minimum)]);
         let is_coarse = all.into_iter().any(|(model, problem, at)| {
             // What cannot be simulated or diverges with the shorter step is no reason for it.
             change(nominal, &with_step(model, step), problem, at)
                 .is_some_and(|change| LARGEST_CHANGE < change)
         });
         if !is_coarse {
-            return Ok(());
+            break;
         }
-        *model = with_step(model, step);
-        let simulator = nominal.patched(model, null.problem.simulator().ts())?;
-        *null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
-        let null = &*null;
+        model = with_step(&model, step);
+        let simulator = nominal.patched(&model, null.problem.simulator().ts())?;
+        null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
         trials
             .par_iter_mut()
             .filter(|trial| trial.is_final)
-            .try_for_each(|trial| trial.refine(nominal, step, null))?;
+            .try_for_each(|trial| trial.refine(nominal, step, &null))?;
     }
-    Ok(())
+    Ok(Searched { model, null, trials, ..searched })
 }
 
 /// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted

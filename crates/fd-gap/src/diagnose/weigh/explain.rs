@@ -2,14 +2,18 @@
 
 use fd_sim::model::{Model, Parameter};
 
-use super::result::{Explanation, Start};
 use crate::{
-    fit::{FitError, LeastSquares, Problem},
+    diagnose::result::{Explanation, Nuisance, Start},
+    fit::{FitError, LeastSquares, Problem, Variable},
     shrink::gap_per_output,
 };
 
 /// A fitted problem, of which `model` is the (patched) model; `None` when its simulation diverges.
-pub(super) fn explain(model: &Model, problem: &mut Problem, z: &[f64]) -> Option<Explanation> {
+pub(in crate::diagnose) fn explain(
+    model: &Model,
+    problem: &mut Problem,
+    z: &[f64],
+) -> Option<Explanation> {
     let gap = gap_per_output(&problem.errors(z)?);
     let outputs = problem.outputs(z)?;
     let segments = problem.plan().segments().to_vec();
@@ -19,16 +23,22 @@ pub(super) fn explain(model: &Model, problem: &mut Problem, z: &[f64]) -> Option
         state: problem.start_of(s, z),
     });
     let starts = starts.collect();
-    let variables = problem.plan().nuisances().iter();
-    let nuisances = variables
-        .zip(z)
-        .map(|(v, z)| (v.name.clone(), v.value(*z), z * v.precision().sqrt()))
-        .collect();
-    Some(Explanation { model: settle(model, problem, z), nuisances, starts, outputs, gap })
+    let (model, nuisances) = (settle(model, problem, z), nuisances(problem, z));
+    Some(Explanation { model, nuisances, starts, outputs, gap })
+}
+
+/// The refitted parameters of the nominal model.
+pub(in crate::diagnose) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<Nuisance> {
+    let nuisance = |(variable, z): (&Variable, &f64)| Nuisance {
+        name: variable.name.clone(),
+        value: variable.value(*z),
+        deviation: z * variable.precision().sqrt(),
+    };
+    problem.plan().nuisances().iter().zip(z).map(nuisance).collect()
 }
 
 /// The nominal model as it came, against the logs of a problem.
-pub(super) fn nominal_explanation(
+pub(in crate::diagnose) fn nominal_explanation(
     model: &Model,
     problem: &Problem,
 ) -> Result<Explanation, FitError> {
@@ -38,7 +48,7 @@ pub(super) fn nominal_explanation(
 }
 
 /// The model with its parameters, and the initial state of the first run, as they were fitted.
-pub(super) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
+pub(in crate::diagnose) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
     let mut draft = model.clone().into_draft();
     let shared = problem.plan().nuisances().iter().chain(problem.effects());
     for (variable, z) in shared.zip(z) {

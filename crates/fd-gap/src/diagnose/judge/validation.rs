@@ -5,11 +5,18 @@
 //! the wrong kind forecasts another run badly; the right one with a slightly different law does
 //! not. A fit alone tells the two apart only when it leaves something.
 
-use fd_sim::simulate::Simulator;
-
-use super::{answer::Answer, held_out::nuisances, prepare::KnownNoise, settings::Settings};
 use crate::{
-    fit::{FitError, Log, Minimum, NullFit, Problem, Variable},
+    diagnose::{
+        context::Context,
+        settings::Settings,
+        weigh::{
+            answer::{Answer, Fit},
+            explain::nuisances,
+            rank::Basis,
+            singles::Singles,
+        },
+    },
+    fit::{FitError, Log, Minimum, Problem, Variable},
     quality::Autoregression,
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
 };
@@ -22,9 +29,12 @@ const CLOSES_MUCH: f64 = 0.8;
 
 /// Spread of `ln` of the noise from one run to another.
 const BETWEEN_RUNS: f64 = 0.05;
+/// Rivals of the best cause whose forecasts are looked at.
+const MOST_RIVALS: usize = 4;
+
 /// How an explanation forecasts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outlook {
+pub(super) struct Validation {
     /// What it costs, in log-likelihood, that forecast errors are larger than the noise and than the
     /// errors of the fit; zero where the explanation closes a good part of the held-out gap.
     pub(super) loss: f64,
@@ -32,51 +42,81 @@ pub(super) struct Outlook {
     pub(super) is_confirmed: bool,
 }
 
+/// How the simulated effects of the `best` answer forecast, of which `floor` is the noise floor. A free
+/// curve may forecast badly where a law that fits as well does not: where the best answer, of one
+/// effect, forecasts badly, it is the best of it and its rivals.
+pub(super) fn validate_with_rivals(
+    best: &Answer,
+    floor: &[f64],
+    singles: &Singles<'_>,
+    held_out: &[Log],
+    context: &Context<'_>,
+) -> Result<Validation, FitError> {
+    let settings = context.settings;
+    let validate = |answer: &Answer| validate(answer, floor, singles, held_out, settings);
+    let mut validation = validate(best)?;
+    if 0.0 < validation.loss && best.effects == 1 {
+        let near = best.log_evidence - settings.bayes_factor.ln();
+        let others = singles.causes.iter().skip(1);
+        let rivals = others.take_while(|ranked| near < ranked.cause.log_evidence);
+        for ranked in rivals.take(MOST_RIVALS) {
+            let Basis::Simulation(id) = ranked.basis else { continue };
+            let Some(rival) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
+            let other = validate(&rival)?;
+            if other.loss < validation.loss {
+                validation = other;
+            }
+        }
+    }
+    Ok(validation)
+}
+
 /// How the simulated effects of an answer forecast, at the first horizon of the report; nothing is
 /// said where there are none, no held-out log, or no gap in it.
-pub(super) fn outlook(
-    nominal: &dyn Simulator,
-    null: &NullFit,
+fn validate(
     answer: &Answer,
-    logs: &[Log],
-    (noise, floor): (&KnownNoise, &[f64]),
+    floor: &[f64],
+    singles: &Singles<'_>,
+    held_out: &[Log],
     settings: &Settings,
-) -> Result<Outlook, FitError> {
-    let (Some((problem, at)), Some(horizon)) = (&answer.fit, settings.report_horizons.first())
-    else {
-        return Ok(Outlook::default());
+) -> Result<Validation, FitError> {
+    let (Some(fit), Some(horizon)) = (&answer.fit, settings.report_horizons.first()) else {
+        return Ok(Validation::default());
     };
-    if logs.is_empty() {
-        return Ok(Outlook::default());
+    if held_out.is_empty() {
+        return Ok(Validation::default());
     }
+    let (nominal, searched) = (singles.base.simulator(), &singles.searched);
+    let null = &searched.null;
     let run = |problem: &Problem, at: &Minimum| {
         let nuisances: Vec<(String, f64)> =
-            nuisances(problem, &at.z).into_iter().map(|(name, value, _)| (name, value)).collect();
+            nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect();
         let values = problem.effect_values(&at.z);
         let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
         let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);
         let settled = Settled { simulator, nuisances, effects };
-        forecast_errors(nominal, settled, logs, *horizon, &noise.sigma)
+        forecast_errors(nominal, settled, held_out, *horizon, &searched.noise.sigma)
     };
-    let (Some(before), Some(after)) = (run(&null.problem, &null.minimum)?, run(problem, at)?)
-    else {
-        return Ok(Outlook::default());
+    let Fit { problem, minimum } = fit;
+    let (before, after) = (run(&null.problem, &null.minimum)?, run(problem, minimum)?);
+    let (Some(before), Some(after)) = (before, after) else {
+        return Ok(Validation::default());
     };
     let squares: f64 = floor.iter().map(|floor| floor * floor).sum();
     let all = f64::sqrt(squares / floor.len().max(1) as f64);
     let share = closed(&before, &after, all, settings.replicas, settings.seed);
     let Some(Closed { fraction, interval: [low, high], .. }) = share.map(Closed::between_runs)
     else {
-        return Ok(Outlook::default());
+        return Ok(Validation::default());
     };
     let is_confirmed = CLOSES_MUCH < low;
     if CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction } {
-        return Ok(Outlook { loss: 0.0, is_confirmed });
+        return Ok(Validation { loss: 0.0, is_confirmed });
     }
     let fitted = gap_per_output(&answer.errors);
     let expected = fitted.iter().zip(floor).map(|(fitted, floor)| fitted.max(*floor));
     let loss = after.iter().zip(expected).map(|(errors, expected)| raised(errors, expected)).sum();
-    Ok(Outlook { loss, is_confirmed })
+    Ok(Validation { loss, is_confirmed })
 }
 
 /// What it costs that the errors of an output are stronger than expected.

@@ -39,7 +39,7 @@ const PER_OCTAVE: usize = 8;
 
 /// A command with the slopes of the misfit.
 #[derive(Clone, Debug)]
-pub(super) struct Command {
+pub(in crate::diagnose) struct Command {
     levels: Vec<Level>,
 }
 
@@ -54,11 +54,11 @@ struct Level {
 }
 
 /// The commands of inputs, by their names.
-pub(super) type Commands = HashMap<String, Command>;
+pub(in crate::diagnose) type Commands = HashMap<String, Command>;
 
 impl Command {
     /// The commands that candidates round, in the run of a fit, of which `model` is the model.
-    pub(super) fn all(
+    pub(in crate::diagnose) fn all(
         nominal: &dyn Nominal,
         model: &Model,
         fit: &NullFit,
@@ -77,7 +77,7 @@ impl Command {
     }
 
     /// The command that a candidate acts on.
-    pub(super) fn of_candidate<'a>(
+    pub(in crate::diagnose) fn of_candidate<'a>(
         commands: &'a Commands,
         candidate: &Candidate,
     ) -> Option<&'a Self> {
@@ -125,7 +125,7 @@ impl Command {
 
     /// Quanta that could explain most of the misfit: the best of each octave of those that are better
     /// than their neighbours. `peak` is the largest command.
-    pub(super) fn quanta(&self, rounding: Rounding, peak: f64) -> Vec<f64> {
+    pub(in crate::diagnose) fn quanta(&self, rounding: Rounding, peak: f64) -> Vec<f64> {
         let [least, most] = FINENESS;
         let fineness = (FINER / self.levels.len().max(1)).clamp(least, most);
         let [first, last] = HALVES.map(|halves| halves * fineness / 2);

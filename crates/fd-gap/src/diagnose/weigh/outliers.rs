@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use super::observe::{count, gaussian};
+use super::gaussian::{count, gaussian};
 use crate::{
     evidence::{DECADES, NoisePrior},
     quality::{OUTLIER_WIDTHS, outlier_mixture},

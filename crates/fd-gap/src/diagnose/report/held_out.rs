@@ -2,37 +2,47 @@
 
 use fd_sim::simulate::Simulator;
 
-use super::{result::HeldOut, settings::Settings};
 use crate::{
+    diagnose::{
+        context::Context,
+        result::HeldOut,
+        weigh::{answer::Fit, explain::nuisances},
+    },
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
 };
 
-/// Refitted parameters: name, value, deviation from nominal in standard deviations of the prior.
-pub(super) fn nuisances(problem: &Problem, z: &[f64]) -> Vec<(String, f64, f64)> {
-    let variables = problem.plan().nuisances().iter();
-    variables.zip(z).map(|(v, z)| (v.name.clone(), v.value(*z), z * v.precision().sqrt())).collect()
+/// What is known of the noise of each output.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Noise<'a> {
+    /// What residuals are measured in, in the unit of the output.
+    pub(super) sigma: &'a [f64],
+    /// Noise floor, in sigma.
+    pub(super) floors: &'a [f64],
 }
 
-/// One entry per horizon at which nothing diverges.
-pub(super) fn compare(
-    nominal: &dyn Simulator,
+/// The gaps of the nominal, the refitted and the `best` model: one entry per horizon at which nothing
+/// diverges.
+pub(super) fn held_out_gaps(
+    nominal: &Problem,
     null: &NullFit,
-    leader: Option<(&Problem, &Minimum)>,
+    best: Option<&Fit>,
     logs: &[Log],
-    [sigma, floors]: [&[f64]; 2],
-    settings: &Settings,
+    Noise { sigma, floors }: Noise<'_>,
+    horizons: &[Horizon],
+    context: &Context<'_>,
 ) -> Result<Vec<HeldOut>, FitError> {
+    let nominal = nominal.simulator();
     let named = |problem: &Problem, z: &[f64]| -> Vec<(String, f64)> {
-        nuisances(problem, z).into_iter().map(|(name, value, _)| (name, value)).collect()
+        nuisances(problem, z).into_iter().map(|n| (n.name, n.value)).collect()
     };
     let refitted = named(&null.problem, &null.minimum.z);
     let (mut simulator, mut values): (&dyn Simulator, _) = (nominal, refitted.clone());
     let mut effects: Vec<(Variable, f64)> = Vec::new();
-    if let Some((problem, best)) = leader {
+    if let Some(Fit { problem, minimum: Minimum { z, .. } }) = best {
         simulator = problem.simulator();
-        values = named(problem, &best.z);
-        effects = problem.effects().iter().cloned().zip(problem.effect_values(&best.z)).collect();
+        values = named(problem, z);
+        effects = problem.effects().iter().cloned().zip(problem.effect_values(z)).collect();
     }
     let mut all = Vec::new();
     if logs.is_empty() {
@@ -40,7 +50,7 @@ pub(super) fn compare(
     }
     let ts = nominal.ts().seconds();
     let longest = logs.iter().map(Log::samples).max().unwrap_or(0);
-    for &horizon in &settings.report_horizons {
+    for &horizon in horizons {
         let run = |simulator, nuisances: &[(String, f64)], effects: &[(Variable, f64)]| {
             let settled = Settled { simulator, nuisances, effects };
             forecast_errors(nominal, settled, logs, horizon, sigma)
@@ -54,7 +64,7 @@ pub(super) fn compare(
         let physical = |gaps: &[f64]| -> Vec<f64> {
             gaps.iter().zip(sigma).map(|(gap, sigma)| gap * sigma).collect()
         };
-        let (replicas, seed) = (settings.replicas, settings.seed);
+        let (replicas, seed) = (context.settings.replicas, context.settings.seed);
         all.push(HeldOut {
             horizon,
             seconds: ts
