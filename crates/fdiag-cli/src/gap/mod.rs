@@ -39,6 +39,6 @@ pub use self::{
         WorkReport,
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
-    study::GapStudy,
+    study::{GapStudy, automatic_settings},
     subject::Subject,
 };

@@ -9,7 +9,8 @@ use fd_gap::{
     fit::{FitError, Horizon, Log},
     locate::locate,
 };
-use fd_model::SampleTime;
+use fd_model::{Record, SampleTime};
+use fd_sim::simulate::Nominal;
 
 use super::{
     data::Data,
@@ -140,6 +141,24 @@ fn check_length(
         return Err(GapError::Short { file: part.file.clone(), found, memory, expected });
     }
     Ok(())
+}
+
+/// The settings that a diagnosis chooses by itself, with all defaults, for one log to fit and one to
+/// hold out.
+///
+/// # Errors
+///
+/// Returns an error when the model cannot be simulated or the logs do not fit it.
+pub fn automatic_settings(nominal: &dyn Nominal, logs: &[Record; 2]) -> Result<Settings, FitError> {
+    let ts = logs[0].ts();
+    let simulator = nominal.simulator(ts)?;
+    let [fitted, held_out] =
+        [Log::new(&logs[0], &*simulator, 1)?, Log::new(&logs[1], &*simulator, 2)?];
+    let logs = [vec![fitted], vec![held_out]];
+    let (u, samples) = longest(&logs[0]);
+    let memory = Memory::of(&*simulator, &u, samples);
+    let request = Request::new("", Vec::<std::path::PathBuf>::new());
+    Ok(settings(&request, memory, &logs, ts))
 }
 
 fn settings(request: &Request, memory: Memory, logs: &[Vec<Log>; 2], ts: SampleTime) -> Settings {
