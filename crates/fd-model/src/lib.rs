@@ -11,6 +11,7 @@ mod channel;
 mod discretize;
 mod domain;
 mod error;
+mod figure;
 mod freeze;
 mod lti;
 mod record;
@@ -45,6 +46,7 @@ pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
     error::ModelError,
+    figure::figure,
     freeze::freeze,
     lti::Lti,
     record::Record,

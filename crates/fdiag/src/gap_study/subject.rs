@@ -10,7 +10,7 @@ use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     simulate::Nominal,
 };
-use fdiag::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
+use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 
 use super::{
     error::GapError,
