@@ -9,26 +9,15 @@ use std::{
 };
 
 use fd_compensate::{
-    SampleRows,
-    decide::{
-        Candidate, Debouncing, FaultFree, Hypothesis, IsolatingDebounce, Isolation, SizedDebounce,
-        Sizing,
-    },
-    detect::{
-        AdaptiveThreshold, ChiSquare, Cusum, Glr, Magnitude, NSigma, Sprt, Standardizer, TwoSample,
-        adaptive::{Bands, InputBound},
-        glr::{Course, GlrDesign},
-        sprt::{ErrorProbabilities, Sides},
-        two_sample::SampleTest,
-        whiten::WhitenerDesign,
-    },
+    DrivenRows, SampleRows,
     residual_compensation::{CompensationPlan, RangePolicy},
+    testing::{every_compensator, every_detector, every_rule},
 };
 use fd_core::{
     EventKind, Frame, IoDims,
-    stage::{Compensator, Decision, DecisionRule, Detector, Evidence, Phase},
+    stage::{BiasModel, Compensator, Evidence, Identifier, Phase},
 };
-use support::{paper_input, response, subject};
+use support::{Arx2, Rls, paper_input, response, subject};
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -74,34 +63,14 @@ fn no_stage_allocates_per_sample() {
     plan.operating_point.policy = RangePolicy::Retrain;
     plan.convergence.least_samples = 450;
     let mut compensator = subject::<f64>(&plan);
-    let unit = || Standardizer::new(&[0.0], &[1.0]).unwrap();
-    let errors = ErrorProbabilities { false_alarm: 0.01, missed: 0.05 };
-    let healthy = SampleRows::new(1, &r[..200]).unwrap();
-    let whitener = WhitenerDesign::from_fault_free(healthy, 3).unwrap();
-    let glr = GlrDesign::any_direction(whitener, &[Course::Step], 9).unwrap();
-    let bound = InputBound::new(Bands::new(&[0.1], 9.0).unwrap(), 1, &[0.1], &[0.1, 0.1]).unwrap();
-    let mut detectors: Vec<Box<dyn Detector<f64>>> = vec![
-        Box::new(Magnitude::new(&[1.0], 0.1).unwrap()),
-        Box::new(NSigma::new(unit(), 3.0).unwrap()),
-        Box::new(ChiSquare::new(&[0.0], &[1.0], 20, 10.0).unwrap()),
-        Box::new(Cusum::new(unit(), 0.5, 4.0).unwrap()),
-        Box::new(Sprt::new(unit(), 1.0, errors, Sides::Both).unwrap()),
-        Box::new(Glr::new(&glr, 10.0).unwrap()),
-        Box::new(TwoSample::new(SampleTest::Distribution, healthy, 9, 1.6).unwrap()),
-        Box::new(TwoSample::new(SampleTest::Variance, healthy, 9, 1.6).unwrap()),
-        Box::new(AdaptiveThreshold::of_rms(&bound, 2.0).unwrap()),
-    ];
-    let hypotheses = [Hypothesis { name: "T7".into(), signature: vec![1.0] }];
-    let mut rule =
-        SizedDebounce::new(1, Debouncing::consecutive(5), &hypotheses, &Sizing::default()).unwrap();
+    let (healthy_u, healthy) =
+        (SampleRows::new(1, &u[..200]).unwrap(), SampleRows::new(1, &r[..200]).unwrap());
+    let mut detectors =
+        every_detector::<f64>(DrivenRows::new(healthy_u, healthy).unwrap()).unwrap();
+    let mut rules = every_rule::<f64>(healthy).unwrap();
 
-    let noise = FaultFree::new(&[0.0], &[1.0], 2.0).unwrap();
-    let candidates = hypotheses.map(Candidate::from);
-    let consecutive = Debouncing::consecutive(5);
-    let mut isolating =
-        IsolatingDebounce::new(&noise, &candidates, consecutive, &Isolation::default()).unwrap();
-
-    let (mut faults, mut frozen, mut trainings, mut hard) = (0, 0, 0, 0);
+    let (mut frozen, mut trainings, mut hard) = (0, 0, 0);
+    let (mut alarms, mut faults) = (vec![0; detectors.len()], vec![0; rules.len()]);
     let mut star = [0.0];
     let before = ALLOCATIONS.get();
     for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
@@ -113,23 +82,47 @@ fn no_stage_allocates_per_sample() {
             trainings += u32::from(kind == EventKind::TrainingStarted);
             hard += u32::from(kind == EventKind::HardFaultWhileTraining);
         }
-        for detector in &mut detectors {
+        for ((_, detector), alarms) in detectors.iter_mut().zip(&mut alarms) {
             let verdict = detector.update(&u, &star);
+            *alarms += u32::from(verdict.alarm());
             let phase = outcome.phase;
             let evidence = Evidence { k, phase, verdict, r_star: &star };
-            let both = [rule.decide(evidence), isolating.decide(evidence)];
-            let is_on = phase == Phase::Compensating;
-            faults += u32::from(is_on && both.iter().all(Decision::is_fault));
+            for ((_, rule), faults) in rules.iter_mut().zip(&mut faults) {
+                *faults += u32::from(rule.decide(evidence).is_fault());
+            }
         }
     }
     let allocations = ALLOCATIONS.get() - before;
-    // The run went through every phase, so that the zero means something.
-    assert!(
-        frozen == 2 && trainings == 3 && hard == 1 && faults > 0,
-        "{frozen} {trainings} {hard}"
-    );
+    // The run went through every phase, alarm and fault, so that the zero means something.
+    assert!(frozen == 2 && trainings == 3 && hard == 1, "{frozen} {trainings} {hard}");
+    assert!(alarms.iter().all(|n| *n > 0), "{alarms:?}");
+    assert!(faults.iter().all(|n| *n > 0), "{faults:?}");
     assert_eq!(allocations, 0);
     // The counter counts.
     let _kept = Box::new(0_u8);
     assert!(ALLOCATIONS.get() > before);
+}
+
+#[test]
+fn no_compensator_allocates_per_sample() {
+    let theta = [-1.3, 0.4, 0.05, -0.02, 0.01];
+    let u = paper_input(1500);
+    let r = response::<2>(&theta, &u);
+    let mut learned = Rls::<f64, 2>::new();
+    u.iter().zip(&r).for_each(|(u, r)| learned.update(&[*u], &[*r]));
+    let mut model = Arx2::<f64>::new();
+    model.load(learned.theta());
+    for (name, mut compensator) in every_compensator(&learned, &model).unwrap() {
+        let (mut compensated, mut star) = (0, [0.0]);
+        compensator.reset();
+        let before = ALLOCATIONS.get();
+        for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
+            let (u, y) = ([*u], [0.0]);
+            let Ok(frame) = Frame::new(IoDims { nu: 1, ny: 1 }, k, &u, &y) else { continue };
+            let outcome = compensator.step(frame, &[*r], &mut star);
+            compensated += u32::from(outcome.phase == Phase::Compensating);
+        }
+        assert_eq!(ALLOCATIONS.get(), before, "{name}");
+        assert!(compensated > 100, "{name}: {compensated}");
+    }
 }

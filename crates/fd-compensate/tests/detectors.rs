@@ -2,18 +2,18 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use fd_compensate::{
-    SampleRows,
+    DrivenRows, SampleRows,
     detect::{
-        ChiSquare, Cusum, DetectorError, Glr, Magnitude, NSigma, Norm, Spread, Sprt, Standardizer,
-        TwoSample, chi_square,
+        ChiSquare, Cusum, DetectorError, Magnitude, Norm, Spread, Standardizer, chi_square,
         cusum::{average_run_length, threshold_for},
-        glr::{Course, GlrDesign},
-        sprt::{ErrorProbabilities, Sides},
-        two_sample::SampleTest,
-        whiten::WhitenerDesign,
     },
+    testing::every_detector,
 };
-use fd_core::{Scalar, Snapshot, stage::Detector};
+use fd_core::{
+    Scalar,
+    stage::{Detector, Verdict},
+    testing::memory,
+};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -175,66 +175,49 @@ fn a_median_spread_is_deaf_to_outliers() {
 fn single_precision_decides_alike() {
     let values = correlated(2000, 6);
     let rows = SampleRows::new(2, &values).unwrap();
-    let spread = Spread::StandardDeviation;
-    let mut doubles: Vec<Box<dyn Detector<f64>>> = vec![
-        Box::new(ChiSquare::from_fault_free(rows, 5, 18.0).unwrap()),
-        Box::new(
-            Cusum::new(Standardizer::from_fault_free(rows, spread).unwrap(), 0.5, 3.0).unwrap(),
-        ),
-    ];
-    let mut singles: Vec<Box<dyn Detector<f32>>> = vec![
-        Box::new(ChiSquare::from_fault_free(rows, 5, 18.0).unwrap()),
-        Box::new(
-            Cusum::new(Standardizer::from_fault_free(rows, spread).unwrap(), 0.5, 3.0).unwrap(),
-        ),
-    ];
-    let mut alarms = 0;
-    for r in rows.iter() {
-        let single = [f32::from_design(r[0]), f32::from_design(r[1])];
-        for (double, detector) in doubles.iter_mut().zip(&mut singles) {
-            let (double, single) = (double.update(&[], r), detector.update(&[], &single));
-            // Correlation 0.95: whitening amplifies the rounding 6e-8 of values up to 4 about tenfold;
+    let u = input(2000);
+    let healthy = DrivenRows::new(SampleRows::new(1, &u).unwrap(), rows).unwrap();
+    let (doubles, singles) = (every_detector(healthy).unwrap(), every_detector(healthy).unwrap());
+    for ((name, mut double), (_, mut single)) in doubles.into_iter().zip(singles) {
+        let mut alarms = 0;
+        for k in 0..rows.len() {
+            // Three times as loud as what it was fitted to.
+            let r: Vec<f64> = rows.row(k).iter().map(|v| 3.0 * v).collect();
+            let narrow = |v: &[f64]| v.iter().map(|&v| f32::from_design(v)).collect::<Vec<_>>();
+            let double: Verdict<f64> = double.update(healthy.u(k), &r);
+            let single: Verdict<f32> = single.update(&narrow(healthy.u(k)), &narrow(&r));
+            // Correlation 0.95: whitening amplifies the rounding 6e-8 of values up to 12 about tenfold;
             // a sum keeps it over its memory of some hundred samples.
             let clear = (double.statistic / double.threshold - 1.0).abs() > 1e-3;
-            assert!(!clear || double.alarm() == single.alarm());
+            assert!(
+                !clear || double.alarm() == single.alarm(),
+                "{name}, {k}: {double:?} {single:?}"
+            );
             alarms += u32::from(single.alarm());
         }
+        assert!(alarms > 10, "{name}: {alarms}");
     }
-    assert!(alarms > 10, "{alarms}");
 }
 
-/// Every detector of the room, fitted to `healthy`.
-fn fitted(healthy: SampleRows<'_>) -> Vec<Box<dyn Detector<f64>>> {
-    let z = |spread| Standardizer::from_fault_free(healthy, spread).unwrap();
-    let errors = ErrorProbabilities { false_alarm: 0.01, missed: 0.05 };
-    let whitener = WhitenerDesign::from_fault_free(healthy, 3).unwrap();
-    let courses = [Course::Step, Course::Ramp];
-    let glr = GlrDesign::any_direction(whitener, &courses, 9).unwrap();
-    let two = |test| Box::new(TwoSample::new(test, healthy, 12, 2.0).unwrap());
-    vec![
-        Box::new(Magnitude::above_fault_free_maximum(healthy, 0.05).unwrap()),
-        Box::new(Magnitude::above_fault_free_norm(Norm::Euclidean, healthy, 0.05).unwrap()),
-        Box::new(Magnitude::above_fault_free_norm(Norm::Sum, healthy, 0.05).unwrap()),
-        Box::new(NSigma::new(z(Spread::StandardDeviation), 3.0).unwrap()),
-        Box::new(NSigma::new(z(Spread::MedianAbsoluteDeviation), 3.0).unwrap()),
-        Box::new(ChiSquare::from_fault_free(healthy, 1, 9.0).unwrap()),
-        Box::new(ChiSquare::from_fault_free(healthy, 7, 30.0).unwrap()),
-        Box::new(Cusum::new(z(Spread::StandardDeviation), 0.5, 4.0).unwrap()),
-        Box::new(Sprt::new(z(Spread::StandardDeviation), 1.0, errors, Sides::Both).unwrap()),
-        Box::new(Glr::new(&glr, 10.0).unwrap()),
-        two(SampleTest::Mean),
-        two(SampleTest::Variance),
-        two(SampleTest::Distribution),
-    ]
+/// An input for the detectors that follow one.
+fn input(samples: usize) -> Vec<f64> {
+    (0..samples).map(|k| (0.05 * k as f64).sin()).collect()
+}
+
+/// Every detector, fitted to healthy rows of the given number of channels.
+fn fitted(channels: usize, rows: &[f64]) -> Vec<(&'static str, Box<dyn Detector<f64>>)> {
+    let u = input(rows.len() / channels);
+    let (u, r) = (SampleRows::new(1, &u).unwrap(), SampleRows::new(channels, rows).unwrap());
+    every_detector(DrivenRows::new(u, r).unwrap()).unwrap()
+}
+
+fn margin(detector: &mut dyn Detector<f64>, k: usize, r: &[f64]) -> f64 {
+    let verdict = detector.update(&[(0.05 * k as f64).sin()], r);
+    verdict.statistic / verdict.threshold
 }
 
 fn margins(detector: &mut dyn Detector<f64>, rows: &[f64], channels: usize) -> Vec<f64> {
-    rows.chunks(channels)
-        .map(|r| {
-            let verdict = detector.update(&[], r);
-            verdict.statistic / verdict.threshold
-        })
-        .collect()
+    rows.chunks(channels).enumerate().map(|(k, r)| margin(detector, k, r)).collect()
 }
 
 proptest! {
@@ -258,13 +241,13 @@ proptest! {
             .flat_map(|r| [r[2] * scales[2], r[0] * scales[0], r[1] * scales[1]])
             .collect();
         let rows = rows.concat();
-        let mut plain = fitted(SampleRows::new(3, &rows[..450]).unwrap());
-        let mut changed = fitted(SampleRows::new(3, &other[..450]).unwrap());
-        for (a, b) in plain.iter_mut().zip(&mut changed) {
-            let (a, b) = (margins(a, &rows[450..], 3), margins(b, &other[450..], 3));
+        for ((name, mut a), (_, mut b)) in
+            fitted(3, &rows[..450]).into_iter().zip(fitted(3, &other[..450]))
+        {
+            let (a, b) = (margins(&mut a, &rows[450..], 3), margins(&mut b, &other[450..], 3));
             for (a, b) in a.iter().zip(&b) {
                 // A few hundred roundings in the moments, a condition of about ten.
-                prop_assert!((a - b).abs() <= 1e-11 * (1.0 + a.abs()), "{} {}", a, b);
+                prop_assert!((a - b).abs() <= 1e-11 * (1.0 + a.abs()), "{} {} {}", name, a, b);
             }
         }
     }
@@ -285,22 +268,13 @@ proptest! {
     }
 
     #[test]
-    fn reset_and_restore_give_the_same_future(seed in 0_u64..1000, cut in 1_usize..99) {
+    fn every_detector_obeys_the_law_of_memory(seed in 0_u64..1000, samples in 2_usize..100) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let rows: Vec<f64> = (0..200).map(|_| normal(&mut random)).collect();
-        let healthy = SampleRows::new(2, &rows).unwrap();
-        for (mut one, mut two) in fitted(healthy).into_iter().zip(fitted(healthy)) {
-            let first = margins(&mut one, &rows[..2 * cut], 2);
-            let snapshot = Snapshot::of(&mut one);
-            let second = margins(&mut one, &rows[2 * cut..], 2);
-            snapshot.restore(&mut two).unwrap();
-            prop_assert_eq!(bits(&second), bits(&margins(&mut two, &rows[2 * cut..], 2)));
-            one.reset();
-            prop_assert_eq!(bits(&first), bits(&margins(&mut one, &rows[..2 * cut], 2)));
+        for ((_, mut one), (_, mut two)) in fitted(2, &rows).into_iter().zip(fitted(2, &rows)) {
+            memory(&mut one, &mut two, samples, |detector, k| {
+                margin(detector, k, &rows[2 * k..2 * k + 2]).to_bits()
+            });
         }
     }
-}
-
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|v| v.to_bits()).collect()
 }

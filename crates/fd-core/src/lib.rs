@@ -7,6 +7,49 @@
 //! Every arrow is a slice of scalars or a small `Copy` struct. Every box is one trait in
 //! [`stage`]. [`Pipeline::step`] is the only place where the boxes meet. This crate holds
 //! contracts, never a method.
+//!
+//! | To | read |
+//! |---|---|
+//! | run a diagnosis | [`Pipeline`], [`MissingSamples`], [`Step`] |
+//! | write a method of your own | [`stage`], then the one trait that it implements |
+//! | save and restore | [`stage::Stage`], [`Snapshot`] |
+//! | write one code for stack and heap, `f32` and `f64` | [`Storage`], [`Scalar`] |
+//!
+//! A method is a few lines around its arithmetic. Here a detector, which is then a stage like those
+//! of the library:
+//!
+//! ```
+//! use fd_core::{StateVisitor, stage::{Detector, Stage, Verdict}};
+//!
+//! /// The mean residual, old samples forgotten.
+//! #[derive(Debug)]
+//! struct MovingMean(f64);
+//!
+//! impl Stage for MovingMean {
+//!     fn reset(&mut self) {
+//!         self.0 = 0.0;
+//!     }
+//!
+//!     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+//!         visitor.reals("mean", std::slice::from_mut(&mut self.0));
+//!     }
+//! }
+//!
+//! impl Detector for MovingMean {
+//!     fn residual_len(&self) -> usize {
+//!         1
+//!     }
+//!
+//!     fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
+//!         self.0 += 0.1 * (r[0] - self.0);
+//!         Verdict { statistic: self.0.abs(), threshold: 0.5 }
+//!     }
+//! }
+//!
+//! let mut detector: Box<dyn Detector> = Box::new(MovingMean(0.0));
+//! let alarm = (0..100).find(|_| detector.update(&[], &[1.0]).alarm());
+//! assert_eq!(alarm, Some(6)); // 1 − 0.9⁷ = 0.52
+//! ```
 
 mod dims;
 mod error;

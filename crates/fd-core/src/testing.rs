@@ -1,44 +1,99 @@
 //! Laws that every implementation of a stage obeys, to be called from its tests.
+//!
+//! Only with the feature `testing`. Each crate of methods has a module of the same name with open
+//! lists (`every_detector()`, `every_generator()`, …): a law is called on all of a list, so a new
+//! method is put to it by one entry.
 
-use crate::{frame::Frame, scalar::Scalar, snapshot::Snapshot, stage::ResidualGenerator};
+use std::fmt::Debug;
+
+use crate::{
+    frame::Frame,
+    scalar::Scalar,
+    snapshot::Snapshot,
+    stage::{ResidualGenerator, Stage},
+};
+
+/// One of a list: a name, and a stage behind it. `Named<dyn Detector>` is a detector of any kind.
+pub type Named<S> = (&'static str, Box<S>);
 
 /// Samples `(u, y)` for a law.
 pub type Samples<T> = [(Vec<T>, Vec<T>)];
 
-/// Checks that a reset generator repeats itself exactly, and that one restored from a snapshot
-/// taken half-way continues exactly as the original did.
+/// Checks the law of memory: a reset stage repeats itself exactly, a snapshot does not disturb it,
+/// and a twin of the same design with another past, restored from that snapshot, continues exactly
+/// as the original did.
+///
+/// `step` takes a stage through sample `k` of `samples` and returns all that can be seen of it.
+///
+/// ```
+/// use fd_core::{StateVisitor, stage::{Detector, Stage, Verdict}, testing};
+///
+/// #[derive(Clone, Debug)]
+/// struct Sum(f64);
+///
+/// impl Stage for Sum {
+///     fn reset(&mut self) { self.0 = 0.0; }
+///     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+///         visitor.reals("sum", std::slice::from_mut(&mut self.0));
+///     }
+/// }
+///
+/// impl Detector for Sum {
+///     fn residual_len(&self) -> usize { 1 }
+///     fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
+///         self.0 += r[0];
+///         Verdict { statistic: self.0, threshold: 1.0 }
+///     }
+/// }
+///
+/// let r = [0.5, -0.25, 0.125, 1.0];
+/// testing::memory(&mut Sum(0.0), &mut Sum(0.0), r.len(), |sum, k| sum.update(&[], &r[k..=k]));
+/// ```
 ///
 /// # Panics
 ///
-/// Panics when a law is broken.
+/// Panics when the law is broken.
+pub fn memory<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
+    stage: &mut S,
+    twin: &mut S,
+    samples: usize,
+    mut step: impl FnMut(&mut S, usize) -> R,
+) {
+    let cut = samples / 2;
+    stage.reset();
+    let mut whole: Vec<R> = (0..cut).map(|k| step(stage, k)).collect();
+    let snapshot = Snapshot::of(stage);
+    whole.extend((cut..samples).map(|k| step(stage, k)));
+
+    stage.reset();
+    let again: Vec<R> = (0..samples).map(|k| step(stage, k)).collect();
+    assert_eq!(again, whole, "reset must restart the stage, and a snapshot must not disturb it");
+
+    (0..samples).rev().for_each(|k| drop(step(twin, k)));
+    let restored = snapshot.restore(twin);
+    assert!(restored.is_ok(), "a snapshot must fit its own design: {restored:?}");
+    let continued: Vec<R> = (cut..samples).map(|k| step(twin, k)).collect();
+    assert_eq!(continued, whole[cut..], "a restored stage must continue as the original");
+}
+
+/// Checks the law of [`memory`] on a residual generator.
+///
+/// # Panics
+///
+/// Panics when the law is broken.
 pub fn reset_and_restore<T: Scalar>(
     generator: &mut (impl ResidualGenerator<T> + Clone),
     samples: &Samples<T>,
 ) {
-    generator.reset();
-    let mut fresh = generator.clone();
-    let (first, second) = samples.split_at(samples.len() / 2);
-    let start = run(generator, first);
-    let snapshot = Snapshot::of(generator);
-    let end = run(generator, second);
-
-    generator.reset();
-    assert_eq!(run(generator, first), start, "reset must restart the generator");
-    assert!(snapshot.restore(&mut fresh).is_ok(), "a snapshot must fit its own generator");
-    assert_eq!(run(&mut fresh, second), end, "a restored generator must continue as the original");
-}
-
-fn run<T: Scalar>(generator: &mut impl ResidualGenerator<T>, samples: &Samples<T>) -> Vec<T> {
-    let io = generator.io();
+    let mut twin = generator.clone();
     let mut r = vec![T::zero(); generator.residual_len()];
-    let mut all = Vec::new();
-    for (k, (u, y)) in (0..).zip(samples) {
-        let frame = Frame::new(io, k, u, y);
+    memory(generator, &mut twin, samples.len(), |generator, k| {
+        let (u, y) = &samples[k];
+        let frame = Frame::new(generator.io(), k as u64, u, y);
         assert!(frame.is_ok(), "the law needs valid samples");
         if let Ok(frame) = frame {
             generator.step(frame, &mut r);
         }
-        all.extend_from_slice(&r);
-    }
-    all
+        r.clone()
+    });
 }

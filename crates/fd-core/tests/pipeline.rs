@@ -8,6 +8,7 @@ use fd_core::{
         Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
         Verdict,
     },
+    testing::memory,
 };
 use proptest::prelude::*;
 
@@ -145,6 +146,91 @@ fn missing_samples_are_held_for_a_while() {
     assert!(p.step(&[f64::NAN], &[0.5]).is_ok(), "a good sample ends the row");
 }
 
+/// Remembers where in memory the samples were that it was shown.
+#[derive(Clone, Debug, Default)]
+struct Witness {
+    seen: Vec<[usize; 2]>,
+}
+
+fn addresses(u: &[f64], y: &[f64]) -> [usize; 2] {
+    [u.as_ptr().addr(), y.as_ptr().addr()]
+}
+
+impl Stage for Witness {
+    fn reset(&mut self) {}
+    fn visit_state(&mut self, _: &mut dyn StateVisitor<f64>) {}
+}
+
+impl ResidualGenerator for Witness {
+    fn io(&self) -> IoDims {
+        IoDims { nu: 1, ny: 1 }
+    }
+    fn residual_len(&self) -> usize {
+        1
+    }
+    fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
+        self.seen.push(addresses(frame.u(), frame.y()));
+        r.fill(0.0);
+    }
+}
+
+/// A good sample reaches the stages in the frame that it was checked in, on the caller's slices: there
+/// is no copy that would have to be checked again. A held sample is another one, in memory of the
+/// pipeline.
+#[test]
+fn the_frame_that_was_checked_is_the_one_that_is_used() {
+    let mut p = Pipeline::new(Stages {
+        generator: Witness::default(),
+        compensator: Uncompensated::new(1),
+        detector: Sum { sum: 0.0, len: 1 },
+        rule: AlarmIsFault,
+    })
+    .unwrap()
+    .with_missing_samples(MissingSamples::Hold { at_most: 1 });
+    let (u, good, bad) = ([0.25], [0.5], [f64::NAN]);
+    for y in [&good, &bad, &good] {
+        p.step(&u, y).unwrap();
+    }
+    let seen = &p.stages().generator.seen;
+    assert_eq!([seen[0], seen[2]], [addresses(&u, &good); 2]);
+    assert!(seen[1] != addresses(&u, &bad) && seen[1] != addresses(&u, &good));
+}
+
+/// A NaN in `u` does not excuse a `y` of the wrong length.
+#[test]
+fn a_sample_of_the_wrong_size_is_never_held() {
+    let mut p = pipeline().with_missing_samples(MissingSamples::Hold { at_most: 2 });
+    p.step(&[0.25], &[0.5]).unwrap();
+    for y in [&[][..], &[0.5, 0.5]] {
+        let error = FrameError::Length { k: 1, signal: "y", expected: 1, found: y.len() };
+        assert_eq!(p.step(&[f64::NAN], y).err(), Some(error));
+    }
+    let mut fresh = pipeline();
+    fresh.step(&[0.25], &[0.5]).unwrap();
+    assert_eq!(Snapshot::of(&mut p), Snapshot::of(&mut fresh), "nothing was held");
+}
+
+/// A snapshot is data from outside: what it left in the place of the last good sample is checked.
+#[test]
+fn a_held_sample_is_checked_too() {
+    #[derive(Debug)]
+    struct Spoil;
+    impl StateVisitor<f64> for Spoil {
+        fn reals(&mut self, name: &'static str, values: &mut [f64]) {
+            if name == "pipeline y" {
+                values.fill(f64::NAN);
+            }
+        }
+        fn counts(&mut self, _: &'static str, _: &mut [u64]) {}
+    }
+    let mut p = pipeline().with_missing_samples(MissingSamples::Hold { at_most: 2 });
+    p.step(&[0.25], &[0.5]).unwrap();
+    p.visit_state(&mut Spoil);
+    let error = FrameError::NonFinite { k: 1, signal: "y", channel: 0 };
+    assert_eq!(p.step(&[0.25], &[f64::NAN]).err(), Some(error));
+    assert!(p.step(&[0.25], &[0.5]).is_ok(), "the next good sample is taken");
+}
+
 #[test]
 fn alarms_are_events() {
     let mut p = pipeline();
@@ -172,6 +258,55 @@ fn a_snapshot_of_something_else_is_refused() {
         Err(SnapshotError::Field { .. })
     ));
     assert_eq!(Snapshot::of(&mut p), before, "a refused snapshot changes nothing");
+}
+
+/// A stage that forgets one of its two numbers where it is told to.
+#[derive(Clone, Debug, Default)]
+struct Forgetful {
+    sums: [f64; 2],
+    reset_forgets: bool,
+    visit_forgets: bool,
+}
+
+impl Forgetful {
+    fn step(&mut self, k: usize) -> f64 {
+        self.sums[0] += k as f64;
+        self.sums[1] += 1.0;
+        self.sums[0] * self.sums[1]
+    }
+}
+
+impl Stage for Forgetful {
+    fn reset(&mut self) {
+        let sums = if self.reset_forgets { &mut self.sums[..1] } else { &mut self.sums[..] };
+        sums.fill(0.0);
+    }
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        visitor.reals("sum", &mut self.sums[..1]);
+        if !self.visit_forgets {
+            visitor.reals("other sum", &mut self.sums[1..]);
+        }
+    }
+}
+
+#[test]
+fn a_stage_that_remembers_all_passes_the_law() {
+    let whole = Forgetful::default();
+    memory(&mut whole.clone(), &mut whole.clone(), 10, Forgetful::step);
+}
+
+#[test]
+#[should_panic(expected = "reset must restart the stage")]
+fn a_field_that_reset_forgets_breaks_the_law() {
+    let broken = Forgetful { reset_forgets: true, ..Forgetful::default() };
+    memory(&mut broken.clone(), &mut broken.clone(), 10, Forgetful::step);
+}
+
+#[test]
+#[should_panic(expected = "a restored stage must continue")]
+fn a_field_that_visit_state_forgets_breaks_the_law() {
+    let broken = Forgetful { visit_forgets: true, ..Forgetful::default() };
+    memory(&mut broken.clone(), &mut broken.clone(), 10, Forgetful::step);
 }
 
 proptest! {

@@ -8,7 +8,7 @@ use super::site::{Side, SiteRef};
 
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///
-/// An effect of one's own is a type that implements this trait; [`Sketch`](super::Sketch) does the
+/// An effect of your own is a type that implements this trait; [`Sketch`](super::Sketch) does the
 /// bookkeeping. A pump that loses a part of its flow with the temperature of the day:
 ///
 /// ```

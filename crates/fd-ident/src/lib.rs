@@ -23,6 +23,45 @@
 //! [`RecursiveArx`](arx::RecursiveArx) is an [`Identifier`](fd_core::stage::Identifier),
 //! [`ArxSimulator`](arx::ArxSimulator) a [`BiasModel`](fd_core::stage::BiasModel).
 //!
+//! The same equation is fitted to a log, learned sample by sample, and run:
+//!
+//! ```
+//! use fd_core::stage::{BiasModel, Identifier};
+//! use fd_ident::{arx::{ArxFit, ArxOrders, RecursiveArx}, rls::{RlsDesign, UdRls}};
+//! use fd_model::{Channel, Record, SampleTime};
+//!
+//! // The bias of a model whose gain is a tenth too small: μ(k) = 0.9 μ(k−1) + 0.01 u(k).
+//! let u: Vec<f64> = (0..500).map(|k| (f64::from(k) * 0.1).sin().signum()).collect();
+//! let mu: Vec<f64> = u
+//!     .iter()
+//!     .scan(0.0, |mu, u| {
+//!         *mu = 0.9 * *mu + 0.01 * u;
+//!         Some(*mu)
+//!     })
+//!     .collect();
+//! let (inputs, outputs) = (Channel::numbered("u", 1), Channel::numbered("mu", 1));
+//! let record = Record::new(inputs, outputs, u, mu, SampleTime::new(0.1)?)?;
+//! let orders = ArxOrders::new(1, 1, 0);
+//!
+//! // From the whole log ...
+//! let fit = ArxFit::new(orders).fit(&[&record])?.model;
+//! assert!((fit.theta()[0] + 0.9).abs() < 1e-9 && (fit.theta()[1] - 0.01).abs() < 1e-9);
+//!
+//! // ... or sample by sample ...
+//! let kernel = UdRls::<f64>::new(orders.parameters(1), &RlsDesign::default())?;
+//! let mut identifier = RecursiveArx::new(orders, 1, 1, kernel)?;
+//! record.samples().for_each(|(u, mu)| identifier.update(u, mu));
+//! // The prior variance of 1e6 pulls towards zero, by a millionth of the 500 samples.
+//! assert!((identifier.theta()[0] + 0.9).abs() < 1e-3);
+//!
+//! // ... and then the bias is known from the input alone.
+//! let mut bias = fit.freeze::<f32>()?;
+//! let mut mu_hat = [0.0];
+//! (0..200).for_each(|_| bias.simulate(&[1.0], &mut mu_hat));
+//! assert!((mu_hat[0] - 0.1).abs() < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # When not to use it
 //!
 //! When a fault may be present in the training data: it would be learned as bias. When the cause
@@ -44,5 +83,7 @@ pub mod refine;
 pub mod rls;
 pub mod scheduled;
 pub mod subspace;
+#[cfg(feature = "testing")]
+pub mod testing;
 
 pub use crate::error::IdentError;

@@ -155,6 +155,36 @@ pub enum LogError {
         /// Text of the cell.
         found: String,
     },
+    /// A row has no time.
+    #[error("column `{column}` of {file}, row {row}: expected a time, found no value")]
+    NoTimeInRow {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Line of the file.
+        row: u64,
+    },
+    /// A line of an NDJSON file is not an object of numbers.
+    #[error("{file}, row {row}: expected a JSON object of numbers, {found}")]
+    NotAnObject {
+        /// Name of the file.
+        file: String,
+        /// Line of the file.
+        row: u64,
+        /// What is wrong with it.
+        found: String,
+    },
+    /// A line of an NDJSON file has a key that the first line has not.
+    #[error("{file}, row {row}: expected the keys of the first object, found `{key}` besides")]
+    NewKey {
+        /// Name of the file.
+        file: String,
+        /// Line of the file.
+        row: u64,
+        /// The key.
+        key: String,
+    },
     /// A time is not after the one before.
     #[error(
         "column `{column}` of {file}, row {row}: expected a time after {before} s, found {time} s"

@@ -1,21 +1,27 @@
-//! The header of a log: separators, names and units of columns.
+//! The header of a log: names and units of columns.
 
 use crate::error::LogError;
 
 /// A column as its header names it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct HeaderColumn {
+pub struct HeaderColumn {
     /// The whole text.
-    pub(super) text: String,
+    pub text: String,
     /// The text without the unit.
-    pub(super) name: String,
+    pub name: String,
     /// Unit in brackets after the name.
-    pub(super) unit: Option<String>,
+    pub unit: Option<String>,
 }
 
 impl HeaderColumn {
     /// Splits `T_7 [K]` and `T_7 (K)` into name and unit.
-    pub(super) fn parse(text: &str) -> Self {
+    ///
+    /// ```
+    /// let column = fd_log::HeaderColumn::parse("T_7 [K]");
+    /// assert_eq!((column.name.as_str(), column.unit.as_deref()), ("T_7", Some("K")));
+    /// ```
+    #[must_use]
+    pub fn parse(text: &str) -> Self {
         let text = text.trim();
         let split = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
             let (name, unit) = text.strip_suffix(close)?.rsplit_once(open)?;
@@ -81,21 +87,6 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The separator that occurs most often outside quotes in the header line: `,`, `;` or tab.
-pub(super) fn detect_delimiter(line: &[u8]) -> u8 {
-    const DELIMITERS: [u8; 3] = [b';', b'\t', b','];
-    let mut quoted = false;
-    let mut counts = [0_usize; 3];
-    for byte in line {
-        quoted ^= *byte == b'"';
-        if let Some(i) = DELIMITERS.iter().position(|d| d == byte).filter(|_| !quoted) {
-            counts[i] += 1;
-        }
-    }
-    // The last of several maxima wins: a comma, when there is no separator at all.
-    (0..3).max_by_key(|&i| counts[i]).map_or(b',', |i| DELIMITERS[i])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,13 +110,5 @@ mod tests {
         for (a, b, distance) in [("kitten", "sitting", 3), ("", "ab", 2), ("wf", "wf", 0)] {
             assert_eq!(edit_distance(a, b), distance);
         }
-    }
-
-    #[test]
-    fn separators_are_found_outside_quotes() {
-        assert_eq!(detect_delimiter(b"a,b"), b',');
-        assert_eq!(detect_delimiter(b"\"a,b,c\";d"), b';');
-        assert_eq!(detect_delimiter(b"a\tb\tc"), b'\t');
-        assert_eq!(detect_delimiter(b"alone"), b',');
     }
 }

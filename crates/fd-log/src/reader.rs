@@ -1,20 +1,16 @@
 //! Reading of logs, row by row or as a whole.
 
-use std::{
-    fs::File,
-    io::{self, BufReader, Cursor, Read},
-    path::Path,
-};
+use std::{io::Read, path::Path};
 
-use csv::ByteRecord;
 use fd_model::{Channel, Record, TimeBaseError, TimeBaseReport, TimeSeries};
 
 use crate::{
     columns::{Column, Time, resolve, rule_columns, time_source},
+    csv::CsvSource,
     error::LogError,
-    head::{Head, LineCounter, cannot_read, utf8},
-    header::{HeaderColumn, detect_delimiter},
+    format::open,
     map::{LogMap, RowRule},
+    source::LogSource,
 };
 
 /// A log on an even time base, and what its own time base was like.
@@ -39,15 +35,10 @@ pub struct LogRow<'a> {
     pub y: &'a [f64],
 }
 
-/// Reads a log of any size row by row, in the memory of one row.
+/// Reads a log of any size and format row by row, in the memory of one row.
 #[derive(Debug)]
-pub struct LogReader<R> {
-    file: String,
-    csv: csv::Reader<io::Chain<Cursor<Vec<u8>>, BufReader<R>>>,
-    cells: ByteRecord,
-    width: usize,
-    lines: LineCounter,
-    decimal_comma: bool,
+pub struct LogReader<S> {
+    source: S,
     time: Time,
     rules: Vec<(RowRule, Column)>,
     columns: Vec<Column>,
@@ -55,20 +46,20 @@ pub struct LogReader<R> {
     inputs: Vec<Channel>,
     outputs: Vec<Channel>,
     values: Vec<f64>,
-    sample_time: Option<f64>,
+    map: LogMap,
 }
 
-/// Reads a log and puts it on an even time base.
+/// Reads a log and puts it on an even time base. The ending of its name says the [format](crate::FORMATS).
 ///
 /// # Errors
 ///
 /// Returns an error with the place in the file when the file cannot be read, columns are missing
 /// or have the wrong unit, a cell is not a number, or time does not increase.
 pub fn read_log(path: impl AsRef<Path>, map: &LogMap) -> Result<Log, LogError> {
-    LogReader::open(path, map)?.read_all(map)
+    LogReader::new(open(path, map)?, map)?.read_all()
 }
 
-/// Reads a log from anywhere; `file` is the name for errors.
+/// Reads a log as CSV from anywhere; `file` is the name for errors.
 ///
 /// ```
 /// use fd_log::{LogMap, read_log_from};
@@ -86,31 +77,18 @@ pub fn read_log(path: impl AsRef<Path>, map: &LogMap) -> Result<Log, LogError> {
 ///
 /// As [`read_log`].
 pub fn read_log_from(file: &str, from: impl Read, map: &LogMap) -> Result<Log, LogError> {
-    LogReader::new(file, from, map)?.read_all(map)
+    LogReader::new(CsvSource::new(file, from, map)?, map)?.read_all()
 }
 
-impl LogReader<File> {
-    /// Opens a file and reads its header.
-    ///
-    /// # Errors
-    ///
-    /// As [`LogReader::new`], and when the file cannot be opened.
-    pub fn open(path: impl AsRef<Path>, map: &LogMap) -> Result<Self, LogError> {
-        let path = path.as_ref();
-        let file = path.display().to_string();
-        let from = File::open(path).map_err(|error| cannot_read(&file, error.kind()))?;
-        Self::new(&file, from, map)
-    }
-}
-
-impl<R: Read> LogReader<R> {
-    /// Reads the header; `file` is the name for errors.
+impl<S: LogSource> LogReader<S> {
+    /// Finds the columns of a map in a source.
     ///
     /// ```
-    /// # use fd_log::{LogMap, LogReader};
+    /// # use fd_log::{CsvSource, LogMap, LogReader};
     /// # use fd_model::Channel;
     /// let map = LogMap::for_channels(&[], &[Channel::new("y", "1")]);
-    /// let mut reader = LogReader::new("run.csv", "t,y\n0,5\n1,6\n".as_bytes(), &map)?;
+    /// let csv = CsvSource::new("run.csv", "t,y\n0,5\n1,6\n".as_bytes(), &map)?;
+    /// let mut reader = LogReader::new(csv, &map)?;
     /// let mut sum = 0.0;
     /// while let Some(row) = reader.next_row()? {
     ///     sum += row.y[0];
@@ -121,57 +99,32 @@ impl<R: Read> LogReader<R> {
     ///
     /// # Errors
     ///
-    /// Returns an error when the file is empty, columns are missing or ambiguous, or a unit does
+    /// Returns an error when the map has no outputs, columns are missing or ambiguous, or a unit does
     /// not fit.
-    pub fn new(file: &str, from: R, map: &LogMap) -> Result<Self, LogError> {
-        let (head, rest) = Head::read(file, from)?;
-        let delimiter = match map.delimiter {
-            Some(found) if found.is_ascii() => found as u8,
-            Some(found) => return Err(LogError::Delimiter { file: file.to_owned(), found }),
-            None if head.written_here => b',',
-            None => detect_delimiter(&head.header),
-        };
-        let crlf = head.header.ends_with(b"\r\n");
-        let mut csv = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(Cursor::new(head.header).chain(rest));
-        let mut cells = ByteRecord::new();
-        csv.read_byte_record(&mut cells).map_err(|error| csv_error(file, &error))?;
-        let row = head.lines_before + 1;
-        let header = cells
-            .iter()
-            .map(|cell| Ok(HeaderColumn::parse(utf8(file, row, cell)?)))
-            .collect::<Result<Vec<_>, LogError>>()?;
-
+    pub fn new(source: S, map: &LogMap) -> Result<Self, LogError> {
+        let (file, header) = (source.file(), source.columns());
         if map.outputs.is_empty() {
             return Err(LogError::NoOutputs { file: file.to_owned() });
         }
-        let time = time_source(file, &header, map)?;
+        let time = time_source(file, header, map)?;
         let (mut columns, mut inputs, mut outputs) = (Vec::new(), Vec::new(), Vec::new());
         for (channels, maps) in [(&mut inputs, &map.inputs), (&mut outputs, &map.outputs)] {
             for map in maps {
-                let (column, channel) = resolve(file, &header, map)?;
+                let (column, channel) = resolve(file, header, map)?;
                 columns.push(column);
                 channels.push(channel);
             }
         }
         Ok(Self {
-            file: file.to_owned(),
-            csv,
-            cells,
-            width: header.len(),
-            lines: LineCounter { before_header: head.lines_before, crlf },
-            decimal_comma: map.decimal_comma,
             time,
-            rules: rule_columns(file, &header, &map.rows)?,
+            rules: rule_columns(file, header, &map.rows)?,
             values: vec![f64::NAN; columns.len()],
             columns,
             rows_read: 0,
             inputs,
             outputs,
-            sample_time: head.sample_time,
+            map: map.clone(),
+            source,
         })
     }
 
@@ -199,44 +152,42 @@ impl<R: Read> LogReader<R> {
         let time = match &self.time {
             Time::Rows(ts) => self.rows_read as f64 * ts.seconds(),
             Time::Column(column) => {
-                let (time, text) = self.number(row, column)?;
+                let time = self.number(column)?;
                 if time.is_nan() {
-                    return Err(self.not_a_number(row, column, text));
+                    let (file, column) = (self.source.file().to_owned(), column.text.clone());
+                    return Err(LogError::NoTimeInRow { file, column, row });
                 }
                 time
             }
         };
         self.rows_read += 1;
         for i in 0..self.columns.len() {
-            self.values[i] = self.number(row, &self.columns[i])?.0;
+            self.values[i] = self.number(&self.columns[i])?;
         }
         let (u, y) = self.values.split_at(self.inputs.len());
         Ok(Some(LogRow { row, time, u, y }))
     }
 
-    /// Reads cells up to a row that all rules admit, and returns its line.
+    /// Goes on to a row that all rules admit, and returns its number.
     fn next_admitted(&mut self) -> Result<Option<u64>, LogError> {
-        loop {
-            let before = self.csv.position().line();
-            if !self.csv.read_byte_record(&mut self.cells).map_err(|e| csv_error(&self.file, &e))? {
-                return Ok(None);
-            }
-            let row = self.lines.row(before, self.csv.position().line());
-            if self.cells.len() != self.width {
-                let (expected, found) = (self.width, self.cells.len());
-                return Err(LogError::Cells { file: self.file.clone(), row, expected, found });
-            }
+        while let Some(row) = self.source.next_row()? {
             let mut is_admitted = true;
             for (rule, column) in &self.rules {
-                is_admitted &= rule.admits(self.number(row, column)?.0);
+                is_admitted &= rule.admits(self.number(column)?);
             }
             if is_admitted {
                 return Ok(Some(row));
             }
         }
+        Ok(None)
     }
 
-    fn read_all(mut self, map: &LogMap) -> Result<Log, LogError> {
+    /// The whole log on an even time base.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_log`].
+    pub fn read_all(mut self) -> Result<Log, LogError> {
         let mut series = TimeSeries {
             inputs: self.inputs.clone(),
             outputs: self.outputs.clone(),
@@ -250,17 +201,17 @@ impl<R: Read> LogReader<R> {
             series.y.extend_from_slice(y);
         }
         if rows.is_empty() {
-            let file = self.file;
-            let rules = map.rows.clone();
-            let is_empty = rules.is_empty();
-            return Err(if is_empty {
+            let file = self.source.file().to_owned();
+            let rules = self.map.rows;
+            return Err(if rules.is_empty() {
                 LogError::NoRows { file }
             } else {
                 LogError::NoneSelected { file, rules }
             });
         }
-        let mut policy = map.resample.clone();
-        policy.sample_time = map.time.sample_time.or(policy.sample_time).or(self.sample_time);
+        let mut policy = self.map.resample.clone();
+        let stated = self.map.time.sample_time.or(policy.sample_time);
+        policy.sample_time = stated.or(self.source.sample_time());
         match series.resample(&policy) {
             Ok((record, time_base)) => Ok(Log { record, time_base }),
             Err(source) => Err(self.time_error(source, &rows)),
@@ -269,7 +220,7 @@ impl<R: Read> LogReader<R> {
 
     /// Puts the row of the file into errors about single samples.
     fn time_error(&self, source: TimeBaseError, rows: &[u64]) -> LogError {
-        let file = self.file.clone();
+        let file = self.source.file().to_owned();
         match (source, &self.time) {
             (TimeBaseError::NotIncreasing { index, before, time }, Time::Column(column)) => {
                 let (column, row) = (column.text.clone(), rows[index]);
@@ -279,39 +230,8 @@ impl<R: Read> LogReader<R> {
         }
     }
 
-    /// A cell as a number in the unit of its channel, and its text.
-    fn number(&self, row: u64, column: &Column) -> Result<(f64, &str), LogError> {
-        let text = utf8(&self.file, row, &self.cells[column.index])?.trim();
-        if is_missing(text) {
-            return Ok((f64::NAN, text));
-        }
-        let parsed = if self.decimal_comma {
-            text.replace(',', ".").parse::<f64>()
-        } else {
-            text.parse::<f64>()
-        };
-        match parsed {
-            Ok(value) if value.is_finite() => Ok((column.conversion.apply(value), text)),
-            _ => Err(self.not_a_number(row, column, text)),
-        }
+    /// The number in a column of the current row, in the unit of its channel.
+    fn number(&self, column: &Column) -> Result<f64, LogError> {
+        Ok(column.conversion.apply(self.source.number(column.index)?))
     }
-
-    fn not_a_number(&self, row: u64, column: &Column, found: &str) -> LogError {
-        let (file, column) = (self.file.clone(), column.text.clone());
-        LogError::Number { file, column, row, found: found.to_owned() }
-    }
-}
-
-/// Whether a cell says that there is no value.
-fn is_missing(text: &str) -> bool {
-    text.is_empty() || ["nan", "na", "n/a", "null"].iter().any(|m| text.eq_ignore_ascii_case(m))
-}
-
-fn csv_error(file: &str, error: &csv::Error) -> LogError {
-    let kind = match error.kind() {
-        csv::ErrorKind::Io(error) => error.kind(),
-        // Byte records of any length are read, so no other kind can occur.
-        _ => io::ErrorKind::InvalidData,
-    };
-    cannot_read(file, kind)
 }

@@ -7,6 +7,27 @@ use faer::{Mat, MatRef, c64};
 use crate::{error::ModelError, linalg::Cayley, state_space::StateSpace};
 
 /// A time axis on which a linear model lives.
+///
+/// Implemented for [`Continuous`] and [`Discrete`], so that an analysis is written once and a model of one
+/// kind cannot be joined with one of the other. What differs between the two is in these methods and
+/// nowhere else.
+///
+/// ```
+/// use faer::mat;
+/// use fd_model::{Continuous, ModelError, SampleTime, StateSpace, TimeDomain};
+///
+/// /// How far the slowest mode is from not dying out.
+/// fn slowest<D: TimeDomain>(model: &StateSpace<D>) -> Result<f64, ModelError> {
+///     let poles = model.poles()?;
+///     Ok(poles.iter().map(|&p| model.domain().margin(p)).fold(f64::INFINITY, f64::min))
+/// }
+///
+/// let lag = StateSpace::new(mat![[-2.0]], mat![[1.0]], mat![[1.0]], mat![[0.0]], Continuous)?;
+/// let sampled = lag.sample_zoh(SampleTime::new(0.1)?)?;
+/// assert_eq!(slowest(&lag)?, 2.0);
+/// assert!((slowest(&sampled)? - (1.0 - (-0.2_f64).exp())).abs() < 1e-15);
+/// # Ok::<(), ModelError>(())
+/// ```
 pub trait TimeDomain: Copy + Sized {
     /// Distance of an eigenvalue from the edge of stability, positive when its mode dies out.
     fn margin(&self, eigenvalue: c64) -> f64;

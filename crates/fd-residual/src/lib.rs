@@ -22,6 +22,35 @@
 //!
 //! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
 //! which faults it detects, how far they stand above noise, which signature it has.
+//!
+//! ```
+//! use faer::mat;
+//! use fd_core::{Fixed, Frame, stage::ResidualGenerator};
+//! use fd_model::{Discrete, SampleTime, StateSpace};
+//! use fd_residual::{
+//!     analysis::{UnknownInputs, fault_effects},
+//!     observer::ObserverDesign,
+//! };
+//!
+//! // A motor with its speed and current measured.
+//! let domain = Discrete { ts: SampleTime::new(0.01)? };
+//! let (a, b) = (mat![[0.98, 0.05], [-0.1, 0.7]], mat![[0.0], [0.3]]);
+//! let (c, d) = (mat![[1.0, 0.0], [0.0, 1.0]], mat![[0.0], [0.0]]);
+//! let motor = StateSpace::new(a, b, c, d, domain)?;
+//!
+//! // Design: an observer that forgets three times as fast as the motor does. Is it any good?
+//! let design = ObserverDesign::faster(&motor, 3.0)?;
+//! let sensors = UnknownInputs::none(&motor).sensor(&motor, 0)?.sensor(&motor, 1)?;
+//! let effects = fault_effects(&design.form()?, &sensors.system(&motor)?)?;
+//! assert!(effects.iter().all(|effect| effect.lasting));
+//!
+//! // Run: any scalar, sizes known to the compiler, nothing on the heap.
+//! let mut observer = design.freeze::<f32, Fixed<2, 1, 2>>()?;
+//! let mut r = [0.0; 2];
+//! observer.step(Frame::new(observer.io(), 0, &[1.0], &[0.0, 0.25])?, &mut r);
+//! assert_eq!(r, [0.0, 0.25]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod adaptive;
 pub mod analysis;
@@ -40,6 +69,8 @@ pub mod optimal;
 pub mod parity;
 pub mod simulation;
 pub mod structured;
+#[cfg(feature = "testing")]
+pub mod testing;
 pub mod unknown_input;
 pub mod weighted;
 

@@ -216,6 +216,42 @@ fn fault_intervals_hold_their_level() {
     }
 }
 
+/// The deviations are those that the covariance of the Kalman filter itself settles at, sample by
+/// sample: `P⁻ = A P Aᵀ + Q`, `P = P⁻ − P⁻Cᵀ (C P⁻Cᵀ + R)⁻¹ C P⁻`.
+#[test]
+fn deviations_of_fault_estimates_are_those_of_the_filter() {
+    let model = tanks();
+    let faults =
+        UnknownInputs::none(&model).actuator(&model, 0).unwrap().sensor(&model, 1).unwrap();
+    let noise = FaultNoise { process: 1e-6, output: 1e-4, drift: 4e-6 };
+    let design = FaultEstimatorDesign::new(&model, &faults, &noise).unwrap();
+    // Levels of both tanks, fault of the pump, fault of the second sensor.
+    let a = mat![
+        [0.9, 0.05, 0.1, 0.0],
+        [0.1, 0.85, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ];
+    let c = mat![[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
+    let q = [noise.process, noise.process, noise.drift, noise.drift];
+    let mut p = Mat::<f64>::identity(4, 4);
+    for _ in 0..5000 {
+        let before =
+            &a * &p * a.transpose() + Mat::from_fn(4, 4, |i, j| if i == j { q[i] } else { 0.0 });
+        let s =
+            &c * &before * c.transpose() + faer::Scale(noise.output) * Mat::<f64>::identity(2, 2);
+        let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(1, 0)];
+        let inverse = mat![[s[(1, 1)], -s[(0, 1)]], [-s[(1, 0)], s[(0, 0)]]];
+        let gain = &before * c.transpose() * inverse * faer::Scale(determinant.recip());
+        p = &before - gain * &c * &before;
+    }
+    for (i, deviation) in design.deviations().iter().enumerate() {
+        let expected = p[(2 + i, 2 + i)].sqrt();
+        // The slowest mode of the filter, about √(drift/output) = 0.2 per sample, is long gone.
+        assert!((deviation / expected - 1.0).abs() < 1e-9, "{deviation}, not {expected}");
+    }
+}
+
 /// Two sensors that see the same state cannot be told from its actuator.
 #[test]
 fn an_estimator_refuses_faults_that_look_alike() {

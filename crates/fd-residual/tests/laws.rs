@@ -4,71 +4,56 @@
 mod common;
 
 use common::{
-    Draw, distance, draws, joined, peak, plant, plus, random_matrix, residuals, rng, signal,
-    simulate,
+    Draw, distance, draws, joined, peak, plant, plus, residuals, sampled, signal, simulate,
 };
-use faer::Mat;
+use faer::{Mat, mat};
 use fd_core::{
-    Fixed, Heap, HeapMap, Scalar, Storage,
+    Fixed, Frame, Heap, HeapMap, Scalar, Storage,
     stage::{ResidualGenerator, Stage},
-    testing::reset_and_restore,
+    testing::{memory, reset_and_restore},
 };
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
     GeneratorDesign,
-    analysis::UnknownInputs,
-    bank::{Bank, BankDesign},
-    decouple::DecoupledDesign,
-    estimation::{FaultEstimatorDesign, FaultNoise},
-    observer::{ErrorPoles, ObserverDesign},
-    optimal::{Exposure, OptimalDesign},
+    bank::Bank,
+    observer::ObserverDesign,
     parity::{FixedWindow, ParityDesign},
     simulation::SimulationDesign,
+    testing::{Example, every_generator},
     weighted::{FilteredDesign, WeightedDesign},
 };
 use proptest::prelude::*;
 
-/// Every kind of generator, with the number of samples that it waits.
-fn designs(model: &StateSpace<Discrete>, seed: u64) -> Vec<(usize, Box<dyn GeneratorDesign>)> {
-    let mut rng = rng(seed ^ 0x5eed);
-    let ny = model.ny();
-    let kalman = ObserverDesign::kalman(model, 1.0, 0.1).unwrap();
-    let weight = random_matrix(&mut rng, 2, ny);
-    let filter = StateSpace::new(
-        Mat::from_fn(2, 2, |i, j| if i == j { 0.6 } else { -0.1 }),
-        random_matrix(&mut rng, 2, ny),
-        random_matrix(&mut rng, 1, 2),
-        random_matrix(&mut rng, 1, ny),
-        model.domain(),
-    )
-    .unwrap();
-    let parity = ParityDesign::all(model, model.nx()).unwrap();
-    let simulation = SimulationDesign::new(model).unwrap();
-    let none = UnknownInputs::none(model);
-    let sensors = (0..ny).fold(none.clone(), |all, i| all.sensor(model, i).unwrap());
-    let nx = model.nx();
-    let on = |rows, from| Mat::from_fn(rows, nx + ny, |i, j| if i + from == j { 0.5 } else { 0.0 });
-    let noise = UnknownInputs::new("w", on(nx, 0), on(ny, nx));
-    let noise = noise.unwrap();
-    let exposure = Exposure { faults: &sensors, disturbances: &none, noise: &noise };
-    let optimal = OptimalDesign::new(model, &exposure, 1.0).unwrap();
-    let walk = FaultNoise { process: 0.1, output: 0.1, drift: 1.0 };
-    let estimator = FaultEstimatorDesign::new(model, &sensors, &walk).unwrap();
-    let decoupled = DecoupledDesign::new(model, &none, &ErrorPoles::Rate(2.0)).unwrap();
-    let bank = BankDesign::new(vec![Box::new(simulation.clone()), Box::new(parity.clone())]);
-    vec![
-        (0, Box::new(simulation)),
-        (model.nx(), Box::new(parity.select(&[0]).unwrap())),
-        (model.nx(), Box::new(parity)),
-        (model.nx(), Box::new(bank.unwrap())),
-        (0, Box::new(kalman.clone())),
-        (0, Box::new(WeightedDesign::new(kalman.clone(), weight.as_ref()).unwrap())),
-        (0, Box::new(FilteredDesign::new(kalman.clone(), &filter).unwrap())),
-        (0, Box::new(kalman.form().unwrap())),
-        (0, Box::new(optimal)),
-        (0, Box::new(estimator)),
-        (0, Box::new(decoupled)),
-    ]
+/// Every generator that exists for this plant.
+fn designs(model: &StateSpace<Discrete>) -> Vec<(&'static str, usize, Box<dyn GeneratorDesign>)> {
+    let of = |example: Example| Some((example.name, example.wait, example.design.ok()?));
+    every_generator(model).into_iter().filter_map(of).collect()
+}
+
+/// Every generator that exists for this plant and does not learn while it runs.
+fn constant(model: &StateSpace<Discrete>) -> Vec<(&'static str, usize, Box<dyn GeneratorDesign>)> {
+    let adapts: Vec<_> =
+        every_generator(model).into_iter().filter(|e| e.adapts).map(|e| e.name).collect();
+    designs(model).into_iter().filter(|design| !adapts.contains(&design.0)).collect()
+}
+
+/// A list that quietly loses its members proves nothing: a good plant allows them all, and the plants of
+/// these tests all those that ask for no more outputs than there are.
+#[test]
+fn every_generator_exists_for_a_good_plant() {
+    let a = mat![[0.9, 0.1, 0.0], [-0.1, 0.8, 0.05], [0.0, 0.1, 0.7]];
+    let b = mat![[0.1], [0.2], [0.3]];
+    let good = StateSpace::new(a, b, Mat::identity(3, 3), Mat::zeros(3, 1), sampled()).unwrap();
+    for example in every_generator(&good) {
+        assert!(example.design.is_ok(), "{example:?}");
+    }
+    let single = plant(Draw { nx: 4, nu: 1, ny: 1, radius: 0.8, seed: 3 });
+    let missing: Vec<_> = every_generator(&single)
+        .into_iter()
+        .filter(|e| e.design.is_err())
+        .map(|e| e.name)
+        .collect();
+    assert_eq!(missing, ["unknown-input", "decoupled", "eigenstructure", "directional"]);
 }
 
 proptest! {
@@ -78,14 +63,14 @@ proptest! {
     #[test]
     fn inputs_do_not_reach_the_residual(draw in draws()) {
         let model = plant(draw);
-        for (_, design) in designs(&model, draw.seed) {
+        for (name, _, design) in designs(&model) {
             // Two resolvents of radius <= 0.95 (cond <= ~1e4 for these sizes) cost 1e4 n eps.
             let defect = design.form().unwrap().consistency(&model).unwrap();
-            prop_assert!(defect < 1e-10, "{defect:e} for {design:?}");
+            prop_assert!(defect < 1e-10, "{defect:e} for {name}");
             // The generator of another plant does not pass this check.
             let other = plant(Draw { seed: draw.seed ^ 8, ..draw });
             let defect = design.form().unwrap().consistency(&other).unwrap();
-            prop_assert!(1e-3 < defect, "{defect:e} for {design:?}");
+            prop_assert!(1e-3 < defect, "{defect:e} for {name}");
         }
     }
 
@@ -97,10 +82,10 @@ proptest! {
         let u = signal(draw.seed ^ 1, draw.nu, 700);
         let x0 = signal(draw.seed ^ 2, draw.nx, 1).remove(0);
         let y = simulate(&model, &x0, &u);
-        for (_, design) in designs(&model, draw.seed) {
+        for (name, _, design) in constant(&model) {
             let r = residuals(&mut *design.build().unwrap(), &u, &y);
             // Rounding of sums of some ten terms of the size of y, filtered by a gain of up to 100.
-            prop_assert!(peak(&r[600..]) < 1e-11 * (1.0 + peak(&y)), "{design:?}");
+            prop_assert!(peak(&r[600..]) < 1e-11 * (1.0 + peak(&y)), "{name}");
         }
     }
 
@@ -109,7 +94,7 @@ proptest! {
     fn a_generator_computes_its_form(draw in draws()) {
         let model = plant(draw);
         let (u, y) = (signal(draw.seed ^ 1, draw.nu, 60), signal(draw.seed ^ 2, draw.ny, 60));
-        for (wait, design) in designs(&model, draw.seed) {
+        for (name, wait, design) in constant(&model) {
             let system = design.form().unwrap().system().clone();
             let expected = simulate(&system, &vec![0.0; system.nx()], &joined(&u, &y));
             let mut generator = design.build().unwrap();
@@ -118,7 +103,7 @@ proptest! {
             let r = residuals(&mut *generator, &u, &y);
             let error = distance(&r[wait..], &expected[wait..]);
             // 60 steps of stable recursions in two orders of summation.
-            prop_assert!(error < 1e-11 * (1.0 + peak(&expected)), "{error:e} for {design:?}");
+            prop_assert!(error < 1e-11 * (1.0 + peak(&expected)), "{error:e} for {name}");
         }
     }
 
@@ -129,13 +114,29 @@ proptest! {
         let u = signal(draw.seed ^ 1, draw.nu, 60);
         let y = simulate(&model, &vec![0.3; draw.nx], &u);
         let fault = signal(draw.seed ^ 2, draw.ny, 60);
-        for (wait, design) in designs(&model, draw.seed) {
+        for (name, wait, design) in constant(&model) {
             let hy = design.form().unwrap().hy().unwrap();
             let effect = simulate(&hy, &vec![0.0; hy.nx()], &fault);
             let healthy = residuals(&mut *design.build().unwrap(), &u, &y);
             let faulty = residuals(&mut *design.build().unwrap(), &u, &plus(&y, &fault));
             let error = distance(&faulty[wait..], &plus(&healthy, &effect)[wait..]);
-            prop_assert!(error < 1e-11 * (1.0 + peak(&faulty)), "{error:e} for {design:?}");
+            prop_assert!(error < 1e-11 * (1.0 + peak(&faulty)), "{error:e} for {name}");
+        }
+    }
+
+    /// A reset generator repeats itself, and a restored one continues to the bit.
+    #[test]
+    fn every_generator_obeys_the_law_of_memory(draw in draws(), samples in 2..60_usize) {
+        let model = plant(draw);
+        let (u, y) = (signal(draw.seed ^ 1, draw.nu, 60), signal(draw.seed ^ 2, draw.ny, 60));
+        for (name, _, design) in designs(&model) {
+            let mut r = vec![0.0; design.residual_len()];
+            let (mut one, mut two) = (design.build().unwrap(), design.build().unwrap());
+            memory(&mut one, &mut two, samples, |generator, k| {
+                let frame = Frame::new(generator.io(), k as u64, &u[k], &y[k]).unwrap();
+                generator.step(frame, &mut r);
+                (name, r.iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+            });
         }
     }
 

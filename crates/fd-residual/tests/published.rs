@@ -2,7 +2,7 @@
 //!
 //! Varga (2017), Solving Fault Diagnosis Problems, and the user's guide of FDITOOLS; Niemann
 //! (1998); Yuan et al. (1997). All in continuous time.
-#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 #![allow(clippy::unreadable_literal, reason = "numbers as printed in the sources")]
 
 mod common;
@@ -10,13 +10,14 @@ mod common;
 use common::transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise};
 use faer::{Mat, mat};
 use fd_core::IoDims;
-use fd_model::{Continuous, StateSpace};
+use fd_model::{Continuous, Discrete, SampleTime, StateSpace};
 use fd_residual::{
-    ResidualForm,
+    GeneratorDesign, ResidualForm,
     analysis::{
         UnknownInputs, achievable_signatures, fault_effects, fault_to_noise_gap, strong_structure,
         weak_structure,
     },
+    parity::ParityDesign,
 };
 
 fn form_of(nu: usize, ny: usize, system: System) -> ResidualForm<Continuous> {
@@ -123,6 +124,37 @@ fn strong_and_weak_structure() {
     assert_eq!(bits(strong_structure(&form, &gf, &[0.0]).unwrap()), ["00", "11"]);
     assert_eq!(bits(strong_structure(&form, &gf, &[2.0]).unwrap()), ["10", "01"]);
     assert_eq!(bits(strong_structure(&form, &gf, &[0.0, 2.0]).unwrap()), ["00", "01"]);
+
+    // The first residual sees the first fault, s/(s+1), until it dies away, and never the second.
+    let first = form_of(0, 2, StateSpace::gain(mat![[1.0, 0.0]], Continuous).unwrap());
+    let [dying, absent] = fault_effects(&first, &gf).unwrap()[..] else { panic!("two faults") };
+    assert!(dying.detectable && !dying.lasting);
+    assert_close(dying.steady.unwrap(), 0.0);
+    assert_close(dying.peak.norm, 1.0);
+    assert!(!absent.detectable && !absent.lasting);
+    // Of both together, one is enough for a fault to last: 4/9 of the first, all of the second.
+    let effects = fault_effects(&form, &gf).unwrap();
+    for (effect, steady) in effects.iter().zip([4.0 / 9.0, 1.0]) {
+        assert!(effect.detectable && effect.lasting);
+        assert_close(effect.steady.unwrap(), steady);
+    }
+}
+
+/// A tank that integrates, under its parity relation `y(k) − y(k−1) − u(k−1)`: a constant error of
+/// the level sensor is seen once and forgotten; one of the pump fills the tank and is seen for
+/// ever, although no steady gain of it exists.
+#[test]
+fn a_constant_fault_of_an_integrator_may_be_forgotten() {
+    let domain = Discrete { ts: SampleTime::new(1.0).unwrap() };
+    let tank = StateSpace::new(mat![[1.0]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain).unwrap();
+    let form = ParityDesign::all(&tank, 1).unwrap().form().unwrap();
+    let sensor = StateSpace::gain(mat![[1.0]], domain).unwrap();
+    let sensor = fault_effects(&form, &sensor).unwrap()[0];
+    assert!(sensor.detectable && !sensor.lasting);
+    assert!(sensor.steady.unwrap() < 1e-12);
+    let pump = UnknownInputs::none(&tank).actuator(&tank, 0).unwrap().system(&tank).unwrap();
+    let pump = fault_effects(&form, &pump).unwrap()[0];
+    assert!(pump.detectable && pump.lasting && pump.steady.is_none());
 }
 
 #[test]

@@ -21,3 +21,8 @@ pub use fd_log as log;
 pub use fd_model as model;
 pub use fd_residual as residual;
 pub use fd_sim as sim;
+
+/// The example of the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -11,12 +11,17 @@ use crate::Faults;
 const MAX_LINES: usize = 400;
 
 /// Text that has no place in a source file, and why. Split so that this file passes its own check.
-const BANNED: [(&str, &str); 4] = [
+const BANNED: [(&str, &str); 3] = [
     (concat!("todo", "!("), "unfinished work"),
     (concat!("unimplemented", "!("), "unfinished work"),
-    (concat!("#[ig", "nore"), "a test that does not run"),
     (concat!("\"/wo", "rk/"), "a path of one machine"),
 ];
+
+/// How a test is left out of a plain run, with or without a condition.
+const IGNORED: [&str; 2] = [concat!("#[ig", "nore"), concat!("#[cfg", "_attr")];
+
+/// The reasons for it: what a clone does not bring. `.ci/run` runs these tests where it is there.
+const NEEDS: [&str; 2] = ["needs the logs of ../shared/data", "needs valgrind"];
 
 /// Checks every Rust file below `root` that git would track.
 pub(crate) fn check(root: &Path) -> Faults {
@@ -44,7 +49,24 @@ fn check_text(text: &str) -> Vec<String> {
     }
     let banned = BANNED.iter().filter(|(found, _)| text.contains(found));
     faults.extend(banned.map(|(found, why)| format!("`{found}`: {why}")));
+    faults.extend(ignored_without_need(text));
     faults
+}
+
+/// Ignored tests whose reason is not one of [`NEEDS`].
+fn ignored_without_need(text: &str) -> Vec<String> {
+    let [plain, conditional] = IGNORED;
+    let is_needed =
+        |rest: &str| NEEDS.iter().any(|need| rest.starts_with(&format!(" = \"{need}\"]")));
+    let is_conditional =
+        |rest: &str| rest.split(")]").next().is_some_and(|inside| inside.contains("ignore"));
+    let without = text.split(plain).skip(1).filter(|rest| !is_needed(rest));
+    let under_condition = text.split(conditional).skip(1).filter(|rest| is_conditional(rest));
+    let reasons = NEEDS.join("`, `");
+    without
+        .chain(under_condition)
+        .map(|_| format!("a test that does not run; the only reasons are: `{reasons}`"))
+        .collect()
 }
 
 /// All Rust files below a directory, those of builds left out.
@@ -77,5 +99,20 @@ mod tests {
         for (text, _) in BANNED {
             assert_eq!(check_text(&format!("//! X.\n{text}")).len(), 1, "{text}");
         }
+    }
+
+    #[test]
+    fn a_test_is_ignored_only_for_what_a_clone_does_not_bring() {
+        let [plain, conditional] = IGNORED;
+        let faults = |attribute: String| check_text(&format!("//! X.\n{attribute}\nfn f() {{}}\n"));
+        for need in NEEDS {
+            assert!(faults(format!("{plain} = \"{need}\"]")).is_empty());
+            assert_eq!(faults(format!("{plain} = \"{need}, and is slow\"]")).len(), 1);
+            assert_eq!(faults(format!("{conditional}(unix, ignore = \"{need}\")]")).len(), 1);
+        }
+        assert_eq!(faults(format!("{plain}]")).len(), 1);
+        assert_eq!(faults(format!("{plain} = \"slow\"]")).len(), 1);
+        assert_eq!(faults(format!("{plain} = \"\"]\n{plain}]")).len(), 2);
+        assert!(faults(format!("{conditional}(unix, allow(dead_code))]")).is_empty());
     }
 }

@@ -76,3 +76,47 @@ pub use self::{
     fixed::FixedParameters,
     run::ResidualCompensator,
 };
+
+/// Every way to compensate, with the same identifier and bias model: not at all, trained on line in
+/// either mode and with re-training, and fitted beforehand with the parameters that the identifier has
+/// now. All learn for as few samples as they may.
+///
+/// # Errors
+///
+/// Returns an error when the two do not fit together.
+#[cfg(feature = "testing")]
+pub fn every_compensator<T, I, M>(
+    identifier: &I,
+    model: &M,
+) -> Result<Vec<fd_core::testing::Named<dyn fd_core::stage::Compensator<T>>>, CompensationError>
+where
+    T: fd_core::Scalar,
+    I: fd_core::stage::Identifier<T> + Clone + 'static,
+    M: fd_core::stage::BiasModel<T> + Clone + 'static,
+{
+    use fd_core::stage::Uncompensated;
+
+    let mut simulated = CompensationPlan::default();
+    simulated.convergence.least_samples = 50;
+    simulated.trial.samples = 20;
+    let one_step = CompensationPlan { mode: Mode::OneStep, ..simulated.clone() };
+    let mut trains_again = simulated.clone();
+    trains_again.operating_point.policy = RangePolicy::Retrain;
+    let on_line = |plan| ResidualCompensator::new(identifier.clone(), model.clone(), plan);
+    let fit = PreFitted {
+        theta: identifier.theta().iter().map(|v| v.to_report()).collect(),
+        input_low: vec![-1.0; model.nu()],
+        input_high: vec![1.0; model.nu()],
+        residual_peak: 1.0,
+        filling: 5,
+    };
+    let fitted =
+        ResidualCompensator::pre_fitted(identifier.clone(), model.clone(), fit, &simulated);
+    Ok(vec![
+        ("none", Box::new(Uncompensated::new(model.residual_len()))),
+        ("simulation", Box::new(on_line(&simulated)?)),
+        ("one step", Box::new(on_line(&one_step)?)),
+        ("training again", Box::new(on_line(&trains_again)?)),
+        ("fitted beforehand", Box::new(fitted?)),
+    ])
+}

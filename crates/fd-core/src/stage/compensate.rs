@@ -3,6 +3,138 @@
 use crate::{event::Events, frame::Frame, scalar::Scalar, snapshot::StateVisitor, stage::Stage};
 
 /// Removes the estimated bias from the residual, `r* = r − μ̂`.
+///
+/// A real plant never equals its model, so the primary residual of a healthy plant is not zero. A
+/// threshold above that bias would hide small faults. The compensator estimates the bias `μ̂` and
+/// leaves the *compensated residual* `r*`, in which a slow fault of a thousandth can be seen (Patton
+/// and Chen 1992, section 3).
+///
+/// # The contract
+///
+/// [`step`](Self::step) takes the frame of one sample and its primary residual, writes all channels
+/// of `r*`, and says in which [`Phase`] it treated the sample:
+///
+/// * [`Phase::Training`]: the plant is taken as healthy and the bias is being learned. `r*` is then
+///   whatever is the best indication of a sudden fault (usually the innovation of the estimator),
+///   but it is not comparable with the `r*` of the other phase. Decision rules are mute.
+/// * [`Phase::Compensating`]: what is subtracted no longer learns from the residual. Thresholds
+///   hold.
+///
+/// The rule that makes the method safe is one about information: **while compensating, `μ̂` may
+/// depend on the residual of the past training only, and on `u`.** A compensator that keeps adapting
+/// to `r` learns an incipient fault as fast as it grows, and shows nothing.
+///
+/// Changes of phase are [`Events`]: `TrainingStarted`, `Frozen`, `TrainingInconclusive`,
+/// `BiasModelRejected`, `OperatingPointLeft` and so on. Push an event at the sample at which it
+/// happens, once. The sample that carries `Frozen` still belongs to the training.
+///
+/// # Who calls it, and when
+///
+/// [`Pipeline::step`](crate::Pipeline::step), once per sample, between the generator and the
+/// detector. The first sample it ever sees is the first one of the run, so a compensator that trains
+/// on line starts in training; one whose parameters were fitted beforehand may compensate at once.
+///
+/// [`nu`](Self::nu) and [`residual_len`](Self::residual_len) are asked when the pipeline is built.
+/// Return `None` from `nu` if the input is not looked at.
+///
+/// # What an implementor must do
+///
+/// * *Say `Training` when in doubt.* A pause, a trial of a candidate, a history that still fills:
+///   none of them may be judged by a threshold for `r*`.
+/// * *Watch where it was trained.* A bias learned at one operating point is not the bias at another.
+///   Leaving the range is an event at least; the plan of `fd-compensate` can also train again.
+/// * *Go on after trouble.* A diverged bias model is rejected and reported, `r*` falls back to `r`,
+///   and the next sample is treated as usual. There is no failed state that needs a human.
+/// * *Show all memory*, the phase and its counters included, in
+///   [`visit_state`](super::Stage::visit_state). A compensator that is restored in the middle of its
+///   training opens the switch at the same sample as one that was never stopped.
+/// * *Neither allocate nor fail*, in any phase. The sample at which the switch opens is no exception.
+///
+/// Missing samples are not its concern: a frame is complete. Held ones are learned from like others,
+/// which is one more reason to hold few.
+///
+/// # How it composes
+///
+/// As a type in [`Stages`](crate::Stages), as `Box<dyn Compensator>`, or by the tables `[bias]` and
+/// `[compensation]` of a spec. [`Uncompensated`] is the neutral element: the same pipeline without
+/// compensation, which every result should be compared with.
+///
+/// # When not to implement it
+///
+/// Nearly always. The two-stage method with its convergence tests, trial, hard-fault test and guard
+/// of the operating point is `fd_compensate::residual_compensation`, and it takes any
+/// [`Identifier`](super::Identifier) with any [`BiasModel`](super::BiasModel): a new way of learning
+/// or a new kind of bias needs one of these, not a new compensator.
+///
+/// # Example
+///
+/// The simplest bias is a constant: what a sensor shows of nothing. Tare it over the first samples,
+/// then subtract:
+///
+/// ```
+/// use fd_core::{
+///     EventKind, Events, Frame, IoDims, StateVisitor,
+///     stage::{Compensation, Compensator, Phase, Stage},
+/// };
+///
+/// #[derive(Debug)]
+/// struct Tare {
+///     samples: u64,
+///     learned: u64,
+///     mean: f64,
+/// }
+///
+/// impl Stage for Tare {
+///     fn reset(&mut self) {
+///         (self.learned, self.mean) = (0, 0.0);
+///     }
+///
+///     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+///         visitor.counts("samples learned", std::slice::from_mut(&mut self.learned));
+///         visitor.reals("tare", std::slice::from_mut(&mut self.mean));
+///     }
+/// }
+///
+/// impl Compensator for Tare {
+///     fn nu(&self) -> Option<usize> {
+///         None
+///     }
+///
+///     fn residual_len(&self) -> usize {
+///         1
+///     }
+///
+///     fn step(&mut self, _: Frame<'_, f64>, r: &[f64], r_star: &mut [f64]) -> Compensation {
+///         let mut events = Events::none();
+///         r_star[0] = r[0] - self.mean;
+///         if self.learned == self.samples {
+///             return Compensation { phase: Phase::Compensating, events };
+///         }
+///         if self.learned == 0 {
+///             events.push(EventKind::TrainingStarted);
+///         }
+///         self.learned += 1;
+///         self.mean += r_star[0] / self.learned as f64;
+///         if self.learned == self.samples {
+///             events.push(EventKind::Frozen);
+///         }
+///         Compensation { phase: Phase::Training { samples: self.learned }, events }
+///     }
+/// }
+///
+/// let mut tare = Tare { samples: 4, learned: 0, mean: 0.0 };
+/// let (io, mut r_star) = (IoDims { nu: 0, ny: 1 }, [0.0]);
+/// let mut story = Vec::new();
+/// for (k, r) in [0.4, 0.6, 0.4, 0.6, 0.5, 0.7].into_iter().enumerate() {
+///     let r = [r];
+///     let outcome = tare.step(Frame::new(io, k as u64, &[], &r)?, &r, &mut r_star);
+///     story.extend(outcome.events.iter().map(|kind| (k, kind)));
+/// }
+/// assert_eq!(story, [(0, EventKind::TrainingStarted), (3, EventKind::Frozen)]);
+/// // The last sample is 0.2 above the tare of 0.5, and the tare has not followed it.
+/// assert!((r_star[0] - 0.2).abs() < 1e-15 && (tare.mean - 0.5).abs() < 1e-15);
+/// # Ok::<(), fd_core::FrameError>(())
+/// ```
 pub trait Compensator<T: Scalar = f64>: Stage<T> {
     /// Number of inputs `u`, or `None` if any number will do.
     fn nu(&self) -> Option<usize>;

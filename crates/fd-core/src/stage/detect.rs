@@ -4,8 +4,123 @@ use crate::{scalar::Scalar, stage::Stage};
 
 /// A change detector on a compensated residual.
 ///
-/// Most detectors look at the residual alone. Those that follow the paper's adaptive threshold
-/// `J_th(t)` need the input as well, because what a wrong model leaves in the residual grows with it.
+/// A detector turns the residual vector of each sample into one number, the test statistic, and puts
+/// it next to the largest value that counts as normal. It answers "how far from normal?". What to
+/// do about it (wait for a second exceedance, name the fault, raise an alarm) is the
+/// [`DecisionRule`](super::DecisionRule)'s.
+///
+/// # The contract
+///
+/// * [`update`](Self::update) is called once per sample, in the order of time, with the input and
+///   the residual of the same sample, and returns a [`Verdict`]. The input is there for detectors
+///   whose threshold follows it; most ignore it.
+/// * The statistic grows with the deviation, and an alarm is `statistic > threshold`. A two-sided test
+///   folds its sides into one number.
+/// * *The statistic must not depend on the threshold.* Calibration runs the detector over healthy
+///   data, reads the statistics, and puts the threshold where it keeps the wanted rate of false
+///   alarms. A detector that restarts after its own alarms would change under its feet.
+/// * Other units or another order of the residual channels leave the statistic as it is. Detectors get
+///   there by scaling each channel with its healthy spread when they are built.
+///
+/// # Who calls it, and when
+///
+/// [`Pipeline::step`](crate::Pipeline::step), in *every* phase: while the compensator trains, what
+/// arrives is an innovation. The decision rule mutes those verdicts, not the detector. A detector
+/// with a memory therefore enters the compensated phase with a few innovations in its window. That is
+/// harmless, since both are small while the plant is healthy, and it keeps detectors free of phases.
+///
+/// Calibration, evaluation and Monte Carlo studies call it alone, thousands of times. `update` is the
+/// inner loop of them all.
+///
+/// # What an implementor must do
+///
+/// * *Check in the constructor* what cannot be right: thresholds that are not positive, channels that
+///   never moved, a covariance without an inverse. Return a typed error that names the channel.
+/// * *Offer `from_fault_free(healthy, …)` and `with_threshold(…)`*, if the method allows. With these
+///   two a detector is calibrated like all others.
+/// * *Keep its memory in the open*: windows with their position, sums, counters, all shown by
+///   [`visit_state`](super::Stage::visit_state). The threshold is a constant and is not.
+/// * *Neither allocate nor fail* in `update`. A window is as long as it was built.
+///
+/// A NaN residual makes most statistics NaN, and `NaN > threshold` is no alarm. Residuals are NaN only
+/// when a nonlinear model has left its region of validity; watch for that where such a model is used.
+///
+/// # How it composes
+///
+/// As a type in [`Stages`](crate::Stages), as `Box<dyn Detector>`, or as `detector = { kind = … }` in
+/// a spec. Put it into the list of `fd_compensate::testing`, and every law that holds for detectors is
+/// checked for yours.
+///
+/// # When not to implement it
+///
+/// For another norm or another threshold of a test that exists: those are settings. For several tests
+/// at once: run several pipelines on the same residuals, or combine the statistics in one detector, but
+/// do not vote inside of it. Voting is a decision.
+///
+/// # Example
+///
+/// The exponentially weighted moving average (Roberts 1959): `z ← z + λ (r/σ − z)`, whose standard
+/// deviation on white noise is `√(λ / (2 − λ))` in the long run:
+///
+/// ```
+/// use fd_core::{StateVisitor, stage::{Detector, Stage, Verdict}};
+///
+/// #[derive(Debug)]
+/// struct Ewma {
+///     /// Standard deviations of the healthy channels.
+///     sigma: Vec<f64>,
+///     lambda: f64,
+///     threshold: f64,
+///     averages: Vec<f64>,
+/// }
+///
+/// impl Ewma {
+///     fn new(sigma: &[f64], lambda: f64, sigmas: f64) -> Option<Self> {
+///         let is_good = sigma.iter().all(|s| *s > 0.0) && 0.0 < lambda && lambda <= 1.0;
+///         is_good.then(|| Self {
+///             sigma: sigma.to_vec(),
+///             lambda,
+///             threshold: sigmas * (lambda / (2.0 - lambda)).sqrt(),
+///             averages: vec![0.0; sigma.len()],
+///         })
+///     }
+/// }
+///
+/// impl Stage for Ewma {
+///     fn reset(&mut self) {
+///         self.averages.fill(0.0);
+///     }
+///
+///     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+///         visitor.reals("moving averages", &mut self.averages);
+///     }
+/// }
+///
+/// impl Detector for Ewma {
+///     fn residual_len(&self) -> usize {
+///         self.sigma.len()
+///     }
+///
+///     fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
+///         let mut statistic = 0.0_f64;
+///         for ((z, r), sigma) in self.averages.iter_mut().zip(r).zip(&self.sigma) {
+///             *z += self.lambda * (r / sigma - *z);
+///             statistic = statistic.max(z.abs());
+///         }
+///         Verdict { statistic, threshold: self.threshold }
+///     }
+/// }
+///
+/// assert!(Ewma::new(&[1.0, 0.0], 0.1, 3.0).is_none(), "a channel that never moved");
+/// let Some(mut ewma) = Ewma::new(&[1.0, 0.2], 0.1, 3.0) else { return };
+///
+/// // A shift of one standard deviation would be lost in the noise of a single sample. The average
+/// // passes 3 √(0.1 / 1.9) = 0.688 at the twelfth: 1 − 0.9¹¹ = 0.686, 1 − 0.9¹² = 0.718.
+/// let first = (1..100).find(|_| ewma.update(&[], &[0.0, -0.2]).alarm());
+/// assert_eq!(first, Some(12));
+/// ewma.reset();
+/// assert!(!ewma.update(&[], &[0.0, -0.2]).alarm());
+/// ```
 pub trait Detector<T: Scalar = f64>: Stage<T> {
     /// Number of inputs `u`, or `None` if any number will do, also none.
     fn nu(&self) -> Option<usize> {
@@ -29,7 +144,7 @@ pub struct Verdict<T> {
 }
 
 impl<T: Scalar> Verdict<T> {
-    /// Whether the statistic left its normal range.
+    /// Whether the statistic left its normal range. One that is not a number has not.
     #[must_use]
     pub fn alarm(&self) -> bool {
         self.threshold < self.statistic

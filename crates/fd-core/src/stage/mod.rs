@@ -1,16 +1,45 @@
 //! The stages of a diagnosis, one trait each, in the order in which data meets them.
 //!
-//! All traits share four rules.
+//! ```text
+//! Frame ──▶ ResidualGenerator ──r──▶ Compensator ──r*──▶ Detector ──statistic──▶ DecisionRule
+//!                 │                   ├─ Identifier      learns θ while training
+//!                 └─ Plant            └─ BiasModel       simulates μ̂ from u and θ afterwards
+//! ```
 //!
-//! 1. Signals cross as `&[T]` and `&mut [T]`; the caller owns every buffer.
-//! 2. Methods that run per sample do not allocate and do not fail; failures belong to
-//!    constructors and to [`Frame::new`](crate::Frame::new).
-//! 3. Traits have no associated types, consts or generic methods, so each is usable as `dyn`.
-//! 4. Each trait is implemented for `Box<S>`, so `dyn` is just another type.
-
-use std::fmt::Debug;
-
-use crate::{scalar::Scalar, snapshot::StateVisitor};
+//! The four in the upper row are what a [`Pipeline`](crate::Pipeline) is made of. The three below
+//! are parts that some implementations of the upper ones are made of: an observer steps a
+//! [`Plant`], the compensator of `fd-compensate` joins an [`Identifier`] with a [`BiasModel`]. A
+//! generator without a plant and a compensator without an identifier are just as good.
+//!
+//! # Four rules that all traits share
+//!
+//! 1. *Signals cross as slices.* Inputs are `&[T]`, results are written to `&mut [T]`. The caller
+//!    owns every buffer and has given it the length that the stage asked for (`residual_len()`,
+//!    `theta_len()`, …). A stage writes all of it, every time, and keeps no part of it.
+//! 2. *What runs per sample neither allocates nor fails.* Sizes, ranges and convergence are
+//!    questions for constructors; missing values are a question for
+//!    [`Frame::new`](crate::Frame::new). When the sample comes, every question has been answered.
+//! 3. *Every trait works as `dyn`*: no associated types or consts, no generic methods.
+//! 4. *Each trait is implemented for `Box<S>`*, so `Box<dyn Detector>` is just another detector.
+//!
+//! No trait mentions a matrix type, and no stage knows another one.
+//!
+//! # Three ways to choose a stage
+//!
+//! ```text
+//! detector: Cusum::new(…)?                       static: inlined, sizes known to the compiler
+//! detector: Box::new(Cusum::new(…)?)             dynamic: one virtual call per sample
+//! detector = { kind = "cusum", reference = 0.5 } a line of a spec, read by `fdiag::spec`
+//! ```
+//!
+//! The first two need nothing but an implementation of the trait. The third needs a variant in the
+//! enum of `fdiag::spec`, because a file can only name what we ship.
+//!
+//! # Before you publish an implementation
+//!
+//! Call the laws of `fd_core::testing` (feature `testing`) from a test: a reset stage repeats
+//! itself, and a restored one continues to the bit. Both are broken by one forgotten field, and no
+//! other test would notice.
 
 mod bias;
 mod compensate;
@@ -18,6 +47,7 @@ mod decide;
 mod detect;
 mod forward;
 mod identify;
+mod memory;
 mod plant;
 mod residual;
 
@@ -27,18 +57,7 @@ pub use self::{
     decide::{Decision, DecisionRule, Evidence, Fault},
     detect::{Detector, Verdict},
     identify::{GuardReport, Identifier},
+    memory::Stage,
     plant::Plant,
     residual::ResidualGenerator,
 };
-
-/// What every stage with a memory is besides its own trait: it can be printed, moved to another
-/// thread, restarted, saved and restored.
-pub trait Stage<T: Scalar = f64>: Debug + Send + Sync {
-    /// Forgets all samples; the stage then behaves as when it was built.
-    fn reset(&mut self);
-
-    /// Shows every number that influences the future to `visitor`, always in the same order.
-    ///
-    /// Constants of the design (gains, thresholds) are not memory and are not visited.
-    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>);
-}

@@ -15,7 +15,17 @@ use pulp::Simd;
 /// A number that estimators side by side can compute with: `f64` or `f32`.
 ///
 /// One row of memory holds the same number of [`Self::WIDTH`] estimators, in 64 bytes: one
-/// register of the widest machine, several of a narrower one.
+/// register of the widest machine, several of a narrower one. The trait is sealed.
+///
+/// ```
+/// use fd_ident::batch::LaneScalar;
+///
+/// fn tiles<T: LaneScalar>(estimators: usize) -> usize {
+///     estimators.div_ceil(T::WIDTH)
+/// }
+///
+/// assert_eq!((tiles::<f64>(100), tiles::<f32>(100)), (13, 7));
+/// ```
 pub trait LaneScalar: Scalar + sealed::Lanes {
     /// Estimators in a row: 8 of `f64`, 16 of `f32`.
     const WIDTH: usize;

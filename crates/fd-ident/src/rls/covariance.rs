@@ -8,6 +8,27 @@ use fd_core::{Buffer, Scalar, ShapeError, StateVisitor};
 ///
 /// Every kind of forgetting in this crate is made of these few operations, so it is written once
 /// and runs on every factorisation. None of them allocates.
+///
+/// What was taken in can be given up again, which is how a window forgets:
+///
+/// ```
+/// use fd_ident::rls::{Covariance, Ud};
+///
+/// let mut p: Ud<f64> = Covariance::isotropic(2, 1.0)?;
+/// let (phi, mut p_phi, mut diagonal) = ([3.0, 1.0], [0.0; 2], [0.0; 2]);
+///
+/// assert_eq!(p.energy(&phi), 10.0);
+/// p.absorb(1.0, &mut p_phi);
+/// assert_eq!(p_phi, phi, "P was the unit matrix");
+/// // P⁻¹ = I + φφᵀ, whose inverse has the trace 1 + 1/11.
+/// assert!((p.trace() - 12.0 / 11.0).abs() < 1e-15);
+///
+/// let remainder = 1.0 - p.energy(&phi);
+/// p.release(1.0, remainder, &mut p_phi);
+/// p.diagonal_into(&mut diagonal);
+/// assert!(diagonal.iter().all(|v| (v - 1.0).abs() < 1e-14));
+/// # Ok::<(), fd_core::ShapeError>(())
+/// ```
 pub trait Covariance<T: Scalar>: Clone + Debug + Send + Sync {
     /// A vector over the parameters.
     type Parameters: Buffer<T>;

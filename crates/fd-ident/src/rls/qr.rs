@@ -201,14 +201,16 @@ impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for QrRls<T, S> {
         }
     }
 
+    /// The squared lengths of the rows of `R⁻¹`, each made where the variances after it will be.
     fn variance_into(&self, variance: &mut [T]) {
-        let mut column = self.z.clone();
-        variance.fill(T::zero());
-        for j in 0..variance.len() {
-            self.column_of_inverse(j, column.as_mut());
-            for (variance, &entry) in variance.iter_mut().zip(&column.as_ref()[..=j]) {
-                *variance += entry * entry;
+        let (r, n) = (self.r.as_slice(), self.parameters());
+        for i in 0..n {
+            variance[i] = r[i * n + i].recip();
+            for j in i + 1..n {
+                let sum = (i..j).fold(T::zero(), |sum, k| sum + variance[k] * r[k * n + j]);
+                variance[j] = -sum / r[j * n + j];
             }
+            variance[i] = dot(&variance[i..n], &variance[i..n]);
         }
     }
 

@@ -4,7 +4,19 @@ use std::fmt::Debug;
 
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError};
 
-/// A rectangular block of numbers that an estimator owns, seen as one slice.
+/// A rectangular block of numbers that an estimator owns, seen as one slice: an array of arrays, or a
+/// `Vec` that never grows.
+///
+/// ```
+/// use fd_core::Shape;
+/// use fd_ident::rls::Grid;
+///
+/// let mut square: [[f64; 2]; 2] = Grid::zeros("P", Shape::new(2, 2))?;
+/// Grid::as_mut_slice(&mut square)[1] = 5.0;
+/// assert_eq!(square, [[0.0, 5.0], [0.0, 0.0]]);
+/// assert!(<[[f64; 2]; 2] as Grid<f64>>::zeros("P", Shape::new(3, 3)).is_err());
+/// # Ok::<(), fd_core::ShapeError>(())
+/// ```
 pub trait Grid<T>: Clone + Debug + Send + Sync {
     /// A block of zeros.
     ///
@@ -56,6 +68,24 @@ impl<T: Scalar> Grid<T> for Vec<T> {
 ///
 /// Estimators are written once against this trait. [`Static`] keeps every number inside the
 /// estimator, [`Heap`] lets the sizes come from a file; the results are the same to the bit.
+///
+/// ```
+/// use fd_core::Heap;
+/// use fd_ident::rls::{RlsDesign, RlsKernel, RlsStorage, Static, UdRls};
+///
+/// fn learned<S: RlsStorage<f64>>() -> Result<[f64; 2], fd_ident::IdentError> {
+///     let mut rls = UdRls::<f64, S>::new(2, &RlsDesign::default())?;
+///     let mut theta = [0.0; 2];
+///     for k in 0..20 {
+///         let phi = [1.0, f64::from(k)];
+///         rls.update(&phi, 3.0 - 0.1 * phi[1], &mut theta);
+///     }
+///     Ok(theta)
+/// }
+///
+/// assert_eq!(learned::<Static<2>>()?, learned::<Heap>()?);
+/// # Ok::<(), fd_ident::IdentError>(())
+/// ```
 pub trait RlsStorage<T: Scalar>: Clone + Debug + Send + Sync {
     /// One number per parameter.
     type Parameters: Buffer<T>;

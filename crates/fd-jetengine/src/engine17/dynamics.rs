@@ -14,6 +14,48 @@ use crate::error::{Compressor, EngineError};
 /// An autonomous engine with `N` states and the fuel flow (kg/s) as its input.
 ///
 /// The first seventeen states are those of [`Engine17`]; all outputs are states.
+///
+/// Another engine of the family implements these three methods, and is trimmed, linearised, integrated and
+/// run as a plant like the original. Here one whose pump delivers two per cent less than it is told:
+///
+/// ```
+/// use fd_core::stage::Plant;
+/// use fd_jetengine::engine17::{
+///     Auxiliary, Dynamics, Engine17, NX, NY, Parameters, Sampled, SurgeLimits,
+/// };
+/// use fd_model::SampleTime;
+///
+/// #[derive(Debug)]
+/// struct WornPump(Engine17);
+///
+/// impl Dynamics<f64, NX> for WornPump {
+///     fn rates(&self, x: &[f64; NX], fuel: f64) -> ([f64; NX], Auxiliary<f64>) {
+///         self.0.rates(x, 0.98 * fuel)
+///     }
+///
+///     fn surge_limits(&self) -> SurgeLimits<f64> {
+///         self.0.surge_limits()
+///     }
+///
+///     fn measured(&self) -> [usize; NY] {
+///         self.0.measured()
+///     }
+/// }
+///
+/// // Started where the healthy engine is at rest, it slows down.
+/// let healthy = Engine17::new(&Parameters::default())?;
+/// let trim = healthy.trim(0.712)?;
+/// let plant = Sampled::<_, NX>::new::<f64>(WornPump(healthy), SampleTime::new(0.02)?);
+/// let (mut x, mut next) = (trim.x, [0.0; NX]);
+/// for _ in 0..500 {
+///     plant.advance(&x, &[0.712], &mut next);
+///     x = next;
+/// }
+/// let (mut y, speed) = ([0.0; NY], trim.outputs()[0]);
+/// plant.output(&x, &[0.712], &mut y);
+/// assert!(0.9 * speed < y[0] && y[0] < 0.999 * speed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Dynamics<T: Scalar, const N: usize>: Debug + Send + Sync {
     /// Rates of the states, per second, and the gas path at that instant.
     fn rates(&self, x: &[T; N], fuel: T) -> ([T; N], Auxiliary<T>);

@@ -1,17 +1,14 @@
-//! Reading the reference data that lies beside the workspace, when it is there.
+//! Reading the reference numbers in `tests/data`.
 
-#![allow(dead_code, clippy::unwrap_used, clippy::print_stdout, reason = "shared test helpers")]
+#![allow(dead_code, clippy::unwrap_used, clippy::panic, reason = "shared test helpers")]
 
 use serde_json::Value;
 
-/// A JSON file of the reference data, or `None`, said on the output, when it is not there.
-pub(crate) fn reference(path: &str) -> Option<Value> {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/reference/");
-    let Ok(text) = std::fs::read_to_string(format!("{root}{path}")) else {
-        println!("skipped: no reference data `{path}` beside the workspace");
-        return None;
-    };
-    Some(serde_json::from_str(&text).unwrap())
+/// A JSON file of the reference numbers.
+pub(crate) fn reference(file: &str) -> Value {
+    let path = format!("{}/tests/data/{file}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+    serde_json::from_str(&text).unwrap()
 }
 
 /// An array of numbers.

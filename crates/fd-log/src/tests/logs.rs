@@ -6,7 +6,7 @@ use fd_model::{Channel, Disorder, Record, SampleTime, TimeBaseError, file::FileA
 use proptest::prelude::*;
 
 use crate::{
-    ColumnMap, Log, LogError, LogMap, LogReader, TimeMap, read_log, read_log_from, write_log,
+    ColumnMap, Log, LogError, LogMap, LogReader, TimeMap, open, read_log, read_log_from, write_log,
     write_log_to,
 };
 
@@ -118,7 +118,7 @@ fn a_bad_cell_is_named_with_its_row() {
     }
     assert!(message("t,wf,T_7\n0,inf,2\n").ends_with("found `inf`"));
     assert!(
-        message("t,wf,T_7\n,1,2\n").starts_with("column `t` of run3.csv, row 2: expected a finite")
+        message("t,wf,T_7\n,1,2\n").starts_with("column `t` of run3.csv, row 2: expected a time")
     );
 }
 
@@ -266,7 +266,7 @@ fn files_are_written_whole_and_huge_logs_are_streamed() {
 
     let map = LogMap::for_channels(&[], record.outputs());
     assert_eq!(read_log(&path, &map).unwrap().record, record);
-    let mut reader = LogReader::open(&path, &map).unwrap();
+    let mut reader = LogReader::new(open(&path, &map).unwrap(), &map).unwrap();
     let mut count = 0;
     while let Some(row) = reader.next_row().unwrap() {
         assert_eq!(row.y[0].to_bits(), record.y(count)[0].to_bits());

@@ -32,6 +32,46 @@ pub enum Site {
 /// A plant whose parameters (efficiencies, gains, leakages, …) can be moved while it runs.
 ///
 /// A component fault acts on the nominal value that the plant has when the simulation begins.
+///
+/// It is a power beside [`Plant`](fd_core::stage::Plant), for those plants that have something to move. The
+/// plant is cloned for each run, so the one that was handed in keeps its nominal values.
+///
+/// ```
+/// use fd_core::{IoDims, stage::Plant};
+/// use fd_model::{
+///     Channel, Inputs, SampleTime, Simulation,
+///     fault::{FaultProfile, FaultSpec, Parameters, Site},
+///     signal::Step,
+/// };
+///
+/// /// A valve that passes `gain` times its opening.
+/// #[derive(Clone, Debug)]
+/// struct Valve {
+///     gain: f64,
+/// }
+///
+/// impl Plant for Valve {
+///     fn nx(&self) -> usize { 0 }
+///     fn io(&self) -> IoDims { IoDims { nu: 1, ny: 1 } }
+///     fn advance(&self, _x: &[f64], _u: &[f64], _x_next: &mut [f64]) {}
+///     fn output(&self, _x: &[f64], u: &[f64], y: &mut [f64]) { y[0] = self.gain * u[0]; }
+/// }
+///
+/// impl Parameters for Valve {
+///     fn parameter_names(&self) -> Vec<String> { vec!["gain".to_owned()] }
+///     fn parameter(&self, _index: usize) -> f64 { self.gain }
+///     fn set_parameter(&mut self, _index: usize, value: f64) { self.gain = value; }
+/// }
+///
+/// let (valve, ts) = (Valve { gain: 2.0 }, SampleTime::new(1.0)?);
+/// let inputs = Inputs::from_signals([(Channel::new("opening", "1"), Step::new(1.0, 0.0))], 4, ts)?;
+/// let clogged = FaultSpec::add(Site::component("gain"), 2.0, FaultProfile::abrupt(-0.5));
+/// let run = Simulation { faults: vec![clogged], ..Simulation::default() };
+/// let log = run.run_with_parameters(&valve, &inputs, vec![Channel::new("flow", "l/s")])?;
+/// assert_eq!(log.output(0).collect::<Vec<_>>(), [2.0, 2.0, 1.5, 1.5]);
+/// assert_eq!(valve.gain, 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Parameters {
     /// Names of the parameters.
     fn parameter_names(&self) -> Vec<String>;

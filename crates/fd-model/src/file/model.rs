@@ -82,6 +82,19 @@ impl LinearSystem {
         }
     }
 
+    /// The system at this sample time: a continuous one with its inputs held between samples, a discrete
+    /// one as it is.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the exponential of the state matrix is not finite.
+    pub fn sampled(&self, ts: SampleTime) -> Result<StateSpace<Discrete>, ModelError> {
+        match self {
+            Self::Continuous(system) => system.sample_zoh(ts),
+            Self::Discrete(system) => Ok(system.clone()),
+        }
+    }
+
     /// The eigenvalue that keeps the model from being stable, if there is one, as real and
     /// imaginary part; of several, the worst.
     ///

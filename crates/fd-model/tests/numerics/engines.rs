@@ -1,19 +1,15 @@
 //! Published engines: eigenvalues and Hankel values against the reference files.
 
-use std::{fs, path::PathBuf};
-
 use faer::Mat;
 use fd_model::{Continuous, StateSpace};
 use serde_json::Value;
 
-fn reference(file: &str) -> Option<Value> {
-    let path: PathBuf =
-        [env!("CARGO_MANIFEST_DIR"), "../../../shared/reference", file].iter().collect();
-    let Ok(text) = fs::read_to_string(&path) else {
-        println!("skipped: {file} is not there");
-        return None;
-    };
-    Some(serde_json::from_str(&text).unwrap())
+// The numbers lie beside the engines that they describe.
+const ENGINE17: &str = include_str!("../../../fd-jetengine/tests/data/engine17_linear.json");
+const F100: &str = include_str!("../../../fd-jetengine/tests/data/f100.json");
+
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
 }
 
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
@@ -26,28 +22,28 @@ fn matrix(value: &Value) -> Mat<f64> {
 }
 
 /// The engine of the reference design in per-unit variables, with its Hankel values.
-pub(crate) fn engine17(point: &str) -> Option<(StateSpace<Continuous>, Vec<f64>)> {
-    let file = reference("engine17/engine17_linear.json")?;
+pub(crate) fn engine17(point: &str) -> (StateSpace<Continuous>, Vec<f64>) {
+    let file = parsed(ENGINE17);
     let point = &file["points"][point];
     let (a, b, c) = (matrix(&point["A_pu"]), matrix(&point["B_pu"]), matrix(&point["C_pu"]));
     let d = Mat::zeros(c.nrows(), b.ncols());
     let model = StateSpace::new(a, b, c, d, Continuous).unwrap();
-    Some((model, numbers(&point["hsv_pu"])))
+    (model, numbers(&point["hsv_pu"]))
 }
 
 /// The F100 engine in its own, badly scaled units, with its Hankel values.
-pub(crate) fn f100() -> Option<(StateSpace<Continuous>, Vec<f64>)> {
-    let file = reference("linear-engines/F100_16state.json")?;
+pub(crate) fn f100() -> (StateSpace<Continuous>, Vec<f64>) {
+    let file = parsed(F100);
     let (a, b, c, d) =
         (matrix(&file["A"]), matrix(&file["B"]), matrix(&file["C"]), matrix(&file["D"]));
-    Some((StateSpace::new(a, b, c, d, Continuous).unwrap(), numbers(&file["hsv"])))
+    (StateSpace::new(a, b, c, d, Continuous).unwrap(), numbers(&file["hsv"]))
 }
 
 #[test]
 fn hankel_values_of_published_engines_agree_with_the_reference() {
-    let mut cases: Vec<_> = ["idle", "mid", "high", "ref"].map(engine17).into();
+    let mut cases = Vec::from(["idle", "mid", "high", "ref"].map(engine17));
     cases.push(f100());
-    for (model, expected) in cases.into_iter().flatten() {
+    for (model, expected) in cases {
         let found = model.hankel_singular_values().unwrap();
         assert_eq!(found.len(), expected.len());
         for (found, expected_value) in found.iter().zip(&expected) {
@@ -61,13 +57,7 @@ fn hankel_values_of_published_engines_agree_with_the_reference() {
 
 #[test]
 fn eigenvalues_of_published_engines_agree_with_the_reference() {
-    let files = [
-        ("linear-engines/F100_16state.json", None),
-        ("engine17/engine17_linear.json", Some("ref")),
-    ];
-    for (file, point) in files {
-        let Some(file) = reference(file) else { continue };
-        let case = point.map_or(&file, |point| &file["points"][point]);
+    for case in [parsed(F100), parsed(ENGINE17)["points"]["ref"].take()] {
         let a = matrix(&case["A"]);
         let (n, re, im) = (a.nrows(), numbers(&case["eig_re"]), numbers(&case["eig_im"]));
         let model =

@@ -27,72 +27,68 @@ fn same_points(found: &[c64], expected: &[(f64, f64)], tolerance: f64) {
 
 #[test]
 fn norms_agree() {
-    if let Some((f100, _)) = f100() {
-        let peak = f100.hinf_norm(1e-9).unwrap();
-        assert!((peak.norm / 2_114.418_950_304_795_5 - 1.0).abs() < 1e-9, "{peak:?}");
-        assert!((peak.omega / 3.937_060_5 - 1.0).abs() < 1e-4, "{peak:?}");
-        let (a, b, c) = (f100.a().to_owned(), f100.b().to_owned(), f100.c().to_owned());
-        let proper = StateSpace::new(a, b, c, Mat::zeros(5, 3), Continuous).unwrap();
-        let h2 = proper.h2_norm().unwrap();
-        assert!((h2 / 4_372.669_064_444_733_5 - 1.0).abs() < 1e-11, "{h2}");
-    }
-    if let Some((engine, _)) = engine17("ref") {
-        let h2 = engine.h2_norm().unwrap();
-        assert!((h2 / 2.586_715_005_876_297_5 - 1.0).abs() < 1e-11, "{h2}");
-        let sampled = engine.sample_zoh(ts(0.02)).unwrap();
-        for norm in [engine.hinf_norm(1e-9).unwrap().norm, sampled.hinf_norm(1e-9).unwrap().norm] {
-            assert!((norm / 0.791_670_361_421_418_4 - 1.0).abs() < 1e-9, "{norm}");
-        }
+    let (f100, _) = f100();
+    let peak = f100.hinf_norm(1e-9).unwrap();
+    assert!((peak.norm / 2_114.418_950_304_795_5 - 1.0).abs() < 1e-9, "{peak:?}");
+    assert!((peak.omega / 3.937_060_5 - 1.0).abs() < 1e-4, "{peak:?}");
+    let (a, b, c) = (f100.a().to_owned(), f100.b().to_owned(), f100.c().to_owned());
+    let proper = StateSpace::new(a, b, c, Mat::zeros(5, 3), Continuous).unwrap();
+    let h2 = proper.h2_norm().unwrap();
+    assert!((h2 / 4_372.669_064_444_733_5 - 1.0).abs() < 1e-11, "{h2}");
+    let (engine, _) = engine17("ref");
+    let h2 = engine.h2_norm().unwrap();
+    assert!((h2 / 2.586_715_005_876_297_5 - 1.0).abs() < 1e-11, "{h2}");
+    let sampled = engine.sample_zoh(ts(0.02)).unwrap();
+    for norm in [engine.hinf_norm(1e-9).unwrap().norm, sampled.hinf_norm(1e-9).unwrap().norm] {
+        assert!((norm / 0.791_670_361_421_418_4 - 1.0).abs() < 1e-9, "{norm}");
     }
 }
 
 #[test]
 fn zeros_agree() {
-    if let Some((f100, _)) = f100() {
-        assert!(f100.zeros().unwrap().is_empty());
-        let (a, b) = (f100.a().to_owned(), f100.b().to_owned());
-        let (c, d) = (f100.c().subrows(0, 3).to_owned(), f100.d().subrows(0, 3).to_owned());
-        let square = StateSpace::new(a, b, c, d, Continuous).unwrap();
-        // Refined by inverse iteration with 50 digits (mpmath).
-        let expected = [
-            (-605.454_480_503_885_2, 0.0),
-            (-50.574_832_395_692_67, 0.415_938_142_460_359_75),
-            (-49.593_694_967_708_28, 0.0),
-            (-34.402_699_006_438_41, 81.308_166_898_913_82),
-            (-20.630_806_440_705_565, 1.646_710_846_708_013_8),
-            (-18.890_194_987_367_57, 0.0),
-            (-17.714_525_473_605_664, 5.072_122_704_660_54),
-            (-3.177_139_555_488_694, 1.206_112_631_710_891),
-            (-1.999_258_978_886_105_3, 0.0),
-            (-0.661_095_850_168_359_5, 0.0),
-        ];
-        same_points(&square.zeros().unwrap(), &expected, 1e-10);
-    }
-    if let Some((engine, _)) = engine17("ref") {
-        let (a, b) = (engine.a().to_owned(), engine.b().to_owned());
-        let c = engine.c().subrows(2, 1).to_owned();
-        let t7 = StateSpace::new(a, b, c, Mat::zeros(1, 1), Continuous).unwrap();
-        let expected = [
-            (-759.080_920_170_318_6, 0.0),
-            (-328.168_967_372_961_16, 0.0),
-            (-269.346_636_273_336_9, 0.0),
-            (-142.621_173_304_878_94, 0.0),
-            (-125.048_240_022_072_6, 111.615_746_296_704_37),
-            (-57.073_269_049_611_284, 196.517_237_940_017_8),
-            (-56.957_067_430_363_77, 120.180_394_807_306_36),
-            (-40.628_073_715_731_354, 0.0),
-            (-15.184_844_924_417_012, 0.0),
-            (-5.286_323_147_310_274_5, 0.0),
-            (-1.458_377_379_819_517, 0.0),
-            (210.109_913_316_917_33, 636.286_378_820_412_4),
-        ];
-        same_points(&t7.zeros().unwrap(), &expected, 1e-11);
-    }
+    let (f100, _) = f100();
+    assert!(f100.zeros().unwrap().is_empty());
+    let (a, b) = (f100.a().to_owned(), f100.b().to_owned());
+    let (c, d) = (f100.c().subrows(0, 3).to_owned(), f100.d().subrows(0, 3).to_owned());
+    let square = StateSpace::new(a, b, c, d, Continuous).unwrap();
+    // Refined by inverse iteration with 50 digits (mpmath).
+    let expected = [
+        (-605.454_480_503_885_2, 0.0),
+        (-50.574_832_395_692_67, 0.415_938_142_460_359_75),
+        (-49.593_694_967_708_28, 0.0),
+        (-34.402_699_006_438_41, 81.308_166_898_913_82),
+        (-20.630_806_440_705_565, 1.646_710_846_708_013_8),
+        (-18.890_194_987_367_57, 0.0),
+        (-17.714_525_473_605_664, 5.072_122_704_660_54),
+        (-3.177_139_555_488_694, 1.206_112_631_710_891),
+        (-1.999_258_978_886_105_3, 0.0),
+        (-0.661_095_850_168_359_5, 0.0),
+    ];
+    same_points(&square.zeros().unwrap(), &expected, 1e-10);
+    let (engine, _) = engine17("ref");
+    let (a, b) = (engine.a().to_owned(), engine.b().to_owned());
+    let c = engine.c().subrows(2, 1).to_owned();
+    let t7 = StateSpace::new(a, b, c, Mat::zeros(1, 1), Continuous).unwrap();
+    let expected = [
+        (-759.080_920_170_318_6, 0.0),
+        (-328.168_967_372_961_16, 0.0),
+        (-269.346_636_273_336_9, 0.0),
+        (-142.621_173_304_878_94, 0.0),
+        (-125.048_240_022_072_6, 111.615_746_296_704_37),
+        (-57.073_269_049_611_284, 196.517_237_940_017_8),
+        (-56.957_067_430_363_77, 120.180_394_807_306_36),
+        (-40.628_073_715_731_354, 0.0),
+        (-15.184_844_924_417_012, 0.0),
+        (-5.286_323_147_310_274_5, 0.0),
+        (-1.458_377_379_819_517, 0.0),
+        (210.109_913_316_917_33, 636.286_378_820_412_4),
+    ];
+    same_points(&t7.zeros().unwrap(), &expected, 1e-11);
 }
 
 #[test]
 fn filters_agree() {
-    let Some((engine, _)) = engine17("ref") else { return };
+    let (engine, _) = engine17("ref");
     let sampled = engine.sample_zoh(ts(0.02)).unwrap();
     let identity = |n| Scale(1e-4) * Mat::<f64>::identity(n, n);
     let (q, r) = (identity(17) + sampled.b() * sampled.b().transpose(), identity(5));
@@ -106,7 +102,7 @@ fn filters_agree() {
 
 #[test]
 fn reduced_models_agree() {
-    let Some((engine, _)) = engine17("ref") else { return };
+    let (engine, _) = engine17("ref");
     let truncated = reduce::balanced_truncation(&engine, 5).unwrap().model;
     let expected = [
         (-57.469_519_508_770_83, 262.776_549_953_228_54),

@@ -54,7 +54,7 @@ fn check_bound<D: TimeDomain>(
 
 #[test]
 fn engines_reduce_to_five_states_within_the_bound() {
-    let models = [engine17("ref"), engine17("idle"), f100()].into_iter().flatten();
+    let models = [engine17("ref"), engine17("idle"), f100()];
     for (model, _) in models {
         let truncated = reduce::balanced_truncation(&model, 5).unwrap();
         let residualised = reduce::balanced_residualisation(&model, 5).unwrap();

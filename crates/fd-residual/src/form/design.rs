@@ -14,9 +14,130 @@ use crate::{
 
 /// A residual generator at design time.
 ///
-/// Every design can be checked and plotted through its [`form`](Self::form), and run through
-/// [`build`](Self::build). The designs also have a `freeze` of their own for `f32` or fixed
-/// storage.
+/// Two rooms, one door: a design is `f64`, has matrices, may fail and may take a second. What runs is
+/// a [`ResidualGenerator`], which has slices and does none of that. This trait is the design side of
+/// every linear generator, whatever method it came from, and it says two things: what the residual *is*
+/// ([`form`](Self::form)), and how to run it ([`build`](Self::build)).
+///
+/// # The contract
+///
+/// * [`form`](Self::form) is the truth about the residual: the transfer functions from `u` and `y` to
+///   `r`, as one realisation. All analysis is done on it. A form that is not what runs makes every
+///   answer about detectability a lie, so the laws of this crate compare the two sample by sample.
+/// * `H_u + H_y G_u = 0` (Patton and Chen 1992, eq. 5) for the model that the design was made for:
+///   [`ResidualForm::consistency`] is rounding, about `1e-12`. A generator that fails this shows the
+///   input, and no threshold will save it.
+/// * The form is stable, or running it would drift.
+/// * [`build`](Self::build) gives a new generator each time, at its start, with no link to the design or
+///   to other generators built from it.
+/// * `io` and `residual_len` are the same for the design, its form and what it builds.
+///
+/// A design is a value. It does not change after its constructor has returned, so the constructor is
+/// where everything can go wrong, and where it says why: [`DesignError`] names what the model did not
+/// allow (no output left after decoupling, a zero that does not decay, a fault that cannot be seen).
+///
+/// # Who calls it, and when
+///
+/// Training asks for a design once, takes the form for the settling time and the signatures of faults,
+/// builds one generator per pipeline, and keeps the design for reports. `fdiag::fleet` takes the form
+/// alone. A bank holds designs as boxes and joins their forms. Nothing here is called per sample.
+///
+/// # What an implementor must and must not do
+///
+/// * *Check in the constructor*, and refuse by a typed error; `form` and `build` then cannot fail in
+///   practice, and their `Result` is for inner parts of other crates.
+/// * *Do not scale.* The unit of the residual is the design's; normalising is the detector's business.
+/// * *Do not hold run-time state.* There is no "current" residual in a design.
+/// * *Offer `freeze::<T, S>()`* beside `build` where `f32` or sizes known to the compiler are wanted.
+///   It cannot be part of the trait, which works as `dyn`.
+///
+/// # How it composes
+///
+/// * `Box<dyn GeneratorDesign>` is a design; [`BankDesign`](crate::bank::BankDesign) puts several side
+///   by side.
+/// * [`WeightedDesign`](crate::weighted::WeightedDesign) and
+///   [`FilteredDesign`](crate::weighted::FilteredDesign) take any design and are designs.
+/// * In a spec, a line `kind = "…"` makes a box of one of ours. A design of your own goes into a bank
+///   or a pipeline from outside, see `examples/own_generator.rs`.
+/// * List it in `fd_residual::testing`, and all laws of this crate are checked for it.
+///
+/// # When not to implement it
+///
+/// For a generator that is not linear: it has no form. Implement [`ResidualGenerator`] alone; it runs in
+/// every pipeline, but nothing can be said of it in advance. A generator that learns while it runs may
+/// implement both, if its form is that of its start ([`AdaptiveDesign`](crate::adaptive::AdaptiveDesign)
+/// does).
+///
+/// For matrices that were designed elsewhere, [`ResidualForm`] is itself a design.
+///
+/// # Example
+///
+/// A mass balance. Of what a tank held a tenth has drained since the last sample, and the inflow has come
+/// in: `r(k) = y(k) − 0.9 y(k−1) − 5 u(k−1)`, with no poles to place and no start to forget. The form is
+/// written down, and the generator that runs it comes with it:
+///
+/// ```
+/// use faer::{Mat, mat};
+/// use fd_core::{Frame, Heap, IoDims, stage::ResidualGenerator};
+/// use fd_model::{Discrete, SampleTime, StateSpace};
+/// use fd_residual::{
+///     DesignError, GeneratorDesign, ResidualForm,
+///     analysis::{UnknownInputs, fault_effects},
+/// };
+///
+/// #[derive(Debug)]
+/// struct MassBalance {
+///     form: ResidualForm,
+/// }
+///
+/// impl MassBalance {
+///     /// For a tank that keeps the share `kept` of its level and gains `gain` m per m³/s of inflow.
+///     fn new(kept: f64, gain: f64, domain: Discrete) -> Result<Self, DesignError> {
+///         // The states are the last inflow and the last level.
+///         let (last, c) = (Mat::identity(2, 2), mat![[-gain, -kept]]);
+///         let system = StateSpace::new(Mat::zeros(2, 2), last, c, mat![[0.0, 1.0]], domain)?;
+///         Ok(Self { form: ResidualForm::new(IoDims { nu: 1, ny: 1 }, system)? })
+///     }
+/// }
+///
+/// impl GeneratorDesign for MassBalance {
+///     fn io(&self) -> IoDims {
+///         self.form.io()
+///     }
+///
+///     fn residual_len(&self) -> usize {
+///         self.form.residual_len()
+///     }
+///
+///     fn form(&self) -> Result<ResidualForm, DesignError> {
+///         Ok(self.form.clone())
+///     }
+///
+///     fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
+///         Ok(Box::new(self.form.freeze::<f64, Heap, Heap>()?))
+///     }
+/// }
+///
+/// let domain = Discrete { ts: SampleTime::new(10.0)? };
+/// let tank = StateSpace::new(mat![[0.9]], mat![[5.0]], mat![[1.0]], mat![[0.0]], domain)?;
+/// let balance = MassBalance::new(0.9, 5.0, domain)?;
+/// assert!(balance.form()?.consistency(&tank)? < 1e-12);
+///
+/// // Before a sample is run: what will it show? A leak in full, of a wrong level only a tenth.
+/// let faults = UnknownInputs::none(&tank).actuator(&tank, 0)?.sensor(&tank, 0)?;
+/// let effects = fault_effects(&balance.form()?, &faults.system(&tank)?)?;
+/// let steady = |fault: usize| effects[fault].steady.unwrap_or(f64::NAN);
+/// assert!((steady(0) - 5.0).abs() < 1e-12 && (steady(1) - 0.1).abs() < 1e-12);
+///
+/// // And so it does: from sample 5 on a leak takes 0.01 m³/s, in each sample 0.05 m of level.
+/// let (mut generator, mut level, mut r) = (balance.build()?, 1.0, [0.0]);
+/// for k in 0..20 {
+///     generator.step(Frame::new(generator.io(), k, &[0.1], &[level])?, &mut r);
+///     level = 0.9 * level + 5.0 * (0.1 - if k < 5 { 0.0 } else { 0.01 });
+/// }
+/// assert!((r[0] + 0.05).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait GeneratorDesign: Debug + Send + Sync {
     /// Channels of the plant.
     fn io(&self) -> IoDims;

@@ -8,7 +8,31 @@ use fd_core::{
     stage::{ResidualGenerator, Stage},
 };
 
-/// Where a window of samples and its parity matrices live.
+/// Where a window of samples and its parity matrices live: on the [`Heap`], or with sizes known to the
+/// compiler ([`FixedWindow`]).
+///
+/// ```
+/// use faer::mat;
+/// use fd_core::Heap;
+/// use fd_model::{Discrete, SampleTime, StateSpace};
+/// use fd_residual::{
+///     DesignError,
+///     parity::{FixedWindow, Parity, ParityDesign, Window},
+/// };
+///
+/// fn running<S: Window<f32>>(design: &ParityDesign) -> Result<Parity<f32, S>, DesignError> {
+///     design.freeze()
+/// }
+///
+/// // Order 1: two outputs and two inputs in the window, one relation between them.
+/// let domain = Discrete { ts: SampleTime::new(0.1)? };
+/// let lag = StateSpace::new(mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.0]], domain)?;
+/// let design = ParityDesign::all(&lag, 1)?;
+/// assert!(running::<Heap>(&design).is_ok());
+/// assert!(running::<FixedWindow<1, 2, 2>>(&design).is_ok());
+/// assert!(running::<FixedWindow<1, 3, 3>>(&design).is_err());
+/// # Ok::<(), DesignError>(())
+/// ```
 pub trait Window<T: Scalar>: Clone + Debug + Send + Sync {
     /// Outputs of the window.
     type Ys: Buffer<T>;

@@ -155,7 +155,7 @@ fn beside(cases: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Files are the fault of who named them, all else of what was asked for.
+/// A file is the fault of whoever named it, everything else of what was asked for.
 fn refusal(error: BlindError) -> Failure {
     match &error {
         BlindError::File { .. } | BlindError::Content { .. } | BlindError::Journal(_) => {

@@ -4,10 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fd_core::{DynPipeline, Event, stage::Stage};
 use fd_log::{LogMap, read_log};
-use fd_model::{
-    Discrete, Record, SampleTime, StateSpace, TimeBaseReport,
-    file::{LinearModel, LinearSystem},
-};
+use fd_model::{Record, TimeBaseReport, file::LinearModel};
 use fdiag::{
     spec::PipelineSpec,
     training::{Healthy, Trace, TrainingError, sensor_sizes, train},
@@ -161,7 +158,7 @@ impl LogStudy {
         let Some((first, _)) = files.first() else {
             return Err(TrainingError::NoHealthyLog.into());
         };
-        let model = sampled(&file, first.ts())?;
+        let model = file.system.sampled(first.ts())?;
         let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
             .iter()
             .map(|(record, _)| Healthy::split(record, request.share_to_learn))
@@ -238,13 +235,6 @@ fn read(
         source: Box::new(source),
     })?;
     Ok((scaled, log.time_base))
-}
-
-fn sampled(file: &LinearModel, ts: SampleTime) -> Result<StateSpace<Discrete>, LogStudyError> {
-    Ok(match &file.system {
-        LinearSystem::Continuous(model) => model.sample_zoh(ts)?,
-        LinearSystem::Discrete(model) => model.clone(),
-    })
 }
 
 fn input_moves(record: &Record) -> bool {

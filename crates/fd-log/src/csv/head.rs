@@ -1,10 +1,8 @@
 //! What stands before the rows of a log, and where in the file each row is.
 
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
 
-use fd_model::file::FileAction;
-
-use crate::error::LogError;
+use crate::{error::LogError, source::cannot_read};
 
 /// The lines of a file up to and including the header.
 pub(super) struct Head {
@@ -106,6 +104,30 @@ pub(super) fn utf8<'a>(file: &str, row: u64, cell: &'a [u8]) -> Result<&'a str, 
     })
 }
 
-pub(super) fn cannot_read(file: &str, kind: io::ErrorKind) -> LogError {
-    LogError::Io { file: file.to_owned(), action: FileAction::Read, kind }
+/// The separator that occurs most often outside quotes in the header line: `,`, `;` or tab.
+pub(super) fn detect_delimiter(line: &[u8]) -> u8 {
+    const DELIMITERS: [u8; 3] = [b';', b'\t', b','];
+    let mut quoted = false;
+    let mut counts = [0_usize; 3];
+    for byte in line {
+        quoted ^= *byte == b'"';
+        if let Some(i) = DELIMITERS.iter().position(|d| d == byte).filter(|_| !quoted) {
+            counts[i] += 1;
+        }
+    }
+    // The last of several maxima wins: a comma, when there is no separator at all.
+    (0..3).max_by_key(|&i| counts[i]).map_or(b',', |i| DELIMITERS[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separators_are_found_outside_quotes() {
+        assert_eq!(detect_delimiter(b"a,b"), b',');
+        assert_eq!(detect_delimiter(b"\"a,b,c\";d"), b';');
+        assert_eq!(detect_delimiter(b"a\tb\tc"), b'\t');
+        assert_eq!(detect_delimiter(b"alone"), b',');
+    }
 }
