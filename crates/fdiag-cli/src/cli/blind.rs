@@ -13,7 +13,7 @@ use fd_lab::blind::{
 };
 use fd_model::Record;
 use fd_sim::model::Model;
-use fdiag_cli::gap::automatic_settings;
+use fdiag::gap_study::automatic_settings;
 
 use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::bar};
 

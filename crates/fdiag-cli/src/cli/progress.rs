@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use fdiag_cli::gap::{Monitor, Stage};
+use fdiag::gap::diagnose::{Monitor, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// After this long, a waiting user wants to know what for.

@@ -4,7 +4,8 @@ mod classes;
 
 use std::fmt::Write as _;
 
-use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+use fd_model::figure;
+use fd_report::{Line, Page, Picture, PictureError, Table};
 
 use super::{BySquares, Calibration, Rate, Score};
 

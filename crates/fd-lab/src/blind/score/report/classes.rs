@@ -1,6 +1,7 @@
 //! The table of a class of logs as people have them.
 
-use fd_report::{Table, figure};
+use fd_model::figure;
+use fd_report::Table;
 
 use crate::blind::score::{ClassScore, Rate};
 

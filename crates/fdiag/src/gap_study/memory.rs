@@ -1,19 +1,21 @@
 //! How long a simulator remembers its initial state, along the inputs of a log.
 
 use fd_sim::simulate::Simulator;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// How long a simulator remembers its initial state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Memory {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Memory {
     /// Longest time, in seconds, after which the effect of an initial state on the outputs has
     /// fallen to 1/e of its largest and stays below; of those states that are forgotten within a
     /// third of the log. `None` when there is no such state.
-    pub(super) seconds: Option<f64>,
+    pub seconds: Option<f64>,
     /// Whether all states are forgotten within a third of the log.
-    pub(super) forgets: bool,
+    pub forgets: bool,
     /// Longest time constant, in seconds, of those states that are forgotten so slowly that the log
     /// ends before; `None` when there is no such state, or it is never forgotten.
-    pub(super) slowest: Option<f64>,
+    pub slowest: Option<f64>,
 }
 
 /// Part of the log within which a state must be forgotten.

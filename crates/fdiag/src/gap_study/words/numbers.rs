@@ -1,12 +1,13 @@
 //! Numbers with their uncertainty.
 
-use fd_report::figure;
+use fd_model::figure;
 
 /// Magnitudes that are written without an exponent.
 const PLAIN: [i32; 2] = [-4, 5];
 
 /// A value with its standard error, rounded to what the error leaves: `0.31 ± 0.02`.
-pub(in crate::gap) fn with_error(value: f64, error: f64) -> String {
+#[must_use]
+pub fn with_error(value: f64, error: f64) -> String {
     if !value.is_finite() {
         return "-".to_owned();
     }
@@ -29,7 +30,8 @@ pub(in crate::gap) fn with_error(value: f64, error: f64) -> String {
 }
 
 /// Four significant figures.
-pub(in crate::gap) fn four(value: f64) -> String {
+#[must_use]
+pub fn four(value: f64) -> String {
     let magnitude = exponent(value.abs());
     if !value.is_finite() {
         return "-".to_owned();
@@ -48,7 +50,8 @@ fn exponent(value: f64) -> i32 {
 }
 
 /// A probability: `0.97`, `> 0.99`, `< 0.01`.
-pub(in crate::gap) fn probability(p: f64) -> String {
+#[must_use]
+pub fn probability(p: f64) -> String {
     match p {
         p if !p.is_finite() => "-".to_owned(),
         p if 0.995 <= p => "> 0.99".to_owned(),
@@ -58,7 +61,8 @@ pub(in crate::gap) fn probability(p: f64) -> String {
 }
 
 /// A probability in a sentence: `p = 0.97`, `p > 0.99`.
-pub(in crate::gap) fn p(p: f64) -> String {
+#[must_use]
+pub fn p(p: f64) -> String {
     match probability(p) {
         bound if bound.starts_with(['<', '>']) => format!("p {bound}"),
         value => format!("p = {value}"),
@@ -66,12 +70,14 @@ pub(in crate::gap) fn p(p: f64) -> String {
 }
 
 /// A share in percent: `92 %`.
-pub(in crate::gap) fn percent(share: f64) -> String {
+#[must_use]
+pub fn percent(share: f64) -> String {
     format!("{} %", whole(share))
 }
 
 /// A share with its interval, in percent: `92 % (88..95)`.
-pub(in crate::gap) fn share(share: f64, [low, high]: [f64; 2]) -> String {
+#[must_use]
+pub fn share(share: f64, [low, high]: [f64; 2]) -> String {
     format!("{} % ({}..{})", whole(share), whole(low), whole(high))
 }
 

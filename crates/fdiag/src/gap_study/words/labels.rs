@@ -25,7 +25,8 @@ const LABELS: [(&str, &str); 18] = [
 ];
 
 /// A label in words, such as `Coulomb friction`.
-pub(in crate::gap) fn label(label: &str) -> String {
+#[must_use]
+pub fn label(label: &str) -> String {
     let known = LABELS.iter().find(|(known, _)| *known == label);
     known.map_or_else(
         || label.strip_prefix("input-").unwrap_or(label).replace('-', " "),
@@ -34,7 +35,8 @@ pub(in crate::gap) fn label(label: &str) -> String {
 }
 
 /// A family in words.
-pub(in crate::gap) fn family(family: &str) -> String {
+#[must_use]
+pub fn family(family: &str) -> String {
     match family {
         "map" => "unknown law".to_owned(),
         "parameter" => "error".to_owned(),
@@ -45,7 +47,8 @@ pub(in crate::gap) fn family(family: &str) -> String {
 }
 
 /// A place with the word that goes before it, such as `at input u`.
-pub(in crate::gap) fn at(site: &SiteRef) -> String {
+#[must_use]
+pub fn at(site: &SiteRef) -> String {
     match site {
         SiteRef::Input(_, name) => format!("at input {name}"),
         SiteRef::Force(_, name) => format!("at {name}"),
@@ -57,7 +60,8 @@ pub(in crate::gap) fn at(site: &SiteRef) -> String {
 }
 
 /// A place alone, such as `input u`.
-pub(in crate::gap) fn site(site: &SiteRef) -> String {
+#[must_use]
+pub fn site(site: &SiteRef) -> String {
     match site {
         SiteRef::Input(_, name) => format!("input {name}"),
         SiteRef::Force(_, name) => name.clone(),
@@ -69,12 +73,20 @@ pub(in crate::gap) fn site(site: &SiteRef) -> String {
 }
 
 /// `a`, `a or b`, `a, b or c`.
-pub(in crate::gap) fn list(words: &[String], last: &str) -> String {
+#[must_use]
+pub fn list(words: &[String], last: &str) -> String {
     match words {
         [] => String::new(),
         [only] => only.clone(),
         [first @ .., end] => format!("{} {last} {end}", first.join(", ")),
     }
+}
+
+/// The text with a capital letter at its beginning.
+#[must_use]
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

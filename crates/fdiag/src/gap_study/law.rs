@@ -2,7 +2,7 @@
 
 use fd_effect::SiteRef;
 use fd_gap::{
-    diagnose::{Cause, Diagnosis, Verdict},
+    diagnose::{Cause, Diagnosis},
     fit::Log,
     locate::Location,
 };
@@ -12,13 +12,36 @@ use fd_sim::{
     model::{Model, Output},
     simulate::Nominal,
 };
+use schemars::JsonSchema;
+use serde::Serialize;
 
-use super::{report::LawReport, words};
+use super::report::first_cause;
 
 /// Most points of the law, and of the data.
 const POINTS: usize = 400;
 /// Way up and down of a curve, in ranges, beyond which it is none.
 const CURVE: f64 = 3.0;
+
+/// The law of the best explanation, along its simulation of the fitted logs.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Law {
+    /// Its expression in the patched model.
+    pub expression: String,
+    /// What it is drawn over.
+    pub over: String,
+    /// Unit of that.
+    pub over_unit: String,
+    /// Unit of the law.
+    pub unit: String,
+    /// Whether it is a curve (a value of the law for each value below).
+    pub is_curve: bool,
+    /// Points `[over, value]` of the law, in `over_unit` and `unit`, in the order of `over` for a curve,
+    /// else of time.
+    pub points: Vec<[f64; 2]>,
+    /// Points `[over, value]`, in `over_unit` and `unit`, that were estimated from the data without the
+    /// law: the signal that the refitted model lacks at this place.
+    pub data: Vec<[f64; 2]>,
+}
 
 /// What is drawn over what, as expressions of the patched model.
 struct Axes {
@@ -39,12 +62,8 @@ pub(super) fn law(
     location: &Location,
     logs: &[Log],
     ts: SampleTime,
-) -> Option<LawReport> {
-    let cause = match diagnosis.verdict {
-        Verdict::NoGap => None,
-        Verdict::Pair => diagnosis.pairs.first().map(|pair| &pair.causes[0]),
-        _ => diagnosis.causes.first(),
-    }?;
+) -> Option<Law> {
+    let cause = first_cause(diagnosis)?;
     let model = &diagnosis.best.model;
     let axes = axes(nominal.model(), model, cause)?;
     let signals = signals(nominal, diagnosis, &axes, logs, ts)?;
@@ -59,8 +78,7 @@ pub(super) fn law(
     let mut sorted = points.clone();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let is_curve = way(&sorted) <= CURVE * range(&sorted);
-    Some(LawReport {
-        name: format!("{} {}", words::label(cause.label), words::at(&cause.site)),
+    Some(Law {
         expression: axes.expression,
         over: axes.over_name,
         over_unit: axes.over_unit,

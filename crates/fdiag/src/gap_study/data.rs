@@ -1,14 +1,15 @@
 //! Logs, read, checked against the model, and divided into what is fitted and what is held out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use fd_gap::fit::{FitError, Log};
 use fd_log::{ColumnMap, LogMap, read_log};
-use fd_model::{Record, SampleTime, TimeBaseReport};
+use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
 use fd_sim::{model::Model, simulate::Simulator};
 
 use super::{
     error::GapError,
+    report::{LogPart, Pace, Role},
     request::{HeldOutChoice, Request},
     subject::Subject,
 };
@@ -28,33 +29,9 @@ pub(super) struct Data {
     /// What no fit sees.
     pub(super) held_out: Vec<Record>,
     /// Where each part comes from, fitted ones first.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<LogPart>,
     /// Where the time between samples comes from.
     pub(super) pace: Pace,
-}
-
-/// Where a record comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
-    /// The file.
-    pub(super) file: PathBuf,
-    /// Whether no fit sees it.
-    pub(super) is_held_out: bool,
-    /// First sample of the file's grid, and one after the last.
-    pub(super) samples: [usize; 2],
-    /// The time base of the file.
-    pub(super) time_base: TimeBaseReport,
-}
-
-/// Where the time between samples comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pace {
-    /// The user has stated it.
-    Stated,
-    /// The model itself is sampled, or its controller is.
-    Model,
-    /// The first log.
-    FirstLog,
 }
 
 impl Data {
@@ -74,12 +51,6 @@ impl Data {
             check(path, &log.record)?;
             Ok((log.record.starting_at(0.0), log.time_base))
         };
-        let part = |path: &Path, is_held_out, samples, time_base: &TimeBaseReport| Part {
-            file: path.to_owned(),
-            is_held_out,
-            samples,
-            time_base: time_base.clone(),
-        };
         let mut later = Vec::new();
         for path in &request.logs {
             let (record, time_base) = read(path)?;
@@ -88,17 +59,24 @@ impl Data {
                 HeldOutChoice::Logs(_) => n,
                 HeldOutChoice::Split(share) => cut(n, share, needed(model)),
             };
-            data.parts.push(part(path, false, [0, cut], &time_base));
+            let part = |role, [from, to]: [usize; 2]| {
+                let record = record.slice(from, to);
+                (LogPart::new(path, role, [from, to], &record, &time_base), record)
+            };
+            let (fitted, record) = part(Role::Fit, [0, cut]);
+            data.parts.push(fitted);
+            data.fit.push(record);
             if cut < n {
-                later.push(part(path, true, [cut, n], &time_base));
-                data.held_out.push(record.slice(cut, n));
+                let (held_out, record) = part(Role::HeldOut, [cut, n]);
+                later.push(held_out);
+                data.held_out.push(record);
             }
-            data.fit.push(record.slice(0, cut));
         }
         if let HeldOutChoice::Logs(paths) = &request.held_out {
             for path in paths {
                 let (record, time_base) = read(path)?;
-                later.push(part(path, true, [0, record.len()], &time_base));
+                let samples = [0, record.len()];
+                later.push(LogPart::new(path, Role::HeldOut, samples, &record, &time_base));
                 data.held_out.push(record);
             }
         }
@@ -125,11 +103,11 @@ impl Data {
         let mut logs = [Vec::new(), Vec::new()];
         for (i, (record, part)) in all {
             let log = Log::new(record, simulator, i + 1).map_err(|source| GapError::Unfit {
-                file: part.file.clone(),
+                file: part.path.clone(),
                 source: Box::new(source),
             })?;
-            let earlier = if part.is_held_out { &self.fit[..] } else { &[] };
-            logs[usize::from(part.is_held_out)].push(log.continuing(record, earlier));
+            let earlier = if part.role == Role::HeldOut { &self.fit[..] } else { &[] };
+            logs[usize::from(part.role == Role::HeldOut)].push(log.continuing(record, earlier));
         }
         Ok(logs)
     }
@@ -143,7 +121,7 @@ impl Data {
             if found < needed {
                 let (log, unknowns) = (i + 1, unknowns(model));
                 let source = Box::new(FitError::TooShort { log, found, unknowns, needed });
-                return Err(GapError::Unfit { file: part.file.clone(), source });
+                return Err(GapError::Unfit { file: part.path.clone(), source });
             }
         }
         Ok(())
@@ -155,7 +133,7 @@ impl Data {
         for (c, channel) in first.outputs().iter().enumerate() {
             let is_measured = |record: &Record| record.output(c).any(f64::is_finite);
             if !self.fit.iter().any(is_measured) {
-                let (file, rows) = (self.parts[0].file.clone(), first.len());
+                let (file, rows) = (self.parts[0].path.clone(), first.len());
                 let channel = channel.name.clone();
                 return Err(GapError::Empty { file, role: "output", channel, rows });
             }
@@ -178,7 +156,7 @@ fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
     let policy = &mut map.resample;
     policy.sample_time = request.resample.sample_time.or(policy.sample_time);
     policy.max_gap_s = request.resample.longest_gap.or(policy.max_gap_s);
-    if request.resample.disorder != fd_model::Disorder::default() {
+    if request.resample.disorder != Disorder::default() {
         policy.disorder = request.resample.disorder;
     }
     let is_stated = policy.sample_time.or(map.time.sample_time).is_some();

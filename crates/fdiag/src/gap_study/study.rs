@@ -15,15 +15,15 @@ use fd_sim::simulate::Nominal;
 use super::{
     data::Data,
     error::GapError,
+    findings::findings,
     headline::headline,
     law::law,
     memory::Memory,
     only::Chosen,
-    patched::patched_files,
-    report::Report,
+    patched::patched_models,
+    report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
     request::{HorizonChoice, Request},
     subject::Subject,
-    summary::{Parts, summary},
     traces::{Trace, trace},
 };
 
@@ -41,21 +41,19 @@ const LEAST_OF_MEMORY: f64 = 1.0 / 3.0;
 pub struct GapStudy {
     /// The report as data.
     pub report: Report,
-    /// Patched models, as name and content of their files, the best explanation first.
-    pub models: Vec<(String, String)>,
     /// Signals for pictures.
-    pub(super) trace: Option<Trace>,
+    pub trace: Option<Trace>,
 }
 
 impl GapStudy {
     /// Reads, diagnoses, locates, advises. What takes long tells `monitor` how far it is.
     ///
     /// ```no_run
-    /// use fdiag_cli::gap::{GapStudy, Request};
+    /// use fdiag::gap_study::{GapStudy, Request};
     ///
     /// let study = GapStudy::run(&Request::new("cart.toml", ["monday.csv"]), &())?;
     /// println!("{}", study.report.headline);
-    /// # Ok::<(), fdiag_cli::gap::GapError>(())
+    /// # Ok::<(), fdiag::gap_study::GapError>(())
     /// ```
     ///
     /// # Errors
@@ -91,30 +89,26 @@ impl GapStudy {
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
-        let models = patched_files(&subject, &diagnosis, &data);
-        let parts = Parts {
-            request,
-            model,
-            data: &data,
-            memory,
-            settings: &settings,
-            diagnosis: &diagnosis,
-            location: &location,
-            ceiling: ceiling.as_ref(),
-            advice: advice.as_ref(),
-            calibration: calibration.as_ref(),
-            law,
-            models: &models,
-        };
-        let mut report = summary(parts);
-        report.headline = headline(&report);
+        let models = patched_models(&subject, &diagnosis, &data);
         let trace = trace(nominal, &diagnosis, &data, &logs, settings.horizon, ts)?;
-        Ok(Self { report, models: contents(models), trace })
+        let mut report = Report {
+            version: REPORT_VERSION,
+            headline: String::new(),
+            law,
+            ceiling,
+            advice,
+            calibration,
+            findings: findings(&diagnosis, &data, model),
+            inputs: Inputs::of(request, model, &data, memory),
+            settings: StudySettings::of(request, &settings, ts.seconds()),
+            models,
+            timing: Timing::default(),
+            diagnosis,
+            location,
+        };
+        report.headline = headline(&report);
+        Ok(Self { report, trace })
     }
-}
-
-fn contents(models: Vec<super::patched::PatchedFile>) -> Vec<(String, String)> {
-    models.into_iter().map(|model| (model.file, model.text)).collect()
 }
 
 /// Inputs of the longest log, row by row, and its samples.
@@ -138,7 +132,7 @@ fn check_length(
     let (Some((record, part)), Some(memory)) = (longest, memory.slowest) else { return Ok(()) };
     let (found, expected) = (record.len() as f64 * ts.seconds(), LEAST_OF_MEMORY * memory);
     if request.horizon == HorizonChoice::Auto && found < expected {
-        return Err(GapError::Short { file: part.file.clone(), found, memory, expected });
+        return Err(GapError::Short { file: part.path.clone(), found, memory, expected });
     }
     Ok(())
 }

@@ -7,7 +7,8 @@ const RELATIVE: [&str; 3] = ["parameter-error", "input-gain", "sensor-scale"];
 
 /// Value, standard error and unit of a parameter, as a person would state it: the limit instead of
 /// its inverse, percent instead of a relative error.
-pub(in crate::gap) fn shown(label: &str, estimate: &Estimate) -> (f64, f64, String) {
+#[must_use]
+pub fn shown(label: &str, estimate: &Estimate) -> (f64, f64, String) {
     let Estimate { value, standard_error, unit, .. } = estimate;
     if estimate.is_reciprocal {
         return (1.0 / value, standard_error / (value * value), inverse(unit));

@@ -1,9 +1,14 @@
 //! What is to be diagnosed, as its user says it.
 
-use std::{path::PathBuf, str::FromStr};
+use std::{
+    fmt::{self, Display, Formatter},
+    path::PathBuf,
+    str::FromStr,
+};
 
 use fd_log::LogMap;
 use fd_model::Disorder;
+use serde::{Serialize, Serializer};
 
 /// What is to be diagnosed.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +43,7 @@ impl Request {
     /// A diagnosis with all defaults.
     ///
     /// ```
-    /// use fdiag_cli::gap::{HeldOutChoice, Request};
+    /// use fdiag::gap_study::{HeldOutChoice, Request};
     ///
     /// let request = Request::new("cart.toml", ["monday.csv"]);
     /// assert_eq!(request.held_out, HeldOutChoice::Split(0.67));
@@ -108,6 +113,19 @@ pub struct Named {
     pub name: String,
     /// The value.
     pub value: f64,
+}
+
+impl Display for Named {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.name, self.value)
+    }
+}
+
+/// As text, `NAME=VALUE`.
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 impl FromStr for Named {

@@ -8,27 +8,35 @@ use fd_gap::{
 use fd_model::SampleTime;
 use fd_sim::simulate::Nominal;
 
-use super::data::{Data, Part};
+use super::{
+    data::Data,
+    report::{LogPart, Role},
+};
 
 /// Signals of one run, or of a part of one.
 #[derive(Clone, Debug)]
-pub(super) struct Trace {
-    /// Where it comes from.
-    pub(super) part: Part,
+pub struct Trace {
+    /// What the log is used for.
+    pub role: Role,
     /// Times, in seconds from the start of the file.
-    pub(super) time: Vec<f64>,
+    pub time: Vec<f64>,
     /// One entry per output.
-    pub(super) outputs: Vec<Signals>,
+    pub outputs: Vec<Signals>,
 }
 
 /// An output over time; NaN where there is no value.
 #[derive(Clone, Debug)]
-pub(super) struct Signals {
-    pub(super) name: String,
-    pub(super) unit: String,
-    pub(super) measured: Vec<f64>,
-    pub(super) before: Vec<f64>,
-    pub(super) after: Vec<f64>,
+pub struct Signals {
+    /// Name of the output.
+    pub name: String,
+    /// Its unit, in which all of these are.
+    pub unit: String,
+    /// As logged.
+    pub measured: Vec<f64>,
+    /// Simulated with the model as it came.
+    pub before: Vec<f64>,
+    /// Simulated with the best explanation.
+    pub after: Vec<f64>,
 }
 
 /// The first held-out part, as it is forecast; the first fitted log when nothing is held out or a
@@ -44,14 +52,18 @@ pub(super) fn trace(
     if let Some(log) = held_out.first() {
         let before = nominal.simulator(ts)?;
         let after = nominal.patched(&diagnosis.best.model, ts)?;
-        let refitted: Vec<(String, f64)> =
-            diagnosis.best.nuisances.iter().map(|n| (n.name.clone(), n.value)).collect();
+        let refitted: Vec<(String, f64)> = diagnosis
+            .best
+            .nuisances
+            .iter()
+            .map(|nuisance| (nuisance.name.clone(), nuisance.value))
+            .collect();
         let run = |simulator, nuisances: &[(String, f64)]| {
             let settled = Settled { simulator, nuisances, effects: &[] };
             forecast_errors(&*before, settled, std::slice::from_ref(log), horizon, &diagnosis.sigma)
         };
         if let (Some(before), Some(after)) = (run(&*before, &[])?, run(&*after, &refitted)?) {
-            let part = data.parts.iter().find(|part| part.is_held_out);
+            let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
             let simulated = |errors: &[Vec<Vec<f64>>], c: usize| -> Vec<f64> {
                 let errors = errors[c].iter().flatten().enumerate();
                 errors.map(|(k, e)| log.output(k)[c] + e * diagnosis.sigma[c]).collect()
@@ -71,7 +83,7 @@ pub(super) fn trace(
 }
 
 fn of(
-    part: &Part,
+    part: &LogPart,
     log: &Log,
     ts: SampleTime,
     nominal: &dyn Nominal,
@@ -88,5 +100,5 @@ fn of(
             after,
         }
     });
-    Trace { part: part.clone(), time: time.collect(), outputs: outputs.collect() }
+    Trace { role: part.role, time: time.collect(), outputs: outputs.collect() }
 }

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::engine_plant::EngineFileError;
 use fd_gap::fit::FitError;
 use fd_log::LogError;
 use fd_model::{ModelError, file::ModelFileError};
 use fd_sim::{model::LoadError, simulate::SimulateError};
-use fdiag::engine_plant::EngineFileError;
 use thiserror::Error;
 
 /// A gap cannot be diagnosed.

@@ -2,6 +2,7 @@
 
 use std::{fmt, fs, path::Path};
 
+use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_effect::{Effect, library, with_default_sites};
 use fd_gap::fit::FitError;
 use fd_log::{ColumnMap, LogMap, read_log};
@@ -10,7 +11,6 @@ use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     simulate::Nominal,
 };
-use fdiag::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 
 use super::{
     error::GapError,
