@@ -35,7 +35,7 @@ macro_rules! chains {
 chains!(Doubles, F64_LANES, splat_f64s, mul_add_e_f64s);
 chains!(Singles, F32_LANES, splat_f32s, mul_add_e_f32s);
 
-/// A name and what does so many multiply-adds.
+/// A name and what does this many multiply-adds.
 pub type Work = (&'static str, fn() -> u64);
 
 /// Runs of multiply-adds, each of which returns how many numbers it has computed.

@@ -126,7 +126,7 @@ fn sizes<const N: usize>(c: &mut Criterion) {
     peers::<N>(c);
 }
 
-/// Uniform samples with so many columns besides the target.
+/// Uniform samples with this many columns besides the target.
 fn block<T: LaneScalar>(columns: usize, (estimators, steps): (usize, usize)) -> SampleBlock<T> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(columns as u64);
     let mut uniform = || T::from_design(rng.random_range(-1.0..1.0));

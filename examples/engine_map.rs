@@ -113,7 +113,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn range(r: &Range) -> String {
-    let text = fd_report::figure;
+    let text = fd_model::figure;
     format!("{} [{} .. {}]", text(r.median), text(r.low), text(r.high))
 }
 

@@ -1,4 +1,4 @@
-//! A residual generator of one's own, in one file, next to those of the library.
+//! A residual generator of your own, in one file, next to those of the library.
 //!
 //! The method here is the oldest one: two sensors that ought to agree are compared, the second
 //! after a gain. It needs no model, so its form has no `H_u`.

@@ -1,4 +1,4 @@
-//! A pipeline described in TOML and trained on a healthy log, and the same with a method of one's own.
+//! A pipeline described in TOML and trained on a healthy log, and the same with a method of your own.
 #![allow(clippy::print_stdout, reason = "an example")]
 
 use std::error::Error;
@@ -31,7 +31,7 @@ detector = { kind = "maximum", margin = 0.05 }
 rule = { raise = 3, out_of = 3 }
 "#;
 
-/// The method of one's own: the magnitude of the mean residual, old samples forgotten.
+/// Your own method: the magnitude of the mean residual, old samples forgotten.
 #[derive(Debug)]
 struct MovingMean(f64);
 
@@ -101,6 +101,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         rule: Box::new(Debounce::new(1, spec.rule)?),
     };
     let trace = Trace::of(&mut Pipeline::new(stages)?, &later)?;
-    println!("a detector of one's own: {:?}", trace.first_alarm(0));
+    println!("a detector of your own: {:?}", trace.first_alarm(0));
     Ok(())
 }

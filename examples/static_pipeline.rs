@@ -1,4 +1,4 @@
-//! A pipeline put together at compile time, in `f32`, with a detector of one's own.
+//! A pipeline put together at compile time, in `f32`, with a detector of your own.
 #![allow(clippy::print_stdout, reason = "an example")]
 
 use std::error::Error;
@@ -21,7 +21,7 @@ use fdiag::{
     residual::observer::ObserverDesign,
 };
 
-/// The method of one's own: the magnitude of the mean residual, old samples forgotten.
+/// Your own method: the magnitude of the mean residual, old samples forgotten.
 #[derive(Debug)]
 struct MovingMean(f32);
 

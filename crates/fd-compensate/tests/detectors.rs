@@ -204,7 +204,7 @@ fn input(samples: usize) -> Vec<f64> {
     (0..samples).map(|k| (0.05 * k as f64).sin()).collect()
 }
 
-/// Every detector, fitted to healthy rows of so many channels.
+/// Every detector, fitted to healthy rows of the given number of channels.
 fn fitted(channels: usize, rows: &[f64]) -> Vec<(&'static str, Box<dyn Detector<f64>>)> {
     let u = input(rows.len() / channels);
     let (u, r) = (SampleRows::new(1, &u).unwrap(), SampleRows::new(channels, rows).unwrap());

@@ -4,9 +4,11 @@ use fd_sim::scales::ReplayScales;
 use fd_sim::{equation::SyntaxError, model::Model, patch::PatchError};
 use thiserror::Error;
 
+use super::site::{Side, SiteRef};
+
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///
-/// An effect of one's own is a type that implements this trait; [`Sketch`](super::Sketch) does the
+/// An effect of your own is a type that implements this trait; [`Sketch`](super::Sketch) does the
 /// bookkeeping. A pump that loses a part of its flow with the temperature of the day:
 ///
 /// ```
@@ -169,49 +171,6 @@ pub enum Observation {
     /// The noise is stronger than stated and far from Gaussian; `parameters` has its standard
     /// deviation and the degrees of freedom of Student's distribution.
     HeavyTails,
-}
-
-/// Side of the plant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Side {
-    /// Between the logged command and the plant.
-    Input,
-    /// The plant.
-    Dynamics,
-    /// Between the plant and the logged measurement.
-    Output,
-}
-
-/// Where an effect is.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum SiteRef {
-    /// An input of the plant, by its place in [`Draft::inputs`](fd_sim::model::Draft::inputs).
-    Input(usize, String),
-    /// A named place for forces, by its place in [`Draft::sites`](fd_sim::model::Draft::sites).
-    Force(usize, String),
-    /// A state of the plant, by its place in [`Draft::states`](fd_sim::model::Draft::states).
-    State(usize, String),
-    /// An output, by its place in [`Draft::outputs`](fd_sim::model::Draft::outputs).
-    Output(usize, String),
-    /// A parameter, by its place in [`Draft::parameters`](fd_sim::model::Draft::parameters).
-    Parameter(usize, String),
-    /// No place in particular.
-    WholeModel,
-}
-
-impl SiteRef {
-    /// Name of the input, site, state, output or parameter.
-    #[must_use]
-    pub fn name(&self) -> Option<&str> {
-        match self {
-            Self::Input(_, name)
-            | Self::Force(_, name)
-            | Self::State(_, name)
-            | Self::Output(_, name)
-            | Self::Parameter(_, name) => Some(name),
-            Self::WholeModel => None,
-        }
-    }
 }
 
 /// A parameter of an effect.

@@ -15,6 +15,7 @@ pub mod dynamics;
 pub mod input;
 pub mod map;
 pub mod sensor;
+mod site;
 mod sketch;
 mod suspects;
 mod units;
@@ -23,10 +24,10 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 pub use self::{
     candidate::{
-        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding, Side,
-        SiteRef,
+        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding,
     },
     default_sites::with_default_sites,
+    site::{Side, SiteRef},
     sketch::Sketch,
     suspects::{EverySite, Suspects},
 };

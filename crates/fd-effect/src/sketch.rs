@@ -10,8 +10,9 @@ use fd_sim::{
     patch::Patch,
 };
 
-use super::candidate::{
-    Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding, Side, SiteRef,
+use super::{
+    candidate::{Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding},
+    site::{Side, SiteRef},
 };
 
 /// A candidate in the making.

@@ -4,8 +4,9 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use fd_lab::blind::{
-    Answer, BlindError, CaseKind, Effect, Named, Oracle, Order, Origin, Place, SealKey, Shape,
-    Truth, make, read_answers, run, score, score_open,
+    Answer, BlindError, CaseKind, Conditions, Effect, Manner, Misreading, Named, Oracle, Order,
+    Origin, Place, Reading, SealKey, Shape, Truth, Variant, make, read_answers, run, score,
+    score_open,
 };
 
 const SAMPLES: usize = 200;
@@ -41,15 +42,18 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
 fn the_same_seed_makes_the_same_cases_and_another_makes_others() {
     let room = tempfile::tempdir().unwrap();
     let made = |name: &str, seed| {
+        let mut order = order(seed);
+        order.counts.extend([(CaseKind::Loop, 1), (CaseKind::Cut, 1), (CaseKind::Misread, 1)]);
         let (out, truth) = (room.path().join(name), room.path().join(format!("{name}-truth")));
-        make(&order(seed), &out, &truth, &key(), || ()).unwrap();
+        make(&order, &out, &truth, &key(), || ()).unwrap();
         (files(&out), files(&truth))
     };
     let (a, b, c) = (made("a", 7), made("b", 7), made("c", 8));
     assert_eq!(a, b);
     assert_ne!(a.0, c.0);
-    // Model, two logs and a commitment, four times; nothing of the truth.
-    assert_eq!(a.0.len(), 16);
+    // Model, two logs and a commitment, four times; then a model with the controller as well, two
+    // more logs from rest, and a log that is read wrongly; nothing of the truth.
+    assert_eq!(a.0.len(), 16 + 5 + 6 + 4);
     let says = |bytes: &[u8]| String::from_utf8_lossy(bytes).contains("effects");
     assert!(!a.0.values().chain(a.1.values()).any(|bytes| says(bytes)));
 }
@@ -66,13 +70,13 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     ));
     // Half a line is what a killed run leaves.
     fs::write(out.join("answers.jsonl"), "{\"case\":\"case-00").unwrap();
-    run(&out, true, || ()).unwrap();
+    run(&out, &Manner::default(), || ()).unwrap();
     let answers = read_answers(&out.join("answers.jsonl")).unwrap();
     assert_eq!(answers.len(), 4);
     assert!(answers.iter().all(|answer| answer.error.is_none()), "{answers:?}");
     assert!(answers.iter().all(|answer| answer.baselines.is_some()));
     let before = fs::read(out.join("answers.jsonl")).unwrap();
-    run(&out, true, || ()).unwrap();
+    run(&out, &Manner::default(), || ()).unwrap();
     assert_eq!(fs::read(out.join("answers.jsonl")).unwrap(), before, "nothing is left to do");
 
     let result = score(&out, &truth, || ()).unwrap();
@@ -135,6 +139,7 @@ fn truth(kind: CaseKind, effects: &[(&str, &str, &str)], nothing: f64) -> Truth 
         seed: 0,
         parameters: vec![],
         effects: effects.iter().map(effect).collect(),
+        conditions: Conditions::default(),
         oracle: Some(Oracle { nothing, ..Oracle::default() }),
     }
 }
@@ -205,4 +210,89 @@ fn known_answers_have_known_scores() {
 
 fn dry_with(probability: f64) -> (&'static str, &'static str, &'static str, f64) {
     ("coulomb-friction", "friction", "joint", probability)
+}
+
+#[test]
+fn a_known_controller_and_runs_from_rest_have_answers_of_their_own() {
+    let room = tempfile::tempdir().unwrap();
+    let (out, truth) = (room.path().join("cases"), room.path().join("truth"));
+    let counts = vec![(CaseKind::Loop, 1), (CaseKind::Cut, 1), (CaseKind::CutNone, 1)];
+    let order = Order { seed: 11, counts, samples: SAMPLES, full_oracle: false };
+    make(&order, &out, &truth, &key(), || ()).unwrap();
+    for variant in [Variant::AsLogged, Variant::KnownController, Variant::FromRest] {
+        let manner = Manner { variant, with_baselines: false, ..Manner::default() };
+        run(&out, &manner, || ()).unwrap();
+    }
+    let answers = |file: &str| read_answers(&out.join(file)).unwrap();
+    let all = answers("answers.jsonl");
+    assert_eq!(all.len(), 3);
+    assert!(all.iter().all(|answer| answer.error.is_none()), "{all:?}");
+    let (known, rest) =
+        (answers("answers_known_controller.jsonl"), answers("answers_from_rest.jsonl"));
+    assert_eq!((known.len(), rest.len()), (1, 2));
+    assert!(known.iter().chain(&rest).all(|answer| answer.error.is_none()), "{known:?}");
+    let result = score(&out, &truth, || ()).unwrap();
+    let names: Vec<&str> = result.classes.iter().map(|class| class.name.as_str()).collect();
+    assert_eq!(names, ["loop", "cut"]);
+    assert_eq!(result.classes[1].comparison.as_ref().unwrap().blamed.of, 1);
+    assert!(result.markdown().contains("## One run cut in two"));
+}
+
+#[test]
+fn known_answers_to_logs_as_people_have_them_have_known_scores() {
+    let dry = ("coulomb-friction", "friction", "joint");
+    let load = ("constant-load", "load", "joint");
+    let bias = ("sensor-bias", "sensor-offset", "angle");
+    let gain = ("input-gain", "actuator-gain", "tau");
+    let four = truth(CaseKind::Dominant, &[dry, load, bias, gain], 1e4);
+    let listed = |all: &[(&str, &str, &str)]| {
+        let with: Vec<_> = all.iter().map(|(a, b, c)| (*a, *b, *c, 0.9)).collect();
+        Answer { together: answer(0.0, &with).causes, ..answer(0.0, &with[..1]) }
+    };
+    let misread = || {
+        let mut truth = truth(CaseKind::Misread, &[], 1e6);
+        let channel = "angle".to_owned();
+        truth.conditions.misreading = Some(Misreading::Unit { channel, factor: 57.3 });
+        truth
+    };
+    let reading = |factor: f64, probability: f64| Reading {
+        kind: "unit".to_owned(),
+        channels: vec!["angle".to_owned()],
+        factor: Some(factor),
+        probability,
+        ..Reading::default()
+    };
+    let read =
+        |reading: Reading| Answer { reading: vec![reading], ..answer(0.0, &[dry_with(0.9)]) };
+    let says_none = Answer { says_none: true, ..answer(0.0, &[dry_with(0.95)]) };
+    let pairs = vec![
+        // A loop: right and sure; wrong and sure; falsely none of these.
+        (truth(CaseKind::Loop, &[dry], 100.0), answer(0.0, &[dry_with(0.95)])),
+        (truth(CaseKind::Loop, &[load], 100.0), answer(0.0, &[dry_with(0.95)])),
+        (truth(CaseKind::Loop, &[dry], 100.0), says_none.clone()),
+        (truth(CaseKind::LoopNone, &[], 0.0), answer(0.1, &[dry_with(0.8)])),
+        (truth(CaseKind::LoopNone, &[], 0.0), answer(0.9, &[])),
+        // Four effects: all in any order but the largest first; the largest alone; a small one first.
+        (four.clone(), listed(&[dry, gain, bias, load])),
+        (four.clone(), answer(0.0, &[dry_with(0.9)])),
+        (four, listed(&[load, dry])),
+        // A wrong unit: told; told too unsurely and by another factor; taken for friction.
+        (misread(), read(reading(57.3, 0.99))),
+        (misread(), read(reading(9.81, 0.99))),
+        (misread(), read(reading(57.3, 0.3))),
+        (misread(), answer(0.0, &[dry_with(0.95)])),
+        (misread(), says_none),
+    ];
+    let score = score_open(&pairs).unwrap();
+    let class = |name: &str| score.classes.iter().find(|class| class.name == name).unwrap();
+    let counts = |rate: fd_lab::blind::Rate| (rate.hits, rate.of);
+    let looped = class("loop");
+    assert_eq!(counts(looped.right), (2, 3));
+    assert_eq!(counts(looped.sure), (1, 2));
+    assert_eq!(counts(looped.falsely_none), (1, 3));
+    assert_eq!(looped.blamed.map(counts), [(1, 2), (0, 0)]);
+    assert_eq!(class("dominant").list.map(counts), [(2, 3), (1, 3)]);
+    assert_eq!(class("misread").reading.map(counts), [(1, 5), (2, 5)]);
+    // Nothing of it is among the first kinds.
+    assert_eq!((score.top.of, score.cases), (0, 13));
 }

@@ -42,6 +42,7 @@ mod channel;
 mod discretize;
 mod domain;
 mod error;
+mod figure;
 mod freeze;
 mod lti;
 mod record;
@@ -76,6 +77,7 @@ pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
     error::ModelError,
+    figure::figure,
     freeze::freeze,
     lti::Lti,
     record::Record,

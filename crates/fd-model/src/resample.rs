@@ -1,6 +1,7 @@
 //! From samples at any increasing times to a record on an even time base.
 
 use fd_core::{Shape, ShapeError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -61,7 +62,7 @@ pub enum Disorder {
 }
 
 /// What the times of a [`TimeSeries`] were like.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TimeBaseReport {
     /// Samples of the series.
     pub rows: usize,
@@ -88,7 +89,7 @@ pub struct TimeBaseReport {
 }
 
 /// A step that was too long to be bridged.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gap {
     /// Time of the last sample before it, in seconds.
     pub from_s: f64,

@@ -3,7 +3,6 @@
 mod bars;
 mod corner;
 mod decimate;
-mod figure;
 mod page;
 mod picture;
 mod table;
@@ -11,7 +10,6 @@ mod table;
 pub use self::{
     bars::{Bar, Bars, Shares},
     decimate::decimate,
-    figure::figure,
     page::Page,
     picture::{Line, Picture, PictureError},
     table::Table,

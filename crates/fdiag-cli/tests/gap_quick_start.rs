@@ -4,10 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use fdiag::{
+    effect::SiteRef,
+    gap::diagnose::Verdict,
+    gap_study::{GapStudy, HeldOutChoice, Request, words},
     log::{LogMap, read_log},
     model::{Channel, Record, SampleTime},
 };
-use fdiag_cli::gap::{GapStudy, HeldOutChoice, Request};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -78,14 +80,14 @@ fn the_friction_of_the_cart_is_found() {
     request.held_out = HeldOutChoice::Logs(vec![folder().join("friday.csv")]);
     let report = GapStudy::run(&request, &()).unwrap().report;
     println!("{}", report.headline);
-    let first = &report.causes[0];
-    assert_eq!((report.verdict, first.label), ("cause", "coulomb-friction"));
-    assert_eq!(first.site.name, "rail");
+    let first = &report.diagnosis.causes[0];
+    assert_eq!((report.diagnosis.verdict, first.label), (Verdict::Cause, "coulomb-friction"));
+    assert_eq!(first.site, SiteRef::Force(0, "rail".to_owned()));
     assert!(0.9 < first.probability);
     // Three standard errors, and 5 % for a law that is smooth where the real one sticks.
     let strength = &first.parameters[0];
     let tolerance = 3.0 * strength.standard_error + 0.05 * FRICTION;
-    assert!((strength.value - FRICTION).abs() < tolerance, "{}", first.strength);
-    let closed = report.how_far[0].closed_of_refit.unwrap();
-    assert!(0.9 < closed.fraction && closed.low < closed.fraction, "{closed:?}");
+    assert!((strength.value - FRICTION).abs() < tolerance, "{}", words::strength(first));
+    let closed = report.diagnosis.held_out[0].closed_of_refit.unwrap();
+    assert!(0.9 < closed.fraction && closed.interval[0] < closed.fraction, "{closed:?}");
 }

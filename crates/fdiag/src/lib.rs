@@ -7,6 +7,7 @@
 
 pub mod engine_plant;
 pub mod fleet;
+pub mod gap_study;
 pub mod spec;
 pub mod training;
 

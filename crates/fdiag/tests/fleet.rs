@@ -1,4 +1,4 @@
-//! A fleet answers as so many pipelines would, however its samples are divided, and stands missing
+//! A fleet answers as that many pipelines would, however its samples are divided, and stands missing
 //! ones.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 

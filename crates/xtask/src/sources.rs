@@ -11,9 +11,10 @@ use crate::Faults;
 const MAX_LINES: usize = 400;
 
 /// Text that has no place in a source file, and why. Split so that this file passes its own check.
-const BANNED: [(&str, &str); 3] = [
+const BANNED: [(&str, &str); 4] = [
     (concat!("todo", "!("), "unfinished work"),
     (concat!("unimplemented", "!("), "unfinished work"),
+    (concat!("println!(\"ski", "pped"), "a test that passes without asserting"),
     (concat!("\"/wo", "rk/"), "a path of one machine"),
 ];
 

@@ -5,7 +5,7 @@ use realfft::RealFftPlanner;
 /// Lags to sum, in autocorrelation times.
 const WINDOW: f64 = 5.0;
 /// Lags up to which a product is summed term by term; a signal that needs more gets all of them at once
-/// from a Fourier transform, which costs about as much as so many sums.
+/// from a Fourier transform, which costs about as much as that many sums.
 const DIRECT_LAGS: usize = 64;
 
 /// Integrated autocorrelation time `τ = 1 + 2 Σ ρ(t)` in samples, at least 1; `n / τ` is the number of

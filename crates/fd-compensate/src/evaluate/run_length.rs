@@ -18,7 +18,7 @@ pub struct RunLength {
 }
 
 impl RunLength {
-    /// The interval of so many standard errors around the average.
+    /// The interval of that many standard errors around the average.
     ///
     /// ```
     /// use fd_compensate::evaluate::RunLength;

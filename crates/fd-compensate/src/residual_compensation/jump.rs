@@ -21,7 +21,7 @@ pub(super) struct JumpTest<T> {
     quiet: u64,
 }
 
-/// One sample moves the running scale at most as if it were so many times the scale.
+/// One sample moves the running scale at most as if it were this many times the scale.
 const CLIP: f64 = 3.0;
 
 impl<T: Scalar> JumpTest<T> {

@@ -32,7 +32,7 @@ pub enum MissingSamples {
     /// Refuse it with an error; the pipeline stays as it was.
     #[default]
     Reject,
-    /// Replace each missing channel by its last good value, for at most so many samples in a
+    /// Replace each missing channel by its last good value, for at most this many samples in a
     /// row; then refuse.
     Hold {
         /// Most consecutive samples to replace.

@@ -5,7 +5,7 @@ use fd_sim::{model::Model, scales::ReplayScales};
 use super::each_site;
 use crate::{Effect, Offers, Reason};
 
-/// Shares of the mass from which to start, each with so many frequencies on a logarithmic grid. A small
+/// Shares of the mass from which to start, each with this many frequencies on a logarithmic grid. A small
 /// share changes the run in proportion, so that its fine grid tells the frequency; a large one moves the
 /// resonances that the model has.
 const STARTS: [(f64, u8); 2] = [(0.01, 40), (0.1, 14)];

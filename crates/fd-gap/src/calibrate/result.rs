@@ -1,9 +1,12 @@
 //! The expected confusion matrix of a log.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::diagnose::CauseId;
 
 /// What a diagnosis of logs like these would answer, whatever the cause is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Confusion {
     /// True causes, one row each: "no gap" first, then the leading causes.
     pub truths: Vec<Truth>,
@@ -34,7 +37,7 @@ pub struct Confusion {
 }
 
 /// A true cause.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Truth {
     /// The cause; `None` is "no gap".
     pub cause: Option<CauseId>,

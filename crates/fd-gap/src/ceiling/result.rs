@@ -1,9 +1,12 @@
 //! What a black box could do.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::shrink::Closed;
 
 /// How much of the held-out gap a flexible black-box compensation removes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Ceiling {
     /// The bias model of Patton & Chen (1992), a linear difference equation in free run.
     pub linear: Option<Compensation>,
@@ -24,7 +27,7 @@ impl Ceiling {
 }
 
 /// A compensation of the residual of the refitted model, learned from the training logs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Compensation {
     /// Past values of the bias that it feeds back, and of each input that it looks at.
     pub orders: [usize; 2],

@@ -4,11 +4,13 @@ use std::fmt::{self, Display, Formatter};
 
 use fd_effect::{Candidate, NotTestable, Side, SiteRef};
 use fd_sim::model::Model;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::{fit::Horizon, quality::Finding, shrink::Closed};
 
 /// The answer to: which effect, how sure, how far does the gap shrink?
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Diagnosis {
     /// The answer in one word.
     pub verdict: Verdict,
@@ -59,7 +61,8 @@ pub struct Diagnosis {
     pub best: Explanation,
     /// Held-out gaps, one per horizon that could be computed.
     pub held_out: Vec<HeldOut>,
-    /// What is wrong with the logs.
+    /// What is wrong with the logs; not serialised, as a report has it under the names of the files.
+    #[serde(skip)]
     pub findings: Vec<Finding>,
     /// What could not be tried, and why.
     pub not_tested: Vec<NotTested>,
@@ -82,11 +85,11 @@ impl Diagnosis {
 }
 
 /// A cause of a diagnosis: its place in [`Diagnosis::causes`], from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, JsonSchema)]
 pub struct CauseId(pub usize);
 
 /// A pair of a diagnosis: its place in [`Diagnosis::pairs`], from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, JsonSchema)]
 pub struct PairId(pub usize);
 
 impl Display for CauseId {
@@ -102,7 +105,8 @@ impl Display for PairId {
 }
 
 /// The answer in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The nominal model, with its parameters refitted, explains the logs.
     NoGap,
@@ -119,7 +123,8 @@ pub enum Verdict {
 }
 
 /// What the probabilities rest on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Regime {
     /// The best explanation reaches the noise: evidence of the likelihood.
     AtTheFloor,
@@ -129,7 +134,7 @@ pub enum Regime {
 }
 
 /// A mechanism at a place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Group {
     /// Mechanism.
     pub family: &'static str,
@@ -144,7 +149,7 @@ pub struct Group {
 }
 
 /// A side of the plant, with all that is at work there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SideShare {
     /// The side.
     pub side: Side,
@@ -153,7 +158,7 @@ pub struct SideShare {
 }
 
 /// A cause that is nearly as probable as the first one, and can be told from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RivalCause {
     /// The cause.
     pub cause: CauseId,
@@ -163,7 +168,7 @@ pub struct RivalCause {
 }
 
 /// An effect at a site, all of its laws together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Cause {
     /// Label of the effect.
     pub label: &'static str,
@@ -185,7 +190,8 @@ pub struct Cause {
     pub parameters: Vec<Estimate>,
     /// Root mean square of the training residual of that law, in sigma.
     pub gap: f64,
-    /// The model with that law in it, all values settled.
+    /// The model with that law in it, all values settled; not serialised.
+    #[serde(skip)]
     pub model: Model,
 }
 
@@ -199,7 +205,7 @@ impl Cause {
 }
 
 /// Two causes that act together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Pair {
     /// The causes, with the parameters of the joint fit; the model is that with both.
     pub causes: [Cause; 2],
@@ -213,7 +219,7 @@ pub struct Pair {
 
 /// What the best explanation leaves, beyond noise of the stated kind. Both are gains of the
 /// log-likelihood that something else could have.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Leftover {
     /// From residuals that have a colour and are stronger than the noise.
     pub level: f64,
@@ -232,7 +238,7 @@ impl Leftover {
 }
 
 /// A fitted parameter of an effect.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Estimate {
     /// Name in the patched model.
     pub name: String,
@@ -249,23 +255,26 @@ pub struct Estimate {
 }
 
 /// A model with all values settled, and what it makes of the training logs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Explanation {
     /// The model, patched where there is an effect; running it from the `starts` gives `outputs` to
-    /// the bit.
+    /// the bit; not serialised.
+    #[serde(skip)]
     pub model: Model,
     /// Refitted parameters of the nominal model.
     pub nuisances: Vec<Nuisance>,
-    /// Where runs start.
+    /// Where runs start; not serialised.
+    #[serde(skip)]
     pub starts: Vec<Start>,
-    /// Simulated outputs of each log, row by row.
+    /// Simulated outputs of each log, row by row; not serialised.
+    #[serde(skip)]
     pub outputs: Vec<Vec<f64>>,
     /// Root mean square of the training residual of each output, in sigma.
     pub gap: Vec<f64>,
 }
 
 /// A refitted parameter of the nominal model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Nuisance {
     /// Name in the model.
     pub name: String,
@@ -287,7 +296,7 @@ pub struct Start {
 }
 
 /// A candidate that could not be tried.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct NotTested {
     /// Label of the effect.
     pub label: &'static str,
@@ -297,15 +306,6 @@ pub struct NotTested {
     pub site: SiteRef,
     /// Why it could not be tried.
     pub reason: String,
-}
-
-impl Cause {
-    /// Whether a candidate is one of its laws.
-    pub(super) fn is_of(&self, candidate: &Candidate) -> bool {
-        self.label == candidate.label
-            && self.site == candidate.site
-            && self.partner == candidate.partner
-    }
 }
 
 impl NotTested {
@@ -323,7 +323,7 @@ impl From<&NotTestable> for NotTested {
 }
 
 /// The gap on held-out data at one horizon.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct HeldOut {
     /// Horizon.
     pub horizon: Horizon,
@@ -341,4 +341,13 @@ pub struct HeldOut {
     pub closed_of_nominal: Option<Closed>,
     /// Share of the reducible gap of the refitted model that is closed.
     pub closed_of_refit: Option<Closed>,
+}
+
+impl HeldOut {
+    /// The share that counts: of what refitted parameters leave, or of the nominal gap when they leave
+    /// none; `None` when there is no gap at all.
+    #[must_use]
+    pub fn closed(&self) -> Option<Closed> {
+        self.closed_of_refit.or(self.closed_of_nominal)
+    }
 }

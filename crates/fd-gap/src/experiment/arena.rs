@@ -9,7 +9,7 @@ use fd_sim::{
     simulate::Simulator,
 };
 
-use super::rival::Contender;
+use super::{result::Sensor, rival::Contender};
 use crate::{
     diagnose::Case,
     evidence::SEPARATED,
@@ -35,7 +35,7 @@ pub(super) struct Arena<'a> {
     case: &'a Case<'a>,
     ts: SampleTime,
     faster: usize,
-    sensor: Option<(String, f64)>,
+    sensor: Option<Sensor>,
     nominal: Box<dyn Simulator>,
     leader: Box<dyn Simulator>,
     leader_model: &'a Model,
@@ -58,7 +58,7 @@ impl<'a> Arena<'a> {
         bench: &Bench,
         leader: &'a Model,
         starts: Option<&[crate::diagnose::Start]>,
-        sensor: Option<(String, f64)>,
+        sensor: Option<Sensor>,
         faster: u32,
     ) -> Option<Self> {
         let seconds = bench.ts() / f64::from(faster);
@@ -67,7 +67,7 @@ impl<'a> Arena<'a> {
         let nominal = case.nominal.patched(&with_sensor(case.nominal.model())?, ts).ok()?;
         let leader_simulator = case.nominal.patched(&with_sensor(leader)?, ts).ok()?;
         let mut sigma = bench.sigma.clone();
-        sigma.extend(sensor.as_ref().map(|(_, noise)| noise));
+        sigma.extend(sensor.as_ref().map(|sensor| sensor.noise));
         let faster = faster as usize;
         let first = |s: &crate::fit::Segment| s.from == 0;
         let window = bench.segments.iter().find(|s| first(s) && bench.is_cut()).map(|s| s.to);
@@ -220,8 +220,8 @@ impl<'a> Arena<'a> {
 }
 
 /// The model with a sensor of one of its states.
-fn measured(model: &Model, sensor: Option<&(String, f64)>) -> Option<Model> {
-    let Some((state, noise)) = sensor else { return Some(model.clone()) };
+fn measured(model: &Model, sensor: Option<&Sensor>) -> Option<Model> {
+    let Some(Sensor { state, noise }) = sensor else { return Some(model.clone()) };
     let unit = model.all_states().find(|known| known.name == *state)?.unit.clone();
     let mut draft = model.clone().into_draft();
     let name = draft.fresh_name(&format!("{state}_sensor"));

@@ -17,7 +17,7 @@ mod rival;
 
 use rayon::prelude::*;
 
-pub use self::result::{Advice, Excitation, Experiment, Reach, Rival, Separation};
+pub use self::result::{Advice, Excitation, Experiment, Reach, Rival, Sensor, Separation};
 use self::{
     arena::Arena,
     excitation::{ALL, inputs},
@@ -97,7 +97,7 @@ pub fn next(
     };
     let bench = Bench::new(case, diagnosis)?;
     let rivals = contenders(case, diagnosis, others);
-    let arena = |sensor: Option<(String, f64)>, faster: u32| {
+    let arena = |sensor: Option<Sensor>, faster: u32| {
         Arena::new(case, &bench, model, starts, sensor, faster)
     };
     let present = arena(None, 1).and_then(|mut arena| arena.distances(&rivals, None));
@@ -132,11 +132,11 @@ pub fn next(
     }
     if reach.can_measure && !is_enough(&tried) {
         let sensors = sensors(case, diagnosis, &bench)?;
-        let experiment = |sensor: (String, f64)| {
+        let experiment = |sensor: Sensor| {
             base.iter().take(1).map(move |(excitation, u)| Experiment {
                 excitation: *excitation,
                 u: u.clone(),
-                name: format!("{}, with `{}` measured as well", excitation.name(), sensor.0),
+                name: format!("{}, with `{}` measured as well", excitation.name(), sensor.state),
                 sensor: Some(sensor.clone()),
                 faster: 1,
             })
@@ -180,11 +180,7 @@ fn range(logs: &[Log], input: usize) -> [f64; 2] {
 
 /// States that no output shows as they are, with a noise that is as large against their motion as
 /// that of the outputs is in the median.
-fn sensors(
-    case: &Case<'_>,
-    diagnosis: &Diagnosis,
-    bench: &Bench,
-) -> Result<Vec<(String, f64)>, FitError> {
+fn sensors(case: &Case<'_>, diagnosis: &Diagnosis, bench: &Bench) -> Result<Vec<Sensor>, FitError> {
     let refit = &diagnosis.refit;
     let mut simulator = case.nominal.patched(&refit.model, bench.simulator.ts())?;
     let theta = settled(&*simulator);
@@ -211,7 +207,7 @@ fn sensors(
     let sensor = |(i, state): (usize, &fd_sim::simulate::Initial)| {
         let noise = ratio * spread(&states, i, initial.len());
         let name = &state.channel.name;
-        (!is_logged(name) && 0.0 < noise).then(|| (name.clone(), noise))
+        (!is_logged(name) && 0.0 < noise).then(|| Sensor { state: name.clone(), noise })
     };
     Ok(initial.iter().enumerate().filter_map(sensor).take(MOST_SENSORS).collect())
 }
@@ -248,7 +244,7 @@ fn words(
     };
     let rises = format!("from {now:.1} to {:.0} squares of the noise", best.least());
     match &best.experiment {
-        Experiment { sensor: Some((state, _)), .. } => format!(
+        Experiment { sensor: Some(Sensor { state, .. }), .. } => format!(
             "no input within reach separates {pair}: measure `{state}` as well, and the distance \
              rises {rises}"
         ),

@@ -1,5 +1,8 @@
 //! Which experiment would separate what is left.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::diagnose::{CauseId, PairId};
 
 /// What can be done with the real system.
@@ -25,7 +28,7 @@ impl Default for Reach {
 }
 
 /// What to do next.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
     /// What is to be told apart, the leader first. Empty when there is nothing to separate.
     pub between: Vec<Rival>,
@@ -44,7 +47,8 @@ pub struct Advice {
 }
 
 /// An explanation that is to be told from others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(tag = "kind", content = "id", rename_all = "kebab-case")]
 pub enum Rival {
     /// The model with refitted parameters.
     NoGap,
@@ -55,7 +59,7 @@ pub enum Rival {
 }
 
 /// How well an experiment separates causes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Separation {
     /// The experiment.
     pub experiment: Experiment,
@@ -73,22 +77,33 @@ impl Separation {
 }
 
 /// An experiment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Experiment {
     /// The kind of input.
     pub excitation: Excitation,
-    /// Inputs, row by row, in the order of the simulator, on the time base of the logs.
+    /// Inputs, row by row, in the order of the simulator, on the time base of the logs; not serialised.
+    #[serde(skip)]
     pub u: Vec<f64>,
-    /// A state that is measured in addition, with the noise that was assumed for it.
-    pub sensor: Option<(String, f64)>,
+    /// A state that is measured in addition.
+    pub sensor: Option<Sensor>,
     /// How many times faster outputs are sampled; 1 or 4.
     pub faster: u32,
     /// In words.
     pub name: String,
 }
 
+/// A sensor of a state.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Sensor {
+    /// Name of the state.
+    pub state: String,
+    /// Standard deviation of the noise that was assumed for it, in the unit of the state.
+    pub noise: f64,
+}
+
 /// The kind of input of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Excitation {
     /// That of the longest log.
     Logged,

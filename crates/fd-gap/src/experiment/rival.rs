@@ -12,7 +12,7 @@ use crate::{
 
 /// Most rivals that are refitted.
 const MOST_RIVALS: usize = 4;
-/// "No gap" is a rival when it is at most so many times less probable than the leader.
+/// "No gap" is a rival when it is at most this many times less probable than the leader.
 const PROBABLE: f64 = 20.0;
 
 /// An explanation with what is needed to refit it.

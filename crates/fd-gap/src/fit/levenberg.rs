@@ -16,7 +16,7 @@ pub struct Search {
     pub absolute: f64,
     /// … plus this fraction of it.
     pub relative: f64,
-    /// The slopes of the first so many shared unknowns, and those of the own ones, are not
+    /// The slopes of this many first shared unknowns, and those of the own ones, are not
     /// computed again, once they are known.
     pub frozen: usize,
     /// The shared unknowns stay where they are.

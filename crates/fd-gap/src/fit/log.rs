@@ -3,7 +3,7 @@
 use fd_model::{Channel, Record};
 use fd_sim::simulate::Simulator;
 
-use super::error::FitError;
+use super::{error::FitError, plan::Plan};
 
 /// Relative difference of two sample times that are meant to be equal.
 const ROUNDING: f64 = 1e-6;
@@ -112,6 +112,19 @@ impl Log {
             Ok(Self::new(record, simulator, i + 1)?.continuing(record, earlier))
         });
         each.collect()
+    }
+
+    /// The logs of held-out records: they begin in motion where those of the fit, cut by the `plan`, do.
+    pub(crate) fn held_out(
+        records: &[Record],
+        simulator: &dyn Simulator,
+        earlier: &[Record],
+        plan: &Plan,
+    ) -> Result<Vec<Self>, FitError> {
+        let mut logs = Self::all(records, simulator, earlier)?;
+        let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion);
+        logs.iter_mut().for_each(|log| log.is_in_motion |= is_in_motion);
+        Ok(logs)
     }
 
     /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force

@@ -2,17 +2,20 @@
 
 use fd_model::Record;
 use fd_sim::simulate::Simulator;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::{error::FitError, log::Log, variable::Variable};
 
 /// How long a simulation runs without seeing the outputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Horizon {
     /// Through the whole log.
     FreeRun,
     /// Through windows, each with an initial state of its own.
     Windows {
-        /// Length of a window.
+        /// Length of a window, in samples.
         samples: usize,
     },
 }

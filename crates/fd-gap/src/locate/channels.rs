@@ -40,7 +40,7 @@ fn words(output: &fd_model::Channel, refit: Size, after: Size, floor: Size) -> S
     }
 }
 
-/// A number in words: so many significant digits as the precision says.
+/// A number in words, with as many significant digits as its precision warrants.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Short(pub(crate) f64);
 

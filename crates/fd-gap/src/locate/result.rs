@@ -2,10 +2,12 @@
 
 use fd_effect::{Side, SiteRef};
 use fd_model::Channel;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Where a gap lies, seen from several sides. Every part has a sentence in words, and claims only
 /// what is significant: a part that finds nothing says so.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Location {
     /// Gap of each output.
     pub channels: Vec<ChannelGap>,
@@ -24,7 +26,7 @@ pub struct Location {
 }
 
 /// Size of a gap.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Size {
     /// Root mean square, in the unit of the output.
     pub value: f64,
@@ -33,7 +35,7 @@ pub struct Size {
 }
 
 /// The gap of an output, on the training logs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelGap {
     /// Name and unit.
     pub output: Channel,
@@ -50,7 +52,7 @@ pub struct ChannelGap {
 }
 
 /// How probable it is that the cause is on a side of the plant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SideEvidence {
     /// Side.
     pub side: Side,
@@ -64,7 +66,7 @@ pub struct SideEvidence {
 }
 
 /// How probable it is that the cause is at a place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PlaceEvidence {
     /// Input, force site, state or output.
     pub site: SiteRef,
@@ -85,7 +87,7 @@ pub struct PlaceEvidence {
 /// An unknown signal at a place (added to an input, a force, a rate or an output), estimated from
 /// what the refitted model leaves: linear between knots, a priori Gaussian with a size that the log
 /// settles (empirical Bayes).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FreeSignal {
     /// Share of the reducible gap (mean square above the floor) that it explains, less what as many
     /// free numbers explain of noise; between 0 and 1.
@@ -96,13 +98,14 @@ pub struct FreeSignal {
     pub unit: String,
     /// Root mean square, in that unit.
     pub rms: f64,
-    /// Its values at all samples, log by log.
+    /// Its values at all samples, log by log; not serialised.
+    #[serde(skip)]
     pub values: Vec<Vec<f64>>,
 }
 
 /// Power of the gap of an output over frequency, in squares of the noise per sample: values of all
 /// bands add up to the mean square.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Spectrum {
     /// Name of the output.
     pub output: String,
@@ -113,7 +116,7 @@ pub struct Spectrum {
 }
 
 /// A frequency band.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Band {
     /// Lower end, in Hz.
     pub low_hz: f64,
@@ -137,7 +140,7 @@ pub struct Band {
 }
 
 /// What a gap depends on: one signal, cut into bins.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Region {
     /// What is looked at.
     pub of: RegionOf,
@@ -162,7 +165,8 @@ pub struct Region {
 }
 
 /// What may depend on a region.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", content = "at", rename_all = "kebab-case")]
 pub enum RegionOf {
     /// The residual of an output (measured less simulated, in sigma), by name.
     Residual(String),
@@ -171,7 +175,8 @@ pub enum RegionOf {
 }
 
 /// A signal that defines regions.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(tag = "kind", content = "name", rename_all = "kebab-case")]
 pub enum RegionOn {
     /// An input.
     Input(String),
@@ -188,7 +193,7 @@ pub enum RegionOn {
 }
 
 /// A bin of a region.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Bin {
     /// Lowest value of the signal.
     pub low: f64,
@@ -203,7 +208,7 @@ pub struct Bin {
 }
 
 /// The gap over the time of a log, all outputs together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TimeCourse {
     /// Place of the log among the training logs, from 0.
     pub log: usize,
@@ -216,7 +221,7 @@ pub struct TimeCourse {
 }
 
 /// Part of a log.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Stretch {
     /// Begin, in seconds from the start of the log.
     pub from: f64,
@@ -229,7 +234,7 @@ pub struct Stretch {
 }
 
 /// A change of the size of the gap.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Change {
     /// Begin, in seconds from the start of the log.
     pub from: f64,

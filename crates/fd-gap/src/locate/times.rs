@@ -16,7 +16,7 @@ const STRETCHES: usize = 12;
 const BLOCKS: usize = 64;
 /// Fewest samples of a block.
 const FEWEST_SAMPLES: usize = 5;
-/// Blocks are so many autocorrelation times long, if that leaves enough blocks …
+/// Blocks are this many autocorrelation times long, if that leaves enough blocks …
 const MEMORIES: f64 = 4.0;
 /// … and these are enough.
 const ENOUGH_BLOCKS: usize = 24;

@@ -2,8 +2,12 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 /// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Severity {
     /// Good to know.
     Note,
@@ -14,7 +18,8 @@ pub enum Severity {
 }
 
 /// What was found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Defect {
     /// The values lie on a grid that is coarse against the noise.
@@ -106,42 +111,47 @@ impl Finding {
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { log, channel, defect } = self;
-        write!(f, "log {log}, `{channel}`: ")?;
-        match defect {
-            Defect::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
-            Defect::Clipped { at, share } => {
+        write!(f, "log {log}, `{channel}`: {defect}")
+    }
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
+            Self::Clipped { at, share } => {
                 write!(f, "{:.0} % of the values are exactly {at}", 100.0 * share)
             }
-            Defect::Constant => write!(f, "the channel does not change"),
-            Defect::NotExcited => {
+            Self::Constant => write!(f, "the channel does not change"),
+            Self::NotExcited => {
                 write!(f, "the output moves by no more than its noise: this log says nothing of it")
             }
-            Defect::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
-            Defect::SlowSampling { correlation } => write!(
+            Self::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
+            Self::SlowSampling { correlation } => write!(
                 f,
                 "neighbouring samples have a correlation of only {correlation:.2}: the sampling is \
                  too slow for the dynamics"
             ),
-            Defect::Feedback { correlation, input } => write!(
+            Self::Feedback { correlation, input } => write!(
                 f,
                 "errors of the model foretell the input `{input}` (correlation {correlation:.2}): \
                  a loop outside the model is closed over it"
             ),
-            Defect::WrongUnit { factor } => write!(
+            Self::WrongUnit { factor } => write!(
                 f,
                 "multiplied by {factor} the channel would fit the simulation: check its unit"
             ),
-            Defect::Short { seconds, memory } => write!(
+            Self::Short { seconds, memory } => write!(
                 f,
                 "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): what is slow \
                  cannot be told from where it started"
             ),
-            Defect::Undriven => write!(
+            Self::Undriven => write!(
                 f,
                 "the output moves, and no input does: the log lacks what moved it (a constant column \
                  in the place of an input?)"
             ),
-            Defect::Swapped { with } => {
+            Self::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")
             }
         }

@@ -1,6 +1,8 @@
 //! The size of a gap, and how much of it an effect closes.
 
 use fd_compensate::calibrate::{CircularBlocks, autocorrelation_time};
+use schemars::JsonSchema;
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Errors per output, segment and sample, in units of the noise; NaN where there is none.
@@ -42,7 +44,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// A share of the reducible gap, with a 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Closed {
     /// `1 − (after − floor)/(before − floor)`; 1 is all of it, negative is harm.
     pub fraction: f64,

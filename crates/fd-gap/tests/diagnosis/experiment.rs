@@ -121,7 +121,7 @@ fn a_sensor_between_separates_them() {
     let (model, suspects, log) = late();
     let (_, advice) = run(&model, &suspects, log, &Reach::default(), 0.1);
     let best = &advice.tried[advice.best.unwrap()];
-    assert_eq!(best.experiment.sensor.as_ref().unwrap().0, "v");
+    assert_eq!(best.experiment.sensor.as_ref().unwrap().state, "v");
     assert!(SEPARATED <= best.least());
     assert!(advice.statement.contains("measure `v` as well"), "{}", advice.statement);
 }

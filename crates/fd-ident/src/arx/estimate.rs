@@ -44,7 +44,7 @@ impl ArxModel {
     /// # Errors
     ///
     /// Returns an error when the records do not have the channels of the model, or are too short
-    /// for so many lags.
+    /// for this many lags.
     pub fn diagnose<R: Borrow<Record>>(
         &self,
         records: &[R],

@@ -55,7 +55,7 @@ impl ArxFit {
         Self { solver, ..self }
     }
 
-    /// Leaves out at least so many samples at the start of each record, so that fits of several
+    /// Leaves out at least this many samples at the start of each record, so that fits of several
     /// orders use the same rows.
     #[must_use]
     pub fn with_lag(self, lag: usize) -> Self {

@@ -328,7 +328,7 @@ impl<T: LaneScalar> BatchRls<T> {
     }
 }
 
-/// Adds what happened in a block of so many samples to the reports.
+/// Adds what happened in a block of this many samples to the reports.
 fn collect<T: LaneScalar>(tallies: &[Tally<T>], lanes: &mut [Lane<T>], steps: usize) {
     if steps == 0 {
         return;

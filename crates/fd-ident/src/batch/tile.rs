@@ -14,7 +14,7 @@ use super::{
 };
 use crate::arx::ArxOrders;
 
-/// Up to so many parameters each number has a kernel of its own.
+/// Up to this many parameters, each number has a kernel of its own.
 const UNROLLED: usize = 10;
 
 type Row<T> = <T as Lanes>::Row;

@@ -72,7 +72,7 @@ impl<'r> OrderProblem<'r> {
         let first = check_records(records)?;
         let (nu, ny) = (first.inputs().len(), first.outputs().len());
         let most = |of: &dyn Fn(&ArxOrders) -> usize| candidates.iter().map(of).max().unwrap_or(0);
-        // Delay 0 with so many taps holds the inputs of every candidate.
+        // Delay 0 with this many taps holds the inputs of every candidate.
         let nb = most(&|orders| if orders.nb == 0 { 0 } else { orders.delay + orders.nb });
         let offset = candidates.iter().any(|orders| orders.offset);
         let widest = ArxOrders { na: most(&|orders| orders.na), nb, delay: 0, offset };

@@ -76,7 +76,7 @@ pub struct Guard {
     /// Skip samples whose `φᵀPφ` is below the rounding of the noise variance it adds to, so that
     /// nothing is forgotten in silence.
     pub skip_silence: bool,
-    /// Forgetting pauses while it would lift the trace of `P` above so many times its initial
+    /// Forgetting pauses while it would lift the trace of `P` above this many times its initial
     /// value.
     pub trace_limit: f64,
 }

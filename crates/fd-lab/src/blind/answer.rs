@@ -40,6 +40,9 @@ pub struct Answer {
     pub gaps: [Vec<f64>; 3],
     /// What the diagnosis took for the noise of each output, in its unit.
     pub sigma: Vec<f64>,
+    /// Mistakes in the reading of the log, the most probable first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reading: Vec<Reading>,
     /// Share of the gap left after a refit of the parameters that the answer closes on held-out
     /// data.
     pub closed: Option<Share>,
@@ -82,6 +85,22 @@ pub struct Together {
     /// Both of them.
     pub causes: [Named; 2],
     /// Probability that it is these two.
+    pub probability: f64,
+}
+
+/// A mistake in the reading of the log that was named.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reading {
+    /// `sign`, `unit`, `swap`, `clock` or `time`.
+    pub kind: String,
+    /// The channels that are read wrongly; none where it is time.
+    pub channels: Vec<String>,
+    /// What was read over what is real, for a unit or time.
+    pub factor: Option<f64>,
+    /// Samples by which it was logged late, for a clock.
+    pub late: Option<f64>,
+    /// Probability.
     pub probability: f64,
 }
 

@@ -23,6 +23,7 @@ pub(super) fn answer(
     model: &Model,
     train: &Record,
     held_out: &Record,
+    settings: &Settings,
 ) -> Result<Answer, BlindError> {
     let begun = Instant::now();
     let model = with_default_sites(model);
@@ -32,7 +33,7 @@ pub(super) fn answer(
     let candidates = suspects.alone().iter().flatten().count();
     let (logs, held_out) = (std::slice::from_ref(train), std::slice::from_ref(held_out));
     let case = diagnose::Case { nominal: &model, suspects: &suspects, logs, held_out };
-    let diagnosis = diagnose(&case, &Settings::default(), &())?;
+    let diagnosis = diagnose(&case, settings, &())?;
     let seconds = begun.elapsed().as_secs_f64();
 
     let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
@@ -60,6 +61,7 @@ pub(super) fn answer(
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
             .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
+        reading: Vec::new(),
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: refit.collect(),
         patched: Some(diagnosis.best.model.to_string()),

@@ -1,15 +1,20 @@
-//! Draws cases: a plant, an excitation, effects of a strength that is sought.
+//! Draws cases: a plant, an excitation, conditions, effects of a strength that is sought.
+
+mod setting;
 
 use fd_sim::{equation::Expr, model::Model};
 
 use super::{
+    conditions::Conditions,
     error::BlindError,
     excitation::Shape,
-    laws::{Law, Needs, Origin, Place, catalogue},
+    kind::CaseKind,
+    laws::{Law, Needs, Place, catalogue},
+    oracle::left_by_nothing,
     plants,
     random::{Random, named_seed},
-    strength::Yardstick,
-    truth::{CaseKind, Effect, Scene, Truth},
+    strength::{Yardstick, seek},
+    truth::{Effect, Scene, Truth},
 };
 
 /// Squares of the noise that effects are to leave: from barely visible to large.
@@ -20,10 +25,15 @@ const TOO_STRONG: f64 = 10.0;
 const NOISE_LEVEL: f64 = 0.1;
 /// The same for each of two effects: both must show.
 const PAIR_TARGETS: [f64; 2] = [150.0, 5e4];
+/// The same for one dominant effect, and how many times less each of the others leaves.
+const DOMINANT: [f64; 2] = [3e3, 5e4];
+const SMALLER: [f64; 2] = [15.0, 60.0];
 /// Less is not worth a case.
 const VISIBLE: f64 = 9.0;
 /// Share of coloured noise among cases with an effect.
 const COLOURED: f64 = 0.2;
+/// Squares of the noise that a mistake of reading leaves at least.
+const READABLE: f64 = 100.0;
 /// How often a case is drawn anew when nothing comes of it.
 const TRIES: usize = 40;
 
@@ -50,9 +60,10 @@ fn attempt_at(
     samples: usize,
 ) -> Result<Option<(Truth, Model)>, BlindError> {
     let random = &mut Random::new(seed);
-    let weights: usize = plants::ALL.iter().map(|plant| plant.weight).sum();
+    let plants = plants::of_kind(kind);
+    let weights: usize = plants.iter().map(|plant| plant.weight).sum();
     let mut place = random.below(weights);
-    let plant = plants::ALL.iter().find(|plant| {
+    let plant = plants.iter().find(|plant| {
         let is_here = place < plant.weight;
         place = place.saturating_sub(plant.weight);
         is_here
@@ -65,7 +76,7 @@ fn attempt_at(
     });
     let parameters = off.collect();
     let coloured = match kind {
-        CaseKind::None => number % 2 == 1,
+        kind if kind.is_null() => number % 2 == 1,
         _ => random.unit() < COLOURED,
     };
     let mut truth = Truth {
@@ -79,27 +90,37 @@ fn attempt_at(
         seed: random.seed(),
         parameters,
         effects: Vec::new(),
+        conditions: Conditions::default(),
         oracle: None,
     };
+    if !kind.is_plain() {
+        let random = &mut Random::named(truth.seed, "conditions");
+        let Some(drawn) = setting::conditions(&truth, &model, random)? else { return Ok(None) };
+        truth.conditions = drawn;
+    }
+    if kind == CaseKind::Misread && left_by_nothing(&truth, &model)? < READABLE {
+        return Ok(None);
+    }
     let scene = Scene::new(&truth, &model)?;
-    let Some(yardstick) = Yardstick::new(&scene)? else { return Ok(None) };
-    let targets = if kind == CaseKind::Pair { PAIR_TARGETS } else { TARGETS };
-    let count = match kind {
-        CaseKind::None => 0,
-        CaseKind::Pair => 2,
-        _ => 1,
+    let yardstick = if truth.conditions.is_plain() {
+        let Some(yardstick) = Yardstick::new(&scene)? else { return Ok(None) };
+        Some(yardstick)
+    } else {
+        None
     };
     let mut effects: Vec<Effect> = Vec::new();
-    while effects.len() < count {
-        let target = random.log_uniform(targets[0], targets[1]);
-        let is_pair = kind == CaseKind::Pair;
+    while effects.len() < kind.effects() {
+        let [low, high] = match (kind, effects.first()) {
+            (CaseKind::Dominant, None) => DOMINANT,
+            (CaseKind::Dominant, Some(first)) => SMALLER.map(|times| first.distance / times),
+            (CaseKind::Pair, _) => PAIR_TARGETS,
+            _ => TARGETS,
+        };
+        let target = random.log_uniform(low, high);
+        // What corrupts the measurement leaves no trace in a replay without noise.
+        let is_simulated = 1 < kind.effects() || !truth.conditions.is_plain();
         let suits = |law: &Law| {
-            let is_origin = match kind {
-                CaseKind::Withheld => law.origin == Origin::Withheld,
-                CaseKind::Mismatch => law.origin == Origin::Mismatch,
-                _ => law.origin == Origin::Matched,
-            };
-            is_origin && !(is_pair && law.needs == Needs::Measurement)
+            law.origin == kind.origin() && !(is_simulated && law.needs == Needs::Measurement)
         };
         let Some((mut effect, law)) = pick(&scene, random, suits) else { return Ok(None) };
         if effects.iter().any(|e| e.label == effect.label && e.site == effect.site) {
@@ -109,7 +130,15 @@ fn attempt_at(
             effect.strength = random.log_uniform(law.range[0], law.range[1]);
             effect.distance = shown(&effect, samples);
         } else {
-            yardstick.tune(&mut effect, target, law.range)?;
+            match &yardstick {
+                Some(yardstick) => {
+                    seek(&mut effect, target, law.range, &|e| yardstick.distance(e))?;
+                }
+                None => seek(&mut effect, target, law.range, &|effect| {
+                    let effects = vec![effect.clone()];
+                    left_by_nothing(&Truth { effects, ..truth.clone() }, &model)
+                })?,
+            }
             if TOO_STRONG * target < effect.distance {
                 return Ok(None);
             }
@@ -160,6 +189,7 @@ fn pick(
         Place::Force => model.sites[index].name.clone(),
         Place::Parameter => model.parameters[index].name.clone(),
         Place::Output => model.outputs[index].name.clone(),
+        Place::Inside => plants::inner(scene.plant)[index].name.to_owned(),
     };
     let partner_name = partner.map(|partner| match law.place {
         Place::Force => model.states[partner].name.clone(),
@@ -197,6 +227,7 @@ pub(super) fn places(scene: &Scene<'_>, law: &Law) -> Vec<Spot> {
     match law.place {
         Place::Input if law.needs == Needs::Partner => pairs(model.inputs.len()),
         Place::Input => alone(model.inputs.len()),
+        Place::Inside => alone(plants::inner(scene.plant).len()),
         Place::Output => {
             let n = model.outputs.len();
             let mut all = if law.needs == Needs::Partner { pairs(n) } else { alone(n) };

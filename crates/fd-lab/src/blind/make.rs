@@ -5,16 +5,17 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use fd_log::write_log;
 use rayon::prelude::*;
 
 use super::{
     draw::draw,
     error::BlindError,
+    files::{write, write_case},
+    kind::CaseKind,
     oracle::oracle,
     random::Random,
     seal::SealKey,
-    truth::{CaseKind, Scene, Truth},
+    truth::{Scene, Truth},
 };
 
 /// Name of the file with the secret, beside the truths.
@@ -95,20 +96,12 @@ fn one(
     let (mut truth, model) = draw(order.seed, kind, i, order.samples)?;
     case.clone_into(&mut truth.case);
     let scene = Scene::new(&truth, &model)?;
-    let log = |run, is_noisy| -> Result<_, BlindError> {
-        let log = scene.log(run, is_noisy)?;
-        log.ok_or_else(|| BlindError::content(case.as_ref(), "the plant diverges"))
-    };
-    let (train, held_out, clean) = (log(0, true)?, log(1, true)?, log(0, false)?);
-    let seen = oracle(&scene, &clean, order.full_oracle)?;
+    let directory = cases.join(case);
+    write_case(&scene, &directory)?
+        .ok_or_else(|| BlindError::content(case.as_ref(), "the plant diverges"))?;
+    let seen = oracle(&scene, order.full_oracle)?;
     drop(scene);
     truth.oracle = Some(seen);
-
-    let directory = cases.join(case);
-    fs::create_dir_all(&directory).map_err(BlindError::file(&directory))?;
-    write(&directory.join("model.toml"), model.to_string())?;
-    write_log(directory.join("train.csv"), &train)?;
-    write_log(directory.join("held_out.csv"), &held_out)?;
     let text = serde_json::to_string(&truth).map_err(|e| BlindError::content(truths, e))?;
     let (sealed, commitment) = key.seal(case, &text);
     write(&directory.join(COMMITMENT), commitment)?;
@@ -119,8 +112,4 @@ fn one(
 /// Where the truth of a case is.
 pub(super) fn sealed_file(truths: &Path, case: &str) -> PathBuf {
     truths.join(format!("{case}.sealed"))
-}
-
-fn write(file: &Path, content: impl AsRef<[u8]>) -> Result<(), BlindError> {
-    fs::write(file, content).map_err(BlindError::file(file))
 }

@@ -8,12 +8,19 @@
 
 mod answer;
 mod baselines;
+mod conditions;
+mod controller;
 mod diagnose;
 mod draw;
 mod error;
 mod excitation;
+mod files;
+mod kind;
 mod laws;
+mod logger;
+mod logs;
 mod make;
+mod misreading;
 mod oracle;
 mod plants;
 mod random;
@@ -30,15 +37,24 @@ mod truth;
 mod tests;
 
 pub use self::{
-    answer::{Answer, Named, Share, read_answers},
+    answer::{Answer, Named, Reading, Share, Together, read_answers},
     baselines::{Baseline, Baselines},
+    conditions::Conditions,
+    controller::{Action, Controller},
     error::BlindError,
     excitation::Shape,
+    files::Variant,
+    kind::CaseKind,
     laws::{Origin, Place},
+    logger::Logger,
     make::{Order, make},
+    misreading::Misreading,
     oracle::{Oracle, Rival},
-    run::{Progress, progress, run},
-    score::{Bin, BySquares, Calibration, ClosedOf, Rate, Score, Verdict, score, score_open},
+    run::{Manner, Progress, progress, run},
+    score::{
+        Bin, BySquares, Calibration, ClassScore, ClosedOf, Comparison, Rate, Score, Verdict, score,
+        score_open,
+    },
     seal::SealKey,
-    truth::{CaseKind, Effect, Truth},
+    truth::{Effect, Truth},
 };

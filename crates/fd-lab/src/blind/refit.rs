@@ -17,7 +17,11 @@ use fd_sim::{
     simulate::{LoggedLoop, Nominal},
 };
 
-use super::{error::BlindError, truth::Scene};
+use super::{
+    error::BlindError,
+    plants::{Tuning, looped},
+    truth::Scene,
+};
 
 /// Starts of a law that are fitted.
 const STARTS: usize = 2;
@@ -32,7 +36,8 @@ const SHORT: Search =
 pub(super) struct Sight<'a> {
     model: &'a Model,
     logged: Option<LoggedLoop<'a>>,
-    log: Record,
+    /// The log; of an unstable plant, one after the other, its windows.
+    logs: Vec<Record>,
     scales: ReplayScales,
     colour: f64,
 }
@@ -49,11 +54,12 @@ pub(super) struct Fitted {
 pub(super) fn null(
     nominal: &dyn Nominal,
     model: &Model,
-    log: &Record,
+    logs: &[Record],
     colour: f64,
 ) -> Result<NullFit, BlindError> {
-    let simulator = nominal.patched(model, log.ts())?;
-    let plan = Arc::new(Plan::new(&*simulator, std::slice::from_ref(log), Horizon::FreeRun)?);
+    let ts = logs.first().ok_or(FitError::NoLog)?.ts();
+    let simulator = nominal.patched(model, ts)?;
+    let plan = Arc::new(Plan::new(&*simulator, logs, Horizon::FreeRun)?);
     let sigma = model.outputs.iter().map(|output| output.noise.unwrap_or(1.0)).collect();
     let mut weights = Weights::white(sigma);
     if colour != 0.0 {
@@ -74,15 +80,28 @@ impl<'a> Sight<'a> {
         model: &'a Model,
         log: &Record,
     ) -> Result<Self, BlindError> {
-        let u: Vec<f64> = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
-        let scales = ReplayScales::of(model, log.ts(), &u, log.len())?;
+        let window = Self::window(scene).unwrap_or(log.len()).min(log.len());
+        let u: Vec<f64> = (0..window).flat_map(|k| log.u(k).to_vec()).collect();
+        let scales = ReplayScales::of(model, log.ts(), &u, window)?;
         let in_loop = scene.plant.noise_in_loop;
         let logged = if in_loop { LoggedLoop::of(model, log.ts()) } else { None };
         let log = match &logged {
             Some(logged) => logged.record(log)?,
             None => log.clone(),
         };
-        Ok(Self { model, logged, log, scales, colour: scene.truth.colour() })
+        let windows =
+            (0..log.len() / window.max(1)).map(|i| log.slice(i * window, (i + 1) * window));
+        let colour = scene.truth.colour();
+        Ok(Self { model, logged, logs: windows.collect(), scales, colour })
+    }
+
+    /// Samples for which an unstable plant can be simulated without its controller.
+    pub(super) fn window(scene: &Scene<'_>) -> Option<usize> {
+        scene.truth.conditions.controller.as_ref()?;
+        match looped(scene.plant)?.tuning {
+            Tuning::Fixed { window, .. } => window,
+            Tuning::Relative => None,
+        }
     }
 
     fn nominal(&self) -> &dyn Nominal {
@@ -94,7 +113,7 @@ impl<'a> Sight<'a> {
 
     /// The fit without any effect; `None` when the model diverges without it.
     pub(super) fn null(&self) -> Result<Option<NullFit>, BlindError> {
-        match null(self.nominal(), self.model, &self.log, self.colour) {
+        match null(self.nominal(), self.model, &self.logs, self.colour) {
             Err(BlindError::Fit(error)) if *error == FitError::Diverged => Ok(None),
             found => found.map(Some),
         }

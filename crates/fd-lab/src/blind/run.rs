@@ -1,11 +1,8 @@
 //! `fdiag blind run`.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
-use fd_log::{LogMap, TimeMap, read_log};
+use fd_gap::diagnose::Settings;
 use fd_model::Record;
 use fd_sim::model::Model;
 use rayon::prelude::*;
@@ -15,17 +12,28 @@ use super::{
     baselines,
     diagnose::answer,
     error::BlindError,
+    files::{Case, Variant},
     make::{CASES, COMMITMENT},
 };
 use crate::journal::Journal;
 
-/// Name of the file of answers.
-pub(super) const ANSWERS: &str = "answers.jsonl";
+/// How cases are diagnosed.
+#[derive(Clone, Copy)]
+pub struct Manner<'a> {
+    /// In which form.
+    pub variant: Variant,
+    /// Whether simpler methods are run, too.
+    pub with_baselines: bool,
+    /// Settings of a diagnosis, from the model and both logs.
+    pub settings: &'a (dyn Fn(&Model, &[Record; 2]) -> Result<Settings, BlindError> + Sync),
+}
 
-/// A case as a user has it.
-pub(super) struct Case {
-    pub(super) name: String,
-    pub(super) directory: PathBuf,
+impl Default for Manner<'_> {
+    /// As it was logged, with all methods, in free run.
+    fn default() -> Self {
+        let settings = &|_: &Model, _: &[Record; 2]| Ok(Settings::default());
+        Self { variant: Variant::AsLogged, with_baselines: true, settings }
+    }
 }
 
 /// The cases in a directory, by name.
@@ -44,32 +52,16 @@ pub(super) fn cases(directory: &Path) -> Result<Vec<Case>, BlindError> {
     Ok(all)
 }
 
-impl Case {
-    pub(super) fn model(&self) -> Result<Model, BlindError> {
-        Model::load(&self.directory.join("model.toml"))
-            .map_err(|error| BlindError::Model { error: Box::new(error) })
+fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
+    let (model, logs) = case.read(manner.variant)?;
+    let settings = (manner.settings)(&model, &logs)?;
+    let [train, held_out] = &logs;
+    let mut answer = answer(&case.name, &model, train, held_out, &settings)?;
+    if manner.with_baselines {
+        // Simpler methods are not made for holes; what they cannot do is no fault of the diagnosis.
+        answer.baselines = baselines::all(&model, train, held_out).ok();
     }
-
-    pub(super) fn log(&self, model: &Model, file: &str) -> Result<Record, BlindError> {
-        let mut map = LogMap::for_channels(&model.external_inputs(), &model.output_channels());
-        map.time = TimeMap { sample_time: Some(model.sample_time), ..TimeMap::default() };
-        Ok(read_log(self.directory.join(file), &map)?.record)
-    }
-
-    pub(super) fn commitment(&self) -> Result<String, BlindError> {
-        let file = self.directory.join(COMMITMENT);
-        fs::read_to_string(&file).map_err(BlindError::file(&file))
-    }
-
-    fn answer(&self, with_baselines: bool) -> Result<Answer, BlindError> {
-        let model = self.model()?;
-        let (train, held_out) = (self.log(&model, "train.csv")?, self.log(&model, "held_out.csv")?);
-        let mut answer = answer(&self.name, &model, &train, &held_out)?;
-        if with_baselines {
-            answer.baselines = Some(baselines::all(&model, &train, &held_out)?);
-        }
-        Ok(answer)
-    }
+    Ok(answer)
 }
 
 /// How far a run is before it goes on.
@@ -86,33 +78,34 @@ pub struct Progress {
 /// # Errors
 ///
 /// As [`run`].
-pub fn progress(directory: &Path) -> Result<Progress, BlindError> {
-    let answers = read_answers(&directory.join(ANSWERS))?;
-    let cases = cases(directory)?;
+pub fn progress(directory: &Path, variant: Variant) -> Result<Progress, BlindError> {
+    let answers = read_answers(&directory.join(variant.answers()))?;
+    let cases: Vec<Case> = cases(directory)?.into_iter().filter(|c| c.has(variant)).collect();
     let answered = cases.iter().filter(|c| answers.iter().any(|a| a.case == c.name)).count();
     Ok(Progress { cases: cases.len(), answered })
 }
 
-/// Diagnoses every case that has no answer yet and adds the answers to `answers.jsonl`; `done` is
-/// called after each. A diagnosis that fails is an answer, too: one without causes.
+/// Diagnoses every case that has no answer yet and adds the answers to `answers.jsonl` (or, of
+/// another form, to a file of its own); `done` is called after each. A diagnosis that fails is an answer, too: one without causes.
 ///
 /// # Errors
 ///
 /// Returns an error when the directory has no cases or the answers cannot be read or written.
 pub fn run(
     directory: &Path,
-    with_baselines: bool,
+    manner: &Manner<'_>,
     done: impl Fn() + Sync,
 ) -> Result<(), BlindError> {
-    let path = directory.join(ANSWERS);
+    let path = directory.join(manner.variant.answers());
     let known = read_answers(&path)?;
     let cases = cases(directory)?;
     let journal = Journal::open(&path)?;
     cases
         .par_iter()
+        .filter(|case| case.has(manner.variant))
         .filter(|case| !known.iter().any(|answer| answer.case == case.name))
         .try_for_each(|case| {
-            let answer = case.answer(with_baselines).unwrap_or_else(|error| Answer {
+            let answer = answer_of(case, manner).unwrap_or_else(|error| Answer {
                 case: case.name.clone(),
                 error: Some(error.to_string()),
                 no_gap: 1.0,

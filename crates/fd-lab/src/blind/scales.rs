@@ -11,6 +11,8 @@ pub(super) struct Signal {
     pub(super) peak: f64,
     pub(super) low: f64,
     pub(super) high: f64,
+    /// Root mean square of the change from sample to sample.
+    pub(super) slope: f64,
 }
 
 /// Sizes at a site.
@@ -31,6 +33,8 @@ pub(super) struct Scales {
     pub(super) states: Vec<Signal>,
     pub(super) outputs: Vec<Signal>,
     pub(super) sites: Vec<SiteScale>,
+    /// Signals inside the plant.
+    pub(super) inner: Vec<Signal>,
     pub(super) ts: f64,
     pub(super) duration: f64,
 }
@@ -44,7 +48,9 @@ impl Signal {
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // A constant signal has a size all the same.
         let peak = low.abs().max(high.abs()).max(1e-12);
-        Self { mean, std: square.sqrt().max(1e-9 * peak), peak, low, high }
+        let slope = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / n;
+        let std = square.sqrt().max(1e-9 * peak);
+        Self { mean, std, peak, low, high, slope: slope.sqrt() }
     }
 }
 
@@ -56,6 +62,7 @@ pub(super) struct Recorder {
     outputs: Vec<Vec<f64>>,
     /// Per site: position, velocity, acceleration, acceleration per force.
     sites: Vec<[Vec<f64>; 4]>,
+    inner: Vec<Vec<f64>>,
 }
 
 impl Observer for Recorder {
@@ -67,6 +74,7 @@ impl Observer for Recorder {
         add(&mut self.inputs, now.u);
         add(&mut self.states, now.x);
         add(&mut self.outputs, now.y);
+        add(&mut self.inner, now.inner);
         self.sites.resize_with(now.sites.len(), Default::default);
         for (to, site) in self.sites.iter_mut().zip(now.sites) {
             for (to, value) in to.iter_mut().zip([site.x, site.v, site.a, site.c]) {
@@ -96,6 +104,7 @@ impl Recorder {
             states: all(&self.states),
             outputs: all(&self.outputs),
             sites: self.sites.iter().map(site).collect(),
+            inner: all(&self.inner),
             ts,
             duration: samples * ts,
         }

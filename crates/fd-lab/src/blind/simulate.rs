@@ -6,9 +6,10 @@ mod inside;
 use fd_sim::model::Model;
 
 use super::{
+    controller::{Controller, Feedback},
     error::BlindError,
     laws::{Arriving, Measured, Mechanism, Site},
-    plants::{Physics, Plant},
+    plants::{Inner, Physics, Plant, inner},
 };
 
 /// A plant with what the model file says of it.
@@ -21,6 +22,7 @@ pub(super) struct Bench<'a> {
 }
 
 /// What a run starts from and sees.
+#[derive(Clone, Copy)]
 pub(super) struct Trial<'a> {
     pub(super) parameters: &'a [f64],
     /// Initial states of the model.
@@ -29,6 +31,21 @@ pub(super) struct Trial<'a> {
     pub(super) u: &'a [f64],
     /// Noise of all outputs, row by row; none for a noise-free run.
     pub(super) noise: Option<&'a [f64]>,
+    /// What makes commands of references instead of the plant's own controller; the number of the
+    /// run.
+    pub(super) controller: Option<(&'a Controller, u64)>,
+}
+
+/// What a run has given, row by row.
+pub(super) struct Trace {
+    /// Outputs with noise.
+    pub(super) y: Vec<f64>,
+    /// The same outputs without it; where noise goes round a loop, it has moved the plant.
+    pub(super) clean: Vec<f64>,
+    /// Commands at all inputs of the plant.
+    pub(super) commands: Vec<f64>,
+    /// States of the plant.
+    pub(super) states: Vec<f64>,
 }
 
 /// A law at work at its place.
@@ -44,6 +61,7 @@ pub(super) struct Snapshot<'a> {
     pub(super) x: &'a [f64],
     pub(super) y: &'a [f64],
     pub(super) sites: &'a [Site<'a>],
+    pub(super) inner: &'a [f64],
 }
 
 /// Sees every sample.
@@ -71,13 +89,13 @@ impl<'a> Bench<'a> {
         Ok(Self { plant, model, limits, substeps, h: ts / substeps as f64 })
     }
 
-    /// Outputs of all samples, row by row; `None` when the simulation diverges.
+    /// Outputs and commands of all samples; `None` when the simulation diverges.
     pub(super) fn run(
-        &self,
-        trial: &Trial<'_>,
+        &'a self,
+        trial: &Trial<'a>,
         injected: Vec<Injected>,
         observer: Option<&mut dyn Observer>,
-    ) -> Result<Option<Vec<f64>>, BlindError> {
+    ) -> Result<Option<Trace>, BlindError> {
         let physics = self.plant.physics(trial.parameters)?;
         let mut run = Run::new(self, physics, trial, injected);
         Ok(run.go(trial, observer))
@@ -100,6 +118,10 @@ struct Run<'a> {
     /// Acceleration per force of each site.
     compliance: Vec<f64>,
     memory: Vec<f64>,
+    feedback: Option<(Feedback<'a>, &'a Controller)>,
+    /// Signals inside, and by how much each is changed during a step.
+    inner: &'static [Inner],
+    changes: Vec<f64>,
     shows_command: Vec<bool>,
     t: f64,
 }
@@ -108,7 +130,7 @@ impl<'a> Run<'a> {
     fn new(
         bench: &'a Bench<'a>,
         physics: Box<dyn Physics>,
-        trial: &Trial<'_>,
+        trial: &Trial<'a>,
         injected: Vec<Injected>,
     ) -> Self {
         let model = bench.model;
@@ -131,6 +153,11 @@ impl<'a> Run<'a> {
             compliance: vec![1.0; model.sites.len()],
             memory: vec![0.0; physics.memory()],
             parameters: trial.parameters.to_vec(),
+            feedback: trial
+                .controller
+                .map(|(controller, run)| (controller.start(model.sample_time, run), controller)),
+            inner: inner(bench.plant),
+            changes: vec![0.0; inner(bench.plant).len()],
             shows_command: moved.collect(),
             t: 0.0,
             bench,
@@ -144,10 +171,17 @@ impl<'a> Run<'a> {
         &mut self,
         trial: &Trial<'_>,
         mut observer: Option<&mut (dyn Observer + '_)>,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Trace> {
         let model = self.bench.model;
         let (ny, nr) = (self.y.len(), self.bench.plant.drives.len());
-        let mut all = Vec::with_capacity(trial.u.len() / nr * ny);
+        let rows = trial.u.len() / nr;
+        let room = |width: usize| Vec::with_capacity(rows * width);
+        let mut all = Trace {
+            y: room(ny),
+            clean: room(ny),
+            commands: room(self.command.len()),
+            states: room(self.x.len()),
+        };
         let senses = self.injected.iter().any(|i| matches!(i.mechanism, Mechanism::Sensor(_)));
         let sigma: Vec<f64> = model.outputs.iter().map(|o| o.noise.unwrap_or(0.0)).collect();
         for (k, reference) in trial.u.chunks_exact(nr).enumerate() {
@@ -156,12 +190,16 @@ impl<'a> Run<'a> {
                 if step == 0 {
                     let noise = trial.noise.map(|noise| &noise[k * ny..(k + 1) * ny]);
                     let row = self.sample(reference, noise, &sigma);
-                    all.extend(row);
+                    all.y.extend(row);
+                    all.clean.extend_from_slice(&self.y);
+                    all.commands.extend_from_slice(&self.command);
+                    all.states.extend_from_slice(&self.x);
                 } else if senses {
                     self.sense(|_| true);
                 }
                 self.set_parameters();
                 self.actuate();
+                self.change_inside();
                 if step == 0
                     && let Some(observer) = observer.as_deref_mut()
                 {
@@ -169,7 +207,9 @@ impl<'a> Run<'a> {
                     let f = vec![0.0; self.held.len()];
                     let sites = self.sites(&self.x, &f);
                     let (u, x, y) = (&self.u[..], &self.x[..], &self.y[..]);
-                    observer.see(&Snapshot { u, x, y, sites: &sites });
+                    let inner = self.inner.iter().map(|i| (i.value)(&self.parameters, x));
+                    let inner: Vec<f64> = inner.collect();
+                    observer.see(&Snapshot { u, x, y, sites: &sites, inner: &inner });
                 }
                 self.integrate();
             }
@@ -186,9 +226,15 @@ impl<'a> Run<'a> {
         let shows = self.shows_command.clone();
         self.sense(|c| !shows[c]);
         let before = self.logged(noise, sigma, |c| !shows[c]);
-        let sees_noise = self.bench.plant.noise_in_loop;
-        let seen = if sees_noise { before.clone() } else { self.y.clone() };
-        self.physics.control(&mut self.memory, &seen, reference, &mut self.command);
+        if let Some((feedback, controller)) = &mut self.feedback {
+            self.command.copy_from_slice(reference);
+            let i = controller.input;
+            self.command[i] = feedback.act(&before, reference[i]);
+        } else {
+            let sees_noise = self.bench.plant.noise_in_loop;
+            let seen = if sees_noise { before.clone() } else { self.y.clone() };
+            self.physics.control(&mut self.memory, &seen, reference, &mut self.command);
+        }
         for (command, [low, high]) in self.command.iter_mut().zip(&self.bench.limits) {
             *command = command.clamp(*low, *high);
         }
@@ -247,6 +293,19 @@ impl<'a> Run<'a> {
         }
         if is_changed {
             self.physics.set(&now);
+        }
+    }
+
+    /// Changes of the signals inside, constant during a step.
+    fn change_inside(&mut self) {
+        let h = self.bench.h;
+        self.changes.fill(0.0);
+        for injected in &mut self.injected {
+            if let Mechanism::Inside(law) = &mut injected.mechanism {
+                let i = injected.index;
+                let value = (self.inner[i].value)(&self.parameters, &self.x);
+                self.changes[i] += law(value, h) - value;
+            }
         }
     }
 

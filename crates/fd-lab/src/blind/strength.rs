@@ -88,36 +88,36 @@ impl<'a> Yardstick<'a> {
         let bent: f64 = self.normal.iter().zip(&z).map(|(row, z_i)| z_i * dot(row, &z)).sum();
         Ok((dot(&d, &d) - 2.0 * dot(&b, &z) + bent).max(0.0))
     }
+}
 
-    /// Sets the strength of an effect so that it leaves about so many squares of the noise, within
-    /// the range of the law.
-    pub(super) fn tune(
-        &self,
-        effect: &mut Effect,
-        target: f64,
-        [low, high]: [f64; 2],
-    ) -> Result<(), BlindError> {
-        let (mut low, mut high) = (low.ln(), high.ln());
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            effect.strength = middle.exp();
-            effect.distance = self.distance(effect)?;
-            if effect.distance < target {
-                low = middle;
-            } else {
-                high = middle;
-            }
-            if (effect.distance / target).ln().abs() < 0.2 {
-                break;
-            }
+/// Sets the strength of an effect so that it leaves about so many squares of the noise, within
+/// the range of the law.
+pub(super) fn seek(
+    effect: &mut Effect,
+    target: f64,
+    [low, high]: [f64; 2],
+    distance: &dyn Fn(&Effect) -> Result<f64, BlindError>,
+) -> Result<(), BlindError> {
+    let (mut low, mut high) = (low.ln(), high.ln());
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        effect.strength = middle.exp();
+        effect.distance = distance(effect)?;
+        if effect.distance < target {
+            low = middle;
+        } else {
+            high = middle;
         }
-        // The last one tried may be the first that diverges.
-        while !effect.distance.is_finite() && 1e-9 < effect.strength {
-            effect.strength *= 0.7;
-            effect.distance = self.distance(effect)?;
+        if (effect.distance / target).ln().abs() < 0.2 {
+            break;
         }
-        Ok(())
     }
+    // The last one tried may be the first that diverges.
+    while !effect.distance.is_finite() && 1e-9 < effect.strength {
+        effect.strength *= 0.7;
+        effect.distance = distance(effect)?;
+    }
+    Ok(())
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,53 +1,20 @@
 //! What is true of a case: all that is needed to make its logs again.
 
-use fd_model::{Record, SampleTime};
 use fd_sim::model::Model;
 use serde::{Deserialize, Serialize};
 
 use super::{
+    conditions::Conditions,
     error::BlindError,
-    excitation::Shape,
+    excitation::{Drive, Shape},
+    kind::CaseKind,
     laws::{Law, Origin, Place, Setting, catalogue},
     oracle::Oracle,
     plants::{Plant, plant},
     random::{Random, named_seed},
     scales::{Recorder, Scales},
-    simulate::{Bench, Injected, Trial},
+    simulate::{Bench, Injected, Trace, Trial},
 };
-
-/// The kinds of cases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CaseKind {
-    /// One effect, of a law that the library has.
-    Single,
-    /// No effect: parameters and initial states only.
-    None,
-    /// An effect of a class that the library does not have.
-    Withheld,
-    /// Two effects.
-    Pair,
-    /// One effect whose label the library has, but not its law.
-    Mismatch,
-}
-
-impl CaseKind {
-    /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Single, Self::None, Self::Withheld, Self::Pair, Self::Mismatch];
-
-    /// Name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Single => "single",
-            Self::None => "none",
-            Self::Withheld => "withheld",
-            Self::Pair => "pair",
-            Self::Mismatch => "mismatch",
-        }
-    }
-}
 
 /// An effect that was put in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,12 +70,17 @@ pub struct Truth {
     pub parameters: Vec<f64>,
     /// The effects.
     pub effects: Vec<Effect>,
+    /// Under which conditions the logs were taken.
+    #[serde(default, skip_serializing_if = "Conditions::is_plain")]
+    pub conditions: Conditions,
     /// What a perfect fit could and could not tell.
     pub oracle: Option<Oracle>,
 }
 
 /// Coefficient of coloured noise.
 const COLOUR: f64 = 0.8;
+/// Frequencies of a reference over those of the excitation of an input.
+const REFERENCE: f64 = 0.5;
 
 impl Truth {
     /// Coefficient of the AR(1) sequence that the noise is; 0 when it is white.
@@ -135,7 +107,9 @@ impl<'a> Scene<'a> {
         let bench = Bench::new(plant, model)?;
         let mut recorder = Recorder::default();
         let (x0, u) = (initial(truth, model, 0), excitation(truth, plant, model, 0));
-        let trial = Trial { parameters: &truth.parameters, x0: &x0, u: &u, noise: None };
+        let controller = truth.conditions.controller.as_ref().map(|controller| (controller, 0));
+        let parameters = &truth.parameters;
+        let trial = Trial { parameters, x0: &x0, u: &u, noise: None, controller };
         bench.run(&trial, Vec::new(), Some(&mut recorder))?;
         let scales = recorder.scales(model.sample_time);
         Ok(Self { truth, plant, model, bench, scales, laws: catalogue() })
@@ -174,8 +148,9 @@ impl<'a> Scene<'a> {
         let (truth, outputs) = (self.truth, &self.model.outputs);
         let k = truth.colour();
         let mut state: Vec<f64> = outputs.iter().map(|_| random.normal()).collect();
-        let mut all = Vec::with_capacity(truth.samples * outputs.len());
-        for _ in 0..truth.samples {
+        let rows = rows(truth);
+        let mut all = Vec::with_capacity(rows * outputs.len());
+        for _ in 0..rows {
             for (state, output) in state.iter_mut().zip(outputs) {
                 *state = k * *state + (1.0 - k * k).sqrt() * random.normal();
                 all.push(truth.noise_factor * output.noise.unwrap_or(0.0) * *state);
@@ -193,22 +168,33 @@ impl<'a> Scene<'a> {
         run: u64,
         is_noisy: bool,
     ) -> Result<Option<Vec<f64>>, BlindError> {
+        Ok(self.trace(effects, parameters, x0, run, is_noisy)?.map(|trace| trace.y))
+    }
+
+    /// A run with these effects; `None` when it diverges.
+    pub(super) fn trace(
+        &self,
+        effects: &[Effect],
+        parameters: &[f64],
+        x0: &[f64],
+        run: u64,
+        is_noisy: bool,
+    ) -> Result<Option<Trace>, BlindError> {
         let u = self.excitation(run);
         let noise = is_noisy.then(|| self.noise(run));
-        let trial = Trial { parameters, x0, u: &u, noise: noise.as_deref() };
+        let controller = self.truth.conditions.controller.as_ref().map(|c| (c, run));
+        let trial = Trial { parameters, x0, u: &u, noise: noise.as_deref(), controller };
         let injected = effects.iter().filter_map(|effect| self.inject(effect, run)).collect();
         self.bench.run(&trial, injected, None)
     }
+}
 
-    /// The log of a run as it is in truth; `None` when it diverges.
-    pub(super) fn log(&self, run: u64, is_noisy: bool) -> Result<Option<Record>, BlindError> {
-        let (truth, x0) = (self.truth, self.initial(run));
-        let y = self.outputs(&truth.effects, &truth.parameters, &x0, run, is_noisy)?;
-        let Some(y) = y else { return Ok(None) };
-        let (inputs, outputs) = (self.model.external_inputs(), self.model.output_channels());
-        let ts = SampleTime::new(self.model.sample_time)?;
-        Ok(Some(Record::new(inputs, outputs, self.excitation(run), y, ts)?))
-    }
+/// Rows of a run: what is logged, what was before, what goes on, and what is lost at the ends.
+pub(super) fn rows(truth: &Truth) -> usize {
+    let conditions = &truth.conditions;
+    let parts = if conditions.is_cut { 2 } else { 1 };
+    let margin = conditions.misreading.as_ref().map_or(0, super::misreading::Misreading::margin);
+    (conditions.before + parts * truth.samples + 2 * margin) * conditions.stretch()
 }
 
 fn initial(truth: &Truth, model: &Model, run: u64) -> Vec<f64> {
@@ -218,14 +204,24 @@ fn initial(truth: &Truth, model: &Model, run: u64) -> Vec<f64> {
 }
 
 fn excitation(truth: &Truth, plant: &Plant, model: &Model, run: u64) -> Vec<f64> {
+    let stretch = truth.conditions.stretch();
+    let samples = rows(truth) / stretch;
     let signals: Vec<Vec<f64>> = plant
         .drives
         .iter()
         .enumerate()
         .map(|(i, drive)| {
             let seed = named_seed(truth.seed, &format!("excitation/{run}/{i}"));
-            drive.signal(truth.excitation, truth.samples, model.sample_time, seed)
+            // What drives the plant under an unknown controller is the reference of that.
+            let reference = truth.conditions.controller.as_ref().filter(|c| c.input == i);
+            let drive = reference.map_or(*drive, |controller| {
+                let [centre, amplitude] = controller.reference;
+                // An output follows slower than an input can change.
+                Drive { centre, amplitude, band: drive.band.map(|f| REFERENCE * f) }
+            });
+            drive.signal(truth.excitation, samples, model.sample_time, seed)
         })
         .collect();
-    (0..truth.samples).flat_map(|k| signals.iter().map(move |signal| signal[k])).collect()
+    let row = |k: usize| signals.iter().map(move |signal| signal[k / stretch]);
+    (0..rows(truth)).flat_map(row).collect()
 }

@@ -9,7 +9,7 @@ use fdiag::training::{Trained, TrainingError};
 use super::scene::Scene;
 use crate::engine::EngineStudyError;
 
-/// The run is timed so many times; the quickest counts, as everything else is something else's
+/// The run is timed this many times; the quickest counts, as everything else is something else's
 /// doing.
 const TRIES: usize = 7;
 

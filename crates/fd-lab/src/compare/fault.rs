@@ -1,7 +1,9 @@
 //! The faults that every entry is asked to find.
 
-use fd_model::fault::{FaultProfile, FaultSpec, Site};
-use fd_report::figure;
+use fd_model::{
+    fault::{FaultProfile, FaultSpec, Site},
+    figure,
+};
 use serde::{Deserialize, Serialize};
 
 use super::error::CompareError;

@@ -1,6 +1,7 @@
 //! The comparison as a page of text that can be kept next to the code.
 
-use fd_report::{Table, figure};
+use fd_model::figure;
+use fd_report::Table;
 
 use super::{
     config::CompareConfig,

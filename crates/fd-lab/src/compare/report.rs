@@ -1,6 +1,7 @@
 //! The comparison as a sentence, tables, pictures and a page.
 
-use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table, figure};
+use fd_model::figure;
+use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table};
 
 use super::{
     overall::Overall,

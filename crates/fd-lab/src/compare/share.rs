@@ -78,7 +78,7 @@ impl Share {
         Self::worth(hits, of, worth.clamp(1.0, n))
     }
 
-    /// The interval of `hits` in `of` runs that are worth so many independent ones.
+    /// The interval of `hits` in `of` runs that are worth the given number of independent ones.
     fn worth(hits: u64, of: u64, worth: f64) -> Self {
         let hits = hits.min(of);
         let k = hits as f64 * worth / of as f64;

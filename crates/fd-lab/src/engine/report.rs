@@ -1,6 +1,7 @@
 //! The benchmark's result as a sentence, tables, pictures and a page.
 
-use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+use fd_model::figure;
+use fd_report::{Line, Page, Picture, PictureError, Table};
 
 use super::{
     example::{Example, FaultyRun, Residuals},

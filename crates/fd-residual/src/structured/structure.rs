@@ -16,7 +16,7 @@ pub enum Structure {
 }
 
 impl Structure {
-    /// The rows for so many faults.
+    /// The rows for a number of faults.
     ///
     /// # Errors
     ///

@@ -1,5 +1,6 @@
 //! The parts of a model, as plain data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::equation::{Expr, Table};
@@ -55,7 +56,7 @@ pub enum Hold {
 }
 
 /// A constant of the model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Parameter {
     /// Name in expressions.
     pub name: String,
@@ -107,13 +108,14 @@ pub enum Law {
 }
 
 /// A measured output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Output {
     /// Name of the channel.
     pub name: String,
     /// Unit.
     pub unit: String,
     /// What is measured.
+    #[schemars(with = "String")]
     pub value: Expr,
     /// Standard deviation of the sensor noise, in the unit, if known.
     pub noise: Option<f64>,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use fdiag_cli::gap::{HorizonChoice, Named};
+use fdiag::gap_study::{HorizonChoice, Named};
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).

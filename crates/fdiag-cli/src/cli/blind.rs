@@ -6,8 +6,14 @@ use std::{
     process::ExitCode,
 };
 
-use clap::{Args, Subcommand};
-use fd_lab::blind::{BlindError, CaseKind, Order, SealKey, make, progress, run, score};
+use clap::{Args, Subcommand, ValueEnum};
+use fd_gap::diagnose::Settings;
+use fd_lab::blind::{
+    BlindError, CaseKind, Manner, Order, SealKey, Variant, make, progress, run, score,
+};
+use fd_model::Record;
+use fd_sim::model::Model;
+use fdiag::gap_study::automatic_settings;
 
 use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::bar};
 
@@ -48,6 +54,8 @@ pub(crate) struct MakeArgs {
     /// Cases with an effect whose law the library does not have
     #[arg(long, value_name = "N", default_value_t = 0)]
     mismatch: usize,
+    #[command(flatten)]
+    classes: ClassArgs,
     /// Samples of each log
     #[arg(long, value_name = "N", default_value_t = 1000)]
     samples: usize,
@@ -59,6 +67,104 @@ pub(crate) struct MakeArgs {
     threads: usize,
 }
 
+/// Logs as people have them.
+#[derive(Debug, Args)]
+struct ClassArgs {
+    /// Cases from a loop whose controller is not in the model
+    #[arg(long = "loop", value_name = "N", default_value_t = 0)]
+    looped: usize,
+    /// Cases from such a loop without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    loop_none: usize,
+    /// Cases of unstable plants in such a loop
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    unstable: usize,
+    /// Cases of unstable plants without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    unstable_none: usize,
+    /// Cases of one run that is cut in two
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    cut: usize,
+    /// Cases of one run that is cut in two, without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    cut_none: usize,
+    /// Cases of which the logs begin in motion
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    in_motion: usize,
+    /// Cases of which the logs begin in motion, without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    in_motion_none: usize,
+    /// Cases with one large effect among three small ones
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    dominant: usize,
+    /// Cases with coarse steps and short ranges of the log
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    coarse: usize,
+    /// Such cases without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    coarse_none: usize,
+    /// Cases with a jittering clock, missing samples and lost rows
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    patchy: usize,
+    /// Such cases without any effect
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    patchy_none: usize,
+    /// Cases with a mistake in the reading of the log
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    misread: usize,
+    /// Cases with a parameter that walks at random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    wander: usize,
+    /// Cases with an effect on a signal inside the model
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    inside: usize,
+}
+
+impl ClassArgs {
+    fn counts(&self) -> [(CaseKind, usize); 16] {
+        [
+            (CaseKind::Loop, self.looped),
+            (CaseKind::LoopNone, self.loop_none),
+            (CaseKind::Unstable, self.unstable),
+            (CaseKind::UnstableNone, self.unstable_none),
+            (CaseKind::Cut, self.cut),
+            (CaseKind::CutNone, self.cut_none),
+            (CaseKind::InMotion, self.in_motion),
+            (CaseKind::InMotionNone, self.in_motion_none),
+            (CaseKind::Dominant, self.dominant),
+            (CaseKind::Coarse, self.coarse),
+            (CaseKind::CoarseNone, self.coarse_none),
+            (CaseKind::Patchy, self.patchy),
+            (CaseKind::PatchyNone, self.patchy_none),
+            (CaseKind::Misread, self.misread),
+            (CaseKind::Wander, self.wander),
+            (CaseKind::Inside, self.inside),
+        ]
+    }
+}
+
+/// In which form a case is diagnosed.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Form {
+    /// As it was logged
+    #[default]
+    AsLogged,
+    /// With the controller in the model, where there is one
+    KnownController,
+    /// From separate runs that begin at rest, where it was not
+    FromRest,
+}
+
+/// How long simulations run without seeing the outputs.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Span {
+    /// Through the whole log
+    #[default]
+    Free,
+    /// As `fdiag gap` chooses by itself
+    Auto,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// Directory that `fdiag blind make` has made
@@ -67,6 +173,12 @@ pub(crate) struct RunArgs {
     /// Leave out the simpler methods
     #[arg(long)]
     no_baselines: bool,
+    /// In which form the cases are diagnosed; each has answers of its own
+    #[arg(long, value_name = "FORM", value_enum, default_value_t)]
+    form: Form,
+    /// How long simulations run without seeing the outputs
+    #[arg(long, value_name = "HORIZON", value_enum, default_value_t)]
+    horizon: Span,
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -96,13 +208,14 @@ pub(crate) fn run_command(command: &BlindCommand) -> Result<ExitCode, Failure> {
 }
 
 fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
-    let counts = vec![
+    let mut counts = vec![
         (CaseKind::Single, args.single),
         (CaseKind::None, args.none),
         (CaseKind::Withheld, args.withheld),
         (CaseKind::Pair, args.pairs),
         (CaseKind::Mismatch, args.mismatch),
     ];
+    counts.extend(args.classes.counts());
     let total: usize = counts.iter().map(|(_, n)| n).sum();
     let order =
         Order { seed: args.seed, counts, samples: args.samples, full_oracle: !args.quick_oracle };
@@ -118,11 +231,21 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
 }
 
 fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
-    let before = progress(&args.directory).map_err(refusal)?;
+    let variant = match args.form {
+        Form::AsLogged => Variant::AsLogged,
+        Form::KnownController => Variant::KnownController,
+        Form::FromRest => Variant::FromRest,
+    };
+    let before = progress(&args.directory, variant).map_err(refusal)?;
     let bar = bar(before.cases as u64, "cases");
     bar.inc(before.answered as u64);
+    let settings = |model: &Model, logs: &[Record; 2]| match args.horizon {
+        Span::Free => Ok(Settings::default()),
+        Span::Auto => Ok(automatic_settings(model, logs)?),
+    };
+    let manner = Manner { variant, with_baselines: !args.no_baselines, settings: &settings };
     pool(args.threads)?
-        .install(|| run(&args.directory, !args.no_baselines, || bar.inc(1)))
+        .install(|| run(&args.directory, &manner, || bar.inc(1)))
         .map_err(refusal)?;
     bar.finish_and_clear();
     println!("{} cases are answered in {}", before.cases, args.directory.display());
@@ -132,7 +255,7 @@ fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
 fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?;
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.directory));
-    let before = progress(&args.directory).map_err(refusal)?;
+    let before = progress(&args.directory, Variant::AsLogged).map_err(refusal)?;
     let bar = bar(before.cases as u64, "cases");
     let score = pool(args.output.threads)?
         .install(|| score(&args.directory, &truth, || bar.inc(1)))
@@ -155,7 +278,7 @@ fn beside(cases: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Files are the fault of who named them, all else of what was asked for.
+/// A file is the fault of whoever named it, everything else of what was asked for.
 fn refusal(error: BlindError) -> Failure {
     match &error {
         BlindError::File { .. } | BlindError::Content { .. } | BlindError::Journal(_) => {

@@ -3,7 +3,8 @@
 use std::{process::ExitCode, time::Instant};
 
 use fd_lab::engine::{Benchmark, EngineConfig, EngineStudyError};
-use fd_report::{Table, figure};
+use fd_model::figure;
+use fd_report::Table;
 
 use super::{
     args::EngineArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,

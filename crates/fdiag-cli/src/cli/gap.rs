@@ -2,10 +2,12 @@
 
 use std::{process::ExitCode, time::Instant};
 
-use fdiag::model::Disorder;
-use fdiag_cli::gap::{
-    FitError, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, TimingReport,
+use fdiag::{
+    gap::fit::FitError,
+    gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
+    model::Disorder,
 };
+use fdiag_cli::gap::{page, tables};
 
 use super::{
     args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,
@@ -25,12 +27,12 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     progress.finish();
     let mut study = study.map_err(|error| refusal(&error))?;
     let threads = pool.current_num_threads();
-    study.report.timing = TimingReport { seconds: begun.elapsed().as_secs_f64(), threads };
-    let page = study.page().map_err(Failure::analysis)?;
-    for (name, model) in &study.models {
-        output.write(name, model)?;
+    study.report.timing = Timing { seconds: begun.elapsed().as_secs_f64(), threads };
+    let page = page(&study).map_err(Failure::analysis)?;
+    for model in &study.report.models {
+        output.write(&model.file, &model.text)?;
     }
-    output.finish(&study.report.headline, &study.tables(), &page, &study.report)?;
+    output.finish(&study.report.headline, &tables(&study.report), &page, &study.report)?;
     Ok(ExitCode::SUCCESS)
 }
 

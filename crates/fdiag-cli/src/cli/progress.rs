@@ -7,10 +7,10 @@ use std::{
     time::Duration,
 };
 
-use fdiag_cli::gap::{Monitor, Stage};
+use fdiag::gap::diagnose::{Monitor, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Time after which somebody who waits wants to know for what.
+/// After this long, a waiting user wants to know what for.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Time between two drawings.
 const TICK: Duration = Duration::from_millis(200);

@@ -1,15 +1,21 @@
 //! The report as a page: pictures first, then what they rest on.
 
-use fd_report::{Bar, Bars, Page, PictureError, Shares, Table, figure};
-
-use super::{
-    GapStudy,
-    headline::{capital, spoiled},
-    pictures,
-    report::{CalibrationReport, HorizonReport, Report},
-    tables,
-    words::{four, probability, share},
+use fd_gap::{
+    calibrate::Confusion,
+    diagnose::{Cause, CauseId, HeldOut, PairId, Regime, SideShare, Verdict},
+    fit::Horizon,
+    locate::SideEvidence,
+    quality::Severity,
 };
+use fd_model::figure;
+use fd_report::{Bar, Bars, Page, PictureError, Shares, Table};
+
+use fdiag::gap_study::{
+    GapStudy, Report, Role,
+    words::{self, capital, four, probability, share},
+};
+
+use super::{pictures, tables};
 
 /// Least probability of a bar.
 const SHOWN: f64 = 0.005;
@@ -18,51 +24,79 @@ const PLACED: f64 = 0.05;
 /// Most bars.
 const BARS: usize = 8;
 
-impl GapStudy {
-    /// The report as a page.
-    ///
-    /// # Errors
-    ///
-    /// Returns an error when a picture cannot be drawn.
-    pub fn page(&self) -> Result<Page, PictureError> {
-        let report = &self.report;
-        let title = format!("{}: simulation and reality", report.input.model);
-        let mut page = Page::new(title, &report.headline);
-        for finding in report.findings.iter().filter(|finding| finding.severity == "serious") {
-            let (file, channel) = (&finding.file, &finding.channel);
-            page.warning(format!("{file}, {channel}: {}", finding.text));
-        }
-        if let Some(trace) = &self.trace {
-            page.gallery(&pictures::runs(trace))?;
-        }
-        if spoiled(report).is_none() {
-            which(&mut page, report)?;
-            how_far(&mut page, report);
-        }
-        place(&mut page, report)?;
-        next(&mut page, report);
-        if let Some(calibration) = &report.calibration {
-            confusion(&mut page, calibration);
-        }
-        basis(&mut page, report);
-        Ok(page)
+/// The report of a study as a page.
+///
+/// # Errors
+///
+/// Returns an error when a picture cannot be drawn.
+pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
+    let report = &study.report;
+    let title = format!("{}: simulation and reality", report.inputs.model);
+    let mut page = Page::new(title, &report.headline);
+    for finding in report.findings.iter().filter(|f| f.severity == Severity::Serious) {
+        let (file, channel) = (&finding.file, &finding.channel);
+        page.warning(format!("{file}, {channel}: {}", words::defect(&finding.defect)));
     }
+    if let Some(trace) = &study.trace {
+        page.gallery(&pictures::runs(trace))?;
+    }
+    if report.spoiled().is_none() {
+        which(&mut page, report)?;
+        how_far(&mut page, report);
+    }
+    place(&mut page, report)?;
+    next(&mut page, report);
+    if let Some(calibration) = &report.calibration {
+        confusion(&mut page, calibration, report);
+    }
+    basis(&mut page, report);
+    Ok(page)
 }
 
 /// Groups and causes with their probabilities, and the law.
 fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     page.heading("Which effect");
-    if report.regime == "above-the-floor" {
+    if report.diagnosis.regime == Regime::AboveTheFloor {
         page.text(
             "Nothing that was tried reaches the noise, so probabilities are how often a cause \
              forecasts best on blocks of the logs.",
         );
     }
-    let mut groups = Bars { title: "Mechanism and place".to_owned(), bars: Vec::new() };
-    for group in report.groups.iter().filter(|g| SHOWN <= g.probability).take(BARS) {
-        groups.bars.push(Bar::new(&group.name, group.probability, probability(group.probability)));
+    for bars in [groups(report), causes(report)] {
+        if !bars.bars.is_empty() {
+            page.bars(bars);
+        }
     }
-    for (name, p) in [("no gap", report.no_gap), ("none of these", report.none_of_these)] {
+    if !is_answer(report) {
+        return Ok(());
+    }
+    if !report.tied().is_empty() {
+        page.text(
+            "Tied causes predict the same to within the noise of this log: it cannot tell them \
+             apart, whatever their probabilities are.",
+        );
+    }
+    page.table(parameters(report));
+    if let (Some(law), Some(cause)) = (&report.law, report.first_cause()) {
+        page.gallery(&[pictures::law(law, cause)])?;
+    }
+    Ok(())
+}
+
+/// Whether causes are the answer: what is not needs no law and no strength.
+fn is_answer(report: &Report) -> bool {
+    !matches!(report.diagnosis.verdict, Verdict::NoGap | Verdict::NoneOfThese)
+}
+
+/// Probabilities of mechanisms at places.
+fn groups(report: &Report) -> Bars {
+    let diagnosis = &report.diagnosis;
+    let mut groups = Bars { title: "Mechanism and place".to_owned(), bars: Vec::new() };
+    for group in diagnosis.groups.iter().filter(|g| SHOWN <= g.probability).take(BARS) {
+        let p = group.probability;
+        groups.bars.push(Bar::new(words::group(group), p, probability(p)));
+    }
+    for (name, p) in [("no gap", diagnosis.no_gap), ("none of these", diagnosis.none_of_these)] {
         if SHOWN <= p {
             groups.bars.push(Bar::new(name, p, probability(p)));
         }
@@ -71,72 +105,60 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     if let Some(bar) = strongest {
         bar.is_strong = true;
     }
-    if !groups.bars.is_empty() {
-        page.bars(groups);
-    }
+    groups
+}
+
+/// Probabilities of causes and pairs; those that the verdict names are strong.
+fn causes(report: &Report) -> Bars {
+    let diagnosis = &report.diagnosis;
     let mut causes = Bars { title: "Cause".to_owned(), bars: Vec::new() };
-    let is_named = |place: usize| match report.verdict {
-        "cause" => place == 0,
-        "tied" => report.causes[place].is_tied,
-        _ => false,
-    };
-    // What is not the answer needs no law and no strength.
-    let is_answer = !matches!(report.verdict, "no-gap" | "none-of-these");
-    for (place, cause) in report.causes.iter().enumerate().take(BARS) {
-        let is_tied = cause.is_tied && is_answer;
-        if SHOWN <= cause.probability || is_tied {
-            let tied = if is_tied { " (tied)" } else { "" };
-            let label = format!("{}{tied}", cause.name);
-            let text = probability(cause.probability);
-            let bar = Bar::new(label, cause.probability, text);
-            causes.bars.push(Bar { is_strong: is_named(place), ..bar });
+    for (i, cause) in diagnosis.causes.iter().enumerate().take(BARS) {
+        let is_tied = report.tied().contains(&CauseId(i));
+        if SHOWN <= cause.probability || is_tied && is_answer(report) {
+            let tied = if is_tied && is_answer(report) { " (tied)" } else { "" };
+            let is_strong = match diagnosis.verdict {
+                Verdict::Cause => i == 0,
+                Verdict::Tied => is_tied,
+                _ => false,
+            };
+            let label = format!("{}{tied}", words::cause(cause));
+            let bar = Bar::new(label, cause.probability, probability(cause.probability));
+            causes.bars.push(Bar { is_strong, ..bar });
         }
     }
-    for pair in report.pairs.iter().filter(|pair| SHOWN <= pair.probability).take(BARS) {
-        let names: Vec<&str> = pair.causes.iter().map(|cause| cause.name.as_str()).collect();
-        let tied = if pair.is_tied { " (tied)" } else { "" };
-        let label = format!("{}{tied}", names.join(" and "));
+    let shown = diagnosis.pairs.iter().enumerate().filter(|(_, p)| SHOWN <= p.probability);
+    for (place, (i, pair)) in shown.take(BARS).enumerate() {
+        let is_tied = report.tied_pairs().contains(&PairId(i));
+        let is_named = if report.tied_pairs().is_empty() { place == 0 } else { is_tied };
+        let tied = if is_tied { " (tied)" } else { "" };
+        let label = format!("{}{tied}", pair.causes.each_ref().map(words::cause).join(" and "));
         let bar = Bar::new(label, pair.probability, probability(pair.probability));
-        causes.bars.push(Bar { is_strong: report.verdict == "pair" && pair.is_tied, ..bar });
+        let is_strong = diagnosis.verdict == Verdict::Pair && is_named;
+        causes.bars.push(Bar { is_strong, ..bar });
     }
-    if report.verdict == "pair" && !report.pairs.iter().any(|pair| pair.is_tied) {
-        let first = causes.bars.iter_mut().find(|bar| bar.label.contains(" and "));
-        if let Some(bar) = first {
-            bar.is_strong = true;
-        }
-    }
-    if !causes.bars.is_empty() {
-        page.bars(causes);
-    }
-    if !is_answer {
-        return Ok(());
-    }
-    if report.causes.iter().any(|cause| cause.is_tied) {
-        page.text(
-            "Tied causes predict the same to within the noise of this log: it cannot tell them \
-             apart, whatever their probabilities are.",
-        );
-    }
-    page.table(parameters(report));
-    if let Some(law) = &report.law {
-        page.gallery(&[pictures::law(law)])?;
-    }
-    Ok(())
+    causes
 }
 
 /// Parameters of the causes that are named.
 fn parameters(report: &Report) -> Table {
     let mut table = Table::new("Fitted", &["cause", "value", "parameter", "law"]);
-    let singles = report.causes.iter().enumerate().filter(|(i, c)| *i == 0 || c.is_tied);
-    let causes: Vec<_> = match report.pairs.first().filter(|_| report.verdict == "pair") {
-        Some(pair) => pair.causes.iter().collect(),
-        None => singles.map(|(_, cause)| cause).collect(),
+    let diagnosis = &report.diagnosis;
+    let causes: Vec<&Cause> = match diagnosis.pairs.first() {
+        Some(pair) if diagnosis.verdict == Verdict::Pair => pair.causes.iter().collect(),
+        _ => {
+            let singles = diagnosis.causes.iter().enumerate();
+            let is_named = |i: usize| i == 0 || report.tied().contains(&CauseId(i));
+            singles.filter(|(i, _)| is_named(*i)).map(|(_, cause)| cause).collect()
+        }
     };
     for cause in causes {
         for (i, parameter) in cause.parameters.iter().enumerate() {
-            let first = |text: &str| if i == 0 { text.to_owned() } else { String::new() };
-            let value = parameter.words();
-            table.push([first(&cause.name), value, parameter.name.clone(), first(cause.law)]);
+            let (name, law) = match i {
+                0 => (words::cause(cause), cause.law),
+                _ => (String::new(), ""),
+            };
+            let value = words::estimate(cause.label, parameter);
+            table.push([name, value, parameter.name.clone(), law.to_owned()]);
         }
     }
     table
@@ -144,19 +166,20 @@ fn parameters(report: &Report) -> Table {
 
 fn how_far(page: &mut Page, report: &Report) {
     page.heading("How far the gap shrinks");
-    if report.how_far.is_empty() {
+    let horizons = &report.diagnosis.held_out;
+    if horizons.is_empty() {
         page.text("Nothing was held out, so this is not known.");
         return;
     }
-    let name = |horizon: &HorizonReport| match horizon.horizon {
-        "free-run" => "free run".to_owned(),
-        _ => format!("forecasts of {} s", figure(horizon.seconds)),
+    let name = |held_out: &HeldOut| match held_out.horizon {
+        Horizon::FreeRun => "free run".to_owned(),
+        Horizon::Windows { .. } => format!("forecasts of {} s", figure(held_out.seconds)),
     };
-    let bars = report.how_far.iter().enumerate().filter_map(|(i, horizon)| {
-        let closed = horizon.closed()?;
-        let interval = [closed.low, closed.high];
-        let bar = Bar::new(name(horizon), closed.fraction, share(closed.fraction, interval));
-        Some(Bar { interval: Some(interval), is_strong: i == 0, ..bar })
+    let bars = horizons.iter().enumerate().filter_map(|(i, held_out)| {
+        let closed = held_out.closed()?;
+        let text = share(closed.fraction, closed.interval);
+        let bar = Bar::new(name(held_out), closed.fraction, text);
+        Some(Bar { interval: Some(closed.interval), is_strong: i == 0, ..bar })
     });
     page.bars(Bars {
         title: "Share of the gap above the noise floor that is closed, with 95 % interval".into(),
@@ -166,7 +189,7 @@ fn how_far(page: &mut Page, report: &Report) {
         "Compared with the model whose parameters were refitted within their tolerances; on data \
          that no fit has seen.",
     );
-    page.table(tables::how_far(&report.how_far));
+    page.table(tables::how_far(horizons, &report.inputs));
     if let Some(ceiling) = report.ceiling.as_ref().filter(|c| !c.statement.is_empty()) {
         page.text(format!("{}.", capital(&ceiling.statement)));
     }
@@ -179,8 +202,9 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     }
     page.heading("Where the gap lies");
     let statements = location.channels.iter().map(|c| &c.statement);
-    let sides = report.sides.iter().filter(|side| PLACED <= side.probability);
-    let sides = sides.map(|side| &side.statement);
+    let sides = report.diagnosis.sides.iter().filter(|side| PLACED <= side.probability);
+    let evidence = |of: &SideShare| location.sides.iter().find(|known| known.side == of.side);
+    let sides = sides.filter_map(evidence).map(|known: &SideEvidence| &known.statement);
     let statements = statements.chain(sides);
     let places = location.places.iter().filter(|p| PLACED <= p.probability).map(|p| &p.statement);
     for statement in statements.chain(places).filter(|s| !s.is_empty()) {
@@ -190,34 +214,34 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
 }
 
 fn next(page: &mut Page, report: &Report) {
-    let Some(advice) = &report.next else { return };
+    let Some(advice) = &report.advice else { return };
     page.heading("What would separate the rest");
-    page.text(format!("{}.", advice.statement));
+    page.text(format!("{}.", words::advice(advice, &report.diagnosis)));
     let mut table = Table::new("Experiments that were simulated", &["experiment", "separates by"]);
     for tried in &advice.tried {
-        let least = tried.distances.iter().copied().fold(f64::INFINITY, f64::min);
-        table.push([tried.name.clone(), format!("{} sigma²", figure(least))]);
+        let distance = format!("{} sigma²", figure(tried.least()));
+        table.push([tried.experiment.name.clone(), distance]);
     }
     if !table.rows.is_empty() {
         page.table(table);
     }
 }
 
-fn confusion(page: &mut Page, calibration: &CalibrationReport) {
+fn confusion(page: &mut Page, calibration: &Confusion, report: &Report) {
     page.heading("What such a log can tell");
     page.text(format!("{}.", capital(&calibration.statement)));
     let letter = |i: usize| char::from(b'A' + u8::try_from(i % 26).unwrap_or(0)).to_string();
-    let rows = calibration.truths.iter().zip(&calibration.counts).zip(&calibration.replicas);
+    let truths = words::truths(calibration, &report.diagnosis);
+    let rows = truths.iter().zip(&calibration.counts).zip(&calibration.replicas);
     let rows = rows.enumerate().map(|(i, ((truth, counts), n))| {
         let shares = counts.iter().map(|count| *count as f64 / (*n).max(1) as f64).collect();
         (format!("{} {truth}", letter(i)), shares)
     });
-    let truths = calibration.truths.len();
-    let columns = calibration.answers.iter().enumerate();
+    let others = calibration.columns.iter().skip(truths.len()).cloned();
     page.shares(Shares {
         title: "Answers in percent, to simulated logs of known cause".to_owned(),
         corner: "true cause".to_owned(),
-        columns: columns.map(|(i, a)| if i < truths { letter(i) } else { a.clone() }).collect(),
+        columns: (0..truths.len()).map(letter).chain(others).collect(),
         rows: rows.collect(),
     });
 }
@@ -230,34 +254,42 @@ fn basis(page: &mut Page, report: &Report) {
     }
     let header = ["log", "used for", "samples", "from [s]", "to [s]", "missing [%]"];
     let mut logs = Table::new("Logs", &header);
-    for log in &report.input.logs {
+    for log in &report.inputs.logs {
         let missing = figure(100.0 * log.missing_share);
-        let [from, to] = [log.from_s, log.to_s].map(figure);
-        logs.push([log.file.clone(), log.role.into(), log.samples.to_string(), from, to, missing]);
+        let ts = report.inputs.sample_time_s;
+        let [from, to] = log.samples.map(|k| figure(k as f64 * ts));
+        let role = match log.role {
+            Role::Fit => "fit",
+            Role::HeldOut => "held-out",
+        };
+        logs.push([log.file.clone(), role.into(), log.len().to_string(), from, to, missing]);
     }
     page.table(logs);
-    page.text(&report.input.policy);
+    page.text(words::time_policy(report.inputs.pace));
     let header = ["parameter", "nominal", "refitted", "unit", "deviation [sd]"];
     let mut parameters = Table::new("Parameters of the model, with the best explanation", &header);
-    for p in &report.parameters {
-        let [nominal, refitted] = [p.nominal, p.refitted].map(four);
-        let deviation = format!("{:+.1}", p.deviation_sd);
-        parameters.push([p.name.clone(), nominal, refitted, p.unit.clone(), deviation]);
+    for nuisance in &report.diagnosis.best.nuisances {
+        let known = report.inputs.parameter(&nuisance.name);
+        let nominal = known.map_or(f64::NAN, |parameter| parameter.value);
+        let unit = known.map_or_else(String::new, |parameter| parameter.unit.clone());
+        let [nominal, refitted] = [nominal, nuisance.value].map(four);
+        let deviation = format!("{:+.1}", nuisance.deviation);
+        parameters.push([nuisance.name.clone(), nominal, refitted, unit, deviation]);
     }
     if !parameters.rows.is_empty() {
         page.table(parameters);
     }
     let mut files = Table::new("Files", &["file", "content"]);
-    for file in report.files.iter().filter(|file| file.file != "report.html") {
-        files.push([file.file.clone(), file.content.clone()]);
+    for model in &report.models {
+        files.push([model.file.clone(), model.content.clone()]);
     }
     files.push(["report.json", "all of this as data; docs/gap-report.md describes it"]);
     page.table(files);
-    let not_tested: Vec<String> = report
-        .not_tested
-        .iter()
-        .map(|n| format!("{} ({}) at {}: {}", n.label, n.law, n.site.name, n.reason))
-        .collect();
+    let not_tested = report.diagnosis.not_tested.iter().map(|n| {
+        let site = n.site.name().unwrap_or_default();
+        format!("{} ({}) at {site}: {}", n.label, n.law, n.reason)
+    });
+    let not_tested: Vec<String> = not_tested.collect();
     if !not_tested.is_empty() {
         let summary = format!("{} candidates could not be tested here", not_tested.len());
         page.details(summary, not_tested.join("\n"));

@@ -1,10 +1,14 @@
 //! The pictures of a report.
 
+use fd_gap::{
+    diagnose::Cause,
+    locate::{Band, Region, Spectrum, TimeCourse},
+};
 use fd_report::{Line, Picture};
 
-use super::{
-    report::{BandReport, LawReport, RegionReport, Report, SpectrumReport, TimesReport},
-    traces::{Signals, Trace},
+use fdiag::gap_study::{
+    Law, Report, Role, Signals, Trace,
+    words::{self, region_of, region_on},
 };
 
 /// A picture and what it says.
@@ -19,10 +23,11 @@ const LEAST_ZOOM: usize = 40;
 
 /// Real against simulated, before and after: each output as a whole and where it matters most.
 pub(super) fn runs(trace: &Trace) -> Vec<Captioned> {
-    let which = if trace.part.is_held_out {
-        "Held-out data, which no fit has seen; the first part settles the initial state"
-    } else {
-        "Data that were fitted to"
+    let which = match trace.role {
+        Role::HeldOut => {
+            "Held-out data, which no fit has seen; the first part settles the initial state"
+        }
+        Role::Fit => "Data that were fitted to",
     };
     let mut pictures = Vec::new();
     for signals in trace.outputs.iter().take(MOST) {
@@ -76,14 +81,14 @@ fn zoom(signals: &Signals, n: usize) -> (usize, usize) {
 }
 
 /// The law over what it depends on, with what the data say without it.
-pub(super) fn law(law: &LawReport) -> Captioned {
+pub(super) fn law(law: &Law, cause: &Cause) -> Captioned {
     let points = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
     let data =
         Line { dots: true, ..Line::new("from the data, without the law", points(&law.data)) };
     let curve = Line { dots: !law.is_curve, ..Line::new("fitted law", points(&law.points)) };
     let lines = if law.data.is_empty() { vec![curve] } else { vec![data, curve] };
     let picture = Picture {
-        title: law.name.clone(),
+        title: words::effect(cause),
         x_label: format!("{} [{}]", law.over, law.over_unit),
         y_label: format!("[{}]", law.unit),
         lines,
@@ -108,10 +113,10 @@ pub(super) fn places(report: &Report) -> Vec<Captioned> {
     pictures.chain(times.map(|course| time(course, location.times.len()))).collect()
 }
 
-fn spectrum(spectrum: &SpectrumReport) -> Captioned {
+fn spectrum(spectrum: &Spectrum) -> Captioned {
     // Power per Hz, so that wide bands do not look strong.
-    let line = |name: &str, power: &dyn Fn(&BandReport) -> f64| {
-        let density = |b: &BandReport| power(b) / (b.high_hz - b.low_hz);
+    let line = |name: &str, power: &dyn Fn(&Band) -> f64| {
+        let density = |b: &Band| power(b) / (b.high_hz - b.low_hz);
         let steps = spectrum.bands.iter().flat_map(|b| {
             let low = if b.low_hz > 0.0 { b.low_hz } else { 0.5 * b.high_hz };
             [(low, density(b)), (b.high_hz, density(b))]
@@ -134,16 +139,17 @@ fn spectrum(spectrum: &SpectrumReport) -> Captioned {
     (picture, spectrum.statement.clone())
 }
 
-fn region(region: &RegionReport) -> Captioned {
+fn region(region: &Region) -> Captioned {
+    let (of, on) = (region_of(&region.of), region_on(&region.on));
     let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         let bins = region.bins.iter().enumerate();
         bins.flat_map(|(i, b)| [(b.low, value(i)), (b.high, value(i))]).collect()
     };
     let bins = &region.bins;
     let picture = Picture {
-        title: format!("The {} over {}", region.of, region.on),
-        x_label: format!("{} [{}]", region.on, region.unit),
-        y_label: region.of.clone(),
+        title: format!("The {of} over {on}"),
+        x_label: format!("{on} [{}]", region.unit),
+        y_label: of,
         lines: vec![
             Line::new("mean", over(&|i| bins[i].mean)),
             Line::new("rms", over(&|i| bins[i].rms)),
@@ -153,14 +159,14 @@ fn region(region: &RegionReport) -> Captioned {
     (picture, region.statement.clone())
 }
 
-fn time(course: &TimesReport, logs: usize) -> Captioned {
+fn time(course: &TimeCourse, logs: usize) -> Captioned {
     let line = |name: &str, value: &dyn Fn(usize) -> f64| {
         let stretches = course.stretches.iter().enumerate();
-        let steps = stretches.flat_map(|(i, s)| [(s.from_s, value(i)), (s.to_s, value(i))]);
+        let steps = stretches.flat_map(|(i, s)| [(s.from, value(i)), (s.to, value(i))]);
         Line::new(name, steps.collect::<Vec<_>>())
     };
     let stretches = &course.stretches;
-    let which = if 1 < logs { format!(", log {}", course.log) } else { String::new() };
+    let which = if 1 < logs { format!(", log {}", course.log + 1) } else { String::new() };
     let picture = Picture {
         title: format!("The gap over time{which}"),
         x_label: "time [s]".to_owned(),

@@ -1,12 +1,16 @@
 //! What the terminal shows below the headline.
 
-use fd_report::{Table, figure};
+use fd_gap::{
+    diagnose::{Cause, CauseId, HeldOut, PairId, Verdict},
+    fit::Horizon,
+    quality::Severity,
+};
+use fd_model::figure;
+use fd_report::Table;
 
-use super::{
-    GapStudy,
-    headline::spoiled,
-    report::{CauseReport, ClosedReport, HorizonReport, Report},
-    words::{probability, share},
+use fdiag::gap_study::{
+    Inputs, Report,
+    words::{self, probability, share},
 };
 
 /// Least probability of a row.
@@ -14,31 +18,30 @@ const SHOWN: f64 = 0.01;
 /// Most rows of causes and of groups.
 const ROWS: usize = 6;
 
-impl GapStudy {
-    /// Short tables for a terminal.
-    #[must_use]
-    pub fn tables(&self) -> Vec<Table> {
-        let report = &self.report;
-        let mut tables = Vec::new();
-        if spoiled(report).is_none() {
-            tables.extend([groups(report), causes(report)].into_iter().flatten());
-            if !report.how_far.is_empty() {
-                tables.push(how_far(&report.how_far));
-            }
-            tables.extend(next(report));
+/// Short tables for a terminal.
+#[must_use]
+pub fn tables(report: &Report) -> Vec<Table> {
+    let mut tables = Vec::new();
+    if report.spoiled().is_none() {
+        tables.extend([groups(report), causes(report)].into_iter().flatten());
+        if !report.diagnosis.held_out.is_empty() {
+            tables.push(how_far(&report.diagnosis.held_out, &report.inputs));
         }
-        tables.extend(findings(report));
-        tables
+        tables.extend(next(report));
     }
+    tables.extend(findings(report));
+    tables
 }
 
 /// Mechanisms at places.
-pub(super) fn groups(report: &Report) -> Option<Table> {
+fn groups(report: &Report) -> Option<Table> {
     let mut table = Table::new("Mechanism and place", &["mechanism", "side", "probability"]);
-    for group in report.groups.iter().filter(|g| SHOWN <= g.probability).take(ROWS) {
-        table.push([group.name.clone(), group.side.to_owned(), probability(group.probability)]);
+    let diagnosis = &report.diagnosis;
+    for group in diagnosis.groups.iter().filter(|g| SHOWN <= g.probability).take(ROWS) {
+        let side = words::side(group.side).to_owned();
+        table.push([words::group(group), side, probability(group.probability)]);
     }
-    for (name, p) in [("no gap", report.no_gap), ("none of these", report.none_of_these)] {
+    for (name, p) in [("no gap", diagnosis.no_gap), ("none of these", diagnosis.none_of_these)] {
         if SHOWN <= p {
             table.push([name.to_owned(), String::new(), probability(p)]);
         }
@@ -47,68 +50,74 @@ pub(super) fn groups(report: &Report) -> Option<Table> {
 }
 
 /// Single causes, or the causes of the pairs.
-pub(super) fn causes(report: &Report) -> Option<Table> {
+fn causes(report: &Report) -> Option<Table> {
     let header = ["cause", "law", "strength", "probability", ""];
     let mut table = Table::new("Cause", &header);
-    let is_shown = |cause: &&CauseReport| SHOWN <= cause.probability || cause.is_tied;
-    let pairs = report.pairs.iter().filter(|_| report.verdict == "pair").take(ROWS);
-    for pair in pairs.filter(|pair| SHOWN <= pair.probability || pair.is_tied) {
-        for (i, cause) in pair.causes.iter().enumerate() {
-            let (name, law, strength) = (cause.name.clone(), cause.law, cause.strength.clone());
-            let (name, p) = match i {
-                0 => (name, probability(pair.probability)),
-                _ => (format!("and {name}"), String::new()),
-            };
-            let tied = if pair.is_tied { "tied pair" } else { "pair" };
-            table.push([name, law.to_owned(), strength, p, tied.to_owned()]);
-        }
+    if report.diagnosis.verdict == Verdict::Pair {
+        pairs(report, &mut table);
     }
-    for cause in report.causes.iter().filter(is_shown).take(ROWS) {
-        let remark = match (cause.is_tied, cause.rival_distance) {
-            (true, _) => "tied".to_owned(),
-            (false, Some(distance)) => format!("apart by {} sigma²", figure(distance)),
-            (false, None) => String::new(),
+    let all = report.diagnosis.causes.iter().enumerate();
+    let all = all.map(|(i, cause)| (CauseId(i), cause));
+    let is_shown =
+        |(id, cause): &(CauseId, &Cause)| SHOWN <= cause.probability || report.tied().contains(id);
+    for (id, cause) in all.filter(is_shown).take(ROWS) {
+        let rival = report.diagnosis.rivals.iter().find(|rival| rival.cause == id);
+        let remark = match rival {
+            _ if report.tied().contains(&id) => "tied".to_owned(),
+            Some(rival) => format!("apart by {} sigma²", figure(rival.distance)),
+            None => String::new(),
         };
-        table.push([
-            cause.name.clone(),
-            cause.law.to_owned(),
-            cause.strength.clone(),
-            probability(cause.probability),
-            remark,
-        ]);
+        let (name, strength) = (words::cause(cause), words::strength(cause));
+        table.push([name, cause.law.to_owned(), strength, probability(cause.probability), remark]);
     }
     (!table.rows.is_empty()).then_some(table)
 }
 
+/// The causes of pairs, two rows each.
+fn pairs(report: &Report, table: &mut Table) {
+    for (i, pair) in report.diagnosis.pairs.iter().enumerate().take(ROWS) {
+        let is_tied = report.tied_pairs().contains(&PairId(i));
+        if pair.probability < SHOWN && !is_tied {
+            continue;
+        }
+        for (i, cause) in pair.causes.iter().enumerate() {
+            let (name, strength) = (words::cause(cause), words::strength(cause));
+            let (name, p) = match i {
+                0 => (name, probability(pair.probability)),
+                _ => (format!("and {name}"), String::new()),
+            };
+            let tied = if is_tied { "tied pair" } else { "pair" };
+            table.push([name, cause.law.to_owned(), strength, p, tied.to_owned()]);
+        }
+    }
+}
+
 /// Gaps on held-out data.
-pub(super) fn how_far(horizons: &[HorizonReport]) -> Table {
+pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
     let header = ["horizon", "output", "before", "refitted", "after", "floor", "gap closed"];
     let mut table = Table::new("How far, on held-out data (rms)", &header);
-    for horizon in horizons {
-        let name = match horizon.horizon {
-            "free-run" => "free run".to_owned(),
-            _ => format!("{} s", figure(horizon.seconds)),
+    for held_out in horizons {
+        let name = match held_out.horizon {
+            Horizon::FreeRun => "free run".to_owned(),
+            Horizon::Windows { .. } => format!("{} s", figure(held_out.seconds)),
         };
-        for (i, gap) in horizon.outputs.iter().enumerate() {
-            let closed = horizon.closed().filter(|_| i == 0).map_or_else(String::new, closed);
+        for (i, output) in inputs.outputs.iter().enumerate() {
+            let closed = held_out.closed().filter(|_| i == 0);
+            let closed = closed.map_or_else(String::new, |c| share(c.fraction, c.interval));
             let name = if i == 0 { name.clone() } else { String::new() };
-            let output = format!("{} [{}]", gap.output, gap.unit);
-            let sizes = [gap.before, gap.refit, gap.after, gap.floor].map(figure);
-            let [before, refit, after, floor] = sizes;
+            let output = format!("{} [{}]", output.name, output.unit);
+            let sizes = [&held_out.nominal, &held_out.refit, &held_out.after, &held_out.floor];
+            let [before, refit, after, floor] = sizes.map(|of_outputs| figure(of_outputs[i]));
             table.push([name, output, before, refit, after, floor, closed]);
         }
     }
     table
 }
 
-fn closed(closed: ClosedReport) -> String {
-    share(closed.fraction, [closed.low, closed.high])
-}
-
 fn next(report: &Report) -> Option<Table> {
-    let advice = report.next.as_ref().filter(|advice| !advice.statement.is_empty())?;
+    let advice = report.advice.as_ref()?;
     let mut table = Table::new("What next", &["experiment, sensor or sampling"]);
-    table.push([advice.statement.clone()]);
+    table.push([words::advice(advice, &report.diagnosis)]);
     Some(table)
 }
 
@@ -116,9 +125,10 @@ fn next(report: &Report) -> Option<Table> {
 pub(super) fn findings(report: &Report) -> Option<Table> {
     let mut table = Table::new("About the logs", &["log", "channel", "finding"]);
     for finding in &report.findings {
+        let text = words::defect(&finding.defect);
         let text = match finding.severity {
-            "serious" => format!("SERIOUS: {}", finding.text),
-            _ => finding.text.clone(),
+            Severity::Serious => format!("SERIOUS: {text}"),
+            Severity::Warning | Severity::Note => text,
         };
         table.push([finding.file.clone(), finding.channel.clone(), text]);
     }

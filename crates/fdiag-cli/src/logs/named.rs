@@ -1,8 +1,8 @@
 //! Which fault an alarm was ascribed to, with how sure that is and how large the fault is.
 
 use fd_core::stage::Decision;
-use fd_model::file::ModelChannel;
-use fd_report::{Table, figure};
+use fd_model::{figure, file::ModelChannel};
+use fd_report::Table;
 use fdiag::{spec::IsolationSpec, training::Trace};
 use serde::{Deserialize, Serialize};
 

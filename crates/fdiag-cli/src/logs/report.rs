@@ -1,6 +1,7 @@
 //! A study of logs as a sentence, tables, pictures and a page.
 
-use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+use fd_model::figure;
+use fd_report::{Line, Page, Picture, PictureError, Table};
 use fdiag::training::Trace;
 
 use super::study::{LogResult, LogStudy, SignalUnit, Traces};

@@ -9,6 +9,8 @@ use std::{
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::schema::{faults, schema};
+
 /// A folder with a model and two logs of the quick start, to be spoiled.
 pub(crate) struct Desk {
     folder: TempDir,
@@ -74,8 +76,19 @@ impl Desk {
         self.run(&[&plain, more].concat())
     }
 
+    /// What `report.json` says; every one that a test reads is checked against the schema.
+    #[track_caller]
     pub(crate) fn report(&self) -> Value {
-        serde_json::from_str(&self.read("out/report.json")).unwrap()
+        self.report_in("out")
+    }
+
+    /// The same, of another directory.
+    #[track_caller]
+    pub(crate) fn report_in(&self, directory: &str) -> Value {
+        let report = serde_json::from_str(&self.read(&format!("{directory}/report.json"))).unwrap();
+        let faults = faults(&schema(), &report);
+        assert!(faults.is_empty(), "not what docs/gap-report.schema.json says: {faults:#?}");
+        report
     }
 }
 

@@ -21,7 +21,7 @@ fn a_slow_fuel_valve_is_found_by_the_linear_engine() {
     let output = desk.run(&[&model[..], &FEW].concat());
     assert!(output.status.success(), "{output:?}");
     let report = desk.report();
-    let first = &report["causes"][0];
+    let first = &report["diagnosis"]["causes"][0];
     assert_eq!((&first["label"], &first["site"]["name"]), (&"input-lag".into(), &"W_f".into()));
     // The valve of the log has 0.15 s; the linear engine is wrong by more than the standard error.
     let lag = first["parameters"][0]["value"].as_f64().unwrap();
@@ -42,16 +42,18 @@ fn a_slow_fuel_valve_is_found_by_the_nonlinear_engine_and_patched_into_it() {
     let output = desk.run(&[&model[..], &FEW, &["--tolerance", "hpc_flow=0"]].concat());
     assert!(output.status.success(), "{output:?}");
     let report = desk.report();
-    assert_eq!(report["verdict"], "cause", "{}", report["headline"]);
-    let first = &report["causes"][0];
+    assert_eq!(report["diagnosis"]["verdict"], "cause", "{}", report["headline"]);
+    let first = &report["diagnosis"]["causes"][0];
     assert_eq!((&first["label"], &first["site"]["name"]), (&"input-lag".into(), &"W_f".into()));
     let lag = &first["parameters"][0];
     let (value, error) = (lag["value"].as_f64().unwrap(), lag["standard_error"].as_f64().unwrap());
     // Three standard errors, and a hundredth for the steps of the integration.
     assert!((value - 0.15).abs() < 3.0 * error + 0.0015, "{value} {error}");
-    let closed = report["how_far"][0]["closed_of_refit"]["fraction"].as_f64().unwrap();
+    let closed =
+        report["diagnosis"]["held_out"][0]["closed_of_refit"]["fraction"].as_f64().unwrap();
     assert!(0.9 < closed, "{closed}");
-    assert!(report["parameters"].as_array().unwrap().iter().all(|p| p["name"] != "hpc_flow"));
+    let refitted = report["diagnosis"]["best"]["nuisances"].as_array().unwrap();
+    assert!(refitted.iter().all(|nuisance| nuisance["name"] != "hpc_flow"));
     // Nothing of the shell is a place of the engine.
     let places = report["location"]["places"].to_string();
     assert!(!places.contains("_raw") && !places.contains("_integral"), "{places}");
@@ -61,15 +63,15 @@ fn a_slow_fuel_valve_is_found_by_the_nonlinear_engine_and_patched_into_it() {
     let again = ["--model", "out/patched.toml", "--log", "monday.csv", "--out", "again"];
     let output = desk.run(&[&again[..], &["--only", "input-lag"]].concat());
     assert!(output.status.success(), "{output:?}");
-    let second: serde_json::Value = serde_json::from_str(&desk.read("again/report.json")).unwrap();
-    assert_eq!(second["verdict"], "no-gap", "{}", second["headline"]);
+    let second = desk.report_in("again");
+    assert_eq!(second["diagnosis"]["verdict"], "no-gap", "{}", second["headline"]);
     for (a, b) in report["location"]["channels"]
         .as_array()
         .unwrap()
         .iter()
         .zip(second["location"]["channels"].as_array().unwrap())
     {
-        let (after, before) = (a["after"]["value"].as_f64(), b["before"]["value"].as_f64());
+        let (after, before) = (a["after"]["value"].as_f64(), b["nominal"]["value"].as_f64());
         // The same simulation of the same log.
         let (after, before) = (after.unwrap(), before.unwrap());
         assert!((after - before).abs() < 1e-9 * after, "{after} {before}");

@@ -5,3 +5,4 @@ mod answers;
 mod desk;
 mod engine;
 mod refusals;
+mod schema;

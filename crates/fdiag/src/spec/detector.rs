@@ -113,7 +113,7 @@ pub struct DetectorData<'a> {
     /// Fault-free residuals with their inputs.
     pub healthy: DrivenRows<'a>,
     /// How a threshold is found for a rate of false alarms; without it the detector is scaled but
-    /// its threshold is left at 1, for who sets it otherwise.
+    /// its threshold stays at 1 and is set by the caller.
     pub plan: Option<&'a CalibrationPlan>,
     /// The nominal model.
     pub model: &'a StateSpace<Discrete>,

@@ -24,7 +24,7 @@ use super::{
 };
 use crate::spec::{LearningSpec, OrderSpec, PipelineSpec, StructureSpec};
 
-/// One part in so many of the training data is held out when orders are compared.
+/// One part in this many of the training data is held out when orders are compared.
 const HELD_OUT_PART: usize = 4;
 
 /// A bias model and how it came about.

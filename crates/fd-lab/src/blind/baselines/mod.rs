@@ -63,7 +63,7 @@ pub(super) fn all(
     train: &Record,
     held_out: &Record,
 ) -> Result<Baselines, BlindError> {
-    let null = null(model, model, train, 0.0)?;
+    let null = null(model, model, std::slice::from_ref(train), 0.0)?;
     let nominal = EquationSimulator::<f64>::at(model, train.ts())?;
     let held_out_log = Log::new(held_out, &nominal, 1)?;
     let mut bench = Bench {

@@ -4,6 +4,7 @@
 //! exact, hysteresis is a differential equation). *Mismatched* laws belong under a label of the
 //! library and are none of its laws. *Withheld* laws belong under no label at all.
 
+mod elsewhere;
 mod force;
 mod input;
 mod sensor;
@@ -26,6 +27,10 @@ pub enum Origin {
     Mismatch,
     /// The library has no such label.
     Withheld,
+    /// A parameter walks.
+    Wander,
+    /// It acts on a signal inside the model.
+    Inside,
 }
 
 /// What a law acts on.
@@ -40,6 +45,8 @@ pub enum Place {
     Parameter,
     /// An output.
     Output,
+    /// A signal inside the plant.
+    Inside,
 }
 
 /// What a site must offer.
@@ -111,6 +118,10 @@ impl Setting<'_> {
         &self.scales.sites[self.index]
     }
 
+    fn inner(&self) -> &Signal {
+        &self.scales.inner[self.index]
+    }
+
     /// Spread of the velocity or, where there is none, of the position.
     fn velocity(&self) -> f64 {
         self.site().velocity.as_ref().map_or(1.0, |signal| signal.std)
@@ -170,6 +181,8 @@ type ForceLaw = Box<dyn Fn(&Site<'_>, &[f64]) -> f64 + Send>;
 type StateLaw = Box<dyn Fn(&Site<'_>, &[f64], &mut [f64]) + Send>;
 type HeldLaw = Box<dyn FnMut(&Site<'_>, f64) -> f64 + Send>;
 type LevelLaw = Box<dyn FnMut(&Site<'_>, f64) -> [f64; 2] + Send>;
+/// From the value and the length of a step to what it is instead.
+type InnerLaw = Box<dyn FnMut(f64, f64) -> f64 + Send>;
 type FactorLaw = Box<dyn Fn(f64) -> f64 + Send>;
 
 /// A law at work.
@@ -199,6 +212,8 @@ pub(super) enum Mechanism {
     Corrupt(CorruptLaw),
     /// A factor of a parameter over time.
     Factor(FactorLaw),
+    /// Changes a signal inside the plant, once per integration step.
+    Inside(InnerLaw),
 }
 
 impl Law {
@@ -213,6 +228,7 @@ pub(super) fn catalogue() -> Vec<Law> {
     all.extend(force::laws());
     all.extend(sensor::laws());
     all.extend(withheld::laws());
+    all.extend(elsewhere::laws());
     all
 }
 

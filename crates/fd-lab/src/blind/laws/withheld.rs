@@ -15,7 +15,7 @@ const fn law(
 ) -> Law {
     let family = match place {
         Place::Input => "withheld-input",
-        Place::Force | Place::Parameter => "withheld-dynamics",
+        Place::Force | Place::Parameter | Place::Inside => "withheld-dynamics",
         Place::Output => "withheld-sensor",
     };
     Law { label, name: "withheld", family, place, origin: Origin::Withheld, needs, range, build }

@@ -2,13 +2,20 @@
 //! diagnosis uses is used here, except to read names and numbers from the model files.
 
 mod drives;
+mod elsewhere;
 mod engine17;
+mod inner;
+mod looped;
 mod mechanics;
 mod process;
 
 use fd_sim::model::{LoadError, Model};
 
-use super::{error::BlindError, excitation::Drive};
+pub(super) use self::{
+    inner::{Inner, inner},
+    looped::{Looped, STABLE, Tuning, UNSTABLE, looped},
+};
+use super::{error::BlindError, excitation::Drive, kind::CaseKind};
 
 /// A plant with its parameters set.
 pub(super) trait Physics: Send {
@@ -99,9 +106,32 @@ pub(super) const ALL: [Plant; 11] = [
     engine17::ENGINE17,
 ];
 
+/// Plants of logs as people have them only.
+const ELSEWHERE: [Plant; 4] =
+    [elsewhere::SERVO, elsewhere::STANDING_PENDULUM, elsewhere::LEVITATION, elsewhere::TWO_FILTERS];
+
 /// The plant of a name.
 pub(super) fn plant(name: &str) -> Option<&'static Plant> {
-    ALL.iter().find(|plant| plant.name == name)
+    ALL.iter().chain(&ELSEWHERE).find(|plant| plant.name == name)
+}
+
+/// The plants of a kind of case.
+pub(super) fn of_kind(kind: CaseKind) -> Vec<&'static Plant> {
+    let looped = |all: &'static [Looped]| all.iter().map(|looped| looped.plant).collect();
+    match kind {
+        CaseKind::Unstable | CaseKind::UnstableNone => looped(&UNSTABLE),
+        CaseKind::Loop | CaseKind::LoopNone => looped(&STABLE),
+        CaseKind::Inside => {
+            ALL.iter().chain(&ELSEWHERE).filter(|plant| !inner(plant).is_empty()).collect()
+        }
+        // A loop of the model is no matter of these classes, and the states of the large engine
+        // are not those of its model.
+        kind if !kind.is_plain() => {
+            let others = ["dc-drive-closed-loop", "cart-pole-balanced", "engine17"];
+            ALL.iter().filter(|plant| !others.contains(&plant.name)).collect()
+        }
+        _ => ALL.iter().collect(),
+    }
 }
 
 fn parse(text: &str, file: &str) -> Result<Model, BlindError> {

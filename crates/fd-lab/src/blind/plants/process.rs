@@ -65,6 +65,12 @@ fn cascade(p: &[f64], x: &[f64], u: &[f64], f: &[f64], dx: &mut [f64]) {
     dx[1] = (q_1 + f[1] - q_2) / s_2;
 }
 
+/// The flow from the first tank into the second.
+pub(super) fn between_tanks(p: &[f64], x: &[f64]) -> f64 {
+    let &[_, _, a_1, _, g] = p else { return 0.0 };
+    a_1 * (2.0 * g * x[0].max(0.0)).sqrt()
+}
+
 /// Parameters S, a, `T_hot`, `T_cold`, `T_room`, U, `rho_c`, `tau_s`, g.
 fn mixer(p: &[f64], x: &[f64], u: &[f64], f: &[f64], dx: &mut [f64]) {
     let &[s, a, hot, cold, room, loss, rho_c, tau, g] = p else { return };

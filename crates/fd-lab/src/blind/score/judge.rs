@@ -1,33 +1,24 @@
 //! One answer next to its truth.
 
-use std::ops::Range;
+mod closer;
 
 use fd_effect::Candidate;
-use fd_gap::{
-    fit::{Horizon, Log},
-    shrink::{Settled, forecast_errors, gap},
-};
-use fd_sim::{
-    model::Model,
-    simulate::{EquationSimulator, Simulator},
-};
 use serde::{Deserialize, Serialize};
 
 use crate::blind::{
-    answer::{Answer, Named},
+    answer::{Answer, Named, Reading},
     error::BlindError,
+    files::{Case, Variant},
+    kind::CaseKind,
     laws::Place,
+    logger::Logger,
+    misreading::Misreading,
     oracle::{SEPARATED, distance_of},
-    run::Case,
-    truth::{CaseKind, Effect, Scene, Truth},
+    truth::{Effect, Scene, Truth},
 };
 
-/// Runs that no diagnosis has seen, from which the real share of the gap that is closed follows.
-const FRESH: Range<u64> = 2..6;
-/// A gap that is less than this above the noise cannot be shared out.
-const REDUCIBLE: f64 = 0.02;
-/// Noise floor reached: so much above the real noise.
-const REACHED: f64 = 1.1;
+/// Relative error of a factor or a shift that counts as none.
+const NEAR: f64 = 0.2;
 
 /// One answer next to its truth.
 #[allow(clippy::struct_excessive_bools, reason = "each is a question of its own")]
@@ -98,8 +89,23 @@ pub struct Verdict {
     pub baseline_right: [bool; 2],
     /// Shares that refit, black box and sparse regression close.
     pub baseline_closed: [Option<f64>; 3],
+    /// A list of effects: the largest is named first, or what no log could tell from it.
+    pub is_dominant_first: bool,
+    /// A list of effects: all are named and nothing else, or the list leaves nothing.
+    pub is_list_right: bool,
+    /// A mistake of reading is told as what it is.
+    pub is_reading_told: bool,
+    /// It is taken for physics: a cause in the plant is stated with a probability above one half.
+    pub is_taken_for_physics: bool,
     /// Why there is no diagnosis.
     pub error: Option<String>,
+}
+
+impl Verdict {
+    /// Whether it is of the first kinds of cases.
+    pub(super) fn is_plain(&self) -> bool {
+        CaseKind::ALL.iter().any(|kind| kind.is_plain() && kind.name() == self.kind)
+    }
 }
 
 /// Mechanisms that a catch-all map at a site stands for.
@@ -142,18 +148,19 @@ fn is_group(effect: &Effect, named: &Named) -> bool {
 fn side(effect: &Effect) -> &'static str {
     match effect.place {
         Place::Input => "input",
-        Place::Force | Place::Parameter => "dynamics",
+        Place::Force | Place::Parameter | Place::Inside => "dynamics",
         Place::Output => "output",
     }
 }
 
-/// Judges an answer. `refits` says whether to look, by refits to the noise-free truth, if an answer
-/// that is not exact is one that no log could tell from the truth, and what share is really closed.
+/// Judges an answer. With a case it looks, by refits to the noise-free truth, if an answer that is
+/// not exact is one that no log could tell from the truth, and what share is really closed.
 pub(super) fn judge(
-    case: Option<&Case>,
+    case: Option<(&Case, Variant)>,
     truth: &Truth,
     answer: &Answer,
 ) -> Result<Verdict, BlindError> {
+    let (variant, case) = (case.map_or(Variant::AsLogged, |(_, v)| v), case.map(|(case, _)| case));
     let oracle = truth.oracle.clone().unwrap_or_default();
     let is_measurement = |effect: &Effect| {
         ["sensor-noise", "sensor-outliers", "sensor-quantisation"].contains(&effect.label.as_str())
@@ -164,7 +171,17 @@ pub(super) fn judge(
     } else {
         oracle.nothing
     };
-    let first = answer.first();
+    // What the logger does is in the log, too; who names it has not named the effect by that.
+    let is_logger = |named: &&Named| {
+        let logger = truth.conditions.logger.as_ref();
+        logger.is_some_and(|logger| of_logger(logger, case, named))
+    };
+    let said_first = answer.first();
+    let is_first_of_logger = said_first.as_ref().is_some_and(is_logger);
+    let first = said_first.filter(|_| !is_first_of_logger).or_else(|| {
+        let others = answer.together.iter().find(|named| !is_logger(named));
+        others.filter(|_| is_first_of_logger)
+    });
     let words = |label: &str, law: &str, site: &str| format!("{label} ({law}) at {site}");
     let none = || "no gap".to_owned();
     let effect = truth.effects.first();
@@ -181,7 +198,7 @@ pub(super) fn judge(
         is_visible: SEPARATED <= distance,
         is_mimicked: !oracle.ties.is_empty(),
         nearest: oracle.best.as_ref().map(|best| best.distance),
-        blamed: answer.blamed(),
+        blamed: if first.is_none() && is_first_of_logger { 0.0 } else { answer.blamed() },
         none_score: answer.none_score,
         says_none: answer.says_none,
         is_alone: first.is_some() && answer.verdict == "cause",
@@ -210,7 +227,7 @@ pub(super) fn judge(
         let is_tie =
             |r: &&crate::blind::oracle::Rival| r.label == first.label && r.site == first.site;
         let mut is_right = verdict.is_exact || oracle.ties.iter().any(|rival| is_tie(&rival));
-        let is_single = matches!(truth.kind, CaseKind::Single | CaseKind::Mismatch);
+        let is_single = truth.kind.has_one_effect();
         if let (Some(case), false, true, true) =
             (case, is_right, is_single, verdict.is_visible && !corrupts)
         {
@@ -220,7 +237,7 @@ pub(super) fn judge(
         verdict.is_group_right |= is_right;
         verdict.is_side_right |= is_right;
     }
-    if truth.kind == CaseKind::Pair {
+    if 1 < truth.kind.effects() {
         let said: Vec<&Named> = if answer.together.is_empty() {
             first.into_iter().collect()
         } else {
@@ -230,15 +247,40 @@ pub(super) fn judge(
             said.iter().any(|n| is_exact(effect, &n.label, &n.site, n.partner.as_deref()))
         };
         let found = truth.effects.iter().filter(|effect| is_said(effect)).count();
-        verdict.is_pair_exact = found == 2 && said.len() == 2;
+        let all = truth.effects.len();
+        let is_exact_list = found == all && said.len() == all;
         verdict.is_half_exact = 0 < found;
-        verdict.is_pair_right = verdict.is_pair_exact
+        let is_list_right = is_exact_list
             || match case {
                 Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
                     left(case, truth, &said)? < SEPARATED
                 }
                 _ => false,
             };
+        if truth.kind == CaseKind::Pair {
+            (verdict.is_pair_exact, verdict.is_pair_right) = (is_exact_list, is_list_right);
+        } else {
+            verdict.is_list_right = is_list_right;
+            verdict.is_dominant_first = verdict.is_exact
+                || match (case, first) {
+                    (Some(case), Some(first)) => {
+                        let effects = truth.effects[..1].to_vec();
+                        let alone = Truth { effects, ..truth.clone() };
+                        left(case, &alone, &[first])? < SEPARATED
+                    }
+                    _ => false,
+                };
+            verdict.is_right = verdict.is_dominant_first;
+        }
+    }
+    if let Some(misreading) = &truth.conditions.misreading {
+        let told = answer.reading.first().filter(|told| 0.5 < told.probability);
+        verdict.is_reading_told = told.is_some_and(|told| is_told(misreading, told));
+        verdict.is_taken_for_physics = told.is_none()
+            && 0.5 < verdict.blamed
+            && 0.5 < verdict.probability
+            && !answer.says_none;
+        verdict.is_right = verdict.is_reading_told;
     }
     for (i, baseline) in answer.baselines.iter().flat_map(|b| [&b.refit, &b.sparse]).enumerate() {
         let right = |(label, site): &(String, String)| {
@@ -249,17 +291,47 @@ pub(super) fn judge(
     if let Some(b) = &answer.baselines {
         verdict.baseline_closed = [b.refit.closed, b.black_box.closed, b.sparse.closed];
     }
-    if let Some(case) = case {
-        look_closer(case, truth, answer, &mut verdict)?;
+    let is_comparable = variant != Variant::KnownController && truth.kind != CaseKind::Misread;
+    if let Some(case) = case.filter(|_| is_comparable) {
+        closer::look(case, truth, answer, &mut verdict)?;
     }
     Ok(verdict)
+}
+
+/// Whether a cause is what the logger does to an output.
+fn of_logger(logger: &Logger, case: Option<&Case>, named: &Named) -> bool {
+    let model = case.and_then(|case| case.model().ok());
+    let outputs = model.map(|model| model.outputs.clone()).unwrap_or_default();
+    let place = outputs.iter().position(|output| output.name == named.site);
+    place.is_some_and(|c| logger.labels(c).contains(&named.label.as_str()))
+}
+
+/// Whether a reading is the mistake: kind, channels, and the factor or the shift to within a fifth.
+fn is_told(misreading: &Misreading, told: &Reading) -> bool {
+    let sorted = |names: &mut dyn Iterator<Item = &str>| {
+        let mut names: Vec<String> = names.map(str::to_owned).collect();
+        names.sort_unstable();
+        names
+    };
+    let channels = sorted(&mut told.channels.iter().map(String::as_str));
+    let is_near = |told: Option<f64>, real: f64| {
+        told.is_some_and(|told| (told - real).abs() <= NEAR * real.abs())
+    };
+    let is_size = match misreading {
+        Misreading::Unit { factor, .. } => is_near(told.factor, *factor),
+        Misreading::Time { factor } => is_near(told.factor, 1.0 / *factor as f64),
+        Misreading::Clock { late, .. } => is_near(told.late, *late as f64),
+        Misreading::Sign { .. } | Misreading::Swap { .. } => true,
+    };
+    told.kind == misreading.name()
+        && channels == sorted(&mut misreading.channels().into_iter())
+        && is_size
 }
 
 /// What the named causes, in any of their laws, leave of the noise-free truth.
 fn left(case: &Case, truth: &Truth, named: &[&Named]) -> Result<f64, BlindError> {
     let model = case.model()?;
     let scene = Scene::new(truth, &model)?;
-    let Some(clean) = scene.log(0, false)? else { return Ok(f64::INFINITY) };
     let wanted: Vec<_> = named
         .iter()
         .map(|named| {
@@ -272,78 +344,5 @@ fn left(case: &Case, truth: &Truth, named: &[&Named]) -> Result<f64, BlindError>
         })
         .collect();
     let wanted: Vec<&dyn Fn(&Candidate) -> bool> = wanted.iter().map(|w| w as _).collect();
-    distance_of(&scene, &clean, &wanted)
-}
-
-/// The real noise, and the share that is really closed.
-fn look_closer(
-    case: &Case,
-    truth: &Truth,
-    answer: &Answer,
-    verdict: &mut Verdict,
-) -> Result<(), BlindError> {
-    let model = case.model()?;
-    let scene = Scene::new(truth, &model)?;
-    let Some(noise) = noise(&scene, 0..1)? else { return Ok(()) };
-    verdict.is_floor_reached = answer.gaps[1].len() == noise.len()
-        && answer.gaps[1].iter().zip(&noise).all(|(gap, noise)| *gap <= REACHED * noise);
-    let (Some(stated), Some(patched)) = (answer.closed, &answer.patched) else { return Ok(()) };
-    if answer.sigma.len() != noise.len() || !verdict.is_visible {
-        return Ok(());
-    }
-    let Ok(patched) = patched.parse::<Model>() else { return Ok(()) };
-    verdict.really_closed = really_closed(&scene, &patched, answer)?;
-    verdict.is_covered =
-        verdict.really_closed.map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
-    Ok(())
-}
-
-/// Root mean square of what noise does to each output in some runs, around the loop as well; `None`
-/// when the plant diverges.
-fn noise(scene: &Scene<'_>, runs: Range<u64>) -> Result<Option<Vec<f64>>, BlindError> {
-    let mut squares = vec![0.0; scene.model.outputs.len()];
-    let mut samples = 0.0;
-    for run in runs {
-        let (Some(noisy), Some(clean)) = (scene.log(run, true)?, scene.log(run, false)?) else {
-            return Ok(None);
-        };
-        for k in 0..noisy.len() {
-            for (square, (noisy, clean)) in
-                squares.iter_mut().zip(noisy.y(k).iter().zip(clean.y(k)))
-            {
-                *square += (noisy - clean).powi(2);
-            }
-            samples += 1.0;
-        }
-    }
-    Ok(Some(squares.into_iter().map(|square: f64| (square / samples).sqrt()).collect()))
-}
-
-fn really_closed(
-    scene: &Scene<'_>,
-    patched: &Model,
-    answer: &Answer,
-) -> Result<Option<f64>, BlindError> {
-    let Some(noise) = noise(scene, FRESH)? else { return Ok(None) };
-    let nominal = EquationSimulator::<f64>::new(scene.model)?;
-    let with = EquationSimulator::<f64>::at(patched, nominal.ts())?;
-    let mut logs = Vec::new();
-    for run in FRESH {
-        if let Some(record) = scene.log(run, true)? {
-            logs.push(Log::new(&record, &nominal, logs.len() + 1)?);
-        }
-    }
-    let values: Vec<(String, f64)> =
-        patched.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
-    let error = |simulator: &dyn Simulator, nuisances: &[(String, f64)]| {
-        let settled = Settled { simulator, nuisances, effects: &[] };
-        forecast_errors(&nominal, settled, &logs, Horizon::FreeRun, &answer.sigma)
-    };
-    let before = error(&nominal, &answer.refit)?;
-    let after = error(&with, &values)?;
-    let (Some(before), Some(after)) = (before, after) else { return Ok(None) };
-    let squares = noise.iter().zip(&answer.sigma).map(|(noise, sigma)| (noise / sigma).powi(2));
-    let floor = (squares.sum::<f64>() / noise.len() as f64).sqrt();
-    let (before, after) = (gap(&before) - floor, gap(&after) - floor);
-    Ok((REDUCIBLE * floor < before).then(|| 1.0 - after / before))
+    distance_of(&scene, &wanted)
 }

@@ -1,5 +1,6 @@
 //! `fdiag blind score`.
 
+mod classes;
 mod judge;
 mod report;
 mod statistics;
@@ -11,15 +12,17 @@ use serde::{Deserialize, Serialize};
 
 use self::judge::judge;
 pub use self::{
+    classes::{ClassScore, Comparison},
     judge::Verdict,
     statistics::{Bin, Calibration, Rate},
 };
 use super::{
     answer::{Answer, read_answers},
     error::BlindError,
+    files::{Case, Variant},
     make::{KEY, sealed_file},
     oracle::SEPARATED,
-    run::{ANSWERS, cases},
+    run::cases,
     seal::SealKey,
     truth::Truth,
 };
@@ -94,6 +97,8 @@ pub struct Score {
     pub baseline_top: [Rate; 2],
     /// Median share closed by refit, black box, sparse regression.
     pub baseline_closed: [f64; 3],
+    /// Logs as people have them, class by class.
+    pub classes: Vec<ClassScore>,
     /// Case by case.
     pub verdicts: Vec<Verdict>,
 }
@@ -131,27 +136,39 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
     let key = fs::read_to_string(&file).map_err(BlindError::file(&file))?;
     let key = SealKey::parse(&key)
         .ok_or_else(|| BlindError::content(&file, "expected 64 hexadecimal digits"))?;
-    let answers = read_answers(&directory.join(ANSWERS))?;
     let cases = cases(directory)?;
-    let judged: Result<Vec<Option<Verdict>>, BlindError> = cases
-        .par_iter()
+    let truths: Result<Vec<Truth>, BlindError> = cases
+        .iter()
         .map(|case| {
             let file = sealed_file(truths, &case.name);
             let sealed = fs::read(&file).map_err(BlindError::file(&file))?;
             let text = key.open(&case.name, &sealed, &case.commitment()?)?;
-            let truth: Truth =
-                serde_json::from_str(&text).map_err(|e| BlindError::content(&file, e))?;
-            let answer = answers.iter().find(|answer| answer.case == case.name);
-            let of_case = |e| BlindError::Case { case: case.name.clone(), error: Box::new(e) };
-            let verdict = answer.map(|answer| judge(Some(case), &truth, answer)).transpose();
-            let verdict = verdict.map_err(of_case)?;
-            done();
-            Ok(verdict)
+            serde_json::from_str(&text).map_err(|e| BlindError::content(&file, e))
         })
         .collect();
-    let judged = judged?;
-    let unanswered = judged.iter().filter(|verdict| verdict.is_none()).count();
-    Ok(summarise(judged.into_iter().flatten().collect(), unanswered))
+    let all: Vec<(&Case, Truth)> = cases.iter().zip(truths?).collect();
+    let judged = |variant: Variant| -> Result<Vec<Option<Verdict>>, BlindError> {
+        let answers = read_answers(&directory.join(variant.answers()))?;
+        all.par_iter()
+            .map(|(case, truth)| {
+                let answer = answers.iter().find(|answer| answer.case == case.name);
+                let of_case = |e| BlindError::Case { case: case.name.clone(), error: Box::new(e) };
+                let judged = answer.map(|answer| judge(Some((case, variant)), truth, answer));
+                let verdict = judged.transpose().map_err(of_case)?;
+                if variant == Variant::AsLogged {
+                    done();
+                }
+                Ok(verdict)
+            })
+            .collect()
+    };
+    let as_logged = judged(Variant::AsLogged)?;
+    let unanswered = as_logged.iter().filter(|verdict| verdict.is_none()).count();
+    let verdicts: Vec<Verdict> = as_logged.into_iter().flatten().collect();
+    let [known, from_rest] = [Variant::KnownController, Variant::FromRest].map(judged);
+    let others = [known?, from_rest?].map(|all| all.into_iter().flatten().collect::<Vec<_>>());
+    let classes = classes::all(&verdicts, &others);
+    Ok(Score { classes, ..summarise(verdicts, unanswered) })
 }
 
 /// Scores answers next to truths that lie open, without refits: what is not exact is wrong unless
@@ -163,10 +180,14 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
 pub fn score_open(pairs: &[(Truth, Answer)]) -> Result<Score, BlindError> {
     let verdicts: Result<Vec<Verdict>, BlindError> =
         pairs.iter().map(|(truth, answer)| judge(None, truth, answer)).collect();
-    Ok(summarise(verdicts?, 0))
+    let verdicts = verdicts?;
+    let classes = classes::all(&verdicts, &[vec![], vec![]]);
+    Ok(Score { classes, ..summarise(verdicts, 0) })
 }
 
-fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
+fn summarise(all: Vec<Verdict>, unanswered: usize) -> Score {
+    // The tables of the first kinds are of these alone.
+    let verdicts: Vec<Verdict> = all.iter().filter(|v| v.is_plain()).cloned().collect();
     let of = |kind: &str| -> Vec<&Verdict> { verdicts.iter().filter(|v| v.kind == kind).collect() };
     let visible = |kind: &str| -> Vec<&Verdict> {
         of(kind).into_iter().filter(|verdict| verdict.is_visible).collect()
@@ -230,9 +251,9 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
         |i: usize| median(&mut singles.iter().filter_map(|v| v.baseline_closed[i]).collect());
     Score {
         version: 1,
-        cases: verdicts.len(),
+        cases: all.len(),
         unanswered,
-        failed: verdicts.iter().filter(|v| v.error.is_some()).count(),
+        failed: all.iter().filter(|v| v.error.is_some()).count(),
         invisible: Rate::of(&all_singles, |v| !v.is_visible),
         top: Rate::of(&singles, |v| v.is_right),
         strict_top: Rate::of(&singles, |v| v.is_exact),
@@ -265,6 +286,7 @@ fn summarise(verdicts: Vec<Verdict>, unanswered: usize) -> Score {
         seconds: [median(&mut times), quantile(&mut times, 0.9)],
         baseline_top: [0, 1].map(|i| Rate::of(&singles, |v| v.baseline_right[i])),
         baseline_closed: [0, 1, 2].map(closed_by),
-        verdicts,
+        classes: Vec::new(),
+        verdicts: all,
     }
 }

@@ -1,8 +1,11 @@
 //! A score as tables, a page and a document.
 
+mod classes;
+
 use std::fmt::Write as _;
 
-use fd_report::{Line, Page, Picture, PictureError, Table, figure};
+use fd_model::figure;
+use fd_report::{Line, Page, Picture, PictureError, Table};
 
 use super::{BySquares, Calibration, Rate, Score};
 
@@ -13,6 +16,10 @@ impl Score {
     /// The one sentence.
     #[must_use]
     pub fn headline(&self) -> String {
+        if !self.verdicts.iter().any(super::Verdict::is_plain) && !self.classes.is_empty() {
+            let names: Vec<&str> = self.classes.iter().map(|class| class.name.as_str()).collect();
+            return format!("{} cases of {}", self.cases, names.join(", "));
+        }
         format!(
             "{} cases: the right cause, or one that no log could tell from it, came first in {:.1} % \
              of {} visible single effects",
@@ -22,18 +29,23 @@ impl Score {
         )
     }
 
-    /// All tables.
+    /// All tables: those of the first kinds of cases, if there are any, then one per class.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        vec![
-            self.measures(),
-            self.by_distance(),
-            self.told(),
-            self.shares(),
-            self.baselines(),
-            self.reliability(),
-            self.confusion(),
-        ]
+        let mut tables = Vec::new();
+        if self.classes.is_empty() || self.verdicts.iter().any(super::Verdict::is_plain) {
+            tables.extend([
+                self.measures(),
+                self.by_distance(),
+                self.told(),
+                self.shares(),
+                self.baselines(),
+                self.reliability(),
+                self.confusion(),
+            ]);
+        }
+        tables.extend(self.classes.iter().map(super::ClassScore::table));
+        tables
     }
 
     fn measures(&self) -> Table {
@@ -162,17 +174,18 @@ impl Score {
 
     /// What was right and wrong, case by case.
     fn mistakes(&self) -> Table {
-        let header = ["case", "plant", "truth", "said", "p", "D"];
+        let header = ["case", "kind", "plant", "truth", "said", "p", "D"];
         let mut table = Table::new("Visible effects that were not found", &header);
-        let wrong = |v: &&super::Verdict| {
-            v.is_visible && !v.is_right && (v.kind == "single" || v.kind == "mismatch")
-        };
+        let counts =
+            |v: &super::Verdict| v.kind == "single" || v.kind == "mismatch" || !v.is_plain();
+        let wrong = |v: &&super::Verdict| v.is_visible && !v.is_right && counts(v);
         for v in self.verdicts.iter().filter(wrong).take(LISTED) {
             table.push([
                 v.case.clone(),
+                v.kind.clone(),
                 v.plant.clone(),
                 v.truth.join(" + "),
-                v.said.clone(),
+                if v.says_none { format!("none of these ({})", v.said) } else { v.said.clone() },
                 format!("{:.2}", v.probability),
                 figure(v.distance),
             ]);

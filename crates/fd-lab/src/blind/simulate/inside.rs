@@ -7,6 +7,9 @@ impl Run<'_> {
     fn rates(&self, x: &[f64], f: &[f64]) -> Vec<f64> {
         let mut dx = vec![0.0; x.len()];
         self.physics.rates(x, &self.u, f, &mut dx);
+        for (inner, change) in self.inner.iter().zip(&self.changes).filter(|(_, c)| **c != 0.0) {
+            (inner.add)(&self.parameters, *change, &mut dx);
+        }
         dx
     }
 

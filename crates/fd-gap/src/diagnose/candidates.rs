@@ -1,0 +1,45 @@
+//! What there is to try, sorted by what it acts on.
+
+use fd_effect::{Candidate, Kind, Suspects};
+
+use super::result::NotTested;
+
+/// The family of free curves, which follow a misfit without being a law of anything.
+const FREE_CURVES: &str = "map";
+
+/// All single suspects of a case.
+#[derive(Debug)]
+pub(super) struct Candidates {
+    /// Effects on the simulation.
+    pub(super) simulated: Vec<Candidate>,
+    /// Effects on the distribution of a measurement, which leave the simulation as it is.
+    pub(super) measured: Vec<Candidate>,
+    /// What cannot be tried.
+    pub(super) refused: Vec<NotTested>,
+}
+
+impl Candidates {
+    pub(super) fn of(suspects: &dyn Suspects) -> Self {
+        let mut sorted = Self { simulated: Vec::new(), measured: Vec::new(), refused: Vec::new() };
+        for suspect in suspects.alone() {
+            match suspect {
+                Ok(candidate) if candidate.kind == Kind::Simulation => {
+                    sorted.simulated.push(candidate);
+                }
+                Ok(candidate) => sorted.measured.push(candidate),
+                Err(refusal) => sorted.refused.push(NotTested::from(&refusal)),
+            }
+        }
+        sorted
+    }
+}
+
+/// Whether both are laws of one cause.
+pub(super) fn is_same_cause(a: &Candidate, b: &Candidate) -> bool {
+    a.identity() == b.identity()
+}
+
+/// Whether it is a free curve.
+pub(super) fn is_free_curve(candidate: &Candidate) -> bool {
+    candidate.family == FREE_CURVES
+}

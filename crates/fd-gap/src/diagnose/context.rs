@@ -1,0 +1,13 @@
+//! What every step may look at.
+
+use super::{candidates::Candidates, case::Case, monitor::Monitor, settings::Settings};
+
+/// What every step may look at, and none may change.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    /// The case as it is diagnosed: with the controller on logged outputs, if it did see these.
+    pub(super) case: Case<'a>,
+    pub(super) candidates: &'a Candidates,
+    pub(super) settings: &'a Settings,
+    pub(super) monitor: &'a dyn Monitor,
+}

@@ -1,0 +1,56 @@
+//! A cause of the measurement beside the best simulated answer.
+
+use crate::diagnose::{
+    candidates::Candidates,
+    result::Pair,
+    weigh::{
+        answer::{Answer, PAIR},
+        measurement::{MeasurementCause, weigh_measurement},
+        pair::FittedPair,
+        rank::measured_cause,
+        singles::Singles,
+    },
+};
+
+/// A cause of the measurement beside a simulated one.
+#[derive(Debug)]
+pub(super) struct Beside<'a> {
+    pub(super) pair: Pair,
+    pub(super) measured: MeasurementCause<'a>,
+}
+
+impl<'a> Beside<'a> {
+    /// The best one beside the first cause, which is part of the `best` answer; `None` where that
+    /// has no simulated effect.
+    pub(super) fn of(
+        singles: &Singles<'_>,
+        best: &Answer,
+        candidates: &'a Candidates,
+    ) -> Option<Self> {
+        best.fit.as_ref()?;
+        let first = &singles.causes.first()?.cause;
+        let (noise, is_coloured) = (&singles.searched.noise, singles.searched.is_coloured);
+        let weighed = candidates.measured.iter().filter_map(|candidate| {
+            let measured = weigh_measurement(candidate, &best.errors, noise, is_coloured)?;
+            // Any simulation would have the rest of it.
+            let gain = measured.gain - measured.given;
+            Some(MeasurementCause { gain, ..measured })
+        });
+        let measured = weighed.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        let second = measured_cause(&measured, &best.explanation);
+        let pair = Pair {
+            probability: 0.0,
+            log_evidence: first.log_evidence + measured.gain,
+            gap: second.gap,
+            causes: [first.clone(), second],
+        };
+        Some(Self { pair, measured })
+    }
+
+    /// Whether it belongs into the best answer: it is worth a second cause, and no pair of simulated
+    /// causes is better.
+    pub(super) fn is_best(&self, pairs: &[FittedPair]) -> bool {
+        PAIR < self.measured.gain
+            && pairs.first().is_none_or(|best| best.pair.log_evidence < self.pair.log_evidence)
+    }
+}

@@ -1,0 +1,68 @@
+//! The best explanation comes near the noise: likelihoods speak.
+
+use super::{
+    beside::Beside,
+    judged::{Judged, NamedPairs},
+    pair_ties::name_pairs,
+    probabilities::{Believed, believe, unknown_gain},
+    ties::ties,
+    validation::validate_with_rivals,
+    verdict::verdict,
+};
+use crate::{
+    diagnose::{
+        context::Context,
+        result::Regime,
+        weigh::{Weighed, rank::Basis, singles::Singles},
+    },
+    fit::{FitError, Log},
+};
+
+/// Judges by evidence. Something unknown is the more probable, the more the best explanation leaves
+/// beyond noise, the worse it forecasts `held_out` logs, and the more wrong samples come in bursts.
+pub(super) fn by_evidence<'a>(
+    weighed: Weighed<'a>,
+    held_out: &[Log],
+    context: &Context<'a>,
+) -> Result<Judged<'a>, FitError> {
+    let settings = context.settings;
+    let Weighed { singles, pairs: fitted, best: simulated, lack_of_fit } = weighed;
+    let ties = ties(&singles.causes, &singles.searched, settings);
+    let beside = Beside::of(&singles, &simulated, context.candidates);
+    let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
+        Some(Beside { measured, .. }) => {
+            let best = simulated.with(measured);
+            let lack_of_fit = singles.lack_of_fit(&best);
+            (best, lack_of_fit, measured.doubt())
+        }
+        None => (simulated, lack_of_fit, doubt_of_first(&singles)),
+    };
+    let measured = beside.map(|beside| beside.pair);
+    let NamedPairs { pairs, tied, fitted } =
+        name_pairs(fitted, measured, &singles.causes, settings);
+    let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
+    let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
+    let Believed { others: probabilities, causes, pairs } =
+        believe(singles.causes, pairs, &best, gain, settings);
+    let pairs = NamedPairs { pairs, tied, fitted };
+    Ok(Judged {
+        verdict: verdict(probabilities, &causes, &ties, &pairs),
+        regime: Regime::AtTheFloor,
+        probabilities,
+        singles: Singles { causes, ..singles },
+        ties,
+        pairs,
+        best,
+        lack_of_fit,
+        horizons: settings.report_horizons.clone(),
+    })
+}
+
+/// Log-likelihood that something unknown could gain over the first cause if that is one of the
+/// measurement.
+fn doubt_of_first(singles: &Singles<'_>) -> f64 {
+    match singles.causes.first().map(|first| first.basis) {
+        Some(Basis::Measurement(id)) => singles.measured(id).doubt(),
+        Some(Basis::Simulation(_)) | None => 0.0,
+    }
+}

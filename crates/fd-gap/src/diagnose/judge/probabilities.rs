@@ -1,0 +1,67 @@
+//! From evidence to probabilities.
+
+use super::validation::Validation;
+use crate::{
+    diagnose::{
+        result::{Leftover, Pair},
+        settings::Settings,
+        weigh::{answer::Answer, priors::Priors, rank::RankedCause},
+    },
+    evidence::probabilities,
+};
+
+/// Share of the amplitude of the gap from which what is left may be the work of something else;
+/// less is the right mechanism with another law.
+const OTHER: f64 = 0.15;
+
+/// What a strength costs that the data know: an unknown cause has one as well.
+const STRENGTH: f64 = 5.0;
+
+/// Probabilities of the answers that are neither a cause nor a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) struct Probabilities {
+    pub(in crate::diagnose) no_gap: f64,
+    pub(in crate::diagnose) none_of_these: f64,
+}
+
+/// Answers that exclude each other, with their probabilities.
+#[derive(Debug)]
+pub(super) struct Believed {
+    pub(super) others: Probabilities,
+    pub(super) causes: Vec<RankedCause>,
+    pub(super) pairs: Vec<Pair>,
+}
+
+/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves
+/// `left` and forecasts as `validation` says. What forecasts well is the right mechanism; what
+/// forecasts badly puts no more in doubt than it has gained.
+pub(super) fn unknown_gain(best: &Answer, left: &Leftover, validation: Validation) -> f64 {
+    let is_other = OTHER < left.share && !validation.is_confirmed;
+    let fitted = if is_other { left.gain() } else { 0.0 };
+    fitted + validation.loss.min(best.log_evidence.max(0.0))
+}
+
+/// Gives causes, pairs and the other answers their probabilities. Something unknown, alone or beside
+/// the `best` explanation, could gain `gain`.
+pub(super) fn believe(
+    mut causes: Vec<RankedCause>,
+    mut pairs: Vec<Pair>,
+    best: &Answer,
+    gain: f64,
+    settings: &Settings,
+) -> Believed {
+    let Settings { unknown, temperature, .. } = *settings;
+    let n = causes.len();
+    let priors = Priors::of(settings, n);
+    let known = [priors.no_gap, priors.cause, priors.pair][best.effects.min(2)];
+    let prior = known * unknown / (1.0 - unknown);
+    let mut answers = vec![(0.0, priors.no_gap), (best.log_evidence + gain - STRENGTH, prior)];
+    answers.extend(causes.iter().map(|ranked| (ranked.cause.log_evidence, priors.cause)));
+    answers.extend(pairs.iter().map(|pair| (pair.log_evidence, priors.pair)));
+    let found = probabilities(&answers, temperature);
+    let (of_causes, of_pairs) = found[2..].split_at(n);
+    causes.iter_mut().zip(of_causes).for_each(|(ranked, p)| ranked.cause.probability = *p);
+    pairs.iter_mut().zip(of_pairs).for_each(|(pair, p)| pair.probability = *p);
+    let others = Probabilities { no_gap: found[0], none_of_these: found[1] };
+    Believed { others, causes, pairs }
+}

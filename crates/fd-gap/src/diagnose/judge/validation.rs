@@ -1,0 +1,132 @@
+//! What forecasts of held-out logs say of an explanation.
+//!
+//! What explains the logs of the fit and nothing else is no law: a curve over time follows any
+//! force that comes from somewhere else, and a hundred candidates have a hundred chances. A law of
+//! the wrong kind forecasts another run badly; the right one with a slightly different law does
+//! not. A fit alone tells the two apart only when it leaves something.
+
+use crate::{
+    diagnose::{
+        context::Context,
+        settings::Settings,
+        weigh::{
+            answer::{Answer, Fit},
+            explain::nuisances,
+            rank::Basis,
+            singles::Singles,
+        },
+    },
+    fit::{FitError, Log, Minimum, Problem, Variable},
+    quality::Autoregression,
+    shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
+};
+
+/// An explanation that surely closes less than this share of a held-out gap does not forecast it, and
+/// two causes where they most probably do: together they can draw much that is neither …
+const CLOSES_LITTLE: f64 = 0.7;
+/// … and one that surely closes more than this one does.
+const CLOSES_MUCH: f64 = 0.8;
+
+/// Spread of `ln` of the noise from one run to another.
+const BETWEEN_RUNS: f64 = 0.05;
+/// Rivals of the best cause whose forecasts are looked at.
+const MOST_RIVALS: usize = 4;
+
+/// How an explanation forecasts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Validation {
+    /// What it costs, in log-likelihood, that forecast errors are larger than the noise and than the
+    /// errors of the fit; zero where the explanation closes a good part of the held-out gap.
+    pub(super) loss: f64,
+    /// Whether it surely closes most of the held-out gap.
+    pub(super) is_confirmed: bool,
+}
+
+/// How the simulated effects of the `best` answer forecast, of which `floor` is the noise floor. A free
+/// curve may forecast badly where a law that fits as well does not: where the best answer, of one
+/// effect, forecasts badly, it is the best of it and its rivals.
+pub(super) fn validate_with_rivals(
+    best: &Answer,
+    floor: &[f64],
+    singles: &Singles<'_>,
+    held_out: &[Log],
+    context: &Context<'_>,
+) -> Result<Validation, FitError> {
+    let settings = context.settings;
+    let validate = |answer: &Answer| validate(answer, floor, singles, held_out, settings);
+    let mut validation = validate(best)?;
+    if 0.0 < validation.loss && best.effects == 1 {
+        let near = best.log_evidence - settings.bayes_factor.ln();
+        let others = singles.causes.iter().skip(1);
+        let rivals = others.take_while(|ranked| near < ranked.cause.log_evidence);
+        for ranked in rivals.take(MOST_RIVALS) {
+            let Basis::Simulation(id) = ranked.basis else { continue };
+            let Some(rival) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
+            let other = validate(&rival)?;
+            if other.loss < validation.loss {
+                validation = other;
+            }
+        }
+    }
+    Ok(validation)
+}
+
+/// How the simulated effects of an answer forecast, at the first horizon of the report; nothing is
+/// said where there are none, no held-out log, or no gap in it.
+fn validate(
+    answer: &Answer,
+    floor: &[f64],
+    singles: &Singles<'_>,
+    held_out: &[Log],
+    settings: &Settings,
+) -> Result<Validation, FitError> {
+    let (Some(fit), Some(horizon)) = (&answer.fit, settings.report_horizons.first()) else {
+        return Ok(Validation::default());
+    };
+    if held_out.is_empty() {
+        return Ok(Validation::default());
+    }
+    let (nominal, searched) = (singles.base.simulator(), &singles.searched);
+    let null = &searched.null;
+    let run = |problem: &Problem, at: &Minimum| {
+        let nuisances: Vec<(String, f64)> =
+            nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect();
+        let values = problem.effect_values(&at.z);
+        let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
+        let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);
+        let settled = Settled { simulator, nuisances, effects };
+        forecast_errors(nominal, settled, held_out, *horizon, &searched.noise.sigma)
+    };
+    let Fit { problem, minimum } = fit;
+    let (before, after) = (run(&null.problem, &null.minimum)?, run(problem, minimum)?);
+    let (Some(before), Some(after)) = (before, after) else {
+        return Ok(Validation::default());
+    };
+    let squares: f64 = floor.iter().map(|floor| floor * floor).sum();
+    let all = f64::sqrt(squares / floor.len().max(1) as f64);
+    let share = closed(&before, &after, all, settings.replicas, settings.seed);
+    let Some(Closed { fraction, interval: [low, high], .. }) = share.map(Closed::between_runs)
+    else {
+        return Ok(Validation::default());
+    };
+    let is_confirmed = CLOSES_MUCH < low;
+    if CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction } {
+        return Ok(Validation { loss: 0.0, is_confirmed });
+    }
+    let fitted = gap_per_output(&answer.errors);
+    let expected = fitted.iter().zip(floor).map(|(fitted, floor)| fitted.max(*floor));
+    let loss = after.iter().zip(expected).map(|(errors, expected)| raised(errors, expected)).sum();
+    Ok(Validation { loss, is_confirmed })
+}
+
+/// What it costs that the errors of an output are stronger than expected.
+fn raised(errors: &[Vec<f64>], expected: f64) -> f64 {
+    let n = errors.iter().flatten().filter(|e| e.is_finite()).count().max(1) as f64;
+    let squares: f64 = errors.iter().flatten().filter(|e| e.is_finite()).map(|e| e * e).sum();
+    let above = 0.5 * (squares / n / expected.powi(2)).ln();
+    let signals: Vec<&[f64]> = errors.iter().map(Vec::as_slice).collect();
+    // Slow errors are few independent ones, roughly n g² of them.
+    let innovation = Autoregression::fit(&signals, Autoregression::HIGHEST_ORDER).innovation();
+    let chance = 0.5 / (n * innovation * innovation);
+    if above <= 0.0 { 0.0 } else { 0.5 * above.powi(2) / (chance + BETWEEN_RUNS.powi(2)) }
+}

@@ -1,0 +1,101 @@
+//! Before any candidate is tried: the logs, the noise, the fit of the nuisances.
+
+pub(super) mod noise;
+pub(super) mod start;
+pub(super) mod step;
+
+use std::sync::Arc;
+
+use fd_model::SampleTime;
+use fd_sim::{
+    model::Model,
+    simulate::{EquationSimulator, Simulator},
+};
+
+use self::{noise::KnownNoise, step::with_step};
+use super::case::Case;
+use crate::{
+    fit::{FitError, Horizon, Log, NullFit, Plan, Weights, null_fit},
+    quality::{grid_step, robust_third_difference_floor},
+};
+
+/// A stated noise is believed up to this factor below what third differences show …
+const BELIEVED: f64 = 1.25;
+/// … and never raised by more than this.
+const RAISED: f64 = 4.0;
+
+/// What a diagnosis begins with: the logs, what is known of their noise, and the fit of the model
+/// without any effect.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    /// The nominal model, its integration step pinned.
+    pub(super) model: Model,
+    /// The fit without any effect, which has the logs.
+    pub(super) null: NullFit,
+    /// What is known of the noise.
+    pub(super) noise: KnownNoise,
+}
+
+/// Cuts the logs and fits the nuisances.
+pub(super) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, FitError> {
+    let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
+    let model = pinned(case.nominal.model(), ts);
+    let simulator = case.nominal.patched(&model, ts)?;
+    let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
+    let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
+    let stated: Vec<Option<f64>> = said.collect();
+    let null = weighted_null_fit(&plan, &*simulator, &stated)?;
+    let grids = (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
+    let sigma = null.problem.weights().sigma.clone();
+    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma } })
+}
+
+/// The model with the integration step that it has with its nominal parameters, whatever they will
+/// be.
+fn pinned(model: &Model, ts: SampleTime) -> Model {
+    let Ok(simulator) = EquationSimulator::<f64>::at(model, ts) else { return model.clone() };
+    with_step(model, ts.seconds() / simulator.substeps() as f64)
+}
+
+/// An output in all logs, one after the other, with a hole between them.
+fn measured(plan: &Plan, output: usize) -> Vec<f64> {
+    let column =
+        |log: &Log| -> Vec<f64> { log.y.iter().skip(output).step_by(log.ny).copied().collect() };
+    plan.logs.iter().map(column).collect::<Vec<_>>().join(&f64::NAN)
+}
+
+/// Fits the nuisances with the stated noise, or that which third differences show; a stated noise
+/// that is clearly too small is raised.
+fn weighted_null_fit(
+    plan: &Arc<Plan>,
+    nominal: &dyn Simulator,
+    stated: &[Option<f64>],
+) -> Result<NullFit, FitError> {
+    let guess = |c: usize| {
+        let signal = measured(plan, c);
+        let largest = signal.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+        // A perfectly smooth signal still has rounding errors.
+        let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);
+        robust_third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
+    };
+    let sigma = stated.iter().enumerate().map(|(c, stated)| stated.unwrap_or_else(|| guess(c)));
+    let first = null_fit(plan, nominal, &Weights::white(sigma.collect()))?;
+    let mut problem = first.problem.clone();
+    let errors = problem.errors(&first.minimum.z).ok_or(FitError::Diverged)?;
+    let old = &first.problem.weights().sigma;
+    let new: Vec<f64> = errors
+        .iter()
+        .zip(old)
+        .zip(stated)
+        .map(|((signals, old), stated)| {
+            let shown =
+                robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
+            match stated {
+                Some(stated) if shown <= BELIEVED * stated => *stated,
+                Some(stated) => shown.min(RAISED * stated),
+                None => shown.max(1e-3 * old),
+            }
+        })
+        .collect();
+    if new == *old { Ok(first) } else { null_fit(plan, nominal, &Weights::white(new)) }
+}

@@ -1,0 +1,64 @@
+//! What is known of the noise, and whether errors come near it.
+
+use crate::{evidence::NoisePrior, quality::noise_floor, shrink::gap_per_output};
+
+/// Spread of `ln` of the noise where the model states it, and where it does not.
+const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
+/// A grid above this many times the noise colours it: errors of rounding are no noise of a filter.
+const COARSE: f64 = 1.0;
+/// Times the stated noise that the best explanation leaves from which likelihoods are no use.
+const FAR: f64 = 5.0;
+/// Errors within this many times the noise may be noise of another colour.
+pub(in crate::diagnose) const REACHED: f64 = 2.0;
+
+/// What is known of the noise of each output.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct KnownNoise {
+    /// What the model states, in the unit of the output.
+    pub(in crate::diagnose) stated: Vec<Option<f64>>,
+    /// Steps of grids that measured values lie on, in the unit of the output.
+    pub(in crate::diagnose) grids: Vec<Option<f64>>,
+    /// What residuals are measured in, in the unit of the output.
+    pub(in crate::diagnose) sigma: Vec<f64>,
+}
+
+impl KnownNoise {
+    /// The noise of each output as an unknown, in units of sigma.
+    pub(in crate::diagnose) fn priors(&self, is_coloured: bool) -> Vec<NoisePrior> {
+        let of = |((stated, sigma), grid): ((&Option<f64>, &f64), &Option<f64>)| {
+            let is_coarse = grid.is_some_and(|step| COARSE * sigma < step);
+            let prior = NoisePrior::white(NOISE_SPREAD[usize::from(stated.is_none())]);
+            let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
+            NoisePrior { centre, ..prior }.coloured(is_coloured && !is_coarse)
+        };
+        self.stated.iter().zip(&self.sigma).zip(&self.grids).map(of).collect()
+    }
+
+    /// How many times the noise is in errors (in sigma), in the output with the most; where none is
+    /// stated, how many times their own floor.
+    pub(in crate::diagnose) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
+        self.reaches(errors).into_iter().map(|(reach, _)| reach).fold(0.0, f64::max)
+    }
+
+    /// Whether errors (in sigma) are so far above the noise that likelihoods are no use. Nobody
+    /// promises that there is noise as small as an estimated floor, and to reach it nearly is no
+    /// success: there, forecasts are better judges.
+    pub(in crate::diagnose) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
+        let limit = |is_stated| if is_stated { FAR } else { REACHED };
+        self.reaches(errors).into_iter().any(|(reach, is_stated)| limit(is_stated) < reach)
+    }
+
+    /// As [`reach`](Self::reach), per output, with whether its noise is stated.
+    fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<(f64, bool)> {
+        let gaps = gap_per_output(errors);
+        let of = |c: usize| {
+            let stated = self.stated[c];
+            let floor = match stated {
+                Some(stated) => (stated / self.sigma[c]).max(1.0),
+                None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
+            };
+            (gaps[c] / floor, stated.is_some())
+        };
+        (0..errors.len()).map(of).collect()
+    }
+}

@@ -1,0 +1,42 @@
+//! What is wrong with the logs.
+
+use fd_model::Record;
+use fd_sim::simulate::Simulator;
+
+use crate::{
+    fit::{FitError, Log, Problem},
+    quality::{Defect, Finding, inspect},
+    shrink::dominant_time_constant,
+};
+
+/// Findings in all logs, with the errors that the null fit has left in each.
+pub(super) fn findings(
+    logs: &[Record],
+    null: &Problem,
+    stated: &[Option<f64>],
+    errors: &[Vec<Vec<f64>>],
+) -> Result<Vec<Finding>, FitError> {
+    let mut findings = Vec::new();
+    for (i, log) in logs.iter().enumerate() {
+        let left = |signals: &Vec<Vec<f64>>| -> Vec<f64> {
+            let segments = null.plan().segments().iter().zip(signals);
+            segments.filter(|(s, _)| s.log == i).flat_map(|(_, e)| e).copied().collect()
+        };
+        let left: Vec<Vec<f64>> = errors.iter().map(left).collect();
+        findings.extend(inspect(log, null.simulator(), stated, Some(&left), i + 1)?);
+        findings.extend(short(null.simulator(), &null.plan().logs[i], i + 1));
+    }
+    Ok(findings)
+}
+
+/// A log that ends before the plant has forgotten where it started.
+fn short(simulator: &dyn Simulator, log: &Log, number: usize) -> Option<Finding> {
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let ts = simulator.ts().seconds();
+    let memory = ts * dominant_time_constant(simulator, &theta, &x0, log)?;
+    let seconds = ts * log.samples() as f64;
+    let channel = simulator.outputs().first()?.name.clone();
+    let defect = Defect::Short { seconds, memory };
+    (seconds < memory).then_some(Finding { log: number, channel, defect })
+}

@@ -1,0 +1,124 @@
+//! From a judgement to the result: the answer that is reported, its floor and its held-out gaps.
+
+mod findings;
+mod held_out;
+mod reported_floor;
+
+use fd_effect::Candidate;
+use fd_sim::model::Model;
+
+use self::{
+    findings::findings,
+    held_out::{Noise, held_out_gaps},
+    reported_floor::{around_the_loop, reported_floor},
+};
+use super::{
+    case::Case,
+    context::Context,
+    feedback::Feedback,
+    judge::{
+        groups,
+        judged::{Judged, NamedPairs},
+        sides,
+    },
+    result::{Cause, Diagnosis, NotTested, Verdict},
+    search::searched::Searched,
+    weigh::{
+        answer::Fit,
+        explain::{explain, nominal_explanation},
+        singles::Singles,
+    },
+};
+use crate::fit::{FitError, Log, Minimum, Problem};
+
+/// Reports the best answer; the refitted model where there is no gap. What is reported is the simulator
+/// as it came in the `case`, with its loop closed, whatever the controller saw while causes were sought.
+pub(super) fn report(
+    judged: Judged<'_>,
+    case: &Case<'_>,
+    feedback: &Feedback<'_>,
+    context: &Context<'_>,
+) -> Result<Diagnosis, FitError> {
+    let not_tested = not_tested(&judged.singles, context);
+    let simulations = simulations(&judged);
+    let Judged { verdict, regime, probabilities, singles, ties, pairs, horizons, .. } = judged;
+    let (answer, lack_of_fit) = match verdict {
+        Verdict::NoGap => (singles.refit.clone(), singles.lack_of_fit(&singles.refit)),
+        _ => (judged.best, judged.lack_of_fit),
+    };
+    let Singles { searched, base, refit, causes, .. } = singles;
+    let Searched { model, null, noise, is_coloured, .. } = searched;
+    let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
+
+    let nominal = feedback.closed(case, &model, &base)?;
+    let fit = match answer.fit {
+        Some(Fit { problem, minimum }) => {
+            let problem = feedback.closed(case, &answer.explanation.model, &problem)?;
+            Some(Fit { problem, minimum })
+        }
+        None => None,
+    };
+    // Where the controller was on logged outputs, what was explained so is explained once more.
+    let again = |model: &Model, problem: &Problem, at: &Minimum| {
+        let is_other = feedback.is_logged();
+        is_other.then(|| explain(model, &mut problem.clone(), &at.z)).flatten()
+    };
+    let refitted = again(&model, &nominal, &null.minimum).unwrap_or(refit.explanation);
+    let best = match &fit {
+        Some(Fit { problem, minimum }) => again(&answer.explanation.model, problem, minimum)
+            .unwrap_or_else(|| answer.explanation.clone()),
+        None => refitted.clone(),
+    };
+    around_the_loop(&mut floor, &answer.explanation.gap, &best.gap);
+    let findings = findings(case.logs, &nominal, &noise.stated, &refit.errors)?;
+    let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
+    let known = Noise { sigma: &noise.sigma, floors: &floor };
+    let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
+    context.monitor.advance();
+
+    let causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
+    let NamedPairs { pairs, tied: tied_pairs, .. } = pairs;
+    Ok(Diagnosis {
+        verdict,
+        regime,
+        is_logged_loop: feedback.is_logged(),
+        no_gap: probabilities.no_gap,
+        none_of_these: probabilities.none_of_these,
+        groups: groups(&causes, &pairs),
+        sides: sides(&causes, &pairs),
+        causes,
+        tied: ties.tied,
+        rivals: ties.rivals,
+        pairs,
+        tied_pairs,
+        leftover: lack_of_fit.leftover,
+        nominal: nominal_explanation(&model, &nominal)?,
+        refit: refitted,
+        is_unexplained: lack_of_fit.is_unexplained,
+        best,
+        sigma: noise.sigma,
+        floor,
+        is_coloured,
+        held_out,
+        findings,
+        not_tested,
+        simulations,
+    })
+}
+
+/// What could not be tried: refused, not simulated, or without a trace in the measurement.
+fn not_tested(singles: &Singles<'_>, context: &Context<'_>) -> Vec<NotTested> {
+    let is_seen = |c: &Candidate| singles.measured.iter().any(|m| std::ptr::eq(m.candidate, c));
+    let unseen = context.candidates.measured.iter().filter(|candidate| !is_seen(candidate));
+    let unseen = unseen.map(|c| NotTested::of(c, "there is nothing of it in the log".into()));
+    let refused = context.candidates.refused.iter().chain(&singles.searched.not_tested);
+    refused.cloned().chain(unseen).collect()
+}
+
+/// Simulations of all logs that were made.
+fn simulations(judged: &Judged<'_>) -> usize {
+    let Singles { searched, base, .. } = &judged.singles;
+    let pairs = judged.pairs.fitted.iter().map(|pair| &pair.fit.problem);
+    let fits = searched.trials.iter().map(|trial| &trial.problem).chain(pairs);
+    base.simulations() + fits.map(Problem::simulations).sum::<usize>()
+}

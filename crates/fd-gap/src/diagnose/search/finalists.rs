@@ -1,0 +1,44 @@
+//! The fits to the end.
+
+use fd_effect::Candidate;
+use rayon::prelude::*;
+
+use super::trial::Trial;
+use crate::{diagnose::candidates::is_same_cause, fit::NullFit};
+
+/// Fits the laws of the best causes to the end.
+pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, finalists: usize) {
+    let mut by_cost: Vec<&Trial<'_>> = trials.iter().collect();
+    by_cost.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+    let mut chosen: Vec<&Candidate> = Vec::new();
+    for trial in by_cost {
+        if chosen.len() < finalists && !is_among(&chosen, trial) {
+            chosen.push(trial.candidate);
+        }
+    }
+    trials
+        .par_iter_mut()
+        .filter(|trial| is_among(&chosen, trial))
+        .for_each(|trial| trial.full_fit(null));
+    // A law starts from the best one of its cause as well, by the names of the parameters.
+    let mut starts: Vec<Option<Vec<f64>>> = Vec::with_capacity(trials.len());
+    for trial in trials.iter() {
+        let peers = trials.iter().filter(|peer| is_same_cause(peer.candidate, trial.candidate));
+        let best = peers.min_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let is_chosen = is_among(&chosen, trial);
+        let other = best.filter(|best| is_chosen && best.index != trial.index);
+        starts.push(other.and_then(|best| best.values_for(trial.candidate)));
+    }
+    trials.par_iter_mut().zip(starts).for_each(|(trial, start)| {
+        if let Some(values) = start
+            && trial.warm_start(null, &values)
+        {
+            trial.full_fit(null);
+        }
+    });
+}
+
+/// Whether a trial is of one of the chosen causes.
+fn is_among(chosen: &[&Candidate], trial: &Trial<'_>) -> bool {
+    chosen.iter().any(|candidate| is_same_cause(candidate, trial.candidate))
+}

@@ -1,0 +1,88 @@
+//! From all candidates to fitted finalists.
+
+mod command;
+mod finalists;
+mod screen;
+pub(super) mod searched;
+mod step_size;
+pub(super) mod trial;
+
+use rayon::prelude::*;
+
+pub(super) use self::{command::Command, finalists::finish};
+use self::{searched::Searched, step_size::with_short_steps, trial::Trial};
+use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
+use crate::{
+    fit::{FitError, NullFit, Projection},
+    quality::spectral_peaks,
+};
+
+/// Lines of the spectrum at which periodic effects are started.
+const LINES: usize = 5;
+
+/// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
+/// little from the best starts, and fits the best causes (effect and site, all their laws) to the
+/// end, with an integration step that is short enough for them.
+pub(super) fn search<'a>(
+    prepared: Prepared,
+    context: &Context<'a>,
+) -> Result<Searched<'a>, FitError> {
+    let Context { case, settings, monitor, .. } = *context;
+    let (nominal, candidates) = (case.nominal, context.candidates.simulated.as_slice());
+    let Prepared { model, null, noise } = prepared;
+    let projection = Projection::new(&null.problem, &null.minimum).ok_or(FitError::Diverged)?;
+    let lines = lines(&null)?;
+    let commands = Command::all(nominal, &model, &null, candidates);
+    monitor.begin(Stage::Screen, candidates.len());
+    let tried: Vec<Result<Trial<'a>, NotTested>> = candidates
+        .par_iter()
+        .enumerate()
+        .map(|(index, candidate)| {
+            let refuse = |reason: String| NotTested::of(candidate, reason);
+            let tried =
+                Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
+            let screened = tried.map(|mut trial| {
+                let command = Command::of_candidate(&commands, candidate);
+                trial.screen(&null, &projection, &lines, command);
+                trial
+            });
+            monitor.advance();
+            screened
+        })
+        .collect();
+    let (mut trials, mut not_tested) = (Vec::new(), Vec::new());
+    for outcome in tried {
+        match outcome {
+            Ok(trial) => trials.push(trial),
+            Err(reason) => not_tested.push(reason),
+        }
+    }
+    let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
+    monitor.begin(Stage::Fit, trials.len());
+    trials.par_iter_mut().for_each(|trial| {
+        trial.short_fits(&null, most);
+        monitor.advance();
+    });
+    trials.retain(|trial| {
+        if trial.best.is_none() {
+            let reason = "its simulation diverges".to_owned();
+            not_tested.push(NotTested::of(trial.candidate, reason));
+        }
+        trial.best.is_some()
+    });
+    finish(&mut trials, &null, settings.finalists);
+    let is_coloured = false;
+    with_short_steps(
+        nominal,
+        Searched { model, null, noise, trials, not_tested, is_coloured, lines },
+    )
+}
+
+/// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.
+fn lines(null: &NullFit) -> Result<Vec<f64>, FitError> {
+    let mut problem = null.problem.clone();
+    let errors = problem.errors(&null.minimum.z).ok_or(FitError::Diverged)?;
+    let signals: Vec<&[f64]> = errors.iter().flatten().map(Vec::as_slice).collect();
+    let rate = 1.0 / problem.simulator().ts().seconds();
+    Ok(spectral_peaks(&signals, LINES).into_iter().map(|f| f * rate).collect())
+}

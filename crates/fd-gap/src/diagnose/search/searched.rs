@@ -1,0 +1,64 @@
+//! All candidates, fitted as far as it was worth it.
+
+use fd_sim::model::Model;
+
+use super::trial::Trial;
+use crate::{
+    diagnose::{prepare::noise::KnownNoise, result::NotTested},
+    fit::{FitError, NullFit},
+};
+
+/// All candidates, fitted as far as it was worth it.
+#[derive(Debug)]
+pub(in crate::diagnose) struct Searched<'a> {
+    /// The nominal model, with an integration step that is short enough for the finalists.
+    pub(in crate::diagnose) model: Model,
+    /// The fit without any effect.
+    pub(in crate::diagnose) null: NullFit,
+    pub(in crate::diagnose) noise: KnownNoise,
+    /// The fits, in the order of the candidates.
+    pub(in crate::diagnose) trials: Vec<Trial<'a>>,
+    pub(in crate::diagnose) not_tested: Vec<NotTested>,
+    /// Whether the fits whiten errors: the noise has a colour.
+    pub(in crate::diagnose) is_coloured: bool,
+    /// Frequencies of the highest lines in the spectrum of what the null fit left, in Hz.
+    pub(in crate::diagnose) lines: Vec<f64>,
+}
+
+/// A trial of a search: its place in [`Searched::trials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::diagnose) struct TrialId(usize);
+
+impl<'a> Searched<'a> {
+    /// All trials with their ids.
+    pub(in crate::diagnose) fn trials(&self) -> impl Iterator<Item = (TrialId, &Trial<'a>)> {
+        self.trials.iter().enumerate().map(|(place, trial)| (TrialId(place), trial))
+    }
+
+    /// All trials with their ids, to simulate with them.
+    pub(in crate::diagnose) fn trials_mut(
+        &mut self,
+    ) -> impl Iterator<Item = (TrialId, &mut Trial<'a>)> {
+        self.trials.iter_mut().enumerate().map(|(place, trial)| (TrialId(place), trial))
+    }
+
+    /// The trial of an id of this search, to simulate with it.
+    pub(in crate::diagnose) fn trial_mut(&mut self, id: TrialId) -> &mut Trial<'a> {
+        &mut self.trials[id.0]
+    }
+
+    /// The trial of an id of this search.
+    pub(in crate::diagnose) fn trial(&self, id: TrialId) -> &Trial<'a> {
+        &self.trials[id.0]
+    }
+
+    /// What the best single fit leaves, in sigma.
+    pub(in crate::diagnose) fn best_errors(&self) -> Result<Vec<Vec<Vec<f64>>>, FitError> {
+        let best = self.trials.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let errors = match best.and_then(|trial| Some((trial, trial.best.as_ref()?))) {
+            Some((trial, best)) => trial.problem.clone().errors(&best.z),
+            None => self.null.problem.clone().errors(&self.null.minimum.z),
+        };
+        errors.ok_or(FitError::Diverged)
+    }
+}

@@ -1,0 +1,73 @@
+//! Is the integration step short enough for the effects that matter?
+
+use fd_sim::{
+    model::{Law, Model},
+    simulate::Nominal,
+};
+use rayon::prelude::*;
+
+use super::{searched::Searched, trial::Trial};
+use crate::{
+    diagnose::prepare::step::with_step,
+    fit::{FitError, Minimum, Problem, null_fit},
+    shrink::gap_per_output,
+};
+
+/// Largest change of an output, in sigma, that a step of half the length may make.
+const LARGEST_CHANGE: f64 = 0.2;
+/// How often the step is halved at most.
+const MOST_HALVINGS: usize = 3;
+/// Trials, the best first, of which the step is checked.
+const CHECKED: usize = 5;
+
+/// The same search with a shorter integration step: it is halved, and the finalists and the model
+/// without any effect are fitted again, until the outputs of the best do not depend on it by more
+/// than a fifth of the noise. A model that is sampled itself stays as it is.
+pub(super) fn with_short_steps<'a>(
+    nominal: &dyn Nominal,
+    searched: Searched<'a>,
+) -> Result<Searched<'a>, FitError> {
+    let Searched { mut model, mut null, mut trials, .. } = searched;
+    // A model that is sampled itself has no step that could be halved: that of a sample is its law.
+    let is_sampled = !model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
+    for _ in 0..if is_sampled { 0 } else { MOST_HALVINGS } {
+        let Some(step) = model.step.map(|step| 0.5 * step) else { break };
+        let mut best: Vec<&Trial<'_>> = trials.iter().filter(|trial| trial.is_final).collect();
+        best.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        best.truncate(CHECKED);
+        let finalists = best
+            .into_iter()
+            .filter_map(|trial| Some((&trial.model, &trial.problem, trial.best.as_ref()?)));
+        let all = finalists.chain([(&model, &null.problem, &null.minimum)]);
+        let is_coarse = all.into_iter().any(|(model, problem, at)| {
+            // What cannot be simulated or diverges with the shorter step is no reason for it.
+            change(nominal, &with_step(model, step), problem, at)
+                .is_some_and(|change| LARGEST_CHANGE < change)
+        });
+        if !is_coarse {
+            break;
+        }
+        model = with_step(&model, step);
+        let simulator = nominal.patched(&model, null.problem.simulator().ts())?;
+        null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
+        trials
+            .par_iter_mut()
+            .filter(|trial| trial.is_final)
+            .try_for_each(|trial| trial.refine(nominal, step, &null))?;
+    }
+    Ok(Searched { model, null, trials, ..searched })
+}
+
+/// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted
+/// problem change with another model.
+fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, at: &Minimum) -> Option<f64> {
+    let ts = problem.simulator().ts();
+    let simulator = nominal.patched(other, ts).ok()?;
+    let (plan, weights) = (problem.plan().clone(), problem.weights().clone());
+    let mut finer = Problem::new(plan, simulator, problem.effects().to_vec(), weights).ok()?;
+    let (mut a, b) = (problem.errors_at(at), finer.errors(&at.z)?);
+    for (a, b) in a.iter_mut().flatten().flatten().zip(b.iter().flatten().flatten()) {
+        *a -= b;
+    }
+    Some(gap_per_output(&a).into_iter().fold(0.0, f64::max))
+}

@@ -1,0 +1,229 @@
+//! A candidate on its way through short fits and the full fit.
+
+use std::sync::Arc;
+
+use fd_effect::{Candidate, EffectParameter};
+use fd_sim::{model::Model, simulate::Nominal};
+
+use crate::{
+    diagnose::prepare::step::with_step,
+    fit::{
+        FitError, LeastSquares, Minimum, NullFit, Problem, Score, Search, Variable, Weights,
+        minimise, minimise_all,
+    },
+};
+
+/// Starts of a candidate that get a short fit.
+const SHORT_FITS: usize = 3;
+/// Iterations of a short fit.
+const SHORT: Search =
+    Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, own_only: false };
+/// A fit to the end: what is left is a hundredth of a nat.
+const FULL: Search =
+    Search { iterations: 30, absolute: 1e-2, relative: 1e-6, frozen: 0, own_only: false };
+/// A short fit with all slopes.
+const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
+/// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
+const SMALLEST_AMPLITUDE: f64 = 0.1;
+/// Starts whose gain is below this part of the best one get no short fit.
+const HOPEFUL: f64 = 0.5;
+
+/// A candidate whose gain is below this part of the best of all gets one short fit.
+const PROMISING: f64 = 0.2;
+
+/// A candidate whose gain is below this part of the best of all gets one iteration of it.
+const HOPELESS: f64 = 0.02;
+/// A gain that is hopeless must also be so much less than the best, in sums of squares.
+const FAR_BELOW: f64 = 200.0;
+/// A candidate whose sum of squares is above this multiple of the best is out of reach.
+const OUT_OF_REACH: f64 = 1.2;
+
+/// A start of a fit.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct ScoredStart {
+    /// Values of the parameters of the effect.
+    pub(super) values: Vec<f64>,
+    /// What it could explain besides the nuisances, and at what amplitude.
+    pub(super) score: Score,
+}
+
+/// A candidate on its way: screened, fitted a little, fitted to the end. It is at work within the
+/// functions that own it, and rests once it is part of a step.
+#[derive(Debug)]
+pub(in crate::diagnose) struct Trial<'a> {
+    pub(in crate::diagnose) candidate: &'a Candidate,
+    /// The model of the candidate, with the integration step that is in use.
+    pub(in crate::diagnose) model: Model,
+    /// Place among the candidates.
+    pub(in crate::diagnose) index: usize,
+    pub(in crate::diagnose) problem: Problem,
+    /// Neutral values of strengths; `None` for shapes.
+    pub(in crate::diagnose) strengths: Vec<Option<f64>>,
+    pub(in crate::diagnose) best: Option<Minimum>,
+    /// Whether it was fitted to the end.
+    pub(in crate::diagnose) is_final: bool,
+    /// The starts of the candidate and what they could explain, the best first.
+    pub(super) scored: Vec<ScoredStart>,
+}
+
+impl<'a> Trial<'a> {
+    pub(in crate::diagnose) fn new(
+        nominal: &dyn Nominal,
+        candidate: &'a Candidate,
+        index: usize,
+        null: &NullFit,
+    ) -> Result<Self, FitError> {
+        let plan = Arc::clone(null.problem.plan());
+        let ts = null.problem.simulator().ts();
+        let simulator = nominal.patched(&candidate.model, ts)?;
+        let variable = Variable::effect;
+        let effects = candidate.parameters.iter().map(variable).collect();
+        let weights = null.problem.weights().clone();
+        let problem = Problem::new(plan, simulator, effects, weights)?;
+        let neutral = |p: &EffectParameter| p.is_strength.then_some(p.neutral);
+        let strengths = candidate.parameters.iter().map(neutral).collect();
+        let model = candidate.model.clone();
+        Ok(Self {
+            candidate,
+            model,
+            index,
+            problem,
+            strengths,
+            best: None,
+            is_final: false,
+            scored: Vec::new(),
+        })
+    }
+
+    /// Fits the best starts a little; only one when no start could explain much of `most`, which
+    /// the best of all candidates could.
+    pub(in crate::diagnose) fn short_fits(&mut self, null: &NullFit, most: f64) {
+        let top = self.gain();
+        let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
+        let hopeful = self.scored.iter().take(fits);
+        let mut starts: Vec<Vec<f64>> = hopeful
+            .take_while(|start| HOPEFUL * top <= start.score.gain)
+            .map(|ScoredStart { values, score }| {
+                let smallest = SMALLEST_AMPLITUDE.copysign(score.amplitude);
+                let is_small = score.amplitude.abs() < SMALLEST_AMPLITUDE;
+                self.scaled(values, if is_small { smallest } else { score.amplitude })
+            })
+            .collect();
+        let is_hopeless = top < HOPELESS * most && top < most - FAR_BELOW;
+        let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
+        if is_hopeless {
+            // So that one step is never worse than none.
+            starts.push(self.neutral());
+        }
+        self.short_fit(null, &starts, search);
+        if self.best.is_none() {
+            self.fall_back(null);
+        }
+    }
+
+    /// A few iterations from each start, with the slopes of the nuisances as they are without the
+    /// effect.
+    pub(in crate::diagnose) fn short_fit(
+        &mut self,
+        null: &NullFit,
+        starts: &[Vec<f64>],
+        search: Search,
+    ) {
+        let place = |values: &Vec<f64>| self.problem.place(&null.minimum.z, values);
+        let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
+        let shared = self.problem.plan().nuisances().len();
+        let mut slopes = null.minimum.slopes.clone();
+        let rows = self.problem.layout().residuals();
+        let new = vec![vec![0.0; rows]; self.strengths.len()];
+        slopes.splice(shared..shared, new);
+        let search = Search { frozen: shared, ..search };
+        let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
+        for minimum in minimise_all(&mut self.problem, &places, known, search) {
+            self.keep(minimum);
+        }
+    }
+
+    fn keep(&mut self, minimum: Option<Minimum>) {
+        let Some(minimum) = minimum else { return };
+        if self.best.as_ref().is_none_or(|best| minimum.cost < best.cost) {
+            self.best = Some(minimum);
+        }
+    }
+
+    /// Fits everything, to the end. The effect can be absent, so that the result is never worse
+    /// than that without it.
+    pub(in crate::diagnose) fn full_fit(&mut self, null: &NullFit) {
+        self.is_final = true;
+        if let Some(best) = self.best.take() {
+            // From the same place, so never worse, and with all slopes.
+            let minimum = minimise(&mut self.problem, &best.z, None, FULL);
+            self.best = minimum.or(Some(best));
+        }
+        self.fall_back(null);
+    }
+
+    /// Starts where the effect is absent, if that is better.
+    fn fall_back(&mut self, null: &NullFit) {
+        if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
+            return;
+        }
+        self.short_fit(null, &[self.neutral()], SHORT);
+    }
+
+    /// The effect is absent.
+    fn neutral(&self) -> Vec<f64> {
+        self.candidate.parameters.iter().map(|p| p.neutral.clamp(p.low, p.high)).collect()
+    }
+
+    /// Goes on from the same place with noise of another colour; a candidate that is out of reach
+    /// of the `best` sum of squares stays there.
+    pub(in crate::diagnose) fn recolour(&mut self, null: &NullFit, weights: &Weights, best: f64) {
+        let iterations = if OUT_OF_REACH * best < self.cost() { 0 } else { AGAIN.iterations };
+        self.problem.set_weights(weights.clone());
+        let Some(best) = self.best.take() else { return };
+        let search = Search { iterations, ..AGAIN };
+        let minimum = minimise(&mut self.problem, &best.z, None, search);
+        self.keep(minimum);
+        self.fall_back(null);
+    }
+
+    /// Goes on from the same place with another integration step, at which `base` was fitted, too.
+    pub(in crate::diagnose) fn refine(
+        &mut self,
+        nominal: &dyn Nominal,
+        step: f64,
+        base: &NullFit,
+    ) -> Result<(), FitError> {
+        let model = with_step(&self.model, step);
+        let simulator = nominal.patched(&model, self.problem.simulator().ts())?;
+        let (plan, effects) = (Arc::clone(self.problem.plan()), self.problem.effects().to_vec());
+        self.problem = Problem::new(plan, simulator, effects, self.problem.weights().clone())?;
+        self.model = model;
+        if let Some(best) = self.best.take() {
+            self.best = minimise(&mut self.problem, &best.z, None, AGAIN);
+        }
+        self.full_fit(base);
+        Ok(())
+    }
+
+    /// The fitted parameters, as far as a law of the same label has them; the rest is neutral.
+    pub(in crate::diagnose) fn values_for(&self, other: &Candidate) -> Option<Vec<f64>> {
+        let values = self.problem.effect_values(&self.best.as_ref()?.z);
+        let own = &self.candidate.parameters;
+        let value = |p: &EffectParameter| {
+            own.iter().position(|known| known.name == p.name).map_or(p.neutral, |i| values[i])
+        };
+        Some(other.parameters.iter().map(value).collect())
+    }
+
+    /// A short fit from other values; says whether it is better than what was known.
+    pub(in crate::diagnose) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
+        let before = self.cost();
+        self.short_fit(null, &[values.to_vec()], SHORT);
+        self.cost() < before
+    }
+
+    pub(in crate::diagnose) fn cost(&self) -> f64 {
+        self.best.as_ref().map_or(f64::INFINITY, |best| best.cost)
+    }
+}

@@ -1,0 +1,82 @@
+//! A possible answer: an explanation of the logs, and the choice among several.
+
+use fd_effect::SiteRef;
+use fd_sim::model::Model;
+
+use super::{explain::explain, measurement::MeasurementCause};
+use crate::{
+    diagnose::result::Explanation,
+    fit::{Minimum, Problem},
+};
+
+/// Evidence over that of the best single cause from which a second cause is accepted.
+pub(in crate::diagnose) const PAIR: f64 = 5.0;
+
+/// An explanation with what it rests on.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct Answer {
+    pub(in crate::diagnose) explanation: Explanation,
+    /// Errors in sigma.
+    pub(in crate::diagnose) errors: Vec<Vec<Vec<f64>>>,
+    /// The fit, if a simulated effect is part of it.
+    pub(in crate::diagnose) fit: Option<Fit>,
+    /// How many effects there are in it.
+    pub(in crate::diagnose) effects: usize,
+    /// Logarithm of the evidence over that of "no gap".
+    pub(in crate::diagnose) log_evidence: f64,
+}
+
+/// A fitted problem.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct Fit {
+    pub(in crate::diagnose) problem: Problem,
+    pub(in crate::diagnose) minimum: Minimum,
+}
+
+/// An answer and what must speak for it.
+#[derive(Clone, Debug)]
+pub(super) struct Proposal {
+    pub(super) answer: Answer,
+    /// Evidence over that of the best plainer answer from which it is preferred.
+    pub(super) price: f64,
+}
+
+/// The answer to prefer: that of the refitted model, or the last of the proposals, the plainest
+/// first, that is worth its price over the best one before it.
+pub(super) fn choose(refit: &Answer, proposals: impl IntoIterator<Item = Proposal>) -> Answer {
+    proposals.into_iter().fold(refit.clone(), |best, Proposal { answer, price }| {
+        if best.log_evidence + price < answer.log_evidence { answer } else { best }
+    })
+}
+
+impl Answer {
+    /// The answer of a fit with so many effects; `None` when it diverges.
+    pub(in crate::diagnose) fn of(
+        model: &Model,
+        problem: &Problem,
+        best: &Minimum,
+        effects: usize,
+        log_evidence: f64,
+    ) -> Option<Self> {
+        let mut problem = problem.clone();
+        let explanation = explain(model, &mut problem, &best.z)?;
+        let errors = problem.errors(&best.z)?;
+        let fit = Some(Fit { problem, minimum: best.clone() });
+        Some(Self { explanation, errors, fit, effects, log_evidence })
+    }
+
+    /// The same with a cause of the measurement besides, whose traces do not count as left.
+    pub(in crate::diagnose) fn with(&self, measured: &MeasurementCause<'_>) -> Self {
+        let mut answer = Self {
+            effects: self.effects + 1,
+            log_evidence: self.log_evidence + measured.gain,
+            ..self.clone()
+        };
+        if let SiteRef::Output(output, _) = &measured.candidate.site
+            && let Some(errors) = answer.errors.get_mut(*output)
+        {
+            errors.clone_from(&measured.left);
+        }
+        answer
+    }
+}

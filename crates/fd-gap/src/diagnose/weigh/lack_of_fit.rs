@@ -1,0 +1,53 @@
+//! What an answer leaves of the gap, and how much of that may be noise.
+
+use super::{
+    answer::Answer,
+    leftover::{Known, leftover},
+};
+use crate::{
+    diagnose::{prepare::noise::KnownNoise, result::Leftover},
+    fit::Problem,
+    quality::noise_floor,
+    shrink::gap_per_output,
+};
+
+/// `ln(rms/floor)` from which a residual is unexplained.
+const UNEXPLAINED: f64 = 0.2;
+
+/// What is left of the gap, and how much of that may be noise.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct LackOfFit {
+    /// Noise floor of each output, in sigma.
+    pub(in crate::diagnose) floor: Vec<f64>,
+    /// Whether some output is clearly above it.
+    pub(in crate::diagnose) is_unexplained: bool,
+    pub(in crate::diagnose) leftover: Leftover,
+}
+
+/// What an answer leaves of the gap of the `refit`ted model, of which `base` is the problem.
+pub(super) fn lack_of_fit(
+    answer: &Answer,
+    refit: &Answer,
+    base: &Problem,
+    noise: &KnownNoise,
+    is_coloured: bool,
+) -> LackOfFit {
+    let gaps = gap_per_output(&answer.errors);
+    let floor: Vec<f64> = (0..gaps.len())
+        .map(|c| {
+            let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);
+            let floor = noise_floor(&answer.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
+            // Slow noise of the stated size is noise, whatever its innovation.
+            let slow = stated.filter(|_| is_coloured).map(|stated| gaps[c].min(stated));
+            slow.map_or(floor, |slow| floor.max(slow))
+        })
+        .collect();
+    let is_unexplained = gaps.iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
+    let outputs = &answer.explanation.outputs;
+    // A controller on logged outputs has these for inputs as well, with their noise.
+    let inputs = refit.explanation.model.external_inputs().len();
+    let known = Known { problem: base, inputs, outputs };
+    let before_and_after = [refit.explanation.gap.as_slice(), gaps.as_slice()];
+    let leftover = leftover(known, &answer.errors, noise, before_and_after, &floor);
+    LackOfFit { floor, is_unexplained, leftover }
+}

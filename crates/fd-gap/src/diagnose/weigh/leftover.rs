@@ -1,0 +1,123 @@
+//! What the best explanation leaves: is it noise of the stated kind?
+
+use fd_sim::simulate::Simulator;
+
+use super::colour::COLOURED;
+use crate::{
+    diagnose::{prepare::noise::KnownNoise, result::Leftover},
+    evidence::{NoisePrior, likelihood},
+    fit::{Log, Problem, Segment},
+    quality::{Signal, pattern},
+};
+
+/// Noise that is stronger than stated and has a colour that was not stated either is doubted sooner
+/// than white noise, by this factor of the spread.
+const SHARP: f64 = 0.4;
+
+/// Signals that residuals may depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known<'a> {
+    /// Its logs have the inputs, cut as the errors are.
+    pub(super) problem: &'a Problem,
+    /// How many of them, from the first, come from outside.
+    pub(super) inputs: usize,
+    /// Simulated outputs of each log.
+    pub(super) outputs: &'a [Vec<f64>],
+}
+
+/// What the errors of an explanation (in sigma) hold beyond noise. `gaps` are those of the
+/// refitted model and of the explanation, per output, and `floor` is that of the noise.
+pub(super) fn leftover(
+    known: Known<'_>,
+    errors: &[Vec<Vec<f64>>],
+    noise: &KnownNoise,
+    [before, after]: [&[f64]; 2],
+    floor: &[f64],
+) -> Leftover {
+    let priors = noise.priors(true);
+    let signals = signals(known);
+    let level = errors.iter().zip(&priors).map(|(errors, prior)| raised(errors, *prior)).sum();
+    // Errors of rounding follow the output by themselves.
+    let pattern = errors
+        .iter()
+        .zip(&priors)
+        .filter(|(_, prior)| prior.is_coloured)
+        .map(|(errors, _)| pattern(errors, &signals))
+        .sum();
+    let reducible = |gaps: &[f64]| -> f64 {
+        gaps.iter().zip(floor).map(|(gap, floor)| (gap * gap - floor * floor).max(0.0)).sum()
+    };
+    let (before, after) = (reducible(before), reducible(after));
+    let share = if 0.0 < before { (after / before).sqrt() } else { 0.0 };
+    Leftover { level, pattern, share }
+}
+
+/// What it costs that the errors of an output are stronger than the noise should be, if they have
+/// a colour as well; white ones are noise that was stated too small.
+fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
+    let found = likelihood(&[errors.to_vec()], &[prior]);
+    let (Some(scale), Some(colour)) = (found.scale.first(), found.colour.first()) else {
+        return 0.0;
+    };
+    let innovation = colour.innovation();
+    let is_raised = prior.centre < scale.ln() && innovation < COLOURED;
+    // Slow noise has few independent samples, roughly n g² of them.
+    let n = errors.iter().flatten().filter(|e| e.is_finite()).count().max(1) as f64;
+    let chance = 0.5 / (n * innovation * innovation);
+    let spread = (chance + (prior.spread * SHARP).powi(2)).sqrt();
+    if is_raised { NoisePrior { spread, ..prior }.cost(scale.ln()) } else { 0.0 }
+}
+
+/// Inputs of the logs and outputs of the simulation, cut as the errors are.
+///
+/// A logged command may have been made from the measurement of its own sample, by a controller that nobody
+/// knows: it is a cause of nothing before the next sample. Nor is an output that passes it on at once.
+fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Signal> {
+    let plan = problem.plan();
+    let (Some(first), segments) = (plan.logs.first(), plan.segments()) else { return Vec::new() };
+    let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
+        (from..to).map(|k| rows[k * width + i]).collect()
+    };
+    let of_all = |rows: &dyn Fn(&Segment) -> Vec<f64>| segments.iter().map(rows).collect();
+    // A controller on logged outputs is such a way at once, too.
+    let is_logged_loop = inputs < first.nu;
+    let at_once = passes_at_once(problem.simulator(), first);
+    let inputs = (0..inputs.min(first.nu)).map(|i| {
+        let values = of_all(&|s: &Segment| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to));
+        Signal { values, earliest: 1 }
+    });
+    let outputs = (0..first.ny).map(|i| {
+        let values = of_all(&|s: &Segment| column(&outputs[s.log], first.ny, i, s.from, s.to));
+        Signal { values, earliest: usize::from(is_logged_loop || at_once[i]) }
+    });
+    inputs.chain(outputs).collect()
+}
+
+/// Part of the size of an input by which it is moved.
+const NUDGE: f64 = 1e-3;
+
+/// Whether each output shows an input at the sample at which that is given.
+fn passes_at_once(simulator: &dyn Simulator, log: &Log) -> Vec<bool> {
+    let mut simulator = simulator.boxed();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let f = vec![0.0; simulator.ports().len()];
+    let mut shown = |u: &[f64]| -> Vec<f64> {
+        let mut y = vec![0.0; log.ny];
+        simulator.start(&theta, &x0, 0);
+        simulator.step(u, u, &f, &mut y);
+        y
+    };
+    let u = log.input(0).to_vec();
+    let before = shown(&u);
+    let mut at_once = vec![false; log.ny];
+    for i in 0..log.nu {
+        let largest = (0..log.samples()).map(|k| log.input(k)[i].abs()).fold(0.0, f64::max);
+        let mut moved = u.clone();
+        moved[i] += NUDGE * largest.max(f64::MIN_POSITIVE);
+        for (at_once, (a, b)) in at_once.iter_mut().zip(shown(&moved).iter().zip(&before)) {
+            *at_once |= a.to_bits() != b.to_bits();
+        }
+    }
+    at_once
+}

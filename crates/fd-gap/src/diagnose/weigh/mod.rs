@@ -1,0 +1,130 @@
+//! From fitted candidates to evidence: single causes, the colour of the noise, pairs.
+
+pub(super) mod answer;
+mod colour;
+pub(super) mod explain;
+mod gaussian;
+pub(super) mod lack_of_fit;
+mod leftover;
+pub(super) mod measurement;
+mod outliers;
+pub(super) mod pair;
+mod pairs;
+pub(super) mod priors;
+pub(super) mod rank;
+pub(super) mod singles;
+mod stronger_noise;
+mod teach;
+
+use self::{
+    answer::{Answer, choose},
+    colour::{colour_of, with_colour},
+    lack_of_fit::LackOfFit,
+    pair::FittedPair,
+    pairs::seek_pairs,
+    rank::Basis,
+    singles::{Singles, weigh_singles},
+    teach::taught_by,
+};
+use super::{
+    candidates::is_free_curve, context::Context, search::searched::Searched, settings::Settings,
+};
+use crate::fit::FitError;
+
+/// Errors above this many times the noise leave room for a second effect, which must be looked for
+/// before the noise gets a colour that hides it.
+const NEAR: f64 = 1.15;
+/// Log-likelihood that something else could gain from which second causes are tried.
+const SOMETHING: f64 = 3.0;
+
+/// Single causes and pairs with their evidence, and the answer that it prefers.
+#[derive(Debug)]
+pub(super) struct Weighed<'a> {
+    pub(super) singles: Singles<'a>,
+    /// Pairs that were fitted, the best first.
+    pub(super) pairs: Vec<FittedPair>,
+    /// The best of the refitted model, the first single cause and the first pair.
+    pub(super) best: Answer,
+    pub(super) lack_of_fit: LackOfFit,
+}
+
+impl<'a> Weighed<'a> {
+    /// Chooses the best answer.
+    pub(super) fn of(singles: Singles<'a>, pairs: Vec<FittedPair>, settings: &Settings) -> Self {
+        let pair = pairs.first().and_then(FittedPair::proposal);
+        let best = choose(&singles.refit, singles.proposal(settings).into_iter().chain(pair));
+        let lack_of_fit = singles.lack_of_fit(&best);
+        Self { singles, pairs, best, lack_of_fit }
+    }
+
+    /// Whether even the best answer is so far above the noise that likelihoods are no use.
+    pub(super) fn is_far(&self) -> bool {
+        self.singles.searched.noise.is_far(&self.best.errors)
+    }
+}
+
+/// Weighs single causes, and pairs where one cause may not be all. Far above the noise its colour
+/// cannot be told, and may be another effect: then pairs come first, and the colour is that of what
+/// the best of them leaves.
+pub(super) fn weigh<'a>(
+    searched: Searched<'a>,
+    context: &Context<'a>,
+) -> Result<Weighed<'a>, FitError> {
+    let left = searched.best_errors()?;
+    if searched.noise.reach(&left) <= NEAR {
+        colour_then_pairs(searched, &left, context)
+    } else {
+        pairs_then_colour(searched, left, context)
+    }
+}
+
+/// The noise takes the colour of what the best single fit leaves; pairs are tried if something is
+/// still open.
+fn colour_then_pairs<'a>(
+    searched: Searched<'a>,
+    left: &[Vec<Vec<f64>>],
+    context: &Context<'a>,
+) -> Result<Weighed<'a>, FitError> {
+    let settings = context.settings;
+    let searched = match colour_of(&searched, left) {
+        Some(weights) => with_colour(searched, &weights, settings.finalists)?,
+        None => searched,
+    };
+    let alone = Weighed::of(weigh_singles(searched, context)?, Vec::new(), settings);
+    if is_open(&alone) { with_pairs(alone.singles, context) } else { Ok(alone) }
+}
+
+/// Pairs are tried at once; once more, where what the best of them leaves has a colour.
+fn pairs_then_colour<'a>(
+    searched: Searched<'a>,
+    left: Vec<Vec<Vec<f64>>>,
+    context: &Context<'a>,
+) -> Result<Weighed<'a>, FitError> {
+    let white = with_pairs(weigh_singles(searched, context)?, context)?;
+    let answer = white.pairs.first().and_then(FittedPair::answer);
+    let left = answer.map_or(left, |answer| answer.errors);
+    let searched = &white.singles.searched;
+    let Some(weights) = colour_of(searched, &left) else { return Ok(white) };
+    let searched = with_colour(white.singles.searched, &weights, context.settings.finalists)?;
+    with_pairs(weigh_singles(searched, context)?, context)
+}
+
+/// Second causes are tried beside first ones, and single causes learn from them.
+fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed<'a>, FitError> {
+    let pairs = seek_pairs(&singles, context);
+    let singles = taught_by(&pairs, singles, context)?;
+    Ok(Weighed::of(singles, pairs, context.settings))
+}
+
+/// Whether a single cause may not be all: something is left, or it is a free curve, which is no law,
+/// and which two laws may draw.
+fn is_open(alone: &Weighed<'_>) -> bool {
+    let Weighed { singles, best, lack_of_fit, .. } = alone;
+    let is_curve = match singles.causes.first().map(|first| first.basis) {
+        Some(Basis::Simulation(id)) => is_free_curve(singles.searched.trial(id).candidate),
+        Some(Basis::Measurement(_)) | None => false,
+    };
+    lack_of_fit.is_unexplained
+        || SOMETHING < lack_of_fit.leftover.gain()
+        || best.effects == 1 && is_curve
+}

@@ -1,0 +1,128 @@
+//! Second causes beside first ones.
+
+use std::sync::Arc;
+
+use fd_effect::{Candidate, Kind};
+use rayon::prelude::*;
+
+use super::{
+    pair::FittedPair,
+    rank::{Basis, RankedCause},
+    singles::Singles,
+};
+use crate::{
+    diagnose::{
+        candidates::{is_free_curve, is_same_cause},
+        case::Case,
+        context::Context,
+        monitor::Stage,
+        prepare::step::with_step,
+        search::{Command, searched::Searched, trial::Trial},
+    },
+    fit::{FitError, NullFit, Plan, Problem, Projection},
+};
+
+/// First causes that others are tried beside.
+const FIRSTS: usize = 4;
+/// Best single causes of which all pairs are tried.
+const SINGLES: usize = 6;
+/// Other second causes that get a short fit, by what they could explain.
+const HOPEFUL: usize = 6;
+/// Second causes of each first one that are fitted to the end.
+const FINALISTS: usize = 3;
+
+/// Pairs of simulated causes, the best first.
+pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<FittedPair> {
+    let monitor = context.monitor;
+    let trial = |ranked: &RankedCause| match ranked.basis {
+        Basis::Simulation(id) => Some(singles.searched.trial(id)),
+        Basis::Measurement(_) => None,
+    };
+    let best: Vec<&Trial<'_>> = singles
+        .causes
+        .iter()
+        .filter_map(trial)
+        .filter(|trial| !is_free_curve(trial.candidate) && trial.best.is_some())
+        .take(SINGLES)
+        .collect();
+    let firsts = &best[..FIRSTS.min(best.len())];
+    monitor.begin(Stage::Pairs, firsts.len());
+    let found: Vec<Vec<FittedPair>> = firsts
+        .par_iter()
+        .map(|first| {
+            let pairs = beside(first, &best, singles, context).unwrap_or_default();
+            monitor.advance();
+            pairs
+        })
+        .collect();
+    let mut all: Vec<FittedPair> = found.into_iter().flatten().collect();
+    all.sort_by(|a, b| b.pair.log_evidence.total_cmp(&a.pair.log_evidence));
+    let mut kept: Vec<FittedPair> = Vec::new();
+    for pair in all {
+        if !kept.iter().any(|known| known.is_of(&pair)) {
+            kept.push(pair);
+        }
+    }
+    kept
+}
+
+/// The best second causes beside a first one. Those that are among the `best` alone are fitted
+/// whatever they could explain.
+fn beside(
+    first: &Trial<'_>,
+    best: &[&Trial<'_>],
+    singles: &Singles<'_>,
+    context: &Context<'_>,
+) -> Result<Vec<FittedPair>, FitError> {
+    let Searched { null, lines, .. } = &singles.searched;
+    let Case { nominal, suspects, .. } = context.case;
+    let Some(minimum) = first.best.clone() else { return Ok(Vec::new()) };
+    // The first cause is one more nuisance.
+    let plan: Plan = null.problem.plan().with_parameters(first.problem.effects());
+    let (simulator, weights) = (first.problem.simulator(), first.problem.weights());
+    let problem = Problem::new(Arc::new(plan), simulator.boxed(), vec![], weights.clone())?;
+    let base = NullFit { problem, minimum };
+    let projection = Projection::new(&base.problem, &base.minimum).ok_or(FitError::Diverged)?;
+    let candidates: Vec<Candidate> = suspects
+        .beside(first.candidate)
+        .into_iter()
+        .flatten()
+        .filter(|second| second.kind == Kind::Simulation && !is_free_curve(second))
+        .filter(|second| !is_same_cause(second, first.candidate))
+        .map(|second| match first.model.step {
+            Some(step) => Candidate { model: with_step(&second.model, step), ..second },
+            None => second,
+        })
+        .collect();
+    let commands = Command::all(nominal, &first.model, &base, &candidates);
+    let mut trials: Vec<Trial<'_>> = Vec::with_capacity(candidates.len());
+    for (index, candidate) in candidates.iter().enumerate() {
+        if let Ok(mut trial) = Trial::new(nominal, candidate, index, &base) {
+            trial.screen(&base, &projection, lines, Command::of_candidate(&commands, candidate));
+            trials.push(trial);
+        }
+    }
+    trials.sort_by(|a, b| b.gain().total_cmp(&a.gain()).then(a.index.cmp(&b.index)));
+    let most = trials.first().map_or(0.0, Trial::gain);
+    let is_single = |trial: &Trial<'_>| {
+        best.iter().any(|single| {
+            is_same_cause(single.candidate, trial.candidate)
+                && single.candidate.law == trial.candidate.law
+        })
+    };
+    let mut place = 0;
+    trials.retain(|trial| {
+        place += 1;
+        place <= HOPEFUL || is_single(trial)
+    });
+    for trial in &mut trials {
+        trial.short_fits(&base, most);
+    }
+    trials.sort_by(|a, b| a.cost().total_cmp(&b.cost()).then(a.index.cmp(&b.index)));
+    trials.truncate(FINALISTS);
+    let pairs = trials.into_iter().filter_map(|mut second| {
+        second.full_fit(&base);
+        FittedPair::of(first, &second, null, &singles.reference)
+    });
+    Ok(pairs.collect())
+}

@@ -1,0 +1,92 @@
+//! Single causes, weighed with the noise as it is taken to be.
+
+use super::{
+    answer::{Answer, Proposal},
+    explain::explain,
+    lack_of_fit::{LackOfFit, lack_of_fit},
+    measurement::{MeasurementCause, weigh_measurement},
+    priors::Priors,
+    rank::{Basis, MeasurementId, RankedCause, Reference, rank, weigh_law},
+};
+use crate::{
+    diagnose::{
+        context::Context,
+        search::searched::{Searched, TrialId},
+        settings::Settings,
+    },
+    evidence::{evidence, likelihood},
+    fit::{FitError, Problem},
+};
+
+/// Single causes with their evidence.
+#[derive(Debug)]
+pub(in crate::diagnose) struct Singles<'a> {
+    pub(in crate::diagnose) searched: Searched<'a>,
+    /// The problem without any effect.
+    pub(in crate::diagnose) base: Problem,
+    /// The nominal model with its parameters refitted.
+    pub(in crate::diagnose) refit: Answer,
+    pub(in crate::diagnose) reference: Reference,
+    /// Causes of the measurement of which there is something in the log.
+    pub(in crate::diagnose) measured: Vec<MeasurementCause<'a>>,
+    /// The causes, the most evidence first.
+    pub(in crate::diagnose) causes: Vec<RankedCause>,
+}
+
+/// Weighs every trial and every cause of the measurement against "no gap".
+pub(in crate::diagnose) fn weigh_singles<'a>(
+    mut searched: Searched<'a>,
+    context: &Context<'a>,
+) -> Result<Singles<'a>, FitError> {
+    let mut base = searched.null.problem.clone();
+    let at = &searched.null.minimum;
+    let errors = base.errors(&at.z).ok_or(FitError::Diverged)?;
+    let explanation = explain(&searched.model, &mut base, &at.z).ok_or(FitError::Diverged)?;
+    let (noise, is_coloured) = (&searched.noise, searched.is_coloured);
+    let priors = noise.priors(is_coloured);
+    let log_evidence = evidence(&base, at, &likelihood(&errors, &priors), &[]);
+    let log_evidence = log_evidence.ok_or(FitError::Diverged)?;
+    let candidates = context.candidates.measured.iter();
+    let measured: Vec<MeasurementCause<'_>> =
+        candidates.filter_map(|c| weigh_measurement(c, &errors, noise, is_coloured)).collect();
+    let reference = Reference { noise: priors, log_evidence };
+    let laws = searched.trials_mut().map(|(id, trial)| weigh_law(id, trial, &reference));
+    let causes = rank(laws, &measured, &explanation);
+    let refit = Answer { explanation, errors, fit: None, effects: 0, log_evidence: 0.0 };
+    Ok(Singles { searched, base, refit, reference, measured, causes })
+}
+
+impl<'a> Singles<'a> {
+    /// A cause of the measurement by its id.
+    pub(in crate::diagnose) fn measured(&self, id: MeasurementId) -> &MeasurementCause<'a> {
+        &self.measured[id.0]
+    }
+
+    /// The answer of the first cause; `None` when there is none, or its simulation diverges.
+    pub(in crate::diagnose) fn first_answer(&self) -> Option<Answer> {
+        let RankedCause { basis, cause } = self.causes.first()?;
+        match basis {
+            Basis::Measurement(id) => Some(self.refit.with(self.measured(*id))),
+            Basis::Simulation(id) => self.answer_of(*id, cause.log_evidence),
+        }
+    }
+
+    /// The answer of a trial, with the evidence of its cause.
+    pub(in crate::diagnose) fn answer_of(&self, id: TrialId, log_evidence: f64) -> Option<Answer> {
+        let trial = self.searched.trial(id);
+        Answer::of(&trial.model, &trial.problem, trial.best.as_ref()?, 1, log_evidence)
+    }
+
+    /// The answer of the first cause, if it is more probable than no gap.
+    pub(super) fn proposal(&self, settings: &Settings) -> Option<Proposal> {
+        let priors = Priors::of(settings, self.causes.len());
+        let price = priors.worth(settings.temperature);
+        self.first_answer().map(|answer| Proposal { answer, price })
+    }
+
+    /// What an answer leaves of the gap.
+    pub(in crate::diagnose) fn lack_of_fit(&self, answer: &Answer) -> LackOfFit {
+        let Searched { noise, is_coloured, .. } = &self.searched;
+        lack_of_fit(answer, &self.refit, &self.base, noise, *is_coloured)
+    }
+}

@@ -1,0 +1,51 @@
+//! What single causes learn from pairs.
+
+use rayon::prelude::*;
+
+use super::{
+    pair::{FittedPair, Member},
+    singles::{Singles, weigh_singles},
+};
+use crate::{
+    diagnose::{
+        candidates::is_same_cause,
+        context::Context,
+        search::{searched::Searched, trial::Trial},
+    },
+    fit::FitError,
+};
+
+/// Best pairs that single causes learn from.
+const TEACHERS: usize = 4;
+
+/// The same causes, fitted again from where the best pairs have them: one of two may be next to
+/// nothing, and the other have found beside it what it did not find alone. They are weighed again if
+/// any came out better.
+pub(super) fn taught_by<'a>(
+    pairs: &[FittedPair],
+    singles: Singles<'a>,
+    context: &Context<'a>,
+) -> Result<Singles<'a>, FitError> {
+    let Searched { null, mut trials, .. } = singles.searched;
+    let known: Vec<Member<'_>> =
+        pairs.iter().take(TEACHERS).flat_map(FittedPair::members).collect();
+    let learn = |trial: &mut Trial<'_>| {
+        let is_better = known
+            .iter()
+            .filter(|member| is_same_cause(member.candidate, trial.candidate))
+            .filter(|member| member.candidate.law == trial.candidate.law)
+            .filter(|member| trial.warm_start(&null, &member.values))
+            .count();
+        if 0 < is_better {
+            trial.full_fit(&null);
+        }
+        0 < is_better
+    };
+    let have_learned = trials.par_iter_mut().map(learn).reduce(|| false, |a, b| a | b);
+    let searched = Searched { null, trials, ..singles.searched };
+    if have_learned {
+        weigh_singles(searched, context)
+    } else {
+        Ok(Singles { searched, ..singles })
+    }
+}

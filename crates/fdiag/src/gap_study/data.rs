@@ -1,0 +1,205 @@
+//! Logs, read, checked against the model, and divided into what is fitted and what is held out.
+
+use std::path::Path;
+
+use fd_gap::fit::{FitError, Log};
+use fd_log::{ColumnMap, LogMap, read_log};
+use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
+use fd_sim::{model::Model, simulate::Simulator};
+
+use super::{
+    error::GapError,
+    report::{LogPart, Pace, Role},
+    request::{HeldOutChoice, Request},
+    subject::Subject,
+};
+
+/// Ratio of sample times from which a unit must be wrong.
+const ABSURD_PACE: f64 = 50.0;
+/// Fewest measured values per unknown of a fit.
+const PER_UNKNOWN: usize = 2;
+/// Fewest unknowns that are reckoned with.
+const FEWEST_UNKNOWNS: usize = 4;
+
+/// All logs of a diagnosis.
+#[derive(Clone, Debug)]
+pub(super) struct Data {
+    /// What models are fitted to.
+    pub(super) fit: Vec<Record>,
+    /// What no fit sees.
+    pub(super) held_out: Vec<Record>,
+    /// Where each part comes from, fitted ones first.
+    pub(super) parts: Vec<LogPart>,
+    /// Where the time between samples comes from.
+    pub(super) pace: Pace,
+}
+
+impl Data {
+    pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
+        let model = subject.model();
+        let (mut map, pace) = map(request, subject);
+        let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace };
+        let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
+            let log = read_log(path, &map)?;
+            let (expected, found) = (model.sample_time, log.time_base.median_step_s);
+            let ratio = (found / expected).max(expected / found);
+            if pace != Pace::Stated && ABSURD_PACE < ratio {
+                return Err(GapError::Pace { file: path.to_owned(), expected, found });
+            }
+            // All logs are brought onto the time base of the first, and begin at 0 s.
+            map.resample.sample_time.get_or_insert(log.record.ts().seconds());
+            check(path, &log.record)?;
+            Ok((log.record.starting_at(0.0), log.time_base))
+        };
+        let mut later = Vec::new();
+        for path in &request.logs {
+            let (record, time_base) = read(path)?;
+            let n = record.len();
+            let cut = match request.held_out {
+                HeldOutChoice::Logs(_) => n,
+                HeldOutChoice::Split(share) => cut(n, share, needed(model)),
+            };
+            let part = |role, [from, to]: [usize; 2]| {
+                let record = record.slice(from, to);
+                (LogPart::new(path, role, [from, to], &record, &time_base), record)
+            };
+            let (fitted, record) = part(Role::Fit, [0, cut]);
+            data.parts.push(fitted);
+            data.fit.push(record);
+            if cut < n {
+                let (held_out, record) = part(Role::HeldOut, [cut, n]);
+                later.push(held_out);
+                data.held_out.push(record);
+            }
+        }
+        if let HeldOutChoice::Logs(paths) = &request.held_out {
+            for path in paths {
+                let (record, time_base) = read(path)?;
+                let samples = [0, record.len()];
+                later.push(LogPart::new(path, Role::HeldOut, samples, &record, &time_base));
+                data.held_out.push(record);
+            }
+        }
+        data.parts.extend(later);
+        data.check_outputs()?;
+        data.check_lengths(model)?;
+        Ok(data)
+    }
+
+    /// Time between samples.
+    pub(super) fn ts(&self) -> Option<SampleTime> {
+        self.fit.first().map(Record::ts)
+    }
+
+    /// Whether every held-out record goes on where a fitted one ends.
+    pub(super) fn is_continued(&self) -> bool {
+        let goes_on = |record: &Record| self.fit.iter().any(|earlier| record.continues(earlier));
+        self.held_out.iter().all(goes_on)
+    }
+
+    /// The logs in the order and the units of a simulator, fitted ones and held-out ones.
+    pub(super) fn logs(&self, simulator: &dyn Simulator) -> Result<[Vec<Log>; 2], GapError> {
+        let all = self.fit.iter().chain(&self.held_out).zip(&self.parts).enumerate();
+        let mut logs = [Vec::new(), Vec::new()];
+        for (i, (record, part)) in all {
+            let log = Log::new(record, simulator, i + 1).map_err(|source| GapError::Unfit {
+                file: part.path.clone(),
+                source: Box::new(source),
+            })?;
+            let earlier = if part.role == Role::HeldOut { &self.fit[..] } else { &[] };
+            logs[usize::from(part.role == Role::HeldOut)].push(log.continuing(record, earlier));
+        }
+        Ok(logs)
+    }
+
+    /// Every part needs enough values for the unknowns of a fit, held-out ones for their windows.
+    fn check_lengths(&self, model: &Model) -> Result<(), GapError> {
+        let all = self.fit.iter().chain(&self.held_out).zip(&self.parts).enumerate();
+        for (i, (record, part)) in all {
+            let outputs = (0..record.outputs().len()).flat_map(|c| record.output(c));
+            let (found, needed) = (outputs.filter(|v| v.is_finite()).count(), needed(model));
+            if found < needed {
+                let (log, unknowns) = (i + 1, unknowns(model));
+                let source = Box::new(FitError::TooShort { log, found, unknowns, needed });
+                return Err(GapError::Unfit { file: part.path.clone(), source });
+            }
+        }
+        Ok(())
+    }
+
+    /// An output that is measured in no log cannot be diagnosed.
+    fn check_outputs(&self) -> Result<(), GapError> {
+        let Some(first) = self.fit.first() else { return Ok(()) };
+        for (c, channel) in first.outputs().iter().enumerate() {
+            let is_measured = |record: &Record| record.output(c).any(f64::is_finite);
+            if !self.fit.iter().any(is_measured) {
+                let (file, rows) = (self.parts[0].path.clone(), first.len());
+                let channel = channel.name.clone();
+                return Err(GapError::Empty { file, role: "output", channel, rows });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The column map, completed with what the model and the user say.
+fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
+    let [inputs, outputs] = subject.channels();
+    let mut map = request.columns.clone().unwrap_or_default();
+    for (columns, channels) in [(&mut map.inputs, &inputs), (&mut map.outputs, &outputs)] {
+        for channel in channels {
+            if !columns.iter().any(|column| column.name == channel.name) {
+                columns.push(ColumnMap::from(channel));
+            }
+        }
+    }
+    let policy = &mut map.resample;
+    policy.sample_time = request.resample.sample_time.or(policy.sample_time);
+    policy.max_gap_s = request.resample.longest_gap.or(policy.max_gap_s);
+    if request.resample.disorder != Disorder::default() {
+        policy.disorder = request.resample.disorder;
+    }
+    let is_stated = policy.sample_time.or(map.time.sample_time).is_some();
+    let pace = match (is_stated, subject.keeps_pace()) {
+        (true, _) => Pace::Stated,
+        (false, true) => Pace::Model,
+        (false, false) => Pace::FirstLog,
+    };
+    if pace == Pace::Model {
+        policy.sample_time = Some(subject.model().sample_time);
+    }
+    (map, pace)
+}
+
+/// Every input needs at least one value.
+fn check(path: &Path, record: &Record) -> Result<(), GapError> {
+    for (i, channel) in record.inputs().iter().enumerate() {
+        if !record.input(i).any(f64::is_finite) {
+            return Err(GapError::Empty {
+                file: path.to_owned(),
+                role: "input",
+                channel: channel.name.clone(),
+                rows: record.len(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Uncertain parameters, and all states, which are unknown at the start of a window.
+fn unknowns(model: &Model) -> usize {
+    let uncertain = model.parameters.iter().filter(|parameter| parameter.tolerance > 0.0);
+    uncertain.count() + model.all_states().count()
+}
+
+/// Fewest measured values of a log.
+fn needed(model: &Model) -> usize {
+    PER_UNKNOWN * unknowns(model).max(FEWEST_UNKNOWNS)
+}
+
+/// Where a log is divided; one that is too short for two parts stays whole.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0..=n")]
+fn cut(n: usize, share: f64, smallest: usize) -> usize {
+    let cut = (share * n as f64).round() as usize;
+    if cut < smallest || n - cut.min(n) < smallest { n } else { cut }
+}

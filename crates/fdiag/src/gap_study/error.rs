@@ -1,0 +1,141 @@
+//! What can stop a gap diagnosis.
+
+use std::path::PathBuf;
+
+use crate::engine_plant::EngineFileError;
+use fd_gap::fit::FitError;
+use fd_log::LogError;
+use fd_model::{ModelError, file::ModelFileError};
+use fd_sim::{model::LoadError, simulate::SimulateError};
+use thiserror::Error;
+
+/// A gap cannot be diagnosed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GapError {
+    /// The model file is wrong, or a model that was changed as asked.
+    #[error(transparent)]
+    Model(Box<LoadError>),
+    /// The file of a linear model is wrong.
+    #[error(transparent)]
+    Linear(Box<ModelFileError>),
+    /// The model file of the engine is wrong.
+    #[error(transparent)]
+    Engine(Box<EngineFileError>),
+    /// The model file is of a kind that cannot be diagnosed.
+    #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
+    Kind {
+        /// The file.
+        file: PathBuf,
+        /// Its `kind`.
+        found: String,
+        /// Kinds that can.
+        expected: &'static str,
+    },
+    /// A setting names something that the model does not have.
+    #[error("{option}: the model has no {what} `{name}`, only {}", list(known))]
+    Unknown {
+        /// The option of the command line.
+        option: &'static str,
+        /// What was named.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Names there are.
+        known: Vec<String>,
+    },
+    /// A setting has a value that makes no sense.
+    #[error("{option}: expected {expected}, found `{found}`")]
+    Setting {
+        /// The option of the command line.
+        option: &'static str,
+        /// What would make sense.
+        expected: &'static str,
+        /// The value.
+        found: String,
+    },
+    /// A log cannot be read.
+    #[error(transparent)]
+    Log(Box<LogError>),
+    /// A log does not fit the model.
+    #[error("{}: {source}", file.display())]
+    Unfit {
+        /// The log.
+        file: PathBuf,
+        /// Why not; logs are numbered in the order of the command line.
+        source: Box<FitError>,
+    },
+    /// A channel has no value at all.
+    #[error("{}: column of {role} `{channel}`: expected numbers, found none in {rows} rows", file.display())]
+    Empty {
+        /// The log.
+        file: PathBuf,
+        /// `input` or `output`.
+        role: &'static str,
+        /// Name of the channel.
+        channel: String,
+        /// Number of rows.
+        rows: usize,
+    },
+    /// Samples come at another pace than the model says, by so much that a unit must be wrong.
+    #[error(
+        "{}: samples are {found} s apart, the model says {expected} s: is the time column in \
+         another unit than seconds? State it in a column map (`time = {{ unit = \"ms\" }}`)",
+        file.display()
+    )]
+    Pace {
+        /// The log.
+        file: PathBuf,
+        /// Sample time of the model, in seconds.
+        expected: f64,
+        /// Sample time of the log, in seconds.
+        found: f64,
+    },
+    /// A log ends before the model has forgotten its initial state.
+    #[error(
+        "{}: it lasts {found} s, and the model remembers its initial state for {memory} s: expected \
+         at least {expected} s (or state a horizon: --horizon {found})",
+        file.display()
+    )]
+    Short {
+        /// The log.
+        file: PathBuf,
+        /// Its duration, in seconds.
+        found: f64,
+        /// Memory of the model, in seconds.
+        memory: f64,
+        /// Least duration, in seconds.
+        expected: f64,
+    },
+    /// The sample time is none.
+    #[error("sample time: {0}")]
+    SampleTime(Box<ModelError>),
+    /// The model cannot be simulated.
+    #[error("the model cannot be simulated: {0}")]
+    Simulate(Box<SimulateError>),
+    /// The model does not fit the logs.
+    #[error(transparent)]
+    Fit(Box<FitError>),
+}
+
+/// Errors of the rooms below are boxed, to keep results small.
+macro_rules! boxed {
+    ($($source:ty => $variant:ident),*) => {$(
+        impl From<$source> for GapError {
+            fn from(error: $source) -> Self {
+                Self::$variant(Box::new(error))
+            }
+        }
+    )*};
+}
+
+boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
+boxed!(EngineFileError => Engine);
+boxed!(SimulateError => Simulate, ModelError => SampleTime);
+
+fn list(names: &[String]) -> String {
+    match names {
+        [] => "none at all".to_owned(),
+        names => format!("`{}`", names.join("`, `")),
+    }
+}

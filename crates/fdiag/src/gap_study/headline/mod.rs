@@ -1,0 +1,217 @@
+//! The answer in one sentence.
+
+use fd_gap::{
+    ceiling::Ceiling,
+    diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
+    locate::Spectrum,
+};
+use fd_model::figure;
+
+use crate::gap_study::{
+    findings::{LogDefect, LogFinding, TimeBaseDefect},
+    report::Report,
+    words::{self, capital, list, p, percent, share, with_strength},
+};
+
+/// Causes that are named when none stands out.
+const NAMED: usize = 3;
+/// Share of what is left that "mostly" means.
+const MOSTLY: f64 = 0.7;
+/// Part of the bands beyond which "mostly" says nothing.
+const NARROW: f64 = 0.6;
+/// Share of the held-out gap below which what is not significant is nothing.
+const SHOWN: f64 = 0.05;
+
+/// What came out, in one sentence.
+pub(super) fn headline(report: &Report) -> String {
+    if let Some(finding) = report.spoiled() {
+        return format!(
+            "Check the log first: {}, `{}`: {}; as it is, no cause can be named.",
+            finding.file,
+            finding.channel,
+            words::defect(&finding.defect)
+        );
+    }
+    match report.diagnosis.verdict {
+        Verdict::NoGap => no_gap(report),
+        Verdict::Cause => cause(report),
+        Verdict::Tied => tied(report),
+        Verdict::Pair => pair(report),
+        Verdict::NoneOfThese => none_of_these(report),
+        Verdict::Unclear => unclear(report),
+    }
+}
+
+fn no_gap(report: &Report) -> String {
+    let by_deviation =
+        |a: &&Nuisance, b: &&Nuisance| a.deviation.abs().total_cmp(&b.deviation.abs());
+    let moved = report.diagnosis.best.nuisances.iter().max_by(by_deviation);
+    let moved = moved.filter(|nuisance| 0.5 < nuisance.deviation.abs());
+    let moved = moved.map_or_else(String::new, |nuisance| {
+        let nominal = report.inputs.parameter(&nuisance.name).map_or(f64::NAN, |p| p.value);
+        let relative = 100.0 * (nuisance.value / nominal - 1.0);
+        format!(" (most of all `{}`, by {relative:+.1} %)", nuisance.name)
+    });
+    format!(
+        "No gap: with its parameters refitted within their tolerances{moved} the model explains \
+         the logs down to the noise ({}).",
+        p(report.diagnosis.no_gap)
+    )
+}
+
+fn cause(report: &Report) -> String {
+    let Some(first) = report.diagnosis.causes.first() else { return no_gap(report) };
+    format!(
+        "{}, {}; {}.",
+        capital(&with_strength(first)),
+        p(first.probability),
+        closes(report, "adding it")
+    )
+}
+
+fn tied(report: &Report) -> String {
+    let causes = report.diagnosis.causes.iter().enumerate();
+    let tied = causes.filter(|(i, _)| report.tied().contains(&CauseId(*i)));
+    let tied: Vec<&Cause> = tied.map(|(_, cause)| cause).collect();
+    let names: Vec<String> = tied.iter().map(|cause| with_strength(cause)).collect();
+    let together: f64 = tied.iter().map(|cause| cause.probability).sum();
+    format!(
+        "{} (together {}): this log cannot tell which; {}.",
+        capital(&list(&names, "or")),
+        p(together),
+        closes(report, "adding the first")
+    )
+}
+
+fn pair(report: &Report) -> String {
+    let names = |pair: &Pair| list(&pair.causes.each_ref().map(with_strength), "and");
+    let pairs = report.diagnosis.pairs.iter().enumerate();
+    let tied = pairs.filter(|(i, _)| report.tied_pairs().contains(&PairId(*i)));
+    let tied: Vec<String> = tied.map(|(_, pair)| names(pair)).collect();
+    match report.diagnosis.pairs.first() {
+        None => unclear(report),
+        Some(_) if 1 < tied.len() => format!(
+            "Two causes together, {}: this log cannot tell which; {}.",
+            list(&tied, "or"),
+            closes(report, "adding the first two")
+        ),
+        Some(pair) => format!(
+            "Two causes together: {}, {}; {}.",
+            names(pair),
+            p(pair.probability),
+            closes(report, "adding both")
+        ),
+    }
+}
+
+fn none_of_these(report: &Report) -> String {
+    let best = report.diagnosis.causes.first().map_or_else(String::new, |first| {
+        format!(
+            ": the best, {}, leaves {:.1} times the noise{}",
+            words::cause(first),
+            first.gap,
+            mostly(&report.location.spectra)
+        )
+    });
+    let black_box = report.ceiling.as_ref().and_then(Ceiling::share);
+    let black_box = black_box.map_or_else(String::new, |closed| {
+        if closed.interval[0] <= 0.0 && closed.fraction < SHOWN {
+            return "; nor does a black-box compensation remove it from held-out data".to_owned();
+        }
+        format!(
+            "; a black-box compensation could remove {} of the gap on held-out data",
+            share(closed.fraction, closed.interval)
+        )
+    });
+    format!(
+        "None of the known effects explains the gap ({}){best}{black_box}.",
+        p(report.diagnosis.none_of_these)
+    )
+}
+
+fn unclear(report: &Report) -> String {
+    let diagnosis = &report.diagnosis;
+    let first = diagnosis.causes.iter().take(NAMED);
+    let names: Vec<String> =
+        first.map(|cause| format!("{} ({})", words::cause(cause), p(cause.probability))).collect();
+    let group = diagnosis.groups.first().filter(|group| {
+        diagnosis.causes.first().is_some_and(|c| c.probability + 0.1 < group.probability)
+    });
+    let group = group.map_or_else(String::new, |group| {
+        format!("; {} altogether has {}", words::group(group), p(group.probability))
+    });
+    format!(
+        "Unclear: no single cause stands out; candidates are {}, and no gap ({}){group}.",
+        list(&names, "and"),
+        p(diagnosis.no_gap)
+    )
+}
+
+/// How far the gap shrinks, and where the rest is.
+fn closes(report: &Report, adding: &str) -> String {
+    let Some(held_out) = report.diagnosis.held_out.first() else {
+        return format!("{adding} was not checked on held-out data, as there are none");
+    };
+    let Some(closed) = held_out.closed() else {
+        return "the held-out data show no gap above the noise".to_owned();
+    };
+    let of = if held_out.closed_of_refit.is_some() {
+        "the gap that refitted parameters leave on held-out data"
+    } else {
+        "the gap on held-out data"
+    };
+    let is_clock = |f: &LogFinding| f.defect == LogDefect::TimeBase(TimeBaseDefect::Clock);
+    let [low, high] = closed.interval;
+    let rest = match 1.0 - closed.fraction {
+        rest if rest < 0.005 => String::new(),
+        _ if closed.fraction < 0.0 && report.findings.iter().any(is_clock) => {
+            ", as it depends on the time since the start of a run".to_owned()
+        }
+        _ if high < 0.0 => ": the held-out data contradict it".to_owned(),
+        _ if low < 0.0 && closed.fraction < SHOWN => {
+            ": the held-out data do not show it".to_owned()
+        }
+        rest => format!("; {} remains{}", percent(rest), mostly(&report.location.spectra)),
+    };
+    format!("{adding} closes {} of {of}{rest}", share(closed.fraction, closed.interval))
+}
+
+/// Where in frequency most of what is left above the floor is, if it is anywhere in particular.
+fn mostly(spectra: &[Spectrum]) -> String {
+    let excess = |spectrum: &Spectrum| -> Vec<f64> {
+        let bands = spectrum.bands.iter();
+        bands
+            .map(|b| if b.is_above_floor_after { (b.after - b.floor).max(0.0) } else { 0.0 })
+            .collect()
+    };
+    let total = |spectrum: &Spectrum| excess(spectrum).iter().sum::<f64>();
+    let Some(worst) = spectra.iter().max_by(|a, b| total(a).total_cmp(&total(b))) else {
+        return String::new();
+    };
+    let (excess, all) = (excess(worst), total(worst));
+    let n = excess.len();
+    // The narrowest run of bands that has most of it.
+    let runs = (0..n).flat_map(|from| (from + 1..=n).map(move |to| (from, to)));
+    let has_most =
+        |(from, to): &(usize, usize)| MOSTLY * all <= excess[*from..*to].iter().sum::<f64>();
+    let narrowest = runs.filter(has_most).min_by_key(|(from, to)| to - from);
+    let Some((from, to)) = narrowest.filter(|_| 0.0 < all) else { return String::new() };
+    if NARROW * (n as f64) < (to - from) as f64 {
+        return String::new();
+    }
+    let output = if 1 < spectra.len() { format!(" in {}", worst.output) } else { String::new() };
+    match (from, to) {
+        (0, to) => format!(", mostly below {} Hz{output}", figure(worst.bands[to - 1].high_hz)),
+        (from, to) if to == n => {
+            format!(", mostly above {} Hz{output}", figure(worst.bands[from].low_hz))
+        }
+        (from, to) => format!(
+            ", mostly between {} and {} Hz{output}",
+            figure(worst.bands[from].low_hz),
+            figure(worst.bands[to - 1].high_hz)
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests;

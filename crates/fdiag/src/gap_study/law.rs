@@ -1,0 +1,227 @@
+//! The law of the best explanation, along its simulation, and what the data say without it.
+
+use fd_effect::SiteRef;
+use fd_gap::{
+    diagnose::{Cause, Diagnosis},
+    fit::Log,
+    locate::Location,
+};
+use fd_model::SampleTime;
+use fd_sim::{
+    equation::Expr,
+    model::{Model, Output},
+    simulate::Nominal,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::report::first_cause;
+
+/// Most points of the law, and of the data.
+const POINTS: usize = 400;
+/// Way up and down of a curve, in ranges, beyond which it is none.
+const CURVE: f64 = 3.0;
+
+/// The law of the best explanation, along its simulation of the fitted logs.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Law {
+    /// Its expression in the patched model.
+    pub expression: String,
+    /// What it is drawn over.
+    pub over: String,
+    /// Unit of that.
+    pub over_unit: String,
+    /// Unit of the law.
+    pub unit: String,
+    /// Whether it is a curve (a value of the law for each value below).
+    pub is_curve: bool,
+    /// Points `[over, value]` of the law, in `over_unit` and `unit`, in the order of `over` for a curve,
+    /// else of time.
+    pub points: Vec<[f64; 2]>,
+    /// Points `[over, value]`, in `over_unit` and `unit`, that were estimated from the data without the
+    /// law: the signal that the refitted model lacks at this place.
+    pub data: Vec<[f64; 2]>,
+}
+
+/// What is drawn over what, as expressions of the patched model.
+struct Axes {
+    value: Expr,
+    expression: String,
+    over: Expr,
+    over_name: String,
+    over_unit: String,
+    unit: String,
+    /// Whether the value is `over` with something added.
+    adds: bool,
+}
+
+/// The law that the diagnosis names, if it is one of a place with a signal.
+pub(super) fn law(
+    nominal: &dyn Nominal,
+    diagnosis: &Diagnosis,
+    location: &Location,
+    logs: &[Log],
+    ts: SampleTime,
+) -> Option<Law> {
+    let cause = first_cause(diagnosis)?;
+    let model = &diagnosis.best.model;
+    let axes = axes(nominal.model(), model, cause)?;
+    let signals = signals(nominal, diagnosis, &axes, logs, ts)?;
+    let place = location.places.iter().find(|place| place.site == cause.site);
+    let free = place.and_then(|place| place.free.as_ref());
+    let data: Vec<[f64; 2]> = free.map_or_else(Vec::new, |free| {
+        let pairs = signals.iter().zip(&free.values).flat_map(|(log, free)| log.iter().zip(free));
+        pairs.map(|([x, _], f)| [*x, if axes.adds { x + f } else { *f }]).collect()
+    });
+    let mut points: Vec<[f64; 2]> = signals.into_iter().flatten().collect();
+    points.retain(|[x, y]| x.is_finite() && y.is_finite());
+    let mut sorted = points.clone();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let is_curve = way(&sorted) <= CURVE * range(&sorted);
+    Some(Law {
+        expression: axes.expression,
+        over: axes.over_name,
+        over_unit: axes.over_unit,
+        unit: axes.unit,
+        is_curve,
+        points: thin(if is_curve { sorted } else { points }),
+        data: thin(data),
+    })
+}
+
+fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
+    let is_new = |name: &str| !nominal.definitions.iter().any(|known| known.name == name);
+    let added = || patched.definitions.iter().filter(|d| is_new(&d.name));
+    let name = cause.site.name()?;
+    match &cause.site {
+        SiteRef::Input(i, _) => {
+            let applied = added().find(|d| d.name.starts_with(&format!("{name}_applied")))?;
+            let unit = nominal.inputs[*i].unit.clone();
+            Some(Axes {
+                value: Expr::name(&applied.name),
+                expression: format!("{} = {}", applied.name, applied.value),
+                over: Expr::name(name),
+                over_name: name.to_owned(),
+                over_unit: unit.clone(),
+                unit,
+                adds: true,
+            })
+        }
+        SiteRef::Output(i, _) => {
+            let measured = added().find(|d| d.name.starts_with(&format!("{name}_measured")))?;
+            let output = patched.outputs.iter().find(|output| output.name == name)?;
+            let unit = nominal.outputs[*i].unit.clone();
+            Some(Axes {
+                value: output.value.clone(),
+                expression: format!("{name} = {}", output.value),
+                over: Expr::name(&measured.name),
+                over_name: format!("true {name}"),
+                over_unit: unit.clone(),
+                unit,
+                adds: true,
+            })
+        }
+        SiteRef::Force(i, _) => {
+            let site = nominal.sites.get(*i)?;
+            let (state, _) = site.enters.first()?;
+            let law = patched.states.iter().find(|known| known.name == *state)?.law.expr();
+            let force = added().find(|d| d.name.starts_with(name) && law.mentions(&d.name))?;
+            let whole = expanded(&force.value, patched, &is_new);
+            let (over, over_name) = [(&site.velocity, "velocity"), (&site.position, "position")]
+                .into_iter()
+                .filter_map(|(expr, what)| Some((expr.as_ref()?, what)))
+                .find(|(expr, _)| mentions_all(&whole, expr))
+                .map_or_else(
+                    || (Expr::name(state), state.clone()),
+                    |(expr, what)| (expr.clone(), format!("{what} {expr}")),
+                );
+            let unit_of = |expr: &Expr| {
+                let known = nominal.states.iter().find(|state| expr.mentions(&state.name));
+                known.map_or_else(|| "1".to_owned(), |state| state.unit.clone())
+            };
+            Some(Axes {
+                expression: format!("{} = {}", force.name, force.value),
+                value: Expr::name(&force.name),
+                over_unit: unit_of(&over),
+                over,
+                over_name,
+                unit: site.unit.clone(),
+                adds: false,
+            })
+        }
+        SiteRef::State(..) | SiteRef::Parameter(..) | SiteRef::WholeModel => None,
+    }
+}
+
+/// An expression with the added definitions put in.
+fn expanded(expr: &Expr, model: &Model, is_new: &dyn Fn(&str) -> bool) -> Expr {
+    let mut expr = expr.clone();
+    for _ in 0..model.definitions.len() {
+        let mut changed = false;
+        for definition in model.definitions.iter().filter(|d| is_new(&d.name)) {
+            if expr.mentions(&definition.name) {
+                let put = |name: &str| (name == definition.name).then(|| definition.value.clone());
+                expr = expr.substitute(&put);
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    expr
+}
+
+fn mentions_all(expr: &Expr, of: &Expr) -> bool {
+    let mut all = true;
+    of.visit_names(&mut |name| all &= expr.mentions(name));
+    all
+}
+
+/// `[over, value]` at all samples of each log, in the simulation of the best explanation.
+fn signals(
+    nominal: &dyn Nominal,
+    diagnosis: &Diagnosis,
+    axes: &Axes,
+    logs: &[Log],
+    ts: SampleTime,
+) -> Option<Vec<Vec<[f64; 2]>>> {
+    let mut draft = diagnosis.best.model.clone().into_draft();
+    let ny = draft.outputs.len();
+    for (wish, value) in [("law_over", &axes.over), ("law_value", &axes.value)] {
+        let name = draft.fresh_name(wish);
+        draft.outputs.push(Output { name, unit: "1".into(), value: value.clone(), noise: None });
+    }
+    let model = Model::try_from(draft).ok()?;
+    let mut simulator = nominal.patched(&model, ts).ok()?;
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let mut all: Vec<Vec<[f64; 2]>> = vec![Vec::new(); logs.len()];
+    let starts = &diagnosis.best.starts;
+    let mut y = vec![0.0; ny + 2];
+    for (i, start) in starts.iter().enumerate() {
+        let log = &logs[start.log];
+        let next = starts.get(i + 1).filter(|next| next.log == start.log);
+        let to = next.map_or(log.samples(), |next| next.from);
+        simulator.start(&theta, &start.state, start.from as u64);
+        for k in start.from..to {
+            simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
+            all[start.log].push([y[ny], y[ny + 1]]);
+        }
+    }
+    Some(all)
+}
+
+fn way(points: &[[f64; 2]]) -> f64 {
+    points.windows(2).map(|w| (w[1][1] - w[0][1]).abs()).sum()
+}
+
+fn range(points: &[[f64; 2]]) -> f64 {
+    let values = points.iter().map(|p| p[1]);
+    let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+    ends[1] - ends[0]
+}
+
+fn thin(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let step = points.len().div_ceil(POINTS).max(1);
+    points.into_iter().step_by(step).collect()
+}

@@ -1,0 +1,104 @@
+//! How long a simulator remembers its initial state, along the inputs of a log.
+
+use fd_sim::simulate::Simulator;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// How long a simulator remembers its initial state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Memory {
+    /// Longest time, in seconds, after which the effect of an initial state on the outputs has
+    /// fallen to 1/e of its largest and stays below; of those states that are forgotten within a
+    /// third of the log. `None` when there is no such state.
+    pub seconds: Option<f64>,
+    /// Whether all states are forgotten within a third of the log.
+    pub forgets: bool,
+    /// Longest time constant, in seconds, of those states that are forgotten so slowly that the log
+    /// ends before; `None` when there is no such state, or it is never forgotten.
+    pub slowest: Option<f64>,
+}
+
+/// Part of the log within which a state must be forgotten.
+const SHARE: f64 = 3.0;
+/// Change of a state, as a fraction of its range in the log or of its size.
+const NUDGE: f64 = 1e-4;
+
+impl Memory {
+    /// Changes each initial state a little and watches the outputs. `u` are the inputs of
+    /// `samples` samples.
+    pub(super) fn of(simulator: &dyn Simulator, u: &[f64], samples: usize) -> Self {
+        let mut simulator = simulator.boxed();
+        let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+        let (nx, ny) = (x0.len(), simulator.outputs().len());
+        let mut base = vec![0.0; samples * ny];
+        let range = ranges(&mut *simulator, &theta, &x0, u, samples, &mut base);
+        let scale: Vec<f64> = (0..ny).map(|c| spread(base.iter().skip(c).step_by(ny))).collect();
+        let mut memory = Self { seconds: None, forgets: true, slowest: None };
+        let mut y = vec![0.0; samples * ny];
+        for i in 0..nx {
+            let mut nudged = x0.clone();
+            nudged[i] += NUDGE * range[i].max(x0[i].abs()).max(1e-6);
+            // A simulation that diverges is NaN, and never forgotten.
+            let _ = simulator.simulate(&theta, &nudged, u, &mut y);
+            let distance: Vec<f64> = (0..samples)
+                .map(|k| {
+                    let row = (0..ny).map(|c| (y[k * ny + c] - base[k * ny + c]) / scale[c]);
+                    row.map(|d| d * d).sum::<f64>().sqrt()
+                })
+                .collect();
+            let largest = distance.iter().copied().fold(0.0, f64::max);
+            let is_kept = |d: &f64| d.is_nan() || largest / std::f64::consts::E < *d;
+            let kept = distance.iter().rposition(is_kept).map_or(0, |last| last + 1);
+            if SHARE * kept as f64 <= samples as f64 {
+                let seconds = kept as f64 * simulator.ts().seconds();
+                memory.seconds = Some(memory.seconds.unwrap_or(0.0).max(seconds));
+            } else if largest > 0.0 || distance.iter().any(|d| d.is_nan()) {
+                memory.forgets = false;
+                let slow = slow(&distance, simulator.ts().seconds());
+                memory.slowest = [memory.slowest, slow].into_iter().flatten().reduce(f64::max);
+            }
+        }
+        memory
+    }
+}
+
+/// Range of each state in the simulation, of which the outputs are written.
+fn ranges(
+    simulator: &mut dyn Simulator,
+    theta: &[f64],
+    x0: &[f64],
+    u: &[f64],
+    samples: usize,
+    y: &mut [f64],
+) -> Vec<f64> {
+    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
+    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; x0.len()];
+    simulator.start(theta, x0, 0);
+    for (k, row) in y.chunks_exact_mut(ny).enumerate() {
+        let sample = |k: usize| &u[k * nu..(k + 1) * nu];
+        for (ends, x) in ends.iter_mut().zip(simulator.state()) {
+            *ends = [ends[0].min(*x), ends[1].max(*x)];
+        }
+        simulator.step(sample(k), sample((k + 1).min(samples - 1)), &[], row);
+    }
+    ends.iter().map(|[low, high]| (high - low).max(0.0)).collect()
+}
+
+/// Standard deviation; 1 for what does not move.
+fn spread<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
+    let n = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let deviation = f64::sqrt(values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / n);
+    if 0.0 < deviation { deviation } else { 1.0 }
+}
+
+/// Time constant of a distance that decays slowly, from its largest values in the third and the last
+/// quarter of the log. What falls by less than a hundredth in that time, or grows, has none.
+fn slow(distance: &[f64], ts: f64) -> Option<f64> {
+    let quarter = distance.len() / 4;
+    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let (third, last) = (distance.get(2 * quarter..3 * quarter)?, distance.get(3 * quarter..)?);
+    let fall = (largest(third) / largest(last)).ln();
+    (0.01 < fall).then(|| quarter as f64 * ts / fall)
+}

@@ -1,0 +1,36 @@
+//! Which unmodelled effect separates a simulator from logs of the real system: from files to a report.
+//!
+//! [`GapStudy::run`] reads a model and logs, diagnoses them with [`fd_gap`], and puts everything that
+//! came out into one [`Report`]. Whatever shows it, a page, tables, JSON or another language, reads that;
+//! [`words`] says in plain language what the types do not say themselves.
+
+mod data;
+mod error;
+mod findings;
+mod headline;
+mod law;
+mod memory;
+mod only;
+mod patched;
+mod report;
+mod request;
+mod study;
+mod subject;
+mod traces;
+pub mod words;
+
+pub use self::{
+    error::GapError,
+    findings::{LogDefect, LogFinding, TimeBaseDefect},
+    law::Law,
+    memory::Memory,
+    patched::PatchedModel,
+    report::{
+        HorizonKind, HorizonSource, Inputs, LogPart, Pace, REPORT_VERSION, Report, Role,
+        StudySettings, Timing, schema,
+    },
+    request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
+    study::{GapStudy, automatic_settings},
+    subject::Subject,
+    traces::{Signals, Trace},
+};

@@ -1,0 +1,141 @@
+//! What was diagnosed.
+
+use std::path::{Path, PathBuf};
+
+use fd_model::{Record, SampleTime, TimeBaseReport};
+use fd_sim::model::{Model, Output, Parameter};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::gap_study::{data::Data, memory::Memory, request::Request};
+
+/// What was diagnosed.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Inputs {
+    /// Model file.
+    pub model_file: String,
+    /// Name of the model.
+    pub model: String,
+    /// Outputs of the model: whatever has one entry per output has this order.
+    pub outputs: Vec<Output>,
+    /// Parameters of the model, as the file has them and with the tolerances of the request.
+    pub parameters: Vec<Parameter>,
+    /// Runs and parts of runs, fitted ones first.
+    pub logs: Vec<LogPart>,
+    /// Time between samples, in seconds.
+    pub sample_time_s: f64,
+    /// Where that comes from.
+    pub pace: Pace,
+    /// How long the model remembers its initial state.
+    pub memory: Memory,
+}
+
+/// A run, or a part of one.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct LogPart {
+    /// Name of the file, without its directory.
+    pub file: String,
+    /// Where the file is; not serialised.
+    #[serde(skip)]
+    pub path: PathBuf,
+    /// What it is used for.
+    pub role: Role,
+    /// First sample of the file's grid, and one after the last.
+    pub samples: [usize; 2],
+    /// Share of the output values in this part that are missing, 0 to 1.
+    pub missing_share: f64,
+    /// What the times of the whole file were like.
+    pub time_base: TimeBaseReport,
+}
+
+/// What a log is used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Models are fitted to it.
+    Fit,
+    /// No fit sees it.
+    HeldOut,
+}
+
+/// Where the time between samples comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pace {
+    /// The user has stated it.
+    Stated,
+    /// The model itself is sampled, or its controller is.
+    Model,
+    /// The first log.
+    FirstLog,
+}
+
+impl Inputs {
+    pub(in crate::gap_study) fn of(
+        request: &Request,
+        model: &Model,
+        data: &Data,
+        memory: Memory,
+    ) -> Self {
+        Self {
+            model_file: file_name(&request.model),
+            model: model.name.clone(),
+            outputs: model.outputs.clone(),
+            parameters: model.parameters.clone(),
+            logs: data.parts.clone(),
+            sample_time_s: data.ts().map_or(model.sample_time, SampleTime::seconds),
+            pace: data.pace,
+            memory,
+        }
+    }
+
+    /// A parameter of the model, by name.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+impl LogPart {
+    /// A part of a file: `record` has its samples, `time_base` is that of the file.
+    pub(in crate::gap_study) fn new(
+        path: &Path,
+        role: Role,
+        samples: [usize; 2],
+        record: &Record,
+        time_base: &TimeBaseReport,
+    ) -> Self {
+        Self {
+            file: file_name(path),
+            path: path.to_owned(),
+            role,
+            samples,
+            missing_share: missing(record),
+            time_base: time_base.clone(),
+        }
+    }
+
+    /// Samples in this part.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.samples[1] - self.samples[0]
+    }
+
+    /// Whether it has no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The last part of a path, which is what people call a file.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+fn missing(record: &Record) -> f64 {
+    let values = (0..record.outputs().len()).flat_map(|c| record.output(c));
+    let (missing, all) =
+        values.fold((0.0, 0.0), |(m, n), v| (m + f64::from(u8::from(!v.is_finite())), n + 1.0));
+    missing / f64::max(all, 1.0)
+}

@@ -1,0 +1,119 @@
+//! The one result of a study: what `report.json` holds, and what headline, tables and page are made from.
+//!
+//! `docs/gap-report.md` describes it in words, `docs/gap-report.schema.json` is its JSON schema.
+
+mod inputs;
+mod schema;
+mod settings;
+
+use fd_gap::{
+    calibrate::Confusion,
+    ceiling::Ceiling,
+    diagnose::{Cause, CauseId, Diagnosis, PairId, Verdict},
+    experiment::Advice,
+    locate::Location,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+pub use self::{
+    inputs::{Inputs, LogPart, Pace, Role},
+    schema::schema,
+    settings::{HorizonKind, HorizonSource, StudySettings},
+};
+use super::{findings::LogFinding, law::Law, patched::PatchedModel};
+
+/// The version of the schema; it rises when a key changes its meaning or disappears.
+pub const REPORT_VERSION: u32 = 2;
+
+/// All that a study says.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Report {
+    /// Version of this schema.
+    pub version: u32,
+    /// What came out, in one sentence.
+    pub headline: String,
+    /// Which effect, how sure, how far the gap shrinks.
+    pub diagnosis: Diagnosis,
+    /// Where the gap lies.
+    pub location: Location,
+    /// The fitted law of the first cause that the verdict names, along the simulation; `null` when
+    /// there is none or it cannot be drawn.
+    pub law: Option<Law>,
+    /// What a black-box compensation could remove; `null` without held-out data.
+    pub ceiling: Option<Ceiling>,
+    /// What would separate what this log cannot; `null` when the answer is clear.
+    pub advice: Option<Advice>,
+    /// What the same diagnosis says of simulated logs of known cause; `null` when it was not asked for.
+    pub calibration: Option<Confusion>,
+    /// What is wrong with the logs, the worst first.
+    pub findings: Vec<LogFinding>,
+    /// What was diagnosed.
+    pub inputs: Inputs,
+    /// How it was made.
+    pub settings: StudySettings,
+    /// Simulators with the cause in them, the best explanation first.
+    pub models: Vec<PatchedModel>,
+    /// How long it took; the one part that is not the same every time.
+    pub timing: Timing,
+}
+
+/// How long it took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Timing {
+    /// Wall clock, in seconds.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+}
+
+impl Report {
+    /// The causes that this log cannot tell apart; none when it can.
+    #[must_use]
+    pub fn tied(&self) -> &[CauseId] {
+        let tied = &self.diagnosis.tied;
+        if 1 < tied.len() { tied } else { &[] }
+    }
+
+    /// The pairs that this log cannot tell apart; none when it can.
+    #[must_use]
+    pub fn tied_pairs(&self) -> &[PairId] {
+        let tied = &self.diagnosis.tied_pairs;
+        if 1 < tied.len() { tied } else { &[] }
+    }
+
+    /// The first cause that the verdict names, or the most probable one when it names none; none when
+    /// there is no gap.
+    #[must_use]
+    pub fn first_cause(&self) -> Option<&Cause> {
+        first_cause(&self.diagnosis)
+    }
+
+    /// The finding that makes every answer void, if there is one: a log that is not what it claims to be,
+    /// or in which no output says anything.
+    #[must_use]
+    pub fn spoiled(&self) -> Option<&LogFinding> {
+        let mislabelled = self.findings.iter().find(|finding| finding.defect.is_mislabelled());
+        let is_still = |output: &str| {
+            let still = |f: &&LogFinding| f.channel == output && f.defect.is_still();
+            self.findings.iter().find(still)
+        };
+        mislabelled.or_else(|| {
+            let outputs = self.inputs.outputs.iter();
+            let still: Vec<_> = outputs.map(|output| is_still(&output.name)).collect();
+            if still.iter().all(Option::is_some) {
+                still.into_iter().flatten().next()
+            } else {
+                None
+            }
+        })
+    }
+}
+
+pub(super) fn first_cause(diagnosis: &Diagnosis) -> Option<&Cause> {
+    match diagnosis.verdict {
+        Verdict::NoGap => None,
+        Verdict::Pair => diagnosis.pairs.first().map(|pair| &pair.causes[0]),
+        _ => diagnosis.causes.first(),
+    }
+}

@@ -1,0 +1,156 @@
+//! What is to be diagnosed, as its user says it.
+
+use std::{
+    fmt::{self, Display, Formatter},
+    path::PathBuf,
+    str::FromStr,
+};
+
+use fd_log::LogMap;
+use fd_model::Disorder;
+use serde::{Serialize, Serializer};
+
+/// What is to be diagnosed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Model file of the simulator.
+    pub model: PathBuf,
+    /// Logs of the real system.
+    pub logs: Vec<PathBuf>,
+    /// Column map; channels that it does not name are found by their names.
+    pub columns: Option<LogMap>,
+    /// What is kept from all fits.
+    pub held_out: HeldOutChoice,
+    /// How long simulations run without seeing the outputs.
+    pub horizon: HorizonChoice,
+    /// Effects that are not tried: labels, families, or either at a site (`delay@u`).
+    pub exclude: Vec<String>,
+    /// The only effects that are tried, named alike; none means all.
+    pub only: Vec<String>,
+    /// Relative tolerances of parameters.
+    pub tolerances: Vec<Named>,
+    /// Standard deviations of the noise of outputs, in their units.
+    pub noise: Vec<Named>,
+    /// How uneven logs become even.
+    pub resample: ResampleChoice,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Replicas per cause of the self-calibration; none leaves it out.
+    pub calibrate: Option<usize>,
+}
+
+impl Request {
+    /// A diagnosis with all defaults.
+    ///
+    /// ```
+    /// use fdiag::gap_study::{HeldOutChoice, Request};
+    ///
+    /// let request = Request::new("cart.toml", ["monday.csv"]);
+    /// assert_eq!(request.held_out, HeldOutChoice::Split(0.67));
+    /// ```
+    pub fn new<P: Into<PathBuf>>(
+        model: impl Into<PathBuf>,
+        logs: impl IntoIterator<Item = P>,
+    ) -> Self {
+        Self {
+            model: model.into(),
+            logs: logs.into_iter().map(Into::into).collect(),
+            columns: None,
+            held_out: HeldOutChoice::Split(0.67),
+            horizon: HorizonChoice::Auto,
+            exclude: Vec::new(),
+            only: Vec::new(),
+            tolerances: Vec::new(),
+            noise: Vec::new(),
+            resample: ResampleChoice::default(),
+            seed: 1,
+            calibrate: None,
+        }
+    }
+}
+
+/// What is kept from all fits, to see how far the gap really shrinks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HeldOutChoice {
+    /// Logs of their own.
+    Logs(Vec<PathBuf>),
+    /// The end of every log: this share of its samples, from the start, is fitted to.
+    Split(f64),
+}
+
+/// How long a simulation runs without seeing the outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum HorizonChoice {
+    /// Through the whole log when the model forgets its initial state within a third of it, else
+    /// five times as long as it remembers what it does forget.
+    #[default]
+    Auto,
+    /// Through the whole log.
+    Free,
+    /// For so many seconds.
+    Seconds(f64),
+}
+
+impl FromStr for HorizonChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "free" => Ok(Self::Free),
+            seconds => match seconds.parse::<f64>() {
+                Ok(seconds) if 0.0 < seconds && seconds.is_finite() => Ok(Self::Seconds(seconds)),
+                _ => Err("expected `auto`, `free` or a number of seconds above 0".to_owned()),
+            },
+        }
+    }
+}
+
+/// A value for something with a name: `NAME=VALUE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// The name.
+    pub name: String,
+    /// The value.
+    pub value: f64,
+}
+
+impl Display for Named {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.name, self.value)
+    }
+}
+
+/// As text, `NAME=VALUE`.
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl FromStr for Named {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text
+            .split_once('=')
+            .ok_or_else(|| "expected NAME=VALUE, such as mass=0.05".to_owned())?;
+        match value.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() && 0.0 <= value => {
+                Ok(Self { name: name.trim().to_owned(), value })
+            }
+            _ => Err(format!("expected a number from 0 on after `{name}=`, found `{value}`")),
+        }
+    }
+}
+
+/// How uneven logs become even; what is not stated here comes from the column map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResampleChoice {
+    /// Time between samples, in seconds.
+    pub sample_time: Option<f64>,
+    /// Longest hole that is bridged, in seconds.
+    pub longest_gap: Option<f64>,
+    /// What happens to samples that are not later than the one before.
+    pub disorder: Disorder,
+}

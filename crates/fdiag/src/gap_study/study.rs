@@ -1,0 +1,189 @@
+//! From files to an answer.
+
+use fd_effect::EverySite;
+use fd_gap::{
+    calibrate::self_calibrate,
+    ceiling::ceiling,
+    diagnose::{Case, Monitor, Settings, Verdict, diagnose},
+    experiment::{Reach, next},
+    fit::{FitError, Horizon, Log},
+    locate::locate,
+};
+use fd_model::{Record, SampleTime};
+use fd_sim::simulate::Nominal;
+
+use super::{
+    data::Data,
+    error::GapError,
+    findings::findings,
+    headline::headline,
+    law::law,
+    memory::Memory,
+    only::Chosen,
+    patched::patched_models,
+    report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
+    request::{HorizonChoice, Request},
+    subject::Subject,
+    traces::{Trace, trace},
+};
+
+/// Horizons of automatic windows, in memories of the model.
+const WINDOWS: [f64; 2] = [1.0, 5.0];
+/// Fewest samples of a window.
+const SHORTEST_WINDOW: usize = 20;
+/// Windows in the shortest log.
+const FEWEST_WINDOWS: usize = 3;
+/// A log must last for this part of the memory of the model.
+const LEAST_OF_MEMORY: f64 = 1.0 / 3.0;
+
+/// A diagnosis with everything that its report needs.
+#[derive(Clone, Debug)]
+pub struct GapStudy {
+    /// The report as data.
+    pub report: Report,
+    /// Signals for pictures.
+    pub trace: Option<Trace>,
+}
+
+impl GapStudy {
+    /// Reads, diagnoses, locates, advises. What takes long tells `monitor` how far it is.
+    ///
+    /// ```no_run
+    /// use fdiag::gap_study::{GapStudy, Request};
+    ///
+    /// let study = GapStudy::run(&Request::new("cart.toml", ["monday.csv"]), &())?;
+    /// println!("{}", study.report.headline);
+    /// # Ok::<(), fdiag::gap_study::GapError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the first file, setting or step that is wrong.
+    pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
+        let subject = Subject::of(request)?;
+        let (nominal, model) = (subject.nominal(), subject.model());
+        let data = Data::read(request, &subject)?;
+        let ts = data.ts().ok_or(FitError::NoLog)?;
+        let simulator = nominal.simulator(ts)?;
+        let logs = data.logs(&*simulator)?;
+        let [fitted, _] = &logs;
+        let (u, samples) = longest(fitted);
+        let memory = Memory::of(&*simulator, &u, samples);
+        check_length(request, &data, memory, ts)?;
+        let settings = settings(request, memory, &logs, ts);
+        let every = EverySite::new(subject.effects(), model, nominal.scales(ts, &u, samples)?);
+        let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
+        let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
+        let diagnosis = diagnose(&case, &settings, monitor)?;
+        let location = locate(&case, &diagnosis, monitor)?;
+        let ceiling = ceiling(&case, &diagnosis, &settings, monitor)?;
+        let is_open = match diagnosis.verdict {
+            Verdict::Tied | Verdict::Unclear => true,
+            Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
+            _ => false,
+        };
+        let reach = Reach { seed: request.seed, ..Reach::default() };
+        let advice = is_open.then(|| next(&case, &diagnosis, &reach, monitor)).transpose()?;
+        let calibration = request
+            .calibrate
+            .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
+            .transpose()?;
+        let law = law(nominal, &diagnosis, &location, fitted, ts);
+        let models = patched_models(&subject, &diagnosis, &data);
+        let trace = trace(nominal, &diagnosis, &data, &logs, settings.horizon, ts)?;
+        let mut report = Report {
+            version: REPORT_VERSION,
+            headline: String::new(),
+            law,
+            ceiling,
+            advice,
+            calibration,
+            findings: findings(&diagnosis, &data, model),
+            inputs: Inputs::of(request, model, &data, memory),
+            settings: StudySettings::of(request, &settings, ts.seconds()),
+            models,
+            timing: Timing::default(),
+            diagnosis,
+            location,
+        };
+        report.headline = headline(&report);
+        Ok(Self { report, trace })
+    }
+}
+
+/// Inputs of the longest log, row by row, and its samples.
+fn longest(logs: &[Log]) -> (Vec<f64>, usize) {
+    let longest = logs.iter().max_by_key(|log| log.samples());
+    longest.map_or_else(Default::default, |log| {
+        let rows = (0..log.samples()).flat_map(|k| log.input(k).iter().copied());
+        (rows.collect(), log.samples())
+    })
+}
+
+/// A log that ends before the initial state is forgotten says more of that than of the plant. Who
+/// states a horizon knows that.
+fn check_length(
+    request: &Request,
+    data: &Data,
+    memory: Memory,
+    ts: SampleTime,
+) -> Result<(), GapError> {
+    let longest = data.fit.iter().zip(&data.parts).max_by_key(|(record, _)| record.len());
+    let (Some((record, part)), Some(memory)) = (longest, memory.slowest) else { return Ok(()) };
+    let (found, expected) = (record.len() as f64 * ts.seconds(), LEAST_OF_MEMORY * memory);
+    if request.horizon == HorizonChoice::Auto && found < expected {
+        return Err(GapError::Short { file: part.path.clone(), found, memory, expected });
+    }
+    Ok(())
+}
+
+/// The settings that a diagnosis chooses by itself, with all defaults, for one log to fit and one to
+/// hold out.
+///
+/// # Errors
+///
+/// Returns an error when the model cannot be simulated or the logs do not fit it.
+pub fn automatic_settings(nominal: &dyn Nominal, logs: &[Record; 2]) -> Result<Settings, FitError> {
+    let ts = logs[0].ts();
+    let simulator = nominal.simulator(ts)?;
+    let [fitted, held_out] =
+        [Log::new(&logs[0], &*simulator, 1)?, Log::new(&logs[1], &*simulator, 2)?];
+    let logs = [vec![fitted], vec![held_out]];
+    let (u, samples) = longest(&logs[0]);
+    let memory = Memory::of(&*simulator, &u, samples);
+    let request = Request::new("", Vec::<std::path::PathBuf>::new());
+    Ok(settings(&request, memory, &logs, ts))
+}
+
+fn settings(request: &Request, memory: Memory, logs: &[Vec<Log>; 2], ts: SampleTime) -> Settings {
+    let shortest = logs.iter().flatten().map(Log::samples).min().unwrap_or(0);
+    let windows = |seconds: f64| {
+        let most = (shortest / FEWEST_WINDOWS).max(SHORTEST_WINDOW);
+        Horizon::Windows { samples: samples(seconds, ts).clamp(SHORTEST_WINDOW, most) }
+    };
+    let horizon = match (request.horizon, memory) {
+        (HorizonChoice::Free, _) | (HorizonChoice::Auto, Memory { forgets: true, .. }) => {
+            Horizon::FreeRun
+        }
+        (HorizonChoice::Seconds(seconds), _) => {
+            Horizon::Windows { samples: samples(seconds, ts).max(2) }
+        }
+        (HorizonChoice::Auto, Memory { seconds, .. }) => {
+            let tenth = 0.1 * shortest as f64 * ts.seconds();
+            windows(seconds.map_or(tenth, |seconds| WINDOWS[1] * seconds))
+        }
+    };
+    let mut report_horizons = vec![horizon];
+    let others = memory.seconds.into_iter().flat_map(|s| WINDOWS.map(|n| windows(n * s)));
+    for other in std::iter::once(Horizon::FreeRun).chain(others) {
+        if !report_horizons.contains(&other) {
+            report_horizons.push(other);
+        }
+    }
+    Settings { horizon, report_horizons, seed: request.seed, ..Settings::default() }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+fn samples(seconds: f64, ts: SampleTime) -> usize {
+    (seconds / ts.seconds()).round() as usize
+}

@@ -1,0 +1,195 @@
+//! The simulator of a model file, with what its user knows better than the file.
+
+use std::{fmt, fs, path::Path};
+
+use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
+use fd_effect::{Effect, library, with_default_sites};
+use fd_gap::fit::FitError;
+use fd_log::{ColumnMap, LogMap, read_log};
+use fd_model::{Channel, SampleTime, file::LinearModel};
+use fd_sim::{
+    model::{Draft, Law, LinearOptions, LoadError, Model},
+    simulate::Nominal,
+};
+
+use super::{
+    error::GapError,
+    request::{Named, Request},
+};
+
+/// Kinds of model files that can be diagnosed.
+const KINDS: &str = "`equations`, `state-space` or `engine17`";
+
+/// What is diagnosed: the simulator of a model file, with the tolerances and the noise of a request.
+///
+/// Models with equations and linear ones get a site of forces at every state equation; the engine
+/// has its own places. It prints as the text of a model file.
+#[derive(Debug)]
+pub struct Subject {
+    nominal: Box<dyn Nominal>,
+    engine: Option<EngineFile>,
+}
+
+impl Subject {
+    /// The subject of a request.
+    ///
+    /// # Errors
+    ///
+    /// Returns what is wrong with the model file or a setting.
+    pub fn of(request: &Request) -> Result<Self, GapError> {
+        let path = &request.model;
+        let file = path.display().to_string();
+        let text = fs::read_to_string(path)
+            .map_err(|error| LoadError::Read { file: file.clone(), message: error.to_string() })?;
+        // What is no TOML at all is an error of the reader of equations, which says where.
+        let kind = text.parse::<toml::Table>().ok();
+        let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
+        match kind {
+            Some("equations") | None => {
+                let model = text.parse().map_err(|error| LoadError::Model { file, error })?;
+                Self::of_equations(request, &model)
+            }
+            Some("state-space") => {
+                let linear = LinearModel::parse(&file, &text)?;
+                let ts = linear.system.sample_time();
+                let ts = ts.map_or_else(|| pace(request, LogMap::for_model(&linear)), Ok)?;
+                let model = Model::from_linear(&linear, ts, &LinearOptions::default());
+                let model = model.map_err(|error| LoadError::Model { file, error })?;
+                Self::of_equations(request, &model)
+            }
+            Some(ENGINE_KIND) => Self::of_engine(request, EngineFile::parse(&file, &text)?),
+            Some(found) => {
+                Err(GapError::Kind { file: path.clone(), found: found.to_owned(), expected: KINDS })
+            }
+        }
+    }
+
+    fn of_equations(request: &Request, model: &Model) -> Result<Self, GapError> {
+        let model = told(request, &with_default_sites(model))?;
+        Ok(Self { nominal: Box::new(model), engine: None })
+    }
+
+    fn of_engine(request: &Request, engine: EngineFile) -> Result<Self, GapError> {
+        let error = |error| EngineFile::error(&request.model, error);
+        let map = LogMap::for_channels(&engine.inputs(), &engine.outputs());
+        let ts = match engine.sample_time() {
+            Some(seconds) => SampleTime::new(seconds)?,
+            None => pace(request, map)?,
+        };
+        let nominal = engine.nominal(ts).map_err(error)?;
+        let model = told(request, nominal.model())?;
+        let nominal = engine.nominal_as(ts, model).map_err(error)?;
+        Ok(Self { nominal, engine: Some(engine) })
+    }
+
+    /// The simulator.
+    #[must_use]
+    pub fn nominal(&self) -> &dyn Nominal {
+        &*self.nominal
+    }
+
+    /// The model that effects are spliced into.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        self.nominal.model()
+    }
+
+    /// The text of a file of the simulator with effects in it.
+    #[must_use]
+    pub fn text(&self, patched: &Model) -> String {
+        self.engine.as_ref().map_or_else(|| patched.to_string(), |engine| engine.text(patched))
+    }
+
+    /// What it may lack.
+    pub(super) fn effects(&self) -> Vec<Box<dyn Effect>> {
+        if self.engine.is_some() { engine_effects() } else { library() }
+    }
+
+    /// Channels of logs: inputs, then outputs.
+    pub(super) fn channels(&self) -> [Vec<Channel>; 2] {
+        let model = self.model();
+        self.engine.as_ref().map_or_else(
+            || [model.external_inputs(), model.output_channels()],
+            |engine| [engine.inputs(), engine.outputs()],
+        )
+    }
+
+    /// Whether it is sampled itself, or has a sampled controller, and so keeps its own pace.
+    pub(super) fn keeps_pace(&self) -> bool {
+        if let Some(engine) = &self.engine {
+            return engine.sample_time().is_some();
+        }
+        let model = self.model();
+        let controller = model.controller.as_ref().and_then(|controller| controller.sample_time);
+        let is_discrete = !model.states.is_empty()
+            && model.states.iter().all(|state| matches!(state.law, Law::Update(_)));
+        controller.is_some() || is_discrete
+    }
+}
+
+/// The text of its model file.
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text(self.model()))
+    }
+}
+
+/// A model with the tolerances and the noise of a request.
+fn told(request: &Request, model: &Model) -> Result<Model, GapError> {
+    let mut draft = model.clone().into_draft();
+    for Named { name, value } in &request.tolerances {
+        let known = draft.parameters.iter().map(|p| p.name.clone()).collect();
+        let parameter = draft.parameters.iter_mut().find(|p| p.name == *name);
+        let parameter = parameter.ok_or_else(|| GapError::Unknown {
+            option: "--tolerance",
+            what: "parameter",
+            name: name.clone(),
+            known,
+        })?;
+        parameter.tolerance = *value;
+    }
+    for Named { name, value } in &request.noise {
+        let known = draft.outputs.iter().map(|o| o.name.clone()).collect();
+        let output = draft.outputs.iter_mut().find(|o| o.name == *name);
+        let output = output.ok_or_else(|| GapError::Unknown {
+            option: "--noise",
+            what: "output",
+            name: name.clone(),
+            known,
+        })?;
+        if *value <= 0.0 {
+            let expected = "a standard deviation above 0";
+            let found = format!("{name}={value}");
+            return Err(GapError::Setting { option: "--noise", expected, found });
+        }
+        output.noise = Some(*value);
+    }
+    settled(draft, &request.model)
+}
+
+fn settled(draft: Draft, file: &Path) -> Result<Model, GapError> {
+    let file = file.display().to_string();
+    Ok(Model::try_from(draft).map_err(|error| LoadError::Model { file, error })?)
+}
+
+/// The time between samples where the model says none: that of the request, or of the first log.
+fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
+    if let Some(seconds) = request.resample.sample_time {
+        return Ok(SampleTime::new(seconds)?);
+    }
+    if let Some(columns) = &request.columns {
+        complete(&mut map, columns);
+    }
+    let first = request.logs.first().ok_or(FitError::NoLog)?;
+    Ok(read_log(first, &map)?.record.ts())
+}
+/// A map with what the user says put in the place of what follows from the model.
+fn complete(map: &mut LogMap, columns: &LogMap) {
+    let keep = |of: &[ColumnMap], known: &[ColumnMap]| -> Vec<ColumnMap> {
+        let rest = of.iter().filter(|c| !known.iter().any(|k| k.name == c.name));
+        known.iter().chain(rest).cloned().collect()
+    };
+    let (inputs, outputs) =
+        (keep(&map.inputs, &columns.inputs), keep(&map.outputs, &columns.outputs));
+    *map = LogMap { inputs, outputs, ..columns.clone() };
+}

@@ -1,0 +1,104 @@
+//! Signals for pictures: measured, and simulated before and after.
+
+use fd_gap::{
+    diagnose::Diagnosis,
+    fit::{FitError, Horizon, Log},
+    shrink::{Settled, forecast_errors},
+};
+use fd_model::SampleTime;
+use fd_sim::simulate::Nominal;
+
+use super::{
+    data::Data,
+    report::{LogPart, Role},
+};
+
+/// Signals of one run, or of a part of one.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// What the log is used for.
+    pub role: Role,
+    /// Times, in seconds from the start of the file.
+    pub time: Vec<f64>,
+    /// One entry per output.
+    pub outputs: Vec<Signals>,
+}
+
+/// An output over time; NaN where there is no value.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Name of the output.
+    pub name: String,
+    /// Its unit, in which all of these are.
+    pub unit: String,
+    /// As logged.
+    pub measured: Vec<f64>,
+    /// Simulated with the model as it came.
+    pub before: Vec<f64>,
+    /// Simulated with the best explanation.
+    pub after: Vec<f64>,
+}
+
+/// The first held-out part, as it is forecast; the first fitted log when nothing is held out or a
+/// forecast diverges.
+pub(super) fn trace(
+    nominal: &dyn Nominal,
+    diagnosis: &Diagnosis,
+    data: &Data,
+    [fitted, held_out]: &[Vec<Log>; 2],
+    horizon: Horizon,
+    ts: SampleTime,
+) -> Result<Option<Trace>, FitError> {
+    if let Some(log) = held_out.first() {
+        let before = nominal.simulator(ts)?;
+        let after = nominal.patched(&diagnosis.best.model, ts)?;
+        let refitted: Vec<(String, f64)> = diagnosis
+            .best
+            .nuisances
+            .iter()
+            .map(|nuisance| (nuisance.name.clone(), nuisance.value))
+            .collect();
+        let run = |simulator, nuisances: &[(String, f64)]| {
+            let settled = Settled { simulator, nuisances, effects: &[] };
+            forecast_errors(&*before, settled, std::slice::from_ref(log), horizon, &diagnosis.sigma)
+        };
+        if let (Some(before), Some(after)) = (run(&*before, &[])?, run(&*after, &refitted)?) {
+            let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
+            let simulated = |errors: &[Vec<Vec<f64>>], c: usize| -> Vec<f64> {
+                let errors = errors[c].iter().flatten().enumerate();
+                errors.map(|(k, e)| log.output(k)[c] + e * diagnosis.sigma[c]).collect()
+            };
+            return Ok(part.map(|part| {
+                of(part, log, ts, nominal, |c| [simulated(&before, c), simulated(&after, c)])
+            }));
+        }
+    }
+    let (Some(part), Some(log)) = (data.parts.first(), fitted.first()) else { return Ok(None) };
+    let ny = nominal.model().outputs.len();
+    let column = |values: &[Vec<f64>], c: usize| -> Vec<f64> {
+        values.first().into_iter().flatten().skip(c).step_by(ny).copied().collect()
+    };
+    let simulated = |c| [&diagnosis.nominal, &diagnosis.best].map(|e| column(&e.outputs, c));
+    Ok(Some(of(part, log, ts, nominal, simulated)))
+}
+
+fn of(
+    part: &LogPart,
+    log: &Log,
+    ts: SampleTime,
+    nominal: &dyn Nominal,
+    simulated: impl Fn(usize) -> [Vec<f64>; 2],
+) -> Trace {
+    let time = (part.samples[0]..part.samples[1]).map(|k| k as f64 * ts.seconds());
+    let outputs = nominal.model().outputs.iter().enumerate().map(|(c, output)| {
+        let [before, after] = simulated(c);
+        Signals {
+            name: output.name.clone(),
+            unit: output.unit.clone(),
+            measured: (0..log.samples()).map(|k| log.output(k)[c]).collect(),
+            before,
+            after,
+        }
+    });
+    Trace { role: part.role, time: time.collect(), outputs: outputs.collect() }
+}

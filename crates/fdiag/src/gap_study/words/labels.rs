@@ -1,0 +1,103 @@
+//! Names of effects and places.
+
+use fd_effect::SiteRef;
+
+/// Labels of the library and of the engine that are more than their dashes turned to spaces.
+const LABELS: [(&str, &str); 18] = [
+    ("coulomb-friction", "Coulomb friction"),
+    ("drag", "quadratic drag"),
+    ("linear-stiffness", "linear stiffness"),
+    ("stiffening", "stiffening spring"),
+    ("gravity-load", "gravity-like load"),
+    ("end-stop", "end stop"),
+    ("input-gain", "gain error"),
+    ("sensor-scale", "scale error of the sensor"),
+    ("parameter-error", "error"),
+    ("input-map", "unknown curve"),
+    ("force-map", "unknown force"),
+    ("sensor-map", "unknown curve of the sensor"),
+    ("state-coupling", "coupling of states"),
+    ("module-efficiency", "shift"),
+    ("flow-capacity", "shift"),
+    ("bleed-leak", "shift"),
+    ("nozzle-area", "shift"),
+    ("combustion", "shift"),
+];
+
+/// A label in words, such as `Coulomb friction`.
+#[must_use]
+pub fn label(label: &str) -> String {
+    let known = LABELS.iter().find(|(known, _)| *known == label);
+    known.map_or_else(
+        || label.strip_prefix("input-").unwrap_or(label).replace('-', " "),
+        |(_, words)| (*words).to_owned(),
+    )
+}
+
+/// A family in words.
+#[must_use]
+pub fn family(family: &str) -> String {
+    match family {
+        "map" => "unknown law".to_owned(),
+        "parameter" => "error".to_owned(),
+        // What engines suffer from is one parameter of their health each.
+        "module" | "bleed" | "nozzle" | "combustion" => "condition".to_owned(),
+        family => family.replace('-', " "),
+    }
+}
+
+/// A place with the word that goes before it, such as `at input u`.
+#[must_use]
+pub fn at(site: &SiteRef) -> String {
+    match site {
+        SiteRef::Input(_, name) => format!("at input {name}"),
+        SiteRef::Force(_, name) => format!("at {name}"),
+        SiteRef::State(_, name) => format!("in the equation of {name}"),
+        SiteRef::Output(_, name) => format!("on output {name}"),
+        SiteRef::Parameter(_, name) => format!("of parameter {name}"),
+        SiteRef::WholeModel => String::new(),
+    }
+}
+
+/// A place alone, such as `input u`.
+#[must_use]
+pub fn site(site: &SiteRef) -> String {
+    match site {
+        SiteRef::Input(_, name) => format!("input {name}"),
+        SiteRef::Force(_, name) => name.clone(),
+        SiteRef::State(_, name) => format!("state {name}"),
+        SiteRef::Output(_, name) => format!("output {name}"),
+        SiteRef::Parameter(_, name) => format!("parameter {name}"),
+        SiteRef::WholeModel => "the whole model".to_owned(),
+    }
+}
+
+/// `a`, `a or b`, `a, b or c`.
+#[must_use]
+pub fn list(words: &[String], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., end] => format!("{} {last} {end}", first.join(", ")),
+    }
+}
+
+/// The text with a capital letter at its beginning.
+#[must_use]
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_read_like_words() {
+        assert_eq!(label("coulomb-friction"), "Coulomb friction");
+        assert_eq!(label("input-dead-zone"), "dead zone");
+        assert_eq!(label("sensor-lag"), "sensor lag");
+        assert_eq!(list(&["a", "b", "c"].map(str::to_owned), "or"), "a, b or c");
+    }
+}

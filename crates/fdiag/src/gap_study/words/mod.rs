@@ -1,0 +1,19 @@
+//! Effects, places, findings and numbers as people say them: what a typed result does not say itself.
+
+mod answer;
+mod defects;
+mod further;
+mod labels;
+mod numbers;
+mod regions;
+mod units;
+
+pub use self::{
+    answer::{cause, effect, estimate, group, pair, side, strength, with_strength},
+    defects::{defect, time_policy},
+    further::{advice, answers, rivals, truths},
+    labels::{at, capital, family, label, list, site},
+    numbers::{four, p, percent, probability, share, with_error},
+    regions::{region_of, region_on},
+    units::shown,
+};
