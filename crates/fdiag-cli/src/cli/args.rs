@@ -176,7 +176,7 @@ pub(crate) struct GapArgs {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub(crate) split: Option<f64>,
     /// How long simulations run without seeing the outputs: `free` through the whole log, a number
-    /// of seconds, or `auto`, which follows from how long the model remembers its initial state
+    /// of seconds, or `auto`: free, unless the model runs away from its initial state
     #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
     pub(crate) horizon: HorizonChoice,
     /// Effect that is not tried: a label or a mechanism, also at one place (delay@u); several times

@@ -16,10 +16,16 @@ pub struct Memory {
     /// Longest time constant, in seconds, of those states that are forgotten so slowly that the log
     /// ends before; `None` when there is no such state, or it is never forgotten.
     pub slowest: Option<f64>,
+    /// Whether a small change of some initial state grows so much that a run through the whole log is
+    /// lost: an unstable plant, not one that merely integrates.
+    pub runs_away: bool,
 }
 
 /// Part of the log within which a state must be forgotten.
 const SHARE: f64 = 3.0;
+/// Growth of a distance, from the first quarter of the log to the last one, of what runs away. An
+/// integrator grows by a factor of 4, two in a row by one of 16.
+const RUNS_AWAY: f64 = 100.0;
 /// Change of a state, as a fraction of its range in the log or of its size.
 const NUDGE: f64 = 1e-4;
 
@@ -34,7 +40,7 @@ impl Memory {
         let mut base = vec![0.0; samples * ny];
         let range = ranges(&mut *simulator, &theta, &x0, u, samples, &mut base);
         let scale: Vec<f64> = (0..ny).map(|c| spread(base.iter().skip(c).step_by(ny))).collect();
-        let mut memory = Self { seconds: None, forgets: true, slowest: None };
+        let mut memory = Self { seconds: None, forgets: true, slowest: None, runs_away: false };
         let mut y = vec![0.0; samples * ny];
         for i in 0..nx {
             let mut nudged = x0.clone();
@@ -55,6 +61,7 @@ impl Memory {
                 memory.seconds = Some(memory.seconds.unwrap_or(0.0).max(seconds));
             } else if largest > 0.0 || distance.iter().any(|d| d.is_nan()) {
                 memory.forgets = false;
+                memory.runs_away |= runs_away(&distance);
                 let slow = slow(&distance, simulator.ts().seconds());
                 memory.slowest = [memory.slowest, slow].into_iter().flatten().reduce(f64::max);
             }
@@ -91,6 +98,14 @@ fn spread<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
     let mean = values.clone().sum::<f64>() / n;
     let deviation = f64::sqrt(values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / n);
     if 0.0 < deviation { deviation } else { 1.0 }
+}
+
+/// Whether a distance grows without end, or to none that is a number.
+fn runs_away(distance: &[f64]) -> bool {
+    let quarter = distance.len() / 4;
+    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let (first, last) = (largest(&distance[..quarter]), largest(&distance[3 * quarter..]));
+    distance.iter().any(|d| d.is_nan()) || RUNS_AWAY * first < last
 }
 
 /// Time constant of a distance that decays slowly, from its largest values in the third and the last

@@ -81,13 +81,13 @@ pub enum HeldOutChoice {
 /// How long a simulation runs without seeing the outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum HorizonChoice {
-    /// Through the whole log when the model forgets its initial state within a third of it, else
-    /// five times as long as it remembers what it does forget.
+    /// Through the whole log, unless the model runs away from any start: then five times as long as it
+    /// remembers what it does forget.
     #[default]
     Auto,
     /// Through the whole log.
     Free,
-    /// For so many seconds.
+    /// For this many seconds.
     Seconds(f64),
 }
 

@@ -162,7 +162,9 @@ fn settings(request: &Request, memory: Memory, logs: &[Vec<Log>; 2], ts: SampleT
         Horizon::Windows { samples: samples(seconds, ts).clamp(SHORTEST_WINDOW, most) }
     };
     let horizon = match (request.horizon, memory) {
-        (HorizonChoice::Free, _) | (HorizonChoice::Auto, Memory { forgets: true, .. }) => {
+        // Windows throw away what is slow, and what lags and delays remember; they are for plants that
+        // run away from any start. A free run that is lost otherwise is noticed by the diagnosis.
+        (HorizonChoice::Free, _) | (HorizonChoice::Auto, Memory { runs_away: false, .. }) => {
             Horizon::FreeRun
         }
         (HorizonChoice::Seconds(seconds), _) => {

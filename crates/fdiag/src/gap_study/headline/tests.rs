@@ -141,7 +141,7 @@ fn report(verdict: Verdict) -> Report {
             logs: Vec::new(),
             sample_time_s: 0.01,
             pace: Pace::Stated,
-            memory: Memory { seconds: None, forgets: true, slowest: None },
+            memory: Memory { seconds: None, forgets: true, slowest: None, runs_away: false },
         },
         settings: StudySettings::of(&request, &fd_gap::diagnose::Settings::default(), 0.01),
         models: Vec::new(),
