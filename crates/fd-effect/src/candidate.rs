@@ -8,8 +8,66 @@ use super::site::{Side, SiteRef};
 
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///
-/// An effect of your own is a type that implements this trait; [`Sketch`](super::Sketch) does the
-/// bookkeeping. A pump that loses a part of its flow with the temperature of the day:
+/// An effect is knowledge about the world: what friction does, how a valve sticks, in which ways a
+/// sensor is wrong. It knows nothing of a particular plant. Given one, it says where it could be, writes
+/// itself into a copy of the model, and names the numbers that would have to be found: a
+/// [`Candidate`]. Everything after that (screening, fits, evidence, ties, words) works on candidates
+/// alone, so an effect that is added is diagnosed like all others.
+///
+/// # The contract
+///
+/// [`candidates`](Self::candidates) returns one entry per law and site: a candidate, or
+/// [`NotTestable`] with the reason. Say why rather than leave out; the report lists it, and "not found"
+/// must not look like "not looked for". Each candidate obeys these laws, which the tests of this crate
+/// check on every entry of [`library`](super::library), on every plant that they have:
+///
+/// * *Exactly nothing at zero strength.* With all strengths at their neutral values a simulation of
+///   [`Candidate::model`] equals that of the nominal model, whatever the shape parameters are. The
+///   evidence for an effect is the evidence for a strength that is not neutral, so this is what makes
+///   "present" and "absent" comparable.
+/// * *Parameters in physical units*, with the sign that physics gives them as bound: friction takes
+///   energy out, so its coefficient is not negative. `scale` is the size that makes one unit of a fit a
+///   noticeable change in this log; take it from [`ReplayScales`], never from the nominal values alone.
+/// * *Starts within the bounds.* Where the sum of squares has several valleys (a delay, a frequency, a
+///   threshold), give several; where it is a bowl, one.
+/// * *The same in other units*: a plant in mm has the same candidates, scaled.
+/// * *The same integration grid* as the nominal model. An effect with a fast mode of its own is written
+///   exactly over a step for held inputs, as those of the library are.
+/// * The [`label`](Self::label) is one cause. Its laws are variants that a diagnosis may choose among
+///   without calling them different, the simplest one first.
+///   The [`family`](Self::family) is the mechanism, wider than the label: what competes with what.
+///
+/// # Who calls it, and when
+///
+/// [`EverySite`](super::EverySite) calls `candidates` once with the nominal model, and again, beside each of
+/// the best answers, with a model that has that one in it, to look for pairs. It is not called per sample,
+/// and may take its time and allocate. The same model and scales must give the same list: identities
+/// are compared between the two calls.
+///
+/// # What an implementor must not do
+///
+/// * *Look at measurements.* An effect sees the model and the sizes of its signals, not the log; whether it
+///   explains anything is the diagnosis's question.
+/// * *Panic on a strange model*: no inputs, one state, a site without a velocity. That is a `NotTestable`.
+/// * *Add parameters that cannot be told apart.* Two numbers of which the outputs show only the product make
+///   every fit wander.
+///
+/// # How it composes
+///
+/// List it in [`library`](super::library), one line, or hand a `Vec<Box<dyn Effect>>` of your own to
+/// [`EverySite`](super::EverySite). Labels work on the command line from then on (`--exclude`, `--only`).
+///
+/// # When not to implement it
+///
+/// For a wrong value of a parameter that the model has: `parameter-error` is in the library, for each of
+/// them. For a static curve of unknown shape at an input, force or sensor: the maps
+/// ([`map`](super::map)) find one without a name. For something that belongs to the plant and is
+/// known: put it into the model.
+///
+/// # Example
+///
+/// [`Sketch`](super::Sketch) does the bookkeeping: names, units, bounds and the patch. A pump that loses a
+/// part of its flow with the temperature of the day:
 ///
 /// ```
 /// use fd_effect::{Candidate, Effect, NotTestable, Sketch};
@@ -59,6 +117,8 @@ use super::site::{Side, SiteRef};
 /// assert_eq!(candidate.parameters[0].name, "flow_swing");
 /// let applied = candidate.model.definitions.last().unwrap();
 /// assert_eq!(applied.value.to_string(), "flow*(1 + flow_swing*sin(2*pi*t/86400))");
+/// // Neutral, and so absent, until a fit finds otherwise.
+/// assert!(candidate.parameters[0].is_strength && candidate.parameters[0].neutral == 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Effect: std::fmt::Debug + Send + Sync {

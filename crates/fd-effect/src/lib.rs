@@ -8,6 +8,34 @@
 //!
 //! Units, bounds and starts come from [`ReplayScales`], the sizes of all signals in a simulation
 //! of the nominal model with the inputs of the log.
+//!
+//! ```
+//! use fd_effect::{library, offers};
+//! use fd_sim::{model::Model, scales::ReplayScales};
+//!
+//! let cart: Model = r#"
+//! version = 1
+//! kind = "equations"
+//! name = "cart"
+//! sample_time = 0.05
+//! inputs = { u = { unit = "N" } }
+//! outputs = { speed = { unit = "m/s", value = "v" } }
+//! sites = { rail = { unit = "N", enters = { v = "0.5" }, velocity = "v" } }
+//! [states]
+//! v = { unit = "m/s", initial = 0.0, derivative = "0.5*u - 0.2*v" }
+//! "#.parse()?;
+//! let u: Vec<f64> = (0..400).map(|k| (0.1 * f64::from(k)).sin()).collect();
+//! let scales = ReplayScales::of(&cart, cart.sample_time()?, &u, 400)?;
+//!
+//! // What may be missing in it, and what cannot be tested with this model, with the reason.
+//! let offers = offers(&library(), &cart, &scales);
+//! let coulomb = offers.iter().flatten().find(|candidate| candidate.label == "coulomb-friction");
+//! assert!(coulomb.is_some_and(|candidate| candidate.site.name() == Some("rail")));
+//! let refused: Vec<String> =
+//!     offers.iter().filter_map(|offer| offer.as_ref().err()).map(ToString::to_string).collect();
+//! assert!(refused.iter().any(|why| why.contains("the site has no position")), "{refused:?}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod candidate;
 mod default_sites;

@@ -8,6 +8,33 @@ use fd_sim::scales::ReplayScales;
 use super::{Candidate, Effect, NotTestable, Offers, offers};
 
 /// What a diagnosis tries.
+///
+/// [`EverySite`] is the usual one. A list of candidates is another: exactly these, and no pairs.
+///
+/// ```
+/// use fd_effect::{Candidate, EverySite, Suspects, library};
+/// use fd_sim::{model::Model, scales::ReplayScales};
+///
+/// let model: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "tank"
+/// sample_time = 60.0
+/// inputs = { flow = { unit = "m^3/s" } }
+/// states = { h = { unit = "m", initial = 1.0, derivative = "flow - 1e-4*h" } }
+/// outputs = { level = { unit = "m", value = "h" } }
+/// "#.parse()?;
+/// let u: Vec<f64> = (0..500).map(|k| if k % 100 < 50 { 1e-4 } else { 2e-4 }).collect();
+/// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 500)?;
+///
+/// let every = EverySite::new(library(), &model, scales);
+/// let only_sensors: Vec<Candidate> =
+///     every.alone().into_iter().flatten().filter(|c| c.site.name() == Some("level")).collect();
+/// assert!(!only_sensors.is_empty() && only_sensors.len() < every.alone().len());
+/// assert_eq!(only_sensors.alone().len(), only_sensors.len());
+/// assert!(only_sensors.beside(&only_sensors[0]).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Suspects: Debug + Send + Sync {
     /// Candidates on the nominal model, or the reason why there is none.
     fn alone(&self) -> Offers;

@@ -7,6 +7,20 @@
 //! | [`blind`] | how often is the gap diagnosis right on cases whose truth is sealed? |
 //! | [`engine_gap`] | does it name the cause that an engine was given? |
 //! | [`journal`] | finished pieces of work, so that a killed run goes on |
+//!
+//! Every experiment is a configuration in, a result out, with all random draws seeded. Patton and Chen's, on
+//! two engines of its thousand:
+//!
+//! ```
+//! use fd_lab::engine::{Benchmark, EngineConfig};
+//!
+//! let config = EngineConfig { seeds: 2, ..EngineConfig::default() };
+//! let study = Benchmark::new(config)?.study(|| {})?;
+//! assert_eq!((study.trials.len(), study.failed.len()), (2, 0));
+//! // Compensation makes the largest fault-free residual several times smaller.
+//! assert!(study.summary.fault_free_ratio.median > 5.0, "{:?}", study.summary.fault_free_ratio);
+//! # Ok::<(), fd_lab::engine::EngineStudyError>(())
+//! ```
 
 pub mod blind;
 pub mod compare;

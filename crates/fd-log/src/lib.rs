@@ -6,6 +6,34 @@
 //! | huge log, row by row | [`LogReader`] | |
 //!
 //! A format is one file that implements [`LogSource`], and one line in the list of [`FORMATS`].
+//!
+//! What a file calls its columns, and in which units, is not what a model calls its channels. A map says
+//! which is which, and a record comes out that has the channels of the model:
+//!
+//! ```
+//! use fd_log::{LogMap, read_log_from, write_log_to};
+//! use fd_model::Channel;
+//!
+//! let map: LogMap = toml::from_str(
+//!     r#"
+//!     inputs = [{ name = "wf", unit = "kg/s", column = "Fuel" }]
+//!     outputs = [{ name = "T_7", unit = "K", column = "EGT" }]
+//!     "#,
+//! )?;
+//! let csv = "t,Fuel [g/s],EGT [degC]\n0,250,600\n0.5,251,\n1,252,602\n";
+//! let record = read_log_from("monday.csv", csv.as_bytes(), &map)?.record;
+//! assert_eq!(record.inputs(), [Channel::new("wf", "kg/s")]);
+//! assert!((record.u(2)[0] - 0.252).abs() < 1e-15 && (record.y(0)[0] - 873.15).abs() < 1e-12);
+//! assert!(record.y(1)[0].is_nan(), "an empty cell is a missing sample");
+//!
+//! // Written by us it needs no map, and comes back to the bit.
+//! let mut written = Vec::new();
+//! write_log_to("again.csv", &mut written, &record)?;
+//! let map = LogMap::for_channels(record.inputs(), record.outputs());
+//! let again = read_log_from("again.csv", written.as_slice(), &map)?.record;
+//! assert_eq!(again.y(2)[0].to_bits(), record.y(2)[0].to_bits());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod columns;
 mod csv;

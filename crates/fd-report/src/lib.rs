@@ -1,4 +1,22 @@
 //! Reports: pictures as SVG, tables as text, and pages as self-contained HTML.
+//!
+//! This crate knows nobody: it takes words and numbers, and what they mean is the caller's business.
+//!
+//! ```
+//! use fd_report::{Page, Table};
+//!
+//! let mut found = Table::new("Faults", &["sensor", "size"]);
+//! found.push(["T_7", "0.5 %"]);
+//!
+//! // The same table for a terminal, for a text file, and on a page that needs nothing beside it.
+//! assert!(found.to_text(80).contains("0.5 %"));
+//! assert!(found.to_markdown().ends_with("| T_7 | 0.5 % |\n"));
+//! let mut page = Page::new("Run 7", "One sensor reads too high.");
+//! page.heading("What was found");
+//! page.table(found);
+//! let html = page.to_html();
+//! assert!(html.contains("One sensor reads too high.") && html.contains("T_7"));
+//! ```
 
 mod bars;
 mod corner;

@@ -5,6 +5,53 @@
 //! ([`fleet`]). The jet engine as a subject of gap diagnosis is [`engine_plant`], the one place that knows
 //! both siblings.
 
+//!
+//! A model, a line for each choice, a healthy log: that is a diagnosis.
+//!
+//! ```
+//! use faer::mat;
+//! use fdiag::{
+//!     core::Heap,
+//!     model::{
+//!         Channel, Discrete, Inputs, SampleTime, Simulation, StateSpace,
+//!         fault::{FaultProfile, FaultSpec, Site},
+//!         signal::{Prbs, WhiteNoise},
+//!     },
+//!     spec::PipelineSpec,
+//!     training::{Healthy, Trace, train},
+//! };
+//!
+//! // What is believed of the plant, and what is there: 20 % more gain.
+//! let ts = SampleTime::new(0.1)?;
+//! let lag = |gain: f64| {
+//!     StateSpace::new(mat![[0.9]], mat![[gain]], mat![[1.0]], mat![[0.0]], Discrete { ts })
+//! };
+//! let (model, plant) = (lag(0.1)?, lag(0.12)?.freeze::<f64, Heap>()?);
+//! let inputs = Inputs::from_signals([(Channel::new("u", "1"), Prbs::new(9, 0.5, 1.0))], 2000, ts)?;
+//! let run = |seed, faults| {
+//!     let output_noise = vec![WhiteNoise::new(1e-3, seed).into()];
+//!     let simulation = Simulation { output_noise, faults, ..Simulation::default() };
+//!     simulation.run(&plant, &inputs, Channel::numbered("y", 1))
+//! };
+//!
+//! let spec: PipelineSpec = toml::from_str(
+//!     r#"
+//!     generator = { kind = "observer", rate = 2.0 }
+//!     bias.orders = { kind = "fixed", na = 2, nb = 3 }
+//!     detector = { kind = "maximum", margin = 0.1 }
+//!     rule = { raise = 3, out_of = 3 }
+//!     "#,
+//! )?;
+//! let trained = train(&spec, &model, &[Healthy::split(&run(1, vec![])?, 0.7)])?;
+//!
+//! // From 100 s on the sensor drifts by 1e-3 a second: found within 20 s, and not before.
+//! let drift = FaultSpec::add(Site::sensor(0), 100.0, FaultProfile::drift(1e-3));
+//! let trace = Trace::of(&mut trained.compensated()?, &run(2, vec![drift])?)?;
+//! let found = trace.first_alarm(0);
+//! assert!(found.is_some_and(|k| (1000..1200).contains(&k)), "{found:?}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod engine_plant;
 pub mod fleet;
 pub mod gap_study;

@@ -11,44 +11,29 @@ mod support;
 use fdiag::{
     core::{Event, EventKind, Snapshot},
     model::Record,
-    spec::PipelineSpec,
+    spec::{
+        LearningSpec, PipelineSpec, StructureSpec,
+        testing::{every_learning, every_structure, kinds},
+    },
     training::{Healthy, Trace, Trained, TrainingError, train},
 };
 use support::{SPEC, calibration, eventful, input, nominal, plant, run, training};
 
-const LEARNING: [&str; 16] = [
-    r#"{ kind = "batch" }"#,
-    r#"{ kind = "batch", prefilter_rad_s = 4.0 }"#,
-    r#"{ kind = "instrumental" }"#,
-    r#"{ kind = "instrumental", instruments = { kind = "simulated", rounds = 2 } }"#,
-    r#"{ kind = "instrumental", instruments = { kind = "delayed-inputs" } }"#,
-    r#"{ kind = "instrumental", instruments = { kind = "delayed-outputs", lag = 2 } }"#,
-    r#"{ kind = "refined-instrumental" }"#,
-    r#"{ kind = "extended", nc = 2 }"#,
-    r#"{ kind = "armax", nc = 2 }"#,
-    r#"{ kind = "output-error" }"#,
-    r#"{ kind = "output-error", from_rest = true }"#,
-    r#"{ kind = "box-jenkins", nc = 1, nd = 1 }"#,
-    r#"{ kind = "recursive", prior_variance = 1e6 }"#,
-    r#"{ kind = "random-walk", prior_variance = 1e6, drift = { kind = "uniform", variance = 1e-9 } }"#,
-    r#"{ kind = "recursive-extended", nc = 2, rls = { prior_variance = 1e6 } }"#,
-    r#"{ kind = "recursive-instrumental", prior_variance = 1e6, warm_up = 300 }"#,
-];
-
-const STRUCTURE: [&str; 5] = [
-    r#"{ kind = "linear" }"#,
-    r#"{ kind = "hammerstein", basis = { kind = "polynomial", degree = 2 } }"#,
-    r#"{ kind = "hammerstein", basis = { kind = "piecewise-linear", segments = 3 } }"#,
-    r#"{ kind = "scheduled", time_constant_s = 4.0, regions = 2 }"#,
-    r#"{ kind = "state-space", states = 3, horizon = 6 }"#,
-];
+const LINEAR: &str = r#"kind = "linear""#;
+const SCHEDULED: &str = r#"kind = "scheduled", time_constant_s = 4.0, regions = 2"#;
+const OUTPUT_ERROR: &str = r#"kind = "output-error""#;
+const RECURSIVE: &str = r#"kind = "recursive", prior_variance = 1e6"#;
+const RECURSIVE_EXTENDED: &str =
+    r#"kind = "recursive-extended", nc = 2, rls = { prior_variance = 1e6 }"#;
+const RECURSIVE_INSTRUMENTAL: &str =
+    r#"kind = "recursive-instrumental", prior_variance = 1e6, warm_up = 300"#;
 
 fn spec(structure: &str, learning: &str) -> PipelineSpec {
     let lines = SPEC
         .lines()
         .map(|line| match line {
             _ if line.starts_with("learning") => {
-                format!("learning = {learning}\nstructure = {structure}")
+                format!("learning = {{ {learning} }}\nstructure = {{ {structure} }}")
             }
             _ => line.to_owned(),
         })
@@ -87,18 +72,32 @@ fn assert_works(structure: &str, learning: &str, log: &Record, run: &Record) {
 }
 
 #[test]
+fn every_kind_has_a_line() {
+    let learning: Vec<&str> = every_learning().unwrap().iter().map(|(line, _)| *line).collect();
+    let structure: Vec<&str> = every_structure().unwrap().iter().map(|(line, _)| *line).collect();
+    for (kinds, lines) in
+        [(kinds::<LearningSpec>(), learning), (kinds::<StructureSpec>(), structure)]
+    {
+        for kind in kinds {
+            let start = format!("kind = \"{kind}\"");
+            assert!(lines.iter().any(|line| line.starts_with(&start)), "{kind} has no line");
+        }
+    }
+}
+
+#[test]
 fn every_way_of_learning_compensates_a_linear_bias() {
     let (log, run) = (training(), eventful());
-    for learning in LEARNING {
-        assert_works(STRUCTURE[0], learning, &log, &run);
+    for (learning, _) in every_learning().unwrap() {
+        assert_works(LINEAR, learning, &log, &run);
     }
 }
 
 #[test]
 fn every_structure_compensates_a_linear_bias() {
     let (log, run) = (training(), eventful());
-    for structure in STRUCTURE {
-        for learning in [LEARNING[9], LEARNING[12]] {
+    for (structure, _) in every_structure().unwrap() {
+        for learning in [OUTPUT_ERROR, RECURSIVE] {
             assert_works(structure, learning, &log, &run);
         }
     }
@@ -107,8 +106,8 @@ fn every_structure_compensates_a_linear_bias() {
 #[test]
 fn what_does_not_go_together_is_refused_by_name() {
     let log = training();
-    for learning in [LEARNING[14], LEARNING[15]] {
-        let error = trained(STRUCTURE[3], learning, &log).unwrap_err();
+    for learning in [RECURSIVE_EXTENDED, RECURSIVE_INSTRUMENTAL] {
+        let error = trained(SCHEDULED, learning, &log).unwrap_err();
         assert!(
             matches!(error, TrainingError::NotTogether { structure: "scheduled", .. }),
             "{error}"
@@ -128,7 +127,7 @@ fn a_scheduled_bias_remembers_where_it_has_been() {
     let travels = run(&plant(), &u, 1e-4, 3);
     let left = |structure: &str| {
         let mut pipeline =
-            trained(structure, LEARNING[12], &training()).unwrap().compensated().unwrap();
+            trained(structure, RECURSIVE, &training()).unwrap().compensated().unwrap();
         let trace = Trace::of(&mut pipeline, &travels).unwrap();
         let left = |event: &&Event| event.kind == EventKind::OperatingPointLeft;
         let rms = |values: &[f64]| {
@@ -139,9 +138,9 @@ fn a_scheduled_bias_remembers_where_it_has_been() {
         println!("{structure}: {:?}, {share:.3} left", trace.events);
         (trace.events.iter().filter(left).count(), share)
     };
-    let (times, _) = left(STRUCTURE[0]);
+    let (times, _) = left(LINEAR);
     assert_eq!(times, 2);
-    let scheduled = r#"{ kind = "scheduled", time_constant_s = 2.0, centres = [0.0, 2.0] }"#;
+    let scheduled = r#"kind = "scheduled", time_constant_s = 2.0, centres = [0.0, 2.0]"#;
     let (times, share) = left(scheduled);
     assert_eq!(times, 1);
     assert!(share < 0.2, "{share}");

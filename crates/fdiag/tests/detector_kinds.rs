@@ -5,59 +5,36 @@
 mod support;
 
 use fdiag::{
+    compensate::calibrate::{Beyond, CalibrationPlan, FalseAlarms},
     core::stage::{Decision, Stage},
     model::Record,
-    spec::{IsolationSpec, PipelineSpec},
+    spec::{
+        DetectorSpec, GeneratorSpec, IsolationSpec, PipelineSpec,
+        testing::{every_detector, kinds},
+    },
     training::{Healthy, Trace, train},
 };
 use support::{input, nominal, plant, run, training};
 
-/// The `detector` table of each kind.
-const KINDS: [(&str, &str); 13] = [
-    ("maximum", r#"{ kind = "maximum", margin = 0.1 }"#),
-    ("n-sigma", r#"{ kind = "n-sigma", false_alarms = RATE }"#),
-    ("chi-square", r#"{ kind = "chi-square", window = 5, false_alarms = RATE }"#),
-    ("cusum", r#"{ kind = "cusum", reference = 1.0, false_alarms = RATE }"#),
-    ("sprt", r#"{ kind = "sprt", shift = 2.0, false_alarms = RATE }"#),
-    (
-        "sprt, one side",
-        r#"{ kind = "sprt", sides = "upper", errors = { false_alarm = 1e-6, missed = 0.01 } }"#,
-    ),
-    ("glr", r#"{ kind = "glr", window = 20, courses = ["step", "ramp"], false_alarms = RATE }"#),
-    (
-        "glr of sensors",
-        r#"{ kind = "glr", window = 20, faults = "sensors", whitening = 4, false_alarms = RATE }"#,
-    ),
-    (
-        "two-sample mean",
-        r#"{ kind = "two-sample", test = "mean", window = 20, false_alarms = RATE }"#,
-    ),
-    (
-        "two-sample distribution",
-        r#"{ kind = "two-sample", test = "distribution", window = 20, false_alarms = RATE }"#,
-    ),
-    (
-        "learned",
-        r#"{ kind = "adaptive-threshold", corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = RATE }"#,
-    ),
-    (
-        "ensemble",
-        r#"{ kind = "adaptive-threshold", bound = { kind = "ensemble", models = 8 }, memory_samples = 10, false_alarms = RATE }"#,
-    ),
-    (
-        "selector",
-        r#"{ kind = "threshold-selector", bound = { kind = "learned", quantile = 0.9 }, corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = RATE }"#,
-    ),
-];
+fn spec_with(detector: DetectorSpec) -> PipelineSpec {
+    let calibration =
+        CalibrationPlan { beyond: Beyond::Extrapolate, records: 1, ..CalibrationPlan::default() };
+    PipelineSpec {
+        settle_s: Some(0.0),
+        generator: GeneratorSpec::Observer { rate: 2.0 },
+        detector,
+        calibration,
+        ..PipelineSpec::default()
+    }
+}
 
-fn spec_with(detector: &str) -> PipelineSpec {
-    let rate = r#"{ kind = "per-sample", rate = 2e-3 }"#;
-    let text = format!(
-        "settle_s = 0.0\ndetector = {}\n[generator]\nkind = \"observer\"\nrate = 2.0\n\
-         [calibration]\nbeyond = \"extrapolate\"\nrecords = 1\n",
-        detector.replace("RATE", rate)
-    );
-    toml::from_str(&text).unwrap()
+#[test]
+fn every_kind_has_a_line() {
+    let lines = every_detector().unwrap();
+    for kind in kinds::<DetectorSpec>() {
+        let start = format!("kind = \"{kind}\"");
+        assert!(lines.iter().any(|(line, _)| line.starts_with(&start)), "{kind} has no line");
+    }
 }
 
 /// A healthy run but for the first sensor, which is wrong by `size` from sample 500 on.
@@ -73,7 +50,8 @@ fn every_kind_is_trained_is_quiet_and_finds_a_fault() {
     // A bound that follows the input is as good as the inputs that it has seen.
     let calibrate = [3, 8, 11, 20, 31, 44]
         .map(|variant| run(&plant(), &input(2000, variant), 2e-3, 2 + u64::from(variant)));
-    for (name, detector) in KINDS {
+    for (name, detector) in every_detector().unwrap() {
+        let is_calibrated = name.contains("false_alarms") || name.contains("maximum");
         let spec = spec_with(detector);
         let text = toml::to_string(&spec).unwrap();
         assert_eq!(toml::from_str::<PipelineSpec>(&text).unwrap(), spec, "{text}");
@@ -94,7 +72,7 @@ fn every_kind_is_trained_is_quiet_and_finds_a_fault() {
                 "{name}, {residual}: {share} of the healthy samples, fault found at {alarm:?}"
             );
             // Wald's boundaries hold for white residuals only, and the bias of a wrong model is not white.
-            if !detector.contains("RATE") && residual == "primary" && name != "maximum" {
+            if !is_calibrated && residual == "primary" {
                 continue;
             }
             // Stated 0.2 %; 800 samples of a bias with a memory of some tens may hold a whole excursion.
@@ -111,7 +89,8 @@ fn a_fault_is_named_sized_and_given_a_probability() {
     let (learn, calibrate) = (training(), run(&plant(), &input(4000, 3), 2e-3, 2));
     let logs = [Healthy::learn(&learn), Healthy::calibrate(&calibrate)];
     for (kind, names_probability) in [("nearest", false), ("bayes", true)] {
-        let mut spec = spec_with(KINDS[3].1);
+        let wanted = FalseAlarms::PerSample { rate: 2e-3 };
+        let mut spec = spec_with(DetectorSpec::Cusum { reference: 1.0, false_alarms: wanted });
         let text = format!("isolation = {{ kind = \"{kind}\" }}\nsizing = {{ settling = 60 }}\n");
         let chosen: PipelineSpec = toml::from_str(&text).unwrap();
         (spec.isolation, spec.sizing) = (chosen.isolation, chosen.sizing);

@@ -5,29 +5,19 @@ mod support;
 
 use fdiag::{
     residual::DesignError,
-    spec::PipelineSpec,
+    spec::{
+        GeneratorSpec, PipelineSpec,
+        testing::{every_generator, kinds},
+    },
     training::{Healthy, Trace, Trained, TrainingError, train},
 };
 use support::{input, nominal, plant, run};
 
-const KINDS: [&str; 16] = [
-    r#"kind = "simulation""#,
-    r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
-    r#"kind = "parity", order = 2"#,
-    r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }, rate = 2.0"#,
-    r#"kind = "decoupled", disturbance = { kind = "learned", rank = 1, duration_s = 2.0 }, rate = 2.0"#,
-    r#"kind = "eigenstructure", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }"#,
-    r#"kind = "eigenstructure", disturbance = { kind = "learned", rank = 1 }, rate = 3.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "perturbed", rank = 1, models = 20, perturbation = { fraction = 0.03 } }, rate = 2.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.02, -0.01], [0.01, 0.02]], b = [[-0.01], [0.01]] }] }, rate = 2.0"#,
-    r#"kind = "optimal", process_noise = 0.01, output_noise = 1.0, attenuated = { kind = "learned", rank = 1 }"#,
-    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "dedicated" }"#,
-    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "rows", rows = ["10", "11"] }, rate = 2.0"#,
-    r#"kind = "directional", rate = 2.0"#,
-    r#"kind = "adaptive", parameters = { kind = "state-rates" }, process_noise = 0.1, output_noise = 1e-4"#,
-    r#"kind = "fault-estimate", faults = [{ actuator = 1 }, { sensor = 2 }], process_noise = 1e-4, output_noise = 1e-2, drift = 1e-4"#,
-];
+/// The direction that the logs show.
+const LEARNED: &str =
+    r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#;
+/// The same from what is wrong with the model.
+const TOLD: &str = r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.02, -0.01], [0.01, 0.02]], b = [[-0.01], [0.01]] }] }, rate = 2.0"#;
 
 fn spec(generator: &str) -> PipelineSpec {
     let text = format!(
@@ -43,9 +33,18 @@ fn trained(generator: &str) -> Result<Trained, TrainingError> {
 }
 
 #[test]
+fn every_kind_has_a_line() {
+    let lines = every_generator().unwrap();
+    for kind in kinds::<GeneratorSpec>() {
+        let start = format!("kind = \"{kind}\"");
+        assert!(lines.iter().any(|(line, _)| line.starts_with(&start)), "{kind} has no line");
+    }
+}
+
+#[test]
 fn every_kind_is_trained_and_run() {
     let log = run(&plant(), &input(600, 3), 1e-4, 2);
-    for kind in KINDS {
+    for (kind, _) in every_generator().unwrap() {
         let written = toml::to_string(&spec(kind)).unwrap();
         assert_eq!(toml::from_str::<PipelineSpec>(&written).unwrap(), spec(kind), "{kind}");
         let trained = trained(kind).unwrap_or_else(|error| panic!("{kind}: {error}"));
@@ -62,10 +61,10 @@ fn every_kind_is_trained_and_run() {
 fn a_learned_disturbance_takes_out_most_of_the_error() {
     let size = |kind: &str| trained(kind).unwrap().fault_free_maxima().0;
     let plain = size(r#"kind = "observer", rate = 2.0"#);
-    let learned = size(KINDS[3]);
+    let learned = size(LEARNED);
     assert!(learned < 0.3 * plain, "{learned} {plain}");
     // Told what is wrong with the model, it knows the direction as well as the logs do.
-    let told = size(KINDS[9]);
+    let told = size(TOLD);
     assert!(told < 0.3 * plain, "{told} {plain}");
 }
 

@@ -35,6 +35,48 @@ impl Layout {
 }
 
 /// A sum of squares to be minimised, in scaled unknowns.
+///
+/// A simulator against logs is one ([`Problem`](super::Problem)); anything else with residuals and slopes
+/// is another. Here a line through points, whose slope may not exceed 1.5:
+///
+/// ```
+/// use std::ops::Range;
+///
+/// use fd_gap::fit::{Layout, LeastSquares, Search, minimise};
+///
+/// struct Line {
+///     layout: Layout,
+///     points: Vec<[f64; 2]>,
+/// }
+///
+/// impl LeastSquares for Line {
+///     fn layout(&self) -> &Layout { &self.layout }
+///     fn bounds(&self) -> &[[f64; 2]] { &[[-10.0, 10.0], [-1.5, 1.5]] }
+///     fn prior(&self) -> &[[f64; 2]] { &[[0.0, 0.0]; 2] }
+///
+///     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
+///         for (r, [x, y]) in r.iter_mut().zip(&self.points) {
+///             *r = z[0] + z[1] * x - y;
+///         }
+///         true
+///     }
+///
+///     fn slopes(&mut self, _: &[f64], _: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
+///         for column in columns {
+///             for (slope, [x, _]) in slopes[column].iter_mut().zip(&self.points) {
+///                 *slope = if column == 0 { 1.0 } else { *x };
+///             }
+///         }
+///     }
+/// }
+///
+/// let points = vec![[0.0, 0.0], [1.0, 2.0], [2.0, 4.0]];
+/// let layout = Layout { shared: 2, own: 0, segments: vec![0..3] };
+/// let minimum = minimise(&mut Line { layout, points }, &[0.0, 0.0], None, Search::default());
+/// let z = minimum.map(|minimum| minimum.z).unwrap_or_default();
+/// // At the edge of the box; the best level there takes half of the rest: mean(y) − 1.5 mean(x).
+/// assert!((z[1] - 1.5).abs() < 1e-6 && (z[0] - 0.5).abs() < 1e-4, "{z:?}");
+/// ```
 pub trait LeastSquares {
     /// Sizes.
     fn layout(&self) -> &Layout;

@@ -133,7 +133,32 @@ pub(super) fn lookup<T: Scalar>(kind: Lookup, table: &Table, x: T) -> T {
     }
 }
 
-/// What names and tables stand for while a tree is evaluated.
+/// What names and tables stand for while a tree is evaluated. Closures from names to numbers are
+/// values; a type of one's own can have tables too:
+///
+/// ```
+/// use fd_sim::equation::{Expr, Table, Values};
+///
+/// struct At<'a> {
+///     x: f64,
+///     spring: &'a Table,
+/// }
+///
+/// impl Values<f64> for At<'_> {
+///     fn value(&self, name: &str) -> Option<f64> {
+///         (name == "x").then_some(self.x)
+///     }
+///
+///     fn table(&self, name: &str) -> Option<&Table> {
+///         (name == "spring").then_some(self.spring)
+///     }
+/// }
+///
+/// let spring = Table::new(vec![0.0, 1.0, 2.0], vec![0.0, 10.0, 40.0], Default::default())?;
+/// let force = Expr::parse("-spring(x)")?;
+/// assert_eq!(force.evaluate(&At { x: 1.5, spring: &spring })?, -25.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Values<T> {
     /// Value of a name.
     fn value(&self, name: &str) -> Option<T>;

@@ -15,6 +15,102 @@
 //! | bytecode | numbers | [`Program::run`], for any [`Scalar`](fd_core::Scalar), dual numbers included, or several numbers at once ([`Lanes`]) |
 //!
 //! The grammar is in `docs/model-equations.md`.
+//!
+//! # Tree or program
+//!
+//! [`Expr::evaluate`] walks the tree and looks names up as strings. Use it for a handful of values, for
+//! bounds and initial values, and in tests: it is the definition of what an expression means. A
+//! [`Program`] gives the same numbers *to the bit*, looks nothing up while it runs, and allocates nothing.
+//! Use it for whatever is computed per sample.
+//!
+//! Compile expressions *together*. Parts that occur in several of them are computed once, also across
+//! expressions, so a model is one program for all derivatives and one for all outputs, not a program per
+//! equation. Merging never reassociates and never replaces a division by a product, because a diagnosis
+//! takes differences of runs and has to trust the last digits.
+//!
+//! # Slow and fast names
+//!
+//! A [`Scope`] sorts names by how often their values change. *Slow* ones are parameters: what needs them
+//! alone is taken out of the body and computed by [`Program::prepare`], once per parameter set. *Fast* ones
+//! are time, states and inputs. If `prepare` is not called after a slow value has changed, the body goes on
+//! with the old results. Named *definitions* are neither: they are expressions, in any order, of which
+//! unused ones cost nothing.
+//!
+//! # Memory, threads, lanes
+//!
+//! A program is immutable and may be shared between threads. A [`Workspace`] is the memory of one run: make
+//! it once, it is the only thing here that allocates. A workspace of [`Lanes<N>`](Lanes) takes `N` runs
+//! through each instruction. Multiples of eight fill the widest registers; sums, products, roots,
+//! comparisons, sines and exponentials are wide, powers and inverse functions go lane by lane.
+//!
+//! There are no jumps: `if` computes both branches and takes one. A branch that is not taken may therefore
+//! be infinite or NaN without harm, and it costs what it costs.
+//!
+//! # Derivatives
+//!
+//! | wanted | take |
+//! |---|---|
+//! | an expression that a person reads, or another program | [`Expr::differentiate`]; through definitions [`Expr::differentiate_with`] |
+//! | one number, exact | a program on dual numbers, which are a [`Scalar`](fd_core::Scalar) |
+//! | slopes of a whole simulation in many parameters | finite differences in lanes, as the fits do |
+//!
+//! A derivative at a kink (`abs`, `min`, a table, a comparison) is that of one side.
+//!
+//! # Errors
+//!
+//! Text that does not parse gives a [`SyntaxError`] with its [`Span`], which [`picture`] draws under the
+//! text, and [`nearest`] suggests the name that was probably meant. Names that are not in the scope and
+//! definitions in a circle are found by [`Program::compile`]. Running cannot fail: a logarithm of a negative
+//! number is NaN, and whoever steps a simulation looks for that.
+//!
+//! # When not to use it
+//!
+//! For equations that are known when the program is written: a Rust function is shorter and faster. For
+//! matrices: a linear model is an `fd_model::StateSpace`. For algorithms with loops or a memory: that is a
+//! [`Simulator`](crate::simulate::Simulator) of its own.
+//!
+//! # A worked example
+//!
+//! A pendulum from its text to one step of several pendulums at once:
+//!
+//! ```
+//! use fd_sim::equation::{Expr, Lanes, Program, Scope};
+//!
+//! // What a person writes. The square of the natural frequency is a definition.
+//! let acceleration = Expr::parse("-w2*sin(angle) - d*speed")?;
+//! let scope = Scope {
+//!     slow: vec!["g".into(), "length".into(), "d".into()],
+//!     fast: vec!["angle".into(), "speed".into()],
+//!     definitions: vec![("w2".into(), Expr::parse("g/length")?)],
+//!     ..Scope::default()
+//! };
+//!
+//! // How fast it changes with the angle, as a person would write it; other names are held.
+//! let stiffness = acceleration.differentiate("angle");
+//! assert_eq!(stiffness.to_string(), "-(w2*cos(angle))");
+//!
+//! // Both in one program: w2 is made once, from slow names alone.
+//! let program = Program::compile(&scope, &[acceleration, stiffness])?;
+//! let mut workspace = program.workspace::<Lanes<8>>();
+//! let lengths = Lanes([0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]);
+//! workspace.slow_mut().copy_from_slice(&[Lanes([9.81; 8]), lengths, Lanes([0.0; 8])]);
+//! program.prepare(&mut workspace);
+//!
+//! workspace.fast_mut().copy_from_slice(&[Lanes([0.1; 8]), Lanes([0.0; 8])]);
+//! let mut results = [Lanes([0.0; 8]); 2];
+//! program.run(&mut workspace, &mut results);
+//! let [acceleration, stiffness] = results;
+//! for lane in 0..8 {
+//!     let w2 = 9.81 / lengths.0[lane];
+//!     assert!((acceleration.0[lane] + w2 * 0.1_f64.sin()).abs() < 1e-14);
+//!     assert!((stiffness.0[lane] + w2 * 0.1_f64.cos()).abs() < 1e-13);
+//! }
+//!
+//! // What is wrong is said before anything runs.
+//! let typo = Program::compile(&scope, &[Expr::parse("angel + 1")?]);
+//! assert_eq!(typo.map_err(|error| error.to_string()).err().as_deref(), Some("`angel` is not defined"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod compile;
 mod derivative_rules;

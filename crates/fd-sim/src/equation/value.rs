@@ -18,6 +18,27 @@ use super::{
 /// Every [`Scalar`] is a value of one lane. [`Lanes`] has several: one pass through the
 /// instructions then does the work of as many runs, and what it computes in each lane is to the
 /// bit what a run of its own would.
+///
+/// ```
+/// use fd_sim::equation::{Expr, Lanes, Program, Scope, Value};
+///
+/// /// The decay at a time, for any kind of numbers.
+/// fn decay<V: Value>(program: &Program, t: V) -> V {
+///     let mut workspace = program.workspace::<V>();
+///     workspace.fast_mut()[0] = t;
+///     let mut results = [V::constant(0.0)];
+///     program.run(&mut workspace, &mut results);
+///     results[0]
+/// }
+///
+/// let scope = Scope { fast: vec!["t".into()], ..Scope::default() };
+/// let program = Program::compile(&scope, &[Expr::parse("exp(-t/2)")?])?;
+/// let side_by_side = decay(&program, Lanes([0.0, 1.0, 2.0, 3.0]));
+/// for (lane, t) in [0.0_f64, 1.0, 2.0, 3.0].into_iter().enumerate() {
+///     assert_eq!(side_by_side.lane(lane).to_bits(), decay(&program, t).to_bits());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Value: Copy + Debug + Send + Sync + 'static {
     /// One of the numbers.
     type Lane: Scalar;

@@ -9,11 +9,165 @@ use crate::model::Parameter;
 
 /// A deterministic model of a plant that can be run from any initial state, with any parameters.
 ///
-/// Per sample, [`step`](Self::step) writes the outputs of this sample and then moves on to the
-/// next one. It does not allocate and cannot fail: a simulator that diverges writes NaN from then
-/// on, until it is started again.
+/// A gap diagnosis never asks how a simulator computes. It runs it over the inputs of a log, compares
+/// the outputs with the measured ones, changes a parameter, and runs it again, many thousand times.
+/// This trait is what it needs for that: channels, what can be set, and a step.
 ///
-/// Parameters, initial states and ports are optional powers: a pure black box has none of them.
+/// A [`Plant`](fd_core::stage::Plant) is a map whose state belongs to the caller. A simulator owns its
+/// state, and with it whatever else it remembers: a delay line, the memory of a controller, the inside
+/// of a co-simulation. That is why it is started and stepped, and cannot be asked for `f(x, u)`.
+///
+/// # The contract
+///
+/// * *The lists are fixed*: [`inputs`](Self::inputs), [`outputs`](Self::outputs),
+///   [`parameters`](Self::parameters), [`initial`](Self::initial) and [`ports`](Self::ports) have the
+///   same entries, in the same order, for the life of the simulator. Values travel as slices in these
+///   orders, and callers hold positions in them.
+/// * [`start`](Self::start) forgets everything. A run depends on `theta`, `x0`, `first` and the inputs,
+///   and on nothing that happened before.
+/// * [`step`](Self::step) writes the outputs of *this* sample and then moves on to the next one. Inputs
+///   are held between samples, unless the simulator interpolates towards `u_next`.
+/// * *The same run gives the same bits*, in this simulator, in a [copy](Self::boxed), on any thread, and
+///   as one of many in [`simulate_many`](Self::simulate_many). Finite differences are taken of runs; a
+///   simulator with noise in it has no slopes. Measurement noise belongs to the diagnosis.
+/// * *Smooth in its parameters*, as far as the plant is. An integrator with an adaptive step makes small
+///   jumps where it changes its mind, and a fit stops at the first of them. Step on an even grid.
+///
+/// # Who calls it, and when
+///
+/// | who | calls | for |
+/// |---|---|---|
+/// | a fit | `simulate_many` with slightly different `theta`, `x0` | residuals and their slopes |
+/// | a forecast | `start` at sample `first`, then `step` | what comes after the samples it has seen |
+/// | a forecast that is carried along | `go_on_from`, `step` | a memory that outlives a segment |
+/// | a [`Shell`](super::Shell) | `measure`, then `step` with forces | effects spliced around a black box |
+/// | whoever works in parallel | `boxed` | a copy per thread |
+///
+/// # What an implementor must and must not do
+///
+/// * *Not fail in a step.* A run that leaves its region of validity writes NaN from then on, until it is
+///   started again. [`Outcome::Diverged`] then says since when, and the fit turns away from there.
+/// * *Not allocate in `start` and `step`.* They are the inner loop of everything.
+/// * *Not look beyond the samples it was given.* A forecast is honest because its simulator cannot.
+/// * *Give honest tolerances.* [`Parameter::tolerance`] and [`Initial::tolerance`] are what the
+///   diagnosis takes for "the model may be this wrong without anything being missing in it". Too wide,
+///   and every gap is explained by parameters; zero, and a parameter is exact.
+///
+/// Errors belong to constructors. [`SimulateError`](super::SimulateError) is what those of this crate
+/// return.
+///
+/// # Optional powers
+///
+/// A pure black box has no parameters, no initial states and no ports: empty lists, and it can still be
+/// diagnosed for what lies before its inputs and behind its outputs. Each list that is not empty lets the
+/// diagnosis ask more. `measure`, `go_on_from` and `simulate_many` have default bodies that say "no" or do
+/// it one by one; override them when there is something better.
+///
+/// # How it composes
+///
+/// `Box<dyn Simulator>` is what everything takes, and it is `Clone`. To be diagnosed a simulator is put
+/// into a [`Shell`](super::Shell), a model of equations into which effects can be spliced; the two together
+/// are a [`Nominal`](super::Nominal). From the command line a simulator comes out of a model file.
+///
+/// # When not to implement it
+///
+/// If the equations can be written down, write a model file: [`EquationSimulator`](super::EquationSimulator)
+/// runs it several parameter sets at a time, effects reach every force in it, and it can be printed. If the
+/// thing steps and has no parameters to set, wrap its [`Plant`](fd_core::stage::Plant) in a
+/// [`BlackBox`](super::BlackBox). Implement the trait for code that exists, has settings, and cannot be
+/// rewritten.
+///
+/// # Example
+///
+/// A heated room, `C Ṫ = P + Q − (T − T_out)/R`, exact for inputs that are held. Its time constant and its
+/// first temperature can be set, and heat can be put into it:
+///
+/// ```
+/// use fd_model::{Channel, SampleTime};
+/// use fd_sim::{
+///     model::Parameter,
+///     simulate::{Initial, Outcome, Port, Simulator},
+/// };
+///
+/// #[derive(Clone, Debug)]
+/// struct Room {
+///     channels: [Vec<Channel>; 2],
+///     parameters: Vec<Parameter>,
+///     initial: Vec<Initial>,
+///     ports: Vec<Port>,
+///     ts: SampleTime,
+///     kept: f64,
+///     temperature: [f64; 1],
+/// }
+///
+/// impl Room {
+///     /// Kelvin above the outside per watt.
+///     const R: f64 = 0.01;
+///
+///     fn new(ts: SampleTime) -> Self {
+///         let degrees = |name| Channel::new(name, "K");
+///         let time_constant = Parameter {
+///             name: "tau".into(),
+///             unit: "s".into(),
+///             value: 7200.0,
+///             tolerance: 0.1,
+///             bounds: Some([600.0, 86400.0]),
+///         };
+///         let start = Initial { channel: degrees("T"), value: 20.0, tolerance: Some(0.5) };
+///         Self {
+///             channels: [vec![Channel::new("P", "W"), degrees("T_out")], vec![degrees("T")]],
+///             parameters: vec![time_constant],
+///             initial: vec![start],
+///             ports: vec![Port { channel: Channel::new("Q", "W") }],
+///             ts,
+///             kept: 0.0,
+///             temperature: [0.0],
+///         }
+///     }
+/// }
+///
+/// impl Simulator for Room {
+///     fn ts(&self) -> SampleTime { self.ts }
+///     fn inputs(&self) -> &[Channel] { &self.channels[0] }
+///     fn outputs(&self) -> &[Channel] { &self.channels[1] }
+///     fn parameters(&self) -> &[Parameter] { &self.parameters }
+///     fn initial(&self) -> &[Initial] { &self.initial }
+///     fn ports(&self) -> &[Port] { &self.ports }
+///
+///     fn start(&mut self, theta: &[f64], x0: &[f64], _first: u64) {
+///         self.kept = (-self.ts.seconds() / theta[0]).exp();
+///         self.temperature[0] = x0[0];
+///     }
+///
+///     fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+///         y[0] = self.temperature[0];
+///         let heat = u[0] + f.iter().sum::<f64>();
+///         let aim = u[1] + Self::R * heat;
+///         self.temperature[0] = aim + self.kept * (self.temperature[0] - aim);
+///     }
+///
+///     fn state(&self) -> &[f64] { &self.temperature }
+///     fn boxed(&self) -> Box<dyn Simulator> { Box::new(self.clone()) }
+/// }
+///
+/// // An hour at 1 kW while it is 5 K outside, with the nominal parameters and with a lighter room.
+/// let mut room = Room::new(SampleTime::new(60.0)?).boxed();
+/// let u = [1000.0, 5.0].repeat(61);
+/// let (mut nominal, mut lighter) = ([0.0; 61], [0.0; 61]);
+/// assert_eq!(room.simulate(&[7200.0], &[20.0], &u, &mut nominal), Outcome::Complete);
+/// assert_eq!(room.simulate(&[3600.0], &[20.0], &u, &mut lighter), Outcome::Complete);
+///
+/// // T = 15 + 5 e^(−t/τ), exact at every sample but for 60 roundings.
+/// assert!((nominal[60] - 15.0 - 5.0 * (-0.5_f64).exp()).abs() < 1e-12);
+/// assert!((lighter[60] - 15.0 - 5.0 * (-1.0_f64).exp()).abs() < 1e-12);
+///
+/// // A hundred watts through the port are a kelvin in the long run, with nothing else changed.
+/// room.start(&[7200.0], &[15.0], 0);
+/// let mut y = [0.0];
+/// (0..10_000).for_each(|_| room.step(&[1000.0, 5.0], &[1000.0, 5.0], &[100.0], &mut y));
+/// assert!((y[0] - 16.0).abs() < 1e-9);
+/// # Ok::<(), fd_model::ModelError>(())
+/// ```
 pub trait Simulator: Debug + Send + Sync {
     /// Time between samples.
     fn ts(&self) -> SampleTime;

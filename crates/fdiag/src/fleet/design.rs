@@ -8,6 +8,18 @@ use fd_residual::ResidualForm;
 use super::error::FleetError;
 
 /// A number that fleets compute with: `f64` or `f32`.
+///
+/// ```
+/// use fdiag::fleet::{FleetBlock, FleetScalar};
+///
+/// /// Room for a second of samples of all units.
+/// fn second<T: FleetScalar>(units: usize) -> FleetBlock<T> {
+///     FleetBlock::new(fdiag::core::IoDims { nu: 1, ny: 1 }, units, 10)
+/// }
+///
+/// let mut block = second::<f32>(100);
+/// block.set(99, 9, &[0.5], &[1.5]);
+/// ```
 pub trait FleetScalar: LaneScalar + ComplexField {}
 
 impl<T: LaneScalar + ComplexField> FleetScalar for T {}

@@ -89,6 +89,16 @@ pub enum StructureSpec {
     },
 }
 
+/// Lines of specs, at least one of each structure, the default first.
+#[cfg(feature = "testing")]
+pub(super) const EVERY_STRUCTURE: [&str; 5] = [
+    r#"kind = "linear""#,
+    r#"kind = "hammerstein", basis = { kind = "polynomial", degree = 2 }"#,
+    r#"kind = "hammerstein", basis = { kind = "piecewise-linear", segments = 3 }"#,
+    r#"kind = "scheduled", time_constant_s = 4.0, regions = 2"#,
+    r#"kind = "state-space", states = 3, horizon = 6"#,
+];
+
 fn two_regions() -> usize {
     2
 }
@@ -154,6 +164,27 @@ pub enum LearningSpec {
     /// Recursive instrumental variables.
     RecursiveInstrumental(IvDesign),
 }
+
+/// Lines of specs, at least one of each way of learning, the default first.
+#[cfg(feature = "testing")]
+pub(super) const EVERY_LEARNING: [&str; 16] = [
+    r#"kind = "batch""#,
+    r#"kind = "batch", prefilter_rad_s = 4.0"#,
+    r#"kind = "instrumental""#,
+    r#"kind = "instrumental", instruments = { kind = "simulated", rounds = 2 }"#,
+    r#"kind = "instrumental", instruments = { kind = "delayed-inputs" }"#,
+    r#"kind = "instrumental", instruments = { kind = "delayed-outputs", lag = 2 }"#,
+    r#"kind = "refined-instrumental""#,
+    r#"kind = "extended", nc = 2"#,
+    r#"kind = "armax", nc = 2"#,
+    r#"kind = "output-error""#,
+    r#"kind = "output-error", from_rest = true"#,
+    r#"kind = "box-jenkins", nc = 1, nd = 1"#,
+    r#"kind = "recursive", prior_variance = 1e6"#,
+    r#"kind = "random-walk", prior_variance = 1e6, drift = { kind = "uniform", variance = 1e-9 }"#,
+    r#"kind = "recursive-extended", nc = 2, rls = { prior_variance = 1e6 }"#,
+    r#"kind = "recursive-instrumental", prior_variance = 1e6, warm_up = 300"#,
+];
 
 impl LearningSpec {
     /// Whether it learns in the running pipeline, sample by sample, from one log.

@@ -107,6 +107,24 @@ pub enum DetectorSpec {
     ThresholdSelector(AdaptiveSpec),
 }
 
+/// Lines of specs, at least one of each kind.
+#[cfg(feature = "testing")]
+pub(super) const EVERY: [&str; 13] = [
+    r#"kind = "maximum", margin = 0.1"#,
+    r#"kind = "n-sigma", false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "chi-square", window = 5, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "cusum", reference = 1.0, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "sprt", shift = 2.0, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "sprt", sides = "upper", errors = { false_alarm = 1e-6, missed = 0.01 }"#,
+    r#"kind = "glr", window = 20, courses = ["step", "ramp"], false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "glr", window = 20, faults = "sensors", whitening = 4, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "two-sample", test = "mean", window = 20, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "two-sample", test = "distribution", window = 20, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "adaptive-threshold", corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "adaptive-threshold", bound = { kind = "ensemble", models = 8 }, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "threshold-selector", bound = { kind = "learned", quantile = 0.9 }, corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+];
+
 /// What a detector is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct DetectorData<'a> {

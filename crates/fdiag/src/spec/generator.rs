@@ -149,6 +149,28 @@ pub enum GeneratorSpec {
     },
 }
 
+/// Lines of specs, at least one of each kind, for a model of one input, two states and two outputs.
+#[cfg(feature = "testing")]
+pub(super) const EVERY: [&str; 17] = [
+    r#"kind = "simulation""#,
+    r#"kind = "observer", rate = 2.0"#,
+    r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
+    r#"kind = "parity", order = 2"#,
+    r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }, rate = 2.0"#,
+    r#"kind = "decoupled", disturbance = { kind = "learned", rank = 1, duration_s = 2.0 }, rate = 2.0"#,
+    r#"kind = "eigenstructure", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }"#,
+    r#"kind = "eigenstructure", disturbance = { kind = "learned", rank = 1 }, rate = 3.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "perturbed", rank = 1, models = 20, perturbation = { fraction = 0.03 } }, rate = 2.0"#,
+    r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.02, -0.01], [0.01, 0.02]], b = [[-0.01], [0.01]] }] }, rate = 2.0"#,
+    r#"kind = "optimal", process_noise = 0.01, output_noise = 1.0, attenuated = { kind = "learned", rank = 1 }"#,
+    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "dedicated" }"#,
+    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "rows", rows = ["10", "11"] }, rate = 2.0"#,
+    r#"kind = "directional", rate = 2.0"#,
+    r#"kind = "adaptive", parameters = { kind = "state-rates" }, process_noise = 0.1, output_noise = 1e-4"#,
+    r#"kind = "fault-estimate", faults = [{ actuator = 1 }, { sensor = 2 }], process_noise = 1e-4, output_noise = 1e-2, drift = 1e-4"#,
+];
+
 fn unit_rate() -> f64 {
     1.0
 }

@@ -10,6 +10,8 @@ mod detector;
 mod generator;
 mod isolation;
 mod signature;
+#[cfg(feature = "testing")]
+pub mod testing;
 
 use fd_compensate::{
     calibrate::CalibrationPlan,
