@@ -10,13 +10,13 @@ use crate::{
         search::searched::{Searched, TrialId},
         settings::Settings,
         weigh::{
-            explain::nuisances,
             rank::{Basis, RankedCause, weigh_law},
             singles::Singles,
+            values::FittedValues,
         },
     },
     evidence::confidence,
-    fit::{FitError, Log, Minimum, Problem, Variable},
+    fit::{FitError, Log},
     shrink::{self, Closed, Contest, Rules, Settled},
 };
 
@@ -158,14 +158,14 @@ fn run(
     let null = &searched.null;
     let of_law = |law: &Law| {
         let trial = searched.trial(law.trial);
-        trial.best.as_ref().map(|best| Entrant::new(&trial.problem, best))
+        trial.best.as_ref().map(|best| FittedValues::of(&trial.problem, best))
     };
-    let null_entrant = Entrant::new(&null.problem, &null.minimum);
-    let entrants: Vec<Entrant<'_>> =
+    let null_entrant = FittedValues::of(&null.problem, &null.minimum);
+    let entrants: Vec<FittedValues<'_>> =
         std::iter::once(null_entrant).chain(laws.iter().filter_map(of_law)).collect();
     let curves = laws.iter().map(|law| is_free_curve(searched.trial(law.trial).candidate));
     let are_curves: Vec<bool> = std::iter::once(false).chain(curves).collect();
-    let settled: Vec<Settled<'_>> = entrants.iter().map(Entrant::settled).collect();
+    let settled: Vec<Settled<'_>> = entrants.iter().map(FittedValues::settled).collect();
     let run = |logs: &[Log]| shrink::contest(simulator, &settled, &are_curves, logs, rules);
     let training = run(&null.problem.plan().logs)?;
     let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
@@ -199,29 +199,5 @@ fn believe(contestants: &mut [Contestant], finalists: usize) {
                 if 0.0 < products { (wins.both().sqrt(), products) } else { (wins.either(), sums) };
             ranked.cause.probability = together * weight / weights.max(f64::MIN_POSITIVE);
         }
-    }
-}
-
-/// A fitted model with its values.
-struct Entrant<'a> {
-    simulator: &'a dyn Simulator,
-    nuisances: Vec<(String, f64)>,
-    effects: Vec<(Variable, f64)>,
-}
-
-impl<'a> Entrant<'a> {
-    fn new(problem: &'a Problem, at: &Minimum) -> Self {
-        let nuisances = nuisances(problem, &at.z).into_iter();
-        let values = problem.effect_values(&at.z);
-        Self {
-            simulator: problem.simulator(),
-            nuisances: nuisances.map(|n| (n.name, n.value)).collect(),
-            effects: problem.effects().iter().cloned().zip(values).collect(),
-        }
-    }
-
-    fn settled(&self) -> Settled<'_> {
-        let Self { simulator, nuisances, effects } = self;
-        Settled { simulator: *simulator, nuisances, effects }
     }
 }

@@ -9,16 +9,11 @@ use crate::{
     diagnose::{
         context::Context,
         settings::Settings,
-        weigh::{
-            answer::{Answer, Fit},
-            explain::nuisances,
-            rank::Basis,
-            singles::Singles,
-        },
+        weigh::{answer::Answer, rank::Basis, singles::Singles, values::FittedValues},
     },
-    fit::{FitError, Log, Minimum, Problem, Variable},
+    fit::{FitError, Log, Minimum, Problem},
     quality::Autoregression,
-    shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
+    shrink::{Closed, closed, forecast_errors, gap_per_output},
 };
 
 /// An explanation that surely closes less than this share of a held-out gap does not forecast it, and
@@ -29,6 +24,7 @@ const CLOSES_MUCH: f64 = 0.8;
 
 /// Spread of `ln` of the noise from one run to another.
 const BETWEEN_RUNS: f64 = 0.05;
+
 /// Rivals of the best cause whose forecasts are looked at.
 const MOST_RIVALS: usize = 4;
 
@@ -87,18 +83,12 @@ fn validate(
         return Ok(Validation::default());
     }
     let (nominal, searched) = (singles.base.simulator(), &singles.searched);
-    let null = &searched.null;
     let run = |problem: &Problem, at: &Minimum| {
-        let nuisances: Vec<(String, f64)> =
-            nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect();
-        let values = problem.effect_values(&at.z);
-        let effects: Vec<(Variable, f64)> = problem.effects().iter().cloned().zip(values).collect();
-        let (simulator, nuisances, effects) = (problem.simulator(), &nuisances, &effects);
-        let settled = Settled { simulator, nuisances, effects };
-        forecast_errors(nominal, settled, held_out, *horizon, &searched.noise.sigma)
+        let values = FittedValues::of(problem, at);
+        forecast_errors(nominal, values.settled(), held_out, *horizon, &searched.noise.sigma)
     };
-    let Fit { problem, minimum } = fit;
-    let (before, after) = (run(&null.problem, &null.minimum)?, run(problem, minimum)?);
+    let before = run(&searched.null.problem, &searched.null.minimum)?;
+    let after = run(&fit.problem, &fit.minimum)?;
     let (Some(before), Some(after)) = (before, after) else {
         return Ok(Validation::default());
     };

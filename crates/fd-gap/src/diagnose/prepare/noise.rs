@@ -37,7 +37,7 @@ impl KnownNoise {
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
     /// stated, how many times their own floor.
     pub(in crate::diagnose) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        self.reaches(errors).into_iter().map(|(reach, _)| reach).fold(0.0, f64::max)
+        self.reaches(errors).into_iter().map(|reach| reach.times).fold(0.0, f64::max)
     }
 
     /// Whether errors (in sigma) are so far above the noise that likelihoods are no use. Nobody
@@ -45,11 +45,11 @@ impl KnownNoise {
     /// success: there, forecasts are better judges.
     pub(in crate::diagnose) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
         let limit = |is_stated| if is_stated { FAR } else { REACHED };
-        self.reaches(errors).into_iter().any(|(reach, is_stated)| limit(is_stated) < reach)
+        self.reaches(errors).into_iter().any(|reach| limit(reach.is_stated) < reach.times)
     }
 
-    /// As [`reach`](Self::reach), per output, with whether its noise is stated.
-    fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<(f64, bool)> {
+    /// As [`reach`](Self::reach), per output.
+    fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<Reach> {
         let gaps = gap_per_output(errors);
         let of = |c: usize| {
             let stated = self.stated[c];
@@ -57,8 +57,17 @@ impl KnownNoise {
                 Some(stated) => (stated / self.sigma[c]).max(1.0),
                 None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
             };
-            (gaps[c] / floor, stated.is_some())
+            Reach { times: gaps[c] / floor, is_stated: stated.is_some() }
         };
         (0..errors.len()).map(of).collect()
     }
+}
+
+/// How far above the noise the errors of an output are.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// Root mean square of the errors, in multiples of the noise.
+    times: f64,
+    /// Whether that noise is stated by the model, or estimated from the errors.
+    is_stated: bool,
 }

@@ -1,14 +1,12 @@
 //! Gaps on held-out logs, before and after.
 
-use fd_sim::simulate::Simulator;
-
 use crate::{
     diagnose::{
         context::Context,
         result::HeldOut,
-        weigh::{answer::Fit, explain::nuisances},
+        weigh::{answer::Fit, values::FittedValues},
     },
-    fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, Variable},
+    fit::{FitError, Horizon, Log, NullFit, Problem},
     shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
 };
 
@@ -33,17 +31,10 @@ pub(super) fn held_out_gaps(
     context: &Context<'_>,
 ) -> Result<Vec<HeldOut>, FitError> {
     let nominal = nominal.simulator();
-    let named = |problem: &Problem, z: &[f64]| -> Vec<(String, f64)> {
-        nuisances(problem, z).into_iter().map(|n| (n.name, n.value)).collect()
-    };
-    let refitted = named(&null.problem, &null.minimum.z);
-    let (mut simulator, mut values): (&dyn Simulator, _) = (nominal, refitted.clone());
-    let mut effects: Vec<(Variable, f64)> = Vec::new();
-    if let Some(Fit { problem, minimum: Minimum { z, .. } }) = best {
-        simulator = problem.simulator();
-        values = named(problem, z);
-        effects = problem.effects().iter().cloned().zip(problem.effect_values(z)).collect();
-    }
+    let as_it_came = Settled { simulator: nominal, nuisances: &[], effects: &[] };
+    let refit = FittedValues::of(&null.problem, &null.minimum).on(nominal);
+    let best = best.map(|Fit { problem, minimum }| FittedValues::of(problem, minimum));
+    let best = best.as_ref().unwrap_or(&refit);
     let mut all = Vec::new();
     if logs.is_empty() {
         return Ok(all);
@@ -51,13 +42,9 @@ pub(super) fn held_out_gaps(
     let ts = nominal.ts().seconds();
     let longest = logs.iter().map(Log::samples).max().unwrap_or(0);
     for &horizon in horizons {
-        let run = |simulator, nuisances: &[(String, f64)], effects: &[(Variable, f64)]| {
-            let settled = Settled { simulator, nuisances, effects };
-            forecast_errors(nominal, settled, logs, horizon, sigma)
-        };
-        let before = run(nominal, &[], &[])?;
-        let refit = run(nominal, &refitted, &[])?;
-        let after = run(simulator, &values, &effects)?;
+        let run = |settled| forecast_errors(nominal, settled, logs, horizon, sigma);
+        let (before, refit) = (run(as_it_came)?, run(refit.settled())?);
+        let after = run(best.settled())?;
         let (Some(before), Some(refit), Some(after)) = (before, refit, after) else { continue };
         let squares = floors.iter().map(|floor| floor * floor);
         let floor = f64::sqrt(squares.sum::<f64>() / floors.len() as f64);

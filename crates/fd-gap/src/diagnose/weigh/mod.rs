@@ -15,6 +15,7 @@ pub(super) mod rank;
 pub(super) mod singles;
 mod stronger_noise;
 mod teach;
+pub(super) mod values;
 
 use self::{
     answer::{Answer, choose},

@@ -1,0 +1,38 @@
+//! A fitted model with its values, as forecasts take it.
+
+use fd_sim::simulate::Simulator;
+
+use super::explain::nuisances;
+use crate::{
+    fit::{Minimum, Problem, Variable},
+    shrink::Settled,
+};
+
+/// A fitted model with its values.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct FittedValues<'a> {
+    simulator: &'a dyn Simulator,
+    nuisances: Vec<(String, f64)>,
+    effects: Vec<(Variable, f64)>,
+}
+
+impl<'a> FittedValues<'a> {
+    pub(in crate::diagnose) fn of(problem: &'a Problem, at: &Minimum) -> Self {
+        let values = problem.effect_values(&at.z);
+        Self {
+            simulator: problem.simulator(),
+            nuisances: nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect(),
+            effects: problem.effects().iter().cloned().zip(values).collect(),
+        }
+    }
+
+    /// The same values of another simulator.
+    pub(in crate::diagnose) fn on(self, simulator: &'a dyn Simulator) -> Self {
+        Self { simulator, ..self }
+    }
+
+    pub(in crate::diagnose) fn settled(&self) -> Settled<'_> {
+        let Self { simulator, nuisances, effects } = self;
+        Settled { simulator: *simulator, nuisances, effects }
+    }
+}
