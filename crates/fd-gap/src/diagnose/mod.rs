@@ -90,7 +90,7 @@
 //! # The steps
 //!
 //! Each step is a value that one function makes of the one before, and that nobody changes
-//! afterwards; [`diagnose()`] is the five calls in a row.
+//! afterwards; [`diagnose()`] is these calls in a row.
 //!
 //! | step | made by | what is in it | directory |
 //! |---|---|---|---|
@@ -102,13 +102,16 @@
 //! | [`Diagnosis`] | `report` | the answer for people, with the loop closed, the noise floor and held-out gaps | `report/` |
 //!
 //! Before the first step, `feedback.rs` asks whether the controller in the loop saw the logged
-//! outputs; then it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)).
+//! outputs; then it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Logs that seem to
+//! begin in motion are prepared twice, with stated and with free starts, and take the way to `Judged`
+//! twice; the plainer judgement stays unless the other one explains clearly more.
 //!
 //! # Where a rule goes
 //!
 //! | a rule about | goes to |
 //! |---|---|
 //! | what the noise is taken to be, what is near it and what is far above it | `prepare/noise.rs` |
+//! | where the states of a log begin | `prepare/start.rs`, `judge/starts.rs` |
 //! | where fits start, and which candidates deserve one | `search/screen.rs`, `search/trial.rs`, `search/finalists.rs` |
 //! | when second causes are tried, and when noise gets a colour | `weigh/mod.rs`, `weigh/colour.rs` |
 //! | what must speak for a pair before it is preferred | `weigh/answer.rs` (`choose`) |
@@ -141,11 +144,8 @@ use self::{
     candidates::Candidates,
     context::Context,
     feedback::Feedback,
-    judge::{judge, judged::Judged},
-    prepare::{
-        Prepared, prepare,
-        start::{in_motion, prefer},
-    },
+    judge::{judge, judged::Judged, prefer},
+    prepare::{Prepared, prepare, start::in_motion},
     report::report,
     search::search,
     weigh::weigh,

@@ -9,12 +9,16 @@ mod horizons;
 pub(super) mod judged;
 mod pair_ties;
 mod probabilities;
+mod starts;
 mod ties;
 mod validation;
 mod verdict;
 
-pub(super) use self::groups::{groups, sides};
 use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
+pub(super) use self::{
+    groups::{groups, sides},
+    starts::prefer,
+};
 use super::{context::Context, monitor::Stage, weigh::Weighed};
 use crate::fit::{FitError, Log};
 

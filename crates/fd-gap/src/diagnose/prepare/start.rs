@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use super::{Prepared, weighted_null_fit};
 use crate::{
-    diagnose::{case::Case, judge::judged::Judged},
+    diagnose::case::Case,
     fit::{FitError, Horizon, NullFit, Plan},
 };
 
 /// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
-const SURE: f64 = 10.0;
+pub(in crate::diagnose) const SURE: f64 = 10.0;
 /// Part of a log within which a start is forgotten …
 const BEGINNING: f64 = 1.0 / 3.0;
 /// … and the share of the gain that must lie there. What a free start gains all along the log, as the
@@ -43,24 +43,6 @@ pub(in crate::diagnose) fn in_motion(
     let mut noise = prepared.noise.clone();
     noise.sigma.clone_from(&null.problem.weights().sigma);
     Ok(Some(Prepared { model: prepared.model.clone(), null, noise }))
-}
-
-/// The judgement to believe: that of free starts only where its best answer leaves so much less than the other
-/// one's that chance with so many more unknowns does not explain it.
-pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> Judged<'a> {
-    let squares = |judged: &Judged<'_>, sigma: &[f64]| -> f64 {
-        let own = &judged.singles.searched.noise.sigma;
-        let of = |((signals, own), common): ((&Vec<Vec<f64>>, &f64), &f64)| -> f64 {
-            let finite = signals.iter().flatten().filter(|e| e.is_finite());
-            finite.map(|e| (e * own / common).powi(2)).sum()
-        };
-        judged.best.errors.iter().zip(own).zip(sigma).map(of).sum()
-    };
-    let sigma = stated.singles.searched.noise.sigma.clone();
-    let plan = free.singles.base.plan();
-    let (n, unknowns) = (plan.measured() as f64, plan.own_variables().count() as f64);
-    let gain = n * (squares(&stated, &sigma) / squares(&free, &sigma)).ln();
-    if unknowns * (n.ln() + SURE) < gain { free } else { stated }
 }
 
 /// Whether free starts explain so much more, and that in the beginning, that the logs cannot have begun where
