@@ -1,5 +1,5 @@
 //! Parity vectors: exact ones, the closest ones, and the ones that do not exist.
-#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 mod common;
 
@@ -114,6 +114,23 @@ proptest! {
             prop_assert!(best <= leak(&w) + 1e-14);
         }
     }
+}
+
+/// The leak is what passes of the state next to the most that could: of lags with the poles 0.5 and
+/// 0.6, `Γ = [1 1; 0.5 0.6]` has `ΓΓᵀ = [2 1.1; 1.1 0.61]`, of trace 2.61 and determinant 0.01.
+#[test]
+fn the_leak_is_relative_to_the_worst_vector() {
+    let lag = |pole: f64| {
+        StateSpace::new(mat![[pole]], mat![[1.0]], mat![[1.0]], mat![[0.0]], sampled()).unwrap()
+    };
+    let design = ParityDesign::closest(&[lag(0.5), lag(0.6)], 1, 2).unwrap();
+    let root = (2.61_f64.powi(2) - 0.04).sqrt();
+    let smallest = ((2.61 - root) / (2.61 + root)).sqrt();
+    let [best, worst] = design.leak() else { panic!("two vectors") };
+    assert!((best / smallest - 1.0).abs() < 1e-12, "{best}, not {smallest}");
+    assert!((worst - 1.0).abs() < 1e-15, "{worst}");
+    // A single model leaves nothing.
+    assert!(ParityDesign::closest(&[lag(0.5)], 1, 1).unwrap().leak()[0] < 1e-15);
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //!
 //! The facade of the workspace: the crates of methods under short names, pipelines described as data
 //! ([`spec`]), the whole way from healthy logs to a diagnosis ([`training`]), and many units at once
-//! ([`fleet`]). The jet engine as a subject of gap diagnosis is [`engine_plant`], the one place that knows
-//! both siblings.
+//! ([`fleet`]). [`gap_study`] goes from a model file and logs to the report of a gap diagnosis. The jet engine as a
+//! subject of gap diagnosis is [`engine_plant`], the one place that knows both siblings.
 
 //!
 //! A model, a line for each choice, a healthy log: that is a diagnosis.

@@ -182,7 +182,7 @@ pub struct Cause {
     pub side: Side,
     /// Probability.
     pub probability: f64,
-    /// Logarithm of the evidence over that of "no gap".
+    /// Natural logarithm of the evidence over that of "no gap".
     pub log_evidence: f64,
     /// Law with the most evidence.
     pub law: &'static str,
@@ -211,14 +211,14 @@ pub struct Pair {
     pub causes: [Cause; 2],
     /// Probability.
     pub probability: f64,
-    /// Logarithm of the evidence over that of "no gap".
+    /// Natural logarithm of the evidence over that of "no gap".
     pub log_evidence: f64,
     /// Root mean square of the training residual, in sigma.
     pub gap: f64,
 }
 
 /// What the best explanation leaves, beyond noise of the stated kind. Both are gains of the
-/// log-likelihood that something else could have.
+/// (natural) log-likelihood that something else could have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Leftover {
     /// From residuals that have a colour and are stronger than the noise.
@@ -244,9 +244,9 @@ pub struct Estimate {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Value.
+    /// Value, in that unit.
     pub value: f64,
-    /// Standard error, with everything else unknown as well.
+    /// Standard error in the same unit, with everything else unknown as well.
     pub standard_error: f64,
     /// Whether it is a strength.
     pub is_strength: bool,
@@ -331,11 +331,11 @@ pub struct HeldOut {
     pub seconds: f64,
     /// Root mean square error of each output with nominal parameters, in its unit.
     pub nominal: Vec<f64>,
-    /// With refitted parameters.
+    /// The same with refitted parameters.
     pub refit: Vec<f64>,
-    /// With the best explanation.
+    /// The same with the best explanation.
     pub after: Vec<f64>,
-    /// Noise floor.
+    /// Noise floor of each output, in its unit.
     pub floor: Vec<f64>,
     /// Share of the reducible gap of the nominal model that is closed.
     pub closed_of_nominal: Option<Closed>,

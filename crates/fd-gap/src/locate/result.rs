@@ -92,7 +92,7 @@ pub struct FreeSignal {
     /// Share of the reducible gap (mean square above the floor) that it explains, less what as many
     /// free numbers explain of noise; between 0 and 1.
     pub share: f64,
-    /// Logarithm of its evidence over that of no signal.
+    /// Natural logarithm of its evidence over that of no signal.
     pub log_evidence: f64,
     /// Unit.
     pub unit: String,
@@ -122,11 +122,11 @@ pub struct Band {
     pub low_hz: f64,
     /// Upper end, in Hz.
     pub high_hz: f64,
-    /// Power with parameters refitted.
+    /// Power with parameters refitted, in squares of the noise per sample.
     pub refit: f64,
-    /// Power with the best explanation.
+    /// Power with the best explanation, in squares of the noise per sample.
     pub after: f64,
-    /// Power of the noise floor.
+    /// Power of the noise floor, in squares of the noise per sample.
     pub floor: f64,
     /// Share of the power above the floor, of all bands; with parameters refitted.
     pub share: f64,
@@ -195,15 +195,15 @@ pub enum RegionOn {
 /// A bin of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Bin {
-    /// Lowest value of the signal.
+    /// Lowest value of the signal, in its unit.
     pub low: f64,
-    /// Highest value of the signal.
+    /// Highest value of the signal, in its unit.
     pub high: f64,
     /// Samples.
     pub count: usize,
-    /// Mean of what is looked at.
+    /// Mean of what is looked at: a residual in sigma, a free signal in its unit.
     pub mean: f64,
-    /// Its root mean square.
+    /// Its root mean square, alike.
     pub rms: f64,
 }
 

@@ -24,14 +24,14 @@ pub enum Severity {
 pub enum Defect {
     /// The values lie on a grid that is coarse against the noise.
     Quantised {
-        /// Distance of two neighbours on the grid.
+        /// Distance of two neighbours on the grid, in the unit of the channel.
         step: f64,
     },
     /// Many values are exactly the largest or smallest one.
     Clipped {
-        /// That value.
+        /// That value, in the unit of the channel.
         at: f64,
-        /// Part of the samples that have it.
+        /// Part of the samples that have it, 0 to 1.
         share: f64,
     },
     /// The channel does not change.
@@ -40,25 +40,25 @@ pub enum Defect {
     NotExcited,
     /// Samples are missing.
     Missing {
-        /// Part of the samples.
+        /// Part of the samples, 0 to 1.
         share: f64,
     },
     /// The output moves too much from sample to sample for the dynamics to be seen.
     SlowSampling {
-        /// Correlation of neighbouring samples.
+        /// Correlation of neighbouring samples, -1 to 1.
         correlation: f64,
     },
     /// The errors of the model go before the inputs: something outside the model feeds the output
     /// back to the input.
     Feedback {
-        /// Largest correlation of the error with future inputs.
+        /// Largest correlation of the error with future inputs, -1 to 1.
         correlation: f64,
         /// Name of the input.
         input: String,
     },
     /// The channel fits the simulation better when multiplied.
     WrongUnit {
-        /// By this power of ten.
+        /// By this power of ten, a pure number.
         factor: f64,
     },
     /// The log is shorter than the memory of the plant.

@@ -48,7 +48,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 pub struct Closed {
     /// `1 − (after − floor)/(before − floor)`; 1 is all of it, negative is harm.
     pub fraction: f64,
-    /// Bounds of the interval.
+    /// Bounds of the 95 % interval of that share.
     pub interval: [f64; 2],
     /// Length of a block of the bootstrap, in samples.
     pub block: usize,

@@ -94,7 +94,7 @@ fn pseudoinverse(m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
     }
     let svd = decompose(m)?;
     let sigma = svd.S().column_vector();
-    let rank = sigma.iter().filter(|&&s| TOLERANCE * sigma[0] < s && 0.0 < s).count();
+    let rank = sigma.iter().filter(|&&s| TOLERANCE * sigma[0] < s).count();
     let scaled = Mat::from_fn(rank, m.nrows(), |i, j| svd.U()[(j, i)] / sigma[i]);
     Ok(svd.V().subcols(0, rank) * scaled)
 }

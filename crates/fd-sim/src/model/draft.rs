@@ -62,11 +62,11 @@ pub struct Parameter {
     pub name: String,
     /// Unit, `"1"` for a pure number.
     pub unit: String,
-    /// Nominal value.
+    /// Nominal value, in that unit.
     pub value: f64,
     /// How well the value is known, as a fraction of it.
     pub tolerance: f64,
-    /// Values that make sense, both ends included.
+    /// Values that make sense, both ends included, in that unit.
     pub bounds: Option<[f64; 2]>,
 }
 

@@ -12,8 +12,8 @@ use fd_lab::blind::{
     BlindError, CaseKind, Manner, Order, SealKey, Variant, make, progress, run, score,
 };
 use fd_model::Record;
-use fd_sim::model::Model;
 use fdiag::gap_study::automatic_settings;
+use fdiag::sim::model::Model;
 
 use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::bar};
 

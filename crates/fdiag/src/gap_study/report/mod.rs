@@ -26,7 +26,8 @@ use super::{findings::LogFinding, law::Law, patched::PatchedModel};
 /// The version of the schema; it rises when a key changes its meaning or disappears.
 pub const REPORT_VERSION: u32 = 2;
 
-/// All that a study says.
+/// All that a study says. Probabilities and shares are between 0 and 1 where nothing else is said; *sigma* is
+/// the standard deviation of the noise of an output.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Report {
     /// Version of this schema.

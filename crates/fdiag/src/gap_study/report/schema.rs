@@ -38,10 +38,11 @@ fn finite_or_null(schema: &mut Schema) {
     }
 }
 
-/// Descriptions without the targets of links, which lead into the documentation of the code.
+/// Descriptions on one line, in the words of JSON, and without the targets of links, which lead into the
+/// documentation of the code.
 fn plain_words(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
-        *text = without_targets(text);
+        *text = without_targets(text).replace('\n', " ").replace("`None`", "`null`");
     }
 }
 
