@@ -123,7 +123,9 @@ impl Log {
     ) -> Result<Vec<Self>, FitError> {
         let mut logs = Self::all(records, simulator, earlier)?;
         let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion);
-        logs.iter_mut().for_each(|log| log.is_in_motion |= is_in_motion);
+        for log in &mut logs {
+            log.is_in_motion |= is_in_motion;
+        }
         Ok(logs)
     }
 
