@@ -18,8 +18,11 @@ pub struct LogFormat {
     /// Endings of file names, in lower case.
     pub extensions: &'static [&'static str],
     /// Opens a file that is there; the text is its name for errors.
-    open: fn(&str, File, &LogMap) -> Result<Box<dyn LogSource>, LogError>,
+    open: Open,
 }
+
+/// Opens a file as a table.
+type Open = fn(&str, File, &LogMap) -> Result<Box<dyn LogSource>, LogError>;
 
 /// All formats. The first one is meant where the name of a file ends in something else.
 pub const FORMATS: &[LogFormat] = &[
