@@ -145,7 +145,7 @@ impl<'a> SampleRows<'a> {
 /// let (u, r) = ([1.0, 2.0], [0.1, 0.2]);
 /// let rows = DrivenRows::new(SampleRows::new(1, &u)?, SampleRows::new(1, &r)?)?;
 /// assert_eq!((rows.u(1), rows.r(1)), (&[2.0][..], &[0.2][..]));
-/// assert_eq!(DrivenRows::from(SampleRows::new(1, &r)?).u(1), []);
+/// assert!(DrivenRows::from(SampleRows::new(1, &r)?).u(1).is_empty());
 /// # Ok::<(), fd_compensate::RowsError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

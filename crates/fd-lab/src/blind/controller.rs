@@ -106,17 +106,16 @@ impl Controller {
         let (yn, pole) = (&y.name, self.pole);
         let error = format!("({reference} - {yn})");
         let filtered = format!("{pole:?}*{rate} + {:?}*({yn} - {before})/{ts:?}", 1.0 - pole);
-        let sum = match self.action {
-            Action::BangBang => format!("{:?} + {:?}*{side_now}", self.trim, self.limit),
-            _ => {
-                let inner = self.inner.map_or_else(String::new, |(place, k, mean)| {
-                    format!(" - {k:?}*({} - {mean:?})", draft.outputs[place].name)
-                });
-                format!(
-                    "{:?} + clamp({:?}*{error} + {integral} - {:?}*{rate_now}{inner}, {:?}, {:?})",
-                    self.trim, self.gain, self.rate, -self.limit, self.limit
-                )
-            }
+        let sum = if self.action == Action::BangBang {
+            format!("{:?} + {:?}*{side_now}", self.trim, self.limit)
+        } else {
+            let inner = self.inner.map_or_else(String::new, |(place, k, mean)| {
+                format!(" - {k:?}*({} - {mean:?})", draft.outputs[place].name)
+            });
+            format!(
+                "{:?} + clamp({:?}*{error} + {integral} - {:?}*{rate_now}{inner}, {:?}, {:?})",
+                self.trim, self.gain, self.rate, -self.limit, self.limit
+            )
         };
         let k = self.gain.abs().max(f64::MIN_POSITIVE);
         let way = format!("({:?}*{error} - {:?}*{rate_now})/{k:?}", self.gain, self.rate);
@@ -200,7 +199,7 @@ impl Feedback<'_> {
                 let k = self.seen.len();
                 self.seen.push(error);
                 let [every, late] = s.looks;
-                if k % every == 0 {
+                if k.is_multiple_of(every) {
                     let past = self.seen[k.saturating_sub(late)];
                     let hand = 1.0 + UNSTEADY * self.hand.uniform(-1.0, 1.0);
                     let wanted = if past.abs() < s.band { 0.0 } else { s.gain * hand * past };

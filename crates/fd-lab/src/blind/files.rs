@@ -148,7 +148,7 @@ fn logs(scene: &Scene<'_>, directory: &Path, files: [&str; 2]) -> Result<Option<
 fn text(path: &Path, log: &LogOfRun) -> Result<Vec<u8>, BlindError> {
     let mut record = log.record.clone();
     if let Some((channel, values)) = &log.reference {
-        let inputs: Vec<Channel> = [record.inputs(), &[channel.clone()]].concat();
+        let inputs: Vec<Channel> = [record.inputs(), std::slice::from_ref(channel)].concat();
         let row = |k: usize| record.u(k).iter().copied().chain([values[k]]).collect::<Vec<f64>>();
         let u = (0..record.len()).flat_map(row).collect();
         let y = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();

@@ -25,8 +25,12 @@ pub struct Manner<'a> {
     /// Whether simpler methods are run, too.
     pub with_baselines: bool,
     /// Settings of a diagnosis, from the model and both logs.
-    pub settings: &'a (dyn Fn(&Model, &[Record; 2]) -> Result<Settings, BlindError> + Sync),
+    pub settings: &'a ChooseSettings<'a>,
 }
+
+/// Settings of a diagnosis, from the model and both logs.
+pub type ChooseSettings<'a> =
+    dyn Fn(&Model, &[Record; 2]) -> Result<Settings, BlindError> + Sync + 'a;
 
 impl Default for Manner<'_> {
     /// As it was logged, with all methods, in free run.

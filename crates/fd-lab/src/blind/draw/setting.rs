@@ -96,10 +96,7 @@ fn controller(
     model: &Model,
     random: &mut Random,
 ) -> Result<Option<Controller>, BlindError> {
-    let mut drawn = match drawn(truth, model, random)? {
-        Some(drawn) => drawn,
-        None => return Ok(None),
-    };
+    let Some(mut drawn) = drawn(truth, model, random)? else { return Ok(None) };
     for _ in 0..HALVINGS {
         let conditions = Conditions { controller: Some(drawn.clone()), ..Conditions::default() };
         let truth = Truth { conditions, ..truth.clone() };

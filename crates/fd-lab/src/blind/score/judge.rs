@@ -220,7 +220,41 @@ pub(super) fn judge(
             sum(&|i, cause| answer.tied.contains(&i) || is_one_group(first, cause))
                 + with.map(|pair| pair.probability).sum::<f64>();
     }
-    if let (Some(effect), Some(first)) = (effect, first) {
+    if let Some(first) = first {
+        judge_first(case, truth, first, corrupts, &mut verdict)?;
+    }
+    if 1 < truth.kind.effects() {
+        judge_list(case, truth, answer, first, corrupts, &mut verdict)?;
+    }
+    if let Some(misreading) = &truth.conditions.misreading {
+        judge_reading(misreading, answer, &mut verdict);
+    }
+    for (i, baseline) in answer.baselines.iter().flat_map(|b| [&b.refit, &b.sparse]).enumerate() {
+        let right = |(label, site): &(String, String)| {
+            effect.is_some_and(|effect| is_exact(effect, label, site, None))
+        };
+        verdict.baseline_right[i] = baseline.named.as_ref().is_some_and(right);
+    }
+    if let Some(b) = &answer.baselines {
+        verdict.baseline_closed = [b.refit.closed, b.black_box.closed, b.sparse.closed];
+    }
+    let is_comparable = variant != Variant::KnownController && truth.kind != CaseKind::Misread;
+    if let Some(case) = case.filter(|_| is_comparable) {
+        closer::look(case, truth, answer, &mut verdict)?;
+    }
+    Ok(verdict)
+}
+
+/// Whether the first cause is the first effect, or one that no log could tell from it.
+fn judge_first(
+    case: Option<&Case>,
+    truth: &Truth,
+    first: &Named,
+    corrupts: bool,
+    verdict: &mut Verdict,
+) -> Result<(), BlindError> {
+    let oracle = truth.oracle.clone().unwrap_or_default();
+    if let Some(effect) = truth.effects.first() {
         verdict.is_exact = is_exact(effect, &first.label, &first.site, first.partner.as_deref());
         verdict.is_side_right = side(effect) == first.side;
         verdict.is_group_right = verdict.is_exact || is_group(effect, first);
@@ -237,65 +271,62 @@ pub(super) fn judge(
         verdict.is_group_right |= is_right;
         verdict.is_side_right |= is_right;
     }
-    if 1 < truth.kind.effects() {
-        let said: Vec<&Named> = if answer.together.is_empty() {
-            first.into_iter().collect()
-        } else {
-            answer.together.iter().collect()
+    Ok(())
+}
+
+/// Whether all effects are named, or causes that no log could tell from them together.
+fn judge_list(
+    case: Option<&Case>,
+    truth: &Truth,
+    answer: &Answer,
+    first: Option<&Named>,
+    corrupts: bool,
+    verdict: &mut Verdict,
+) -> Result<(), BlindError> {
+    let said: Vec<&Named> = if answer.together.is_empty() {
+        first.into_iter().collect()
+    } else {
+        answer.together.iter().collect()
+    };
+    let is_said = |effect: &&Effect| {
+        said.iter().any(|n| is_exact(effect, &n.label, &n.site, n.partner.as_deref()))
+    };
+    let found = truth.effects.iter().filter(|effect| is_said(effect)).count();
+    let all = truth.effects.len();
+    let is_exact_list = found == all && said.len() == all;
+    verdict.is_half_exact = 0 < found;
+    let is_list_right = is_exact_list
+        || match case {
+            Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
+                left(case, truth, &said)? < SEPARATED
+            }
+            _ => false,
         };
-        let is_said = |effect: &&Effect| {
-            said.iter().any(|n| is_exact(effect, &n.label, &n.site, n.partner.as_deref()))
-        };
-        let found = truth.effects.iter().filter(|effect| is_said(effect)).count();
-        let all = truth.effects.len();
-        let is_exact_list = found == all && said.len() == all;
-        verdict.is_half_exact = 0 < found;
-        let is_list_right = is_exact_list
-            || match case {
-                Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
-                    left(case, truth, &said)? < SEPARATED
+    if truth.kind == CaseKind::Pair {
+        (verdict.is_pair_exact, verdict.is_pair_right) = (is_exact_list, is_list_right);
+    } else {
+        verdict.is_list_right = is_list_right;
+        verdict.is_dominant_first = verdict.is_exact
+            || match (case, first) {
+                (Some(case), Some(first)) => {
+                    let effects = truth.effects[..1].to_vec();
+                    let alone = Truth { effects, ..truth.clone() };
+                    left(case, &alone, &[first])? < SEPARATED
                 }
                 _ => false,
             };
-        if truth.kind == CaseKind::Pair {
-            (verdict.is_pair_exact, verdict.is_pair_right) = (is_exact_list, is_list_right);
-        } else {
-            verdict.is_list_right = is_list_right;
-            verdict.is_dominant_first = verdict.is_exact
-                || match (case, first) {
-                    (Some(case), Some(first)) => {
-                        let effects = truth.effects[..1].to_vec();
-                        let alone = Truth { effects, ..truth.clone() };
-                        left(case, &alone, &[first])? < SEPARATED
-                    }
-                    _ => false,
-                };
-            verdict.is_right = verdict.is_dominant_first;
-        }
+        verdict.is_right = verdict.is_dominant_first;
     }
-    if let Some(misreading) = &truth.conditions.misreading {
-        let told = answer.reading.first().filter(|told| 0.5 < told.probability);
-        verdict.is_reading_told = told.is_some_and(|told| is_told(misreading, told));
-        verdict.is_taken_for_physics = told.is_none()
-            && 0.5 < verdict.blamed
-            && 0.5 < verdict.probability
-            && !answer.says_none;
-        verdict.is_right = verdict.is_reading_told;
-    }
-    for (i, baseline) in answer.baselines.iter().flat_map(|b| [&b.refit, &b.sparse]).enumerate() {
-        let right = |(label, site): &(String, String)| {
-            effect.is_some_and(|effect| is_exact(effect, label, site, None))
-        };
-        verdict.baseline_right[i] = baseline.named.as_ref().is_some_and(right);
-    }
-    if let Some(b) = &answer.baselines {
-        verdict.baseline_closed = [b.refit.closed, b.black_box.closed, b.sparse.closed];
-    }
-    let is_comparable = variant != Variant::KnownController && truth.kind != CaseKind::Misread;
-    if let Some(case) = case.filter(|_| is_comparable) {
-        closer::look(case, truth, answer, &mut verdict)?;
-    }
-    Ok(verdict)
+    Ok(())
+}
+
+/// Whether a mistake of reading is told, or taken for physics.
+fn judge_reading(misreading: &Misreading, answer: &Answer, verdict: &mut Verdict) {
+    let told = answer.reading.first().filter(|told| 0.5 < told.probability);
+    verdict.is_reading_told = told.is_some_and(|told| is_told(misreading, told));
+    verdict.is_taken_for_physics =
+        told.is_none() && 0.5 < verdict.blamed && 0.5 < verdict.probability && !answer.says_none;
+    verdict.is_right = verdict.is_reading_told;
 }
 
 /// Whether a cause is what the logger does to an output.
