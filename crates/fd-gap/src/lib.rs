@@ -62,4 +62,5 @@ pub mod experiment;
 pub mod fit;
 pub mod locate;
 pub mod quality;
+pub mod road;
 pub mod shrink;

@@ -4,8 +4,9 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 use crate::{Effect, Offers, Reason, SiteRef, Sketch, units::per};
 
-/// A share of what another sensor measures is added, `y_i + c (y_j - mean)`, with the mean of the
-/// nominal model: a temperature in kelvin is not taken for a bias.
+/// A share of what another sensor measures is added: `linear`, `y_i + c (y_j - mean)`, with the mean of the
+/// nominal model, as of a sensor that was zeroed in operation (a temperature in kelvin is not taken for a
+/// bias), or `with-mean`, `y_i + c y_j`.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorCrossTalk;
 
@@ -21,23 +22,25 @@ impl Effect for SensorCrossTalk {
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let mut offers = Vec::new();
         for (i, output) in scales.outputs.iter().enumerate() {
-            let sketch = || Sketch::of_output(self, "linear", nominal, scales, i);
+            let sketch = |law| Sketch::of_output(self, law, nominal, scales, i);
             let others = scales.outputs.iter().enumerate().filter(|(j, _)| *j != i);
-            offers.extend(others.map(|(j, other)| {
+            let laws = [("linear", "y + c*(w - W)"), ("with-mean", "y + c*w")];
+            let all = others.flat_map(|other| laws.map(|law| (other, law)));
+            offers.extend(all.map(|((j, other), (law, template))| {
                 let unit = per(&output.unit, &other.unit);
                 let scale = output.std / other.std;
-                sketch()
+                sketch(law)
                     .require(output.moves() && other.moves(), super::STILL)
                     .partner(SiteRef::Output(j, other.name.clone()))
                     .bind("w", nominal.outputs[j].value.clone())
                     .bind("W", other.mean)
                     .strength("c", &format!("from_{}", other.name), unit, scale, [-3.0, 3.0])
-                    .wrap_output("y + c*(w - W)")
+                    .wrap_output(template)
                     .starts([[0.1]])
                     .finish()
             }));
             if scales.outputs.len() == 1 {
-                offers.push(sketch().require(false, Reason::Alone("output")).finish());
+                offers.push(sketch("linear").require(false, Reason::Alone("output")).finish());
             }
         }
         offers

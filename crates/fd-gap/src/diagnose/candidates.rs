@@ -40,6 +40,6 @@ pub(super) fn is_same_cause(a: &Candidate, b: &Candidate) -> bool {
 }
 
 /// Whether it is a free curve.
-pub(super) fn is_free_curve(candidate: &Candidate) -> bool {
+pub(crate) fn is_free_curve(candidate: &Candidate) -> bool {
     candidate.family == FREE_CURVES
 }

@@ -30,7 +30,8 @@
 //! * Where the verdict is [`Verdict::Tied`]: the data cannot decide, and the order of the tied means
 //!   nothing. [`experiment`](mod@crate::experiment) says what would.
 //! * Where [`Regime::AboveTheFloor`] is reported: nothing comes near the noise, as on most real logs.
-//!   What is named is then the largest cause, hardly the only one.
+//!   What is named is then the largest cause, hardly the only one; [`road`](mod@crate::road) goes on from it.
+//! * Where [`Diagnosis::objections`] are: those that forbid an answer have taken its name away already.
 //! * Where the log moves little, or the loop is tight: a gap that does not show has no cause.
 //! * Where probabilities matter to the digit: they are calibrated on simulated plants;
 //!   [`calibrate`](mod@crate::calibrate) does it for one log.
@@ -118,7 +119,8 @@
 //! | a corrupted measurement: outliers, rounding, more noise | `weigh/measurement.rs` |
 //! | what a good explanation may leave | `weigh/leftover.rs`, `weigh/lack_of_fit.rs` |
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
-//! | vetoes: what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
+//! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
+//! | what an engineer would object to at first sight, and what forbids a name | `report/objections.rs` |
 //! | forecasts that judge instead of evidence, and what is worth a name then | `judge/contest.rs` |
 //! | horizons | `judge/horizons.rs` |
 //! | the answer in one word | `judge/verdict.rs` |
@@ -145,17 +147,22 @@ use self::{
     context::Context,
     feedback::Feedback,
     judge::{judge, judged::Judged, prefer},
-    prepare::{Prepared, prepare, start::in_motion},
+    prepare::{Prepared, start::in_motion},
     report::report,
     search::search,
     weigh::weigh,
+};
+pub(crate) use self::{
+    candidates::is_free_curve,
+    prepare::prepare,
+    weigh::{explain::settle, values::FittedValues},
 };
 pub use self::{
     case::Case,
     monitor::{Monitor, Stage},
     result::{
         Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
-        Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
+        Nuisance, Objection, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
     settings::Settings,
 };

@@ -48,14 +48,25 @@ pub enum Defect {
         /// Correlation of neighbouring samples, -1 to 1.
         correlation: f64,
     },
-    /// The errors of the model go before the inputs: something outside the model feeds the output
-    /// back to the input.
+    /// An input answers what happened to the output by chance: a loop that the model does not have is
+    /// closed over it.
     Feedback {
-        /// Largest correlation of the error with future inputs, -1 to 1.
+        /// Largest rank correlation of the unforeseen error with the unforeseen input, -1 to 1.
         correlation: f64,
         /// Name of the input.
         input: String,
     },
+    /// One sample is wrong, and was left out.
+    WrongSample {
+        /// Number of the sample, from 0 at the start of the log.
+        row: usize,
+        /// What it reads, in the unit of the channel.
+        found: f64,
+        /// The smallest and the largest of its four neighbours, in that unit.
+        around: [f64; 2],
+    },
+    /// The held-out log is the fitted one, or a part of it: it was not held out, and says nothing new.
+    NotHeldOut,
     /// The channel fits the simulation better when multiplied.
     WrongUnit {
         /// By this power of ten, a pure number.
@@ -93,17 +104,27 @@ impl Finding {
     /// How bad it is.
     #[must_use]
     pub fn severity(&self) -> Severity {
-        match self.defect {
-            Defect::Quantised { .. } | Defect::Missing { .. } => Severity::Note,
-            Defect::Clipped { .. }
-            | Defect::SlowSampling { .. }
-            | Defect::Feedback { .. }
-            | Defect::Short { .. }
-            | Defect::Constant => Severity::Warning,
-            Defect::NotExcited
-            | Defect::WrongUnit { .. }
-            | Defect::Undriven
-            | Defect::Swapped { .. } => Severity::Serious,
+        self.defect.severity()
+    }
+}
+
+impl Defect {
+    /// How bad it is.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Quantised { .. } | Self::Missing { .. } => Severity::Note,
+            Self::Clipped { .. }
+            | Self::WrongSample { .. }
+            | Self::NotHeldOut
+            | Self::SlowSampling { .. }
+            | Self::Feedback { .. }
+            | Self::Short { .. }
+            | Self::Constant => Severity::Warning,
+            Self::NotExcited
+            | Self::WrongUnit { .. }
+            | Self::Undriven
+            | Self::Swapped { .. } => Severity::Serious,
         }
     }
 }
@@ -134,8 +155,17 @@ impl fmt::Display for Defect {
             ),
             Self::Feedback { correlation, input } => write!(
                 f,
-                "errors of the model foretell the input `{input}` (correlation {correlation:.2}): \
-                 a loop outside the model is closed over it"
+                "the input `{input}` answers the noise of this output (correlation {correlation:.2}): \
+                 the log is from a loop that the model does not have, and commands are taken as logged"
+            ),
+            Self::WrongSample { row, found, around: [low, high] } => write!(
+                f,
+                "sample {row} reads {found:.4}, its neighbours {low:.4} to {high:.4}: taken for a wrong \
+                 sample and left out"
+            ),
+            Self::NotHeldOut => write!(
+                f,
+                "this log is the one that was fitted, or a part of it: it was not held out, and is left out"
             ),
             Self::WrongUnit { factor } => write!(
                 f,

@@ -4,18 +4,13 @@ use fd_sim::simulate::Simulator;
 
 use super::{
     channel::defects,
+    direct_path::passes_at_once,
+    feedback::feedback,
     finding::{Defect, Finding},
     inputs::input_defects,
 };
 use crate::fit::{FitError, Log};
 
-/// Correlation with future inputs, in standard deviations of that of white signals, that speaks
-/// for feedback.
-const FEEDBACK: f64 = 5.0;
-/// Least such correlation that matters.
-const LEAST_FEEDBACK: f64 = 0.15;
-/// Samples into the future that are looked at.
-const AHEAD: usize = 20;
 /// Part of the late motion of an output that a model must be able to make without its inputs.
 const FOLLOWED: f64 = 0.2;
 /// By how much two columns must agree better with each other's simulation.
@@ -99,10 +94,11 @@ pub fn inspect(
             }
         }
     }
-    for (errors, channel) in errors.into_iter().flatten().zip(outputs) {
+    let at_once = passes_at_once(&*simulator, &log);
+    for ((errors, channel), at_once) in errors.into_iter().flatten().zip(outputs).zip(at_once) {
         for (i, input) in simulator.inputs().iter().enumerate() {
             let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
-            if let Some(correlation) = foretells(errors, &u) {
+            if let Some(correlation) = feedback(&u, errors, usize::from(at_once)) {
                 add(&channel.name, Defect::Feedback { correlation, input: input.name.clone() });
             }
         }
@@ -174,23 +170,4 @@ fn unit_factor(measured: &[f64], simulated: &[f64]) -> Option<f64> {
     let factor = 1000.0_f64.powf(power);
     let converted: Vec<f64> = measured.iter().map(|v| factor * v).collect();
     (0.5 < agreement(&converted, simulated)).then_some(factor)
-}
-
-/// The largest correlation of errors with changes of an input 1 to 20 samples later, if chance does
-/// not explain it.
-fn foretells(errors: &[f64], u: &[f64]) -> Option<f64> {
-    let changes: Vec<f64> = u.windows(2).map(|w| w[1] - w[0]).collect();
-    let power =
-        |signal: &[f64]| signal.iter().filter(|v| v.is_finite()).map(|v| v * v).sum::<f64>();
-    let scale = f64::sqrt(power(errors) * power(&changes));
-    // An input that seldom changes has few independent changes.
-    let moves = changes.iter().filter(|c| 0.0 < c.abs()).count().max(1) as f64;
-    let limit = LEAST_FEEDBACK.max(FEEDBACK / moves.sqrt());
-    let correlation = |ahead: usize| {
-        let pairs = errors.iter().zip(changes.iter().skip(ahead));
-        pairs.map(|(e, c)| e * c).filter(|p| p.is_finite()).sum::<f64>() / scale
-    };
-    // `changes[k]` happens between samples k and k + 1: the error at k cannot be its effect.
-    let best = (0..AHEAD).map(correlation).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    (limit < best.abs()).then_some(best)
 }

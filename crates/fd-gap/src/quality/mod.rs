@@ -2,13 +2,16 @@
 
 mod autoregression;
 mod channel;
+mod direct_path;
 mod distribution;
+mod feedback;
 mod finding;
 mod inputs;
 mod inspect;
 mod noise_floor;
 mod pattern;
 mod spectrum;
+mod wrong_sample;
 
 pub use self::{
     autoregression::Autoregression,
@@ -16,10 +19,12 @@ pub use self::{
     distribution::{
         HeavyTails, OutlierMixture, heavy_tails, interval_log_likelihood, outlier_mixture,
     },
+    feedback::feedback,
     finding::{Defect, Finding, Severity},
     inspect::inspect,
     noise_floor::{noise_floor, robust_third_difference_floor, third_difference_floor},
     pattern::{Signal, pattern},
     spectrum::spectral_peaks,
+    wrong_sample::{leave_out_wrong_samples, wrong_samples},
 };
-pub(crate) use self::{distribution::OUTLIER_WIDTHS, spectrum::transform};
+pub(crate) use self::{direct_path::passes_at_once, distribution::OUTLIER_WIDTHS, spectrum::transform};

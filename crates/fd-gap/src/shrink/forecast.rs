@@ -74,6 +74,15 @@ pub(super) fn forecast(
     Ok(Some(all))
 }
 
+/// The first sample of a segment that is forecast: what comes before tells the initial state.
+pub(super) fn known_until(segment: &Segment, horizon: Horizon) -> usize {
+    let share = match horizon {
+        Horizon::FreeRun => FREE_RUN_SHARE,
+        Horizon::Windows { .. } => WINDOW_SHARE,
+    };
+    segment.from + (segment.to - segment.from).div_ceil(share)
+}
+
 fn forecast_one(
     nominal: &dyn Simulator,
     settled: Settled<'_>,
@@ -91,14 +100,10 @@ fn forecast_one(
             variable.high = variable.high.max(*value);
         }
     }
-    let share = match horizon {
-        Horizon::FreeRun => FREE_RUN_SHARE,
-        Horizon::Windows { .. } => WINDOW_SHARE,
-    };
     let mut begun = plan.clone();
     for segment in &begun.segments {
         let log = &mut begun.logs[segment.log];
-        let first = segment.from + (segment.to - segment.from).div_ceil(share);
+        let first = known_until(segment, horizon);
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
     }
     let segments = plan.segments.clone();
@@ -128,7 +133,7 @@ fn forecast_one(
     let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
     for signals in &mut errors {
         for (signal, segment) in signals.iter_mut().zip(&segments) {
-            signal[..(segment.to - segment.from).div_ceil(share)].fill(f64::NAN);
+            signal[..known_until(segment, horizon) - segment.from].fill(f64::NAN);
         }
     }
     Ok(Some(Forecast { errors, segments }))

@@ -4,6 +4,7 @@
 //! run from its first quarter), and only the rest is scored. The gap before is that of the model
 //! with its parameters refitted, which is the honest comparison, and that of the nominal one.
 
+mod baselines;
 mod carried;
 mod contest;
 mod forecast;
@@ -11,6 +12,7 @@ mod gap;
 mod horizons;
 
 pub use self::{
+    baselines::Baselines,
     contest::{Contest, Rules, contest},
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},

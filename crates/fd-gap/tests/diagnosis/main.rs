@@ -22,3 +22,4 @@ mod locate;
 mod measurement;
 mod quality;
 mod reproduce;
+mod road;

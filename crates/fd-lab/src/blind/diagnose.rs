@@ -3,7 +3,10 @@
 use std::time::Instant;
 
 use fd_effect::{EverySite, Side, Suspects, library, with_default_sites};
-use fd_gap::diagnose::{self, Cause, Pair, Settings, Verdict, diagnose};
+use fd_gap::{
+    diagnose::{self, Cause, Pair, Settings, Verdict, diagnose},
+    road::road,
+};
 use fd_model::Record;
 use fd_sim::{model::Model, scales::ReplayScales};
 
@@ -14,6 +17,8 @@ use super::{
 
 /// Causes that are kept in an answer.
 const KEPT: usize = 20;
+/// Most causes that are sought one after another, as for a user.
+const MOST: usize = 8;
 /// Weight of what is left above the floor, against the probability of "none of these".
 const TIE_BREAK: f64 = 1e-3;
 
@@ -34,14 +39,18 @@ pub(super) fn answer(
     let (logs, held_out) = (std::slice::from_ref(train), std::slice::from_ref(held_out));
     let case = diagnose::Case { nominal: &model, suspects: &suspects, logs, held_out };
     let diagnosis = diagnose(&case, settings, &())?;
+    let road = road(&case, &diagnosis, settings, MOST, &())?;
     let seconds = begun.elapsed().as_secs_f64();
 
     let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
-    let together = match (diagnosis.verdict, diagnosis.pairs.first()) {
-        (Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
+    let together = match (&road, diagnosis.verdict, diagnosis.pairs.first()) {
+        (Some(road), ..) if 1 < road.causes.len() => {
+            road.causes.iter().map(|milestone| named(&milestone.cause)).collect()
+        }
+        (_, Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
         _ => Vec::new(),
     };
     let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));

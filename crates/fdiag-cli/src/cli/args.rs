@@ -207,6 +207,10 @@ pub(crate) struct GapArgs {
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calibrate: Option<u32>,
+    /// Most causes that are sought one after another where one does not explain the logs; 1 for no
+    /// more. Without it the search goes on while held-out forecasts improve (8 at most)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) most: Option<u32>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -42,6 +42,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         (files, _) => HeldOutChoice::Logs(files.to_vec()),
     };
     let disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
+    let plain = Request::new(&args.model, &args.logs);
     Ok(Request {
         columns: args.columns.as_deref().map(toml_file::read).transpose()?,
         held_out,
@@ -56,8 +57,9 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
             disorder,
         },
         seed: args.seed,
+        most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),
-        ..Request::new(&args.model, &args.logs)
+        ..plain
     })
 }
 

@@ -12,7 +12,7 @@ use fd_report::{Bar, Bars, Page, PictureError, Shares, Table};
 
 use fdiag::gap_study::{
     GapStudy, Report, Role,
-    words::{self, capital, four, probability, share},
+    words::{self, capital, four, percent, probability, share},
 };
 
 use super::{pictures, tables};
@@ -37,10 +37,14 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
         let (file, channel) = (&finding.file, &finding.channel);
         page.warning(format!("{file}, {channel}: {}", words::defect(&finding.defect)));
     }
+    for objection in &report.diagnosis.objections {
+        page.text(format!("{}.", capital(&words::objection(objection))));
+    }
     if let Some(trace) = &study.trace {
         page.gallery(&pictures::runs(trace))?;
     }
     if report.spoiled().is_none() {
+        several(&mut page, report);
         which(&mut page, report)?;
         how_far(&mut page, report);
     }
@@ -51,6 +55,31 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
     }
     basis(&mut page, report);
     Ok(page)
+}
+
+/// The road of causes, with what each takes away.
+fn several(page: &mut Page, report: &Report) {
+    let Some(road) = &report.road else { return };
+    page.heading("Several causes");
+    let mut bars = Bars { title: "Share of the held-out gap".to_owned(), bars: Vec::new() };
+    for milestone in &road.causes {
+        let Some(share) = milestone.share else { continue };
+        let bar = Bar::new(words::with_strength(&milestone.cause), share, percent(share));
+        bars.bars.push(Bar { is_strong: true, ..bar });
+    }
+    for (name, share) in [("unexplained", road.unexplained), ("noise", road.noise)] {
+        if share.is_finite() {
+            bars.bars.push(Bar::new(name, share, percent(share)));
+        }
+    }
+    if !bars.bars.is_empty() {
+        page.bars(bars);
+    }
+    page.text(
+        "Each was accepted because it improves forecasts of data that no fit has seen, with all \
+         others there and everything refitted together. patched.toml has all of them.",
+    );
+    page.table(tables::road(road));
 }
 
 /// Groups and causes with their probabilities, and the law.
@@ -214,9 +243,14 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
 }
 
 fn next(page: &mut Page, report: &Report) {
+    if report.next.is_empty() {
+        return;
+    }
+    page.heading("What next");
+    for step in &report.next {
+        page.text(step.clone());
+    }
     let Some(advice) = &report.advice else { return };
-    page.heading("What would separate the rest");
-    page.text(format!("{}.", words::advice(advice, &report.diagnosis)));
     let mut table = Table::new("Experiments that were simulated", &["experiment", "separates by"]);
     for tried in &advice.tried {
         let distance = format!("{} sigma²", figure(tried.least()));

@@ -4,13 +4,14 @@ use fd_gap::{
     diagnose::{Cause, CauseId, HeldOut, PairId, Verdict},
     fit::Horizon,
     quality::Severity,
+    road::Road,
 };
 use fd_model::figure;
 use fd_report::Table;
 
 use fdiag::gap_study::{
     Inputs, Report,
-    words::{self, probability, share},
+    words::{self, percent, probability, share},
 };
 
 /// Least probability of a row.
@@ -23,10 +24,12 @@ const ROWS: usize = 6;
 pub fn tables(report: &Report) -> Vec<Table> {
     let mut tables = Vec::new();
     if report.spoiled().is_none() {
+        tables.extend(report.road.as_ref().map(road));
         tables.extend([groups(report), causes(report)].into_iter().flatten());
         if !report.diagnosis.held_out.is_empty() {
             tables.push(how_far(&report.diagnosis.held_out, &report.inputs));
         }
+        tables.extend(against(report));
         tables.extend(next(report));
     }
     tables.extend(findings(report));
@@ -94,7 +97,10 @@ fn pairs(report: &Report, table: &mut Table) {
 
 /// Gaps on held-out data.
 pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
-    let header = ["horizon", "output", "before", "refitted", "after", "floor", "gap closed"];
+    let header = [
+        "horizon", "output", "constant", "last value", "nominal", "refitted", "explained", "floor",
+        "gap closed",
+    ];
     let mut table = Table::new("How far, on held-out data (rms)", &header);
     for held_out in horizons {
         let name = match held_out.horizon {
@@ -106,19 +112,54 @@ pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
             let closed = closed.map_or_else(String::new, |c| share(c.fraction, c.interval));
             let name = if i == 0 { name.clone() } else { String::new() };
             let output = format!("{} [{}]", output.name, output.unit);
-            let sizes = [&held_out.nominal, &held_out.refit, &held_out.after, &held_out.floor];
-            let [before, refit, after, floor] = sizes.map(|of_outputs| figure(of_outputs[i]));
-            table.push([name, output, before, refit, after, floor, closed]);
+            let HeldOut { constant, last_value, nominal, refit, after, floor, .. } = held_out;
+            let sizes = [constant, last_value, nominal, refit, after, floor];
+            let sizes = sizes.map(|of_outputs| figure(of_outputs[i]));
+            table.push([name, output].into_iter().chain(sizes).chain([closed]));
         }
     }
     table
 }
 
+/// Several causes, one after another.
+pub(super) fn road(road: &Road) -> Table {
+    let header = ["cause", "law", "probability", "tied with", "closes of what was left", "share"];
+    let mut table = Table::new("Several causes", &header);
+    for milestone in &road.causes {
+        let closed = milestone.closed.map_or_else(String::new, |c| share(c.fraction, c.interval));
+        table.push([
+            words::with_strength(&milestone.cause),
+            milestone.cause.law.to_owned(),
+            probability(milestone.probability),
+            milestone.tied.join(", "),
+            closed,
+            milestone.share.map_or_else(String::new, percent),
+        ]);
+    }
+    for (name, of_gap) in [("unexplained", road.unexplained), ("noise", road.noise)] {
+        if of_gap.is_finite() {
+            let row = [name, "", "", "", ""].map(str::to_owned);
+            table.push(row.into_iter().chain([percent(of_gap)]));
+        }
+    }
+    table
+}
+
+/// What speaks against the answer.
+fn against(report: &Report) -> Option<Table> {
+    let mut table = Table::new("Against it", &["objection"]);
+    for objection in &report.diagnosis.objections {
+        table.push([words::objection(objection)]);
+    }
+    (!table.rows.is_empty()).then_some(table)
+}
+
 fn next(report: &Report) -> Option<Table> {
-    let advice = report.advice.as_ref()?;
-    let mut table = Table::new("What next", &["experiment, sensor or sampling"]);
-    table.push([words::advice(advice, &report.diagnosis)]);
-    Some(table)
+    let mut table = Table::new("What next", &["experiment, sensor, sampling or line of the model"]);
+    for step in &report.next {
+        table.push([step.clone()]);
+    }
+    (!table.rows.is_empty()).then_some(table)
 }
 
 /// What is wrong with the logs.

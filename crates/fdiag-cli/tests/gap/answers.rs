@@ -159,3 +159,51 @@ fn linear_models_are_diagnosed_as_well() {
     fs::remove_dir_all(desk.path("out")).unwrap();
     refuses(&desk, &desk.gap(&FEW), 3, &["model.toml", "matrices.C"]);
 }
+
+/// One garbled number takes nothing but its row.
+#[test]
+fn a_single_wrong_sample_is_named_and_left_out() {
+    let desk = Desk::new();
+    desk.spoil("monday.csv", |row, cells| {
+        if row == 437 {
+            cells[2] = "99.0".to_owned();
+        }
+    });
+    let output = desk.gap(&["--held-out", "friday.csv"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(stdout(&output).starts_with("Coulomb friction at rail ("), "{output:?}");
+    let findings = desk.report()["findings"].clone();
+    let wrong: Vec<_> = findings
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|finding| finding["defect"]["kind"] == "wrong-sample")
+        .collect();
+    assert_eq!(wrong.len(), 1, "{findings}");
+    assert_eq!((&wrong[0]["defect"]["row"], &wrong[0]["defect"]["found"]), (&json!(437), &json!(99.0)));
+}
+
+/// A log cannot vouch for itself.
+#[test]
+fn a_held_out_log_that_was_fitted_is_found() {
+    let desk = Desk::new();
+    let output = desk.gap(&["--held-out", "monday.csv"]);
+    assert!(output.status.success(), "{output:?}");
+    let report = desk.report();
+    assert_eq!(report["findings"][0]["defect"]["kind"], "not-held-out", "{}", report["findings"]);
+    assert_eq!(report["diagnosis"]["held_out"], json!([]));
+    assert!(report["headline"].as_str().unwrap().contains("not checked on held-out data"));
+}
+
+/// A run that is cut in two begins its second part in motion.
+#[test]
+fn half_of_a_log_says_what_the_whole_one_does() {
+    let desk = Desk::new();
+    let text = desk.read("monday.csv");
+    let lines = text.lines().filter(|line| !line.starts_with('#')).take(501);
+    desk.put("half.csv", &lines.flat_map(|line| [line, "\n"]).collect::<String>());
+    let output = desk.run(&["gap", "--model", "model.toml", "--log", "half.csv", "--out", "out"]);
+    assert!(stdout(&output).starts_with("Coulomb friction at rail ("), "{output:?}");
+    let closed = &desk.report()["diagnosis"]["held_out"][0]["closed_of_refit"]["interval"];
+    assert!(0.8 < closed[1].as_f64().unwrap(), "{closed}");
+}

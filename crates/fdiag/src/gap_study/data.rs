@@ -2,13 +2,17 @@
 
 use std::path::Path;
 
-use fd_gap::fit::{FitError, Log};
+use fd_gap::{
+    fit::{FitError, Log},
+    quality::{Defect, leave_out_wrong_samples},
+};
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
 use fd_sim::{model::Model, simulate::Simulator};
 
 use super::{
     error::GapError,
+    findings::LogFinding,
     report::{LogPart, Pace, Role},
     request::{HeldOutChoice, Request},
     subject::Subject,
@@ -32,13 +36,16 @@ pub(super) struct Data {
     pub(super) parts: Vec<LogPart>,
     /// Where the time between samples comes from.
     pub(super) pace: Pace,
+    /// What was found while reading.
+    pub(super) findings: Vec<LogFinding>,
 }
 
 impl Data {
     pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
         let model = subject.model();
         let (mut map, pace) = map(request, subject);
-        let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace };
+        let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace, findings: Vec::new() };
+        let mut findings = Vec::new();
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
             let log = read_log(path, &map)?;
             let (expected, found) = (model.sample_time, log.time_base.median_step_s);
@@ -49,7 +56,10 @@ impl Data {
             // All logs are brought onto the time base of the first, and begin at 0 s.
             map.resample.sample_time.get_or_insert(log.record.ts().seconds());
             check(path, &log.record)?;
-            Ok((log.record.starting_at(0.0), log.time_base))
+            let mut record = log.record.starting_at(0.0);
+            let wrong = leave_out_wrong_samples(&mut record);
+            findings.extend(wrong.into_iter().map(|(channel, d)| LogFinding::of(path, channel, d)));
+            Ok((record, log.time_base))
         };
         let mut later = Vec::new();
         for path in &request.logs {
@@ -72,15 +82,23 @@ impl Data {
                 data.held_out.push(record);
             }
         }
+        let mut same = Vec::new();
         if let HeldOutChoice::Logs(paths) = &request.held_out {
             for path in paths {
                 let (record, time_base) = read(path)?;
+                if let Some(fitted) = data.fit.iter().find(|fitted| is_part(&record, fitted)) {
+                    let channel = fitted.outputs().first().map(|c| c.name.clone());
+                    let channel = channel.unwrap_or_default();
+                    same.push(LogFinding::of(path, channel, Defect::NotHeldOut));
+                    continue;
+                }
                 let samples = [0, record.len()];
                 later.push(LogPart::new(path, Role::HeldOut, samples, &record, &time_base));
                 data.held_out.push(record);
             }
         }
         data.parts.extend(later);
+        data.findings = findings.into_iter().chain(same).collect();
         data.check_outputs()?;
         data.check_lengths(model)?;
         Ok(data)
@@ -140,6 +158,17 @@ impl Data {
         }
         Ok(())
     }
+}
+
+/// Whether a record is a part of another, from some sample of that on.
+fn is_part(record: &Record, of: &Record) -> bool {
+    let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+    let agrees = |from: usize| {
+        (0..record.len()).all(|k| {
+            is_same(record.y(k), of.y(from + k)) && is_same(record.u(k), of.u(from + k))
+        })
+    };
+    !record.is_empty() && record.len() <= of.len() && (0..=of.len() - record.len()).any(agrees)
 }
 
 /// The column map, completed with what the model and the user say.

@@ -1,6 +1,6 @@
 //! What is wrong with logs, under the names of their files.
 
-use std::cmp::Reverse;
+use std::{cmp::Reverse, path::Path};
 
 use fd_gap::{
     diagnose::Diagnosis,
@@ -11,7 +11,7 @@ use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::data::Data;
+use super::{data::Data, report::file_name};
 
 /// Steps of a file may differ from that of the model by this part before it is worth a note.
 const SAME_PACE: f64 = 1e-3;
@@ -69,6 +69,15 @@ pub enum TimeBaseDefect {
     Clock,
 }
 
+impl LogFinding {
+    /// What was found in a channel while a file was read.
+    pub(super) fn of(path: &Path, channel: String, defect: Defect) -> Self {
+        let severity = defect.severity();
+        let (file, defect) = (file_name(path), LogDefect::Channel(defect));
+        Self { severity, file, channel, defect }
+    }
+}
+
 impl LogDefect {
     /// Whether the log is not what it claims to be, so that no cause can be named.
     #[must_use]
@@ -123,6 +132,7 @@ pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, nominal: &Model) -> V
     if !data.is_continued() && depends_on_time(nominal, &diagnosis.best.model) {
         all.push(of_time(Severity::Warning, first, TimeBaseDefect::Clock));
     }
+    all.extend(data.findings.iter().cloned());
     all.sort_by_key(|finding| Reverse(finding.severity));
     all
 }

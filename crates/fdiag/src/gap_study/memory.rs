@@ -26,6 +26,8 @@ const SHARE: f64 = 3.0;
 /// Growth of a distance, from the first quarter of the log to the last one, of what runs away. An
 /// integrator grows by a factor of 4, two in a row by one of 16.
 const RUNS_AWAY: f64 = 100.0;
+/// Ratio of the falls from one quarter to the next up to which a decay is one.
+const EVEN: f64 = 1.5;
 /// Change of a state, as a fraction of its range in the log or of its size.
 const NUDGE: f64 = 1e-4;
 
@@ -108,12 +110,17 @@ fn runs_away(distance: &[f64]) -> bool {
     distance.iter().any(|d| d.is_nan()) || RUNS_AWAY * first < last
 }
 
-/// Time constant of a distance that decays slowly, from its largest values in the third and the last
-/// quarter of the log. What falls by less than a hundredth in that time, or grows, has none.
+/// Time constant of a distance that decays slowly, from its largest values in the second, third and last
+/// quarters of the log. What falls by less than a hundredth from one to the next, or grows, has none; nor has
+/// what falls unevenly, as the ripple of an integrator may by chance.
 fn slow(distance: &[f64], ts: f64) -> Option<f64> {
     let quarter = distance.len() / 4;
-    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
-    let (third, last) = (distance.get(2 * quarter..3 * quarter)?, distance.get(3 * quarter..)?);
-    let fall = (largest(third) / largest(last)).ln();
-    (0.01 < fall).then(|| quarter as f64 * ts / fall)
+    let largest = |i: usize| -> Option<f64> {
+        let part = distance.get(i * quarter..((i + 1) * quarter))?;
+        Some(part.iter().copied().fold(0.0, f64::max))
+    };
+    let [second, third, last] = [largest(1)?, largest(2)?, largest(3)?];
+    let falls = [(second / third).ln(), (third / last).ln()];
+    let [less, more] = [falls[0].min(falls[1]), falls[0].max(falls[1])];
+    (0.01 < less && more < EVEN * less).then(|| quarter as f64 * ts / (0.5 * (less + more)))
 }

@@ -1,10 +1,19 @@
 //! Patched models as files: the simulator with the cause in it.
 
-use fd_gap::diagnose::{Diagnosis, Verdict};
+use fd_gap::{
+    diagnose::{Cause, Diagnosis, Verdict},
+    road::Road,
+};
+use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{data::Data, report::Role, subject::Subject, words::with_strength};
+use super::{
+    data::Data,
+    report::Role,
+    subject::Subject,
+    words::{self, with_strength},
+};
 
 /// A patched model as a file beside the report.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -22,6 +31,7 @@ pub struct PatchedModel {
 pub(super) fn patched_models(
     subject: &Subject,
     diagnosis: &Diagnosis,
+    road: Option<&Road>,
     data: &Data,
 ) -> Vec<PatchedModel> {
     let fitted = data.parts.iter().filter(|part| part.role == Role::Fit);
@@ -46,8 +56,24 @@ pub(super) fn patched_models(
             format!("the model with {with}{doubt}")
         }
     };
-    let mut files =
-        vec![file("patched.toml".to_owned(), content, &logs, &subject.text(&diagnosis.best.model))];
+    let first = match (road, diagnosis.verdict, diagnosis.pairs.first()) {
+        (Some(road), ..) => {
+            let causes: Vec<String> =
+                road.causes.iter().map(|milestone| words::cause(&milestone.cause)).collect();
+            let content = format!("the model with {}", words::list(&causes, "and"));
+            file("patched.toml".to_owned(), content, &logs, &subject.text(&road.model))
+        }
+        (None, verdict, pair) => {
+            let causes: Vec<&Cause> = match (verdict, pair) {
+                (Verdict::NoGap, _) => Vec::new(),
+                (Verdict::Pair, Some(pair)) => pair.causes.iter().collect(),
+                _ => diagnosis.causes.iter().take(1).collect(),
+            };
+            let model = adjustable(&diagnosis.best.model, &causes);
+            file("patched.toml".to_owned(), content, &logs, &subject.text(&model))
+        }
+    };
+    let mut files = vec![first];
     if diagnosis.verdict == Verdict::Tied {
         let tied = diagnosis.tied.iter().filter_map(|id| diagnosis.cause(*id));
         for (i, cause) in tied.enumerate().skip(1) {
@@ -56,11 +82,29 @@ pub(super) fn patched_models(
                 format!("patched-{}.toml", i + 1),
                 content,
                 &logs,
-                &subject.text(&cause.model),
+                &subject.text(&adjustable(&cause.model, &[cause])),
             ));
         }
     }
     files
+}
+
+/// Standard errors within which what was found can be adjusted in the next study.
+const ERRORS: f64 = 3.0;
+/// Largest tolerance that is written, relative to the value.
+const MOST: f64 = 0.5;
+
+/// The model with what was found of the causes open to adjustment, so that a study of it goes on from there.
+fn adjustable(model: &Model, causes: &[&Cause]) -> Model {
+    let mut draft = model.clone().into_draft();
+    for found in causes.iter().flat_map(|cause| &cause.parameters) {
+        let tolerance = (ERRORS * found.standard_error / found.value).abs().min(MOST);
+        let of_model = draft.parameters.iter_mut().find(|p| p.name == found.name);
+        if let Some(parameter) = of_model.filter(|_| tolerance.is_finite()) {
+            parameter.tolerance = tolerance;
+        }
+    }
+    Model::try_from(draft).unwrap_or_else(|_| model.clone())
 }
 
 fn file(file: String, content: String, logs: &str, model: &str) -> PatchedModel {

@@ -10,6 +10,9 @@ use fd_log::LogMap;
 use fd_model::Disorder;
 use serde::{Serialize, Serializer};
 
+/// Most causes that are sought without another wish: forecasts end the road long before.
+const MOST: usize = 8;
+
 /// What is to be diagnosed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
@@ -33,6 +36,8 @@ pub struct Request {
     pub noise: Vec<Named>,
     /// How uneven logs become even.
     pub resample: ResampleChoice,
+    /// Most causes that are sought one after another, where one does not explain the logs; 1 for no more.
+    pub most: usize,
     /// Seed of everything random.
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
@@ -63,6 +68,7 @@ impl Request {
             tolerances: Vec::new(),
             noise: Vec::new(),
             resample: ResampleChoice::default(),
+            most: MOST,
             seed: 1,
             calibrate: None,
         }

@@ -8,6 +8,7 @@ use fd_gap::{
     experiment::{Reach, next},
     fit::{FitError, Horizon, Log},
     locate::locate,
+    road::road,
 };
 use fd_model::{Record, SampleTime};
 use fd_sim::simulate::Nominal;
@@ -25,6 +26,7 @@ use super::{
     request::{HorizonChoice, Request},
     subject::Subject,
     traces::{Trace, trace},
+    words,
 };
 
 /// Horizons of automatic windows, in memories of the model.
@@ -75,6 +77,10 @@ impl GapStudy {
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let diagnosis = diagnose(&case, &settings, monitor)?;
+        let road = match request.most {
+            0 | 1 => None,
+            most => road(&case, &diagnosis, &settings, most, monitor)?,
+        };
         let location = locate(&case, &diagnosis, monitor)?;
         let ceiling = ceiling(&case, &diagnosis, &settings, monitor)?;
         let is_open = match diagnosis.verdict {
@@ -89,11 +95,13 @@ impl GapStudy {
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
-        let models = patched_models(&subject, &diagnosis, &data);
+        let models = patched_models(&subject, &diagnosis, road.as_ref(), &data);
         let trace = trace(nominal, &diagnosis, &data, &logs, settings.horizon, ts)?;
         let mut report = Report {
             version: REPORT_VERSION,
             headline: String::new(),
+            next: Vec::new(),
+            road,
             law,
             ceiling,
             advice,
@@ -107,6 +115,7 @@ impl GapStudy {
             location,
         };
         report.headline = headline(&report);
+        report.next = words::next_steps(&report);
         Ok(Self { report, trace })
     }
 }

@@ -4,7 +4,7 @@ use super::{
     beside::Beside,
     judged::{Judged, NamedPairs},
     pair_ties::name_pairs,
-    probabilities::{Believed, believe, unknown_gain},
+    probabilities::{Believed, believe, bounded, unknown_gain},
     ties::ties,
     validation::validate_with_rivals,
     verdict::verdict,
@@ -43,7 +43,7 @@ pub(super) fn by_evidence<'a>(
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
     let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
     let Believed { others: probabilities, causes, pairs } =
-        believe(singles.causes, pairs, &best, gain, settings);
+        bounded(believe(singles.causes, pairs, &best, gain, settings), &lack_of_fit);
     let pairs = NamedPairs { pairs, tied, fitted };
     Ok(Judged {
         verdict: verdict(probabilities, &causes, &ties, &pairs),

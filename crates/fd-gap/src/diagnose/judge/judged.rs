@@ -2,7 +2,7 @@
 
 use crate::{
     diagnose::{
-        judge::probabilities::Probabilities,
+        judge::Probabilities,
         result::{CauseId, Pair, PairId, Regime, RivalCause, Verdict},
         weigh::{answer::Answer, lack_of_fit::LackOfFit, pair::FittedPair, singles::Singles},
     },

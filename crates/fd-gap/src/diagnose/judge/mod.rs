@@ -17,6 +17,7 @@ mod verdict;
 use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
 pub(super) use self::{
     groups::{groups, sides},
+    probabilities::Probabilities,
     starts::prefer,
 };
 use super::{context::Context, monitor::Stage, weigh::Weighed};

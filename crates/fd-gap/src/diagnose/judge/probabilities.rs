@@ -5,7 +5,9 @@ use crate::{
     diagnose::{
         result::{Leftover, Pair},
         settings::Settings,
-        weigh::{answer::Answer, priors::Priors, rank::RankedCause},
+        weigh::{
+            SOMETHING, answer::Answer, lack_of_fit::LackOfFit, priors::Priors, rank::RankedCause,
+        },
     },
     evidence::probabilities,
 };
@@ -39,6 +41,31 @@ pub(super) fn unknown_gain(best: &Answer, left: &Leftover, validation: Validatio
     let is_other = OTHER < left.share && !validation.is_confirmed;
     let fitted = if is_other { left.gain() } else { 0.0 };
     fitted + validation.loss.min(best.log_evidence.max(0.0))
+}
+
+/// What a fit leaves speaks, whatever the forecasts say: with this gain over noise something is missing, if
+/// only in the law …
+const SIGNIFICANT: f64 = 10.0;
+/// … and then the answer is another one with at least this probability. Of laws that the library has in another
+/// form the first label was right in .73 of blind cases (docs/results/blind.md, seed 20270715).
+const ANOTHER: f64 = 0.25;
+/// Where nothing but noise is left, "none of these" can be no verdict.
+const NOT_MORE: f64 = 0.5;
+
+/// Bounds of the probability of "none of these" by what the best explanation leaves: misfit and forecast are
+/// two witnesses, and neither silences the other.
+pub(super) fn bounded(believed: Believed, left: &LackOfFit) -> Believed {
+    let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } = believed;
+    let gain = left.leftover.gain();
+    let low = if SIGNIFICANT < gain { ANOTHER * (1.0 - no_gap) } else { 0.0 };
+    let is_noise = !left.is_unexplained && gain < SOMETHING;
+    let high = if is_noise { NOT_MORE * (1.0 - no_gap) } else { 1.0 };
+    let named = (1.0 - no_gap - none_of_these).max(f64::MIN_POSITIVE);
+    let none_of_these = none_of_these.max(low).min(high);
+    let factor = (1.0 - no_gap - none_of_these).max(0.0) / named;
+    causes.iter_mut().for_each(|ranked| ranked.cause.probability *= factor);
+    pairs.iter_mut().for_each(|pair| pair.probability *= factor);
+    Believed { others: Probabilities { no_gap, none_of_these }, causes, pairs }
 }
 
 /// Gives causes, pairs and the other answers their probabilities. Something unknown, alone or beside

@@ -100,7 +100,9 @@ fn validate(
         return Ok(Validation::default());
     };
     let is_confirmed = CLOSES_MUCH < low;
-    if CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction } {
+    // What forecasts no better than no cause at all is not excused by a wide interval.
+    let is_harmless = CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction };
+    if is_harmless && 0.0 < fraction {
         return Ok(Validation { loss: 0.0, is_confirmed });
     }
     let fitted = gap_per_output(&answer.errors);

@@ -12,7 +12,10 @@ use fd_sim::{
     simulate::{EquationSimulator, Simulator},
 };
 
-use self::{noise::KnownNoise, step::with_step};
+use self::{
+    noise::{KnownNoise, of_rounding},
+    step::with_step,
+};
 use super::case::Case;
 use crate::{
     fit::{FitError, Horizon, Log, NullFit, Plan, Weights, null_fit},
@@ -27,17 +30,17 @@ const RAISED: f64 = 4.0;
 /// What a diagnosis begins with: the logs, what is known of their noise, and the fit of the model
 /// without any effect.
 #[derive(Debug)]
-pub(super) struct Prepared {
+pub(crate) struct Prepared {
     /// The nominal model, its integration step pinned.
     pub(super) model: Model,
     /// The fit without any effect, which has the logs.
-    pub(super) null: NullFit,
+    pub(crate) null: NullFit,
     /// What is known of the noise.
     pub(super) noise: KnownNoise,
 }
 
 /// Cuts the logs and fits the nuisances.
-pub(super) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, FitError> {
+pub(crate) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, FitError> {
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
     let model = pinned(case.nominal.model(), ts);
     let simulator = case.nominal.patched(&model, ts)?;
@@ -78,7 +81,13 @@ fn weighted_null_fit(
         let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);
         robust_third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
     };
-    let sigma = stated.iter().enumerate().map(|(c, stated)| stated.unwrap_or_else(|| guess(c)));
+    let rounding: Vec<f64> =
+        (0..stated.len()).map(|c| grid_step(&measured(plan, c)).map_or(0.0, of_rounding)).collect();
+    // What rounding adds to a noise that does not hide the grid.
+    let rounded = |sigma: f64, c: usize| {
+        if sigma < rounding[c] { sigma.hypot(rounding[c]) } else { sigma }
+    };
+    let sigma = stated.iter().enumerate().map(|(c, stated)| rounded(stated.unwrap_or_else(|| guess(c)), c));
     let first = null_fit(plan, nominal, &Weights::white(sigma.collect()))?;
     let mut problem = first.problem.clone();
     let errors = problem.errors(&first.minimum.z).ok_or(FitError::Diverged)?;
@@ -87,14 +96,17 @@ fn weighted_null_fit(
         .iter()
         .zip(old)
         .zip(stated)
-        .map(|((signals, old), stated)| {
+        .enumerate()
+        .map(|(c, ((signals, old), stated))| {
             let shown =
                 robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
-            match stated {
+            let sigma = match stated {
                 Some(stated) if shown <= BELIEVED * stated => *stated,
                 Some(stated) => shown.min(RAISED * stated),
                 None => shown.max(1e-3 * old),
-            }
+            };
+            // The lattice of a log bounds its noise from below.
+            if sigma < rounding[c] { rounded(stated.unwrap_or(0.0), c) } else { sigma }
         })
         .collect();
     if new == *old { Ok(first) } else { null_fit(plan, nominal, &Weights::white(new)) }

@@ -34,6 +34,12 @@ impl KnownNoise {
         self.stated.iter().zip(&self.sigma).zip(&self.grids).map(of).collect()
     }
 
+    /// What rounding to the grid of an output makes of errors at least, in sigma: a log in steps of `q` has
+    /// errors of `q/√12`, however smooth it looks.
+    pub(in crate::diagnose) fn of_rounding(&self, output: usize) -> f64 {
+        self.grids[output].map_or(0.0, of_rounding) / self.sigma[output]
+    }
+
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
     /// stated, how many times their own floor.
     pub(in crate::diagnose) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
@@ -55,12 +61,20 @@ impl KnownNoise {
             let stated = self.stated[c];
             let floor = match stated {
                 Some(stated) => (stated / self.sigma[c]).max(1.0),
-                None => noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0),
+                None => {
+                    let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
+                    found.max(self.of_rounding(c))
+                }
             };
             Reach { times: gaps[c] / floor, is_stated: stated.is_some() }
         };
         (0..errors.len()).map(of).collect()
     }
+}
+
+/// Standard deviation of what rounding to a grid adds.
+pub(super) fn of_rounding(step: f64) -> f64 {
+    step / f64::sqrt(12.0)
 }
 
 /// How far above the noise the errors of an output are.

@@ -7,7 +7,7 @@ use crate::{
         weigh::{answer::Fit, values::FittedValues},
     },
     fit::{FitError, Horizon, Log, NullFit, Problem},
-    shrink::{Closed, Settled, closed, forecast_errors, gap_per_output},
+    shrink::{Baselines, Closed, Settled, closed, forecast_errors, gap_per_output},
 };
 
 /// What is known of the noise of each output.
@@ -51,6 +51,7 @@ pub(super) fn held_out_gaps(
         let physical = |gaps: &[f64]| -> Vec<f64> {
             gaps.iter().zip(sigma).map(|(gap, sigma)| gap * sigma).collect()
         };
+        let baselines = Baselines::of(nominal, &null.problem.plan().logs, logs, horizon)?;
         let (replicas, seed) = (context.settings.replicas, context.settings.seed);
         all.push(HeldOut {
             horizon,
@@ -62,6 +63,8 @@ pub(super) fn held_out_gaps(
             nominal: physical(&gap_per_output(&before)),
             refit: physical(&gap_per_output(&refit)),
             after: physical(&gap_per_output(&after)),
+            constant: baselines.constant,
+            last_value: baselines.last_value,
             floor: physical(floors),
             closed_of_nominal: closed(&before, &after, floor, replicas, seed)
                 .map(Closed::between_runs),

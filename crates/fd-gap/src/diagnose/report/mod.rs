@@ -2,6 +2,7 @@
 
 mod findings;
 mod held_out;
+mod objections;
 mod reported_floor;
 
 use fd_effect::Candidate;
@@ -10,6 +11,7 @@ use fd_sim::model::Model;
 use self::{
     findings::findings,
     held_out::{Noise, held_out_gaps},
+    objections::{Claim, doubt, objections, verdict_with},
     reported_floor::{around_the_loop, reported_floor},
 };
 use super::{
@@ -21,7 +23,7 @@ use super::{
         judged::{Judged, NamedPairs},
         sides,
     },
-    result::{Cause, Diagnosis, NotTested, Verdict},
+    result::{Cause, Diagnosis, NotTested, Objection, Verdict},
     search::searched::Searched,
     weigh::{
         answer::Fit,
@@ -41,7 +43,7 @@ pub(super) fn report(
 ) -> Result<Diagnosis, FitError> {
     let not_tested = not_tested(&judged.singles, context);
     let simulations = simulations(&judged);
-    let Judged { verdict, regime, probabilities, singles, ties, pairs, horizons, .. } = judged;
+    let Judged { verdict, regime, mut probabilities, singles, ties, pairs, horizons, .. } = judged;
     let (answer, lack_of_fit) = match verdict {
         Verdict::NoGap => (singles.refit.clone(), singles.lack_of_fit(&singles.refit)),
         _ => (judged.best, judged.lack_of_fit),
@@ -51,10 +53,10 @@ pub(super) fn report(
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
 
     let nominal = feedback.closed(case, &model, &base)?;
-    let fit = match answer.fit {
+    let fit = match &answer.fit {
         Some(Fit { problem, minimum }) => {
-            let problem = feedback.closed(case, &answer.explanation.model, &problem)?;
-            Some(Fit { problem, minimum })
+            let problem = feedback.closed(case, &answer.explanation.model, problem)?;
+            Some(Fit { problem, minimum: minimum.clone() })
         }
         None => None,
     };
@@ -76,8 +78,20 @@ pub(super) fn report(
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
     context.monitor.advance();
 
-    let causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
-    let NamedPairs { pairs, tied: tied_pairs, .. } = pairs;
+    let mut causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
+    let NamedPairs { mut pairs, tied: tied_pairs, .. } = pairs;
+    let named: Vec<&Cause> = match (verdict, pairs.first()) {
+        (Verdict::Cause | Verdict::Tied, _) => causes.iter().take(1).collect(),
+        (Verdict::Pair, Some(pair)) => pair.causes.iter().collect(),
+        _ => Vec::new(),
+    };
+    let logs = &base.plan().logs;
+    let claim = Claim { causes: &named, answer: &answer, held_out: &held_out, noise: known, logs };
+    let objections = if named.is_empty() { Vec::new() } else { objections(claim) };
+    if objections.iter().any(Objection::forbids) {
+        doubt(&mut probabilities, &mut causes, &mut pairs);
+    }
+    let verdict = verdict_with(verdict, &objections);
     Ok(Diagnosis {
         verdict,
         regime,
@@ -99,6 +113,7 @@ pub(super) fn report(
         sigma: noise.sigma,
         floor,
         is_coloured,
+        objections,
         held_out,
         findings,
         not_tested,

@@ -48,7 +48,7 @@ pub(in crate::diagnose) fn nominal_explanation(
 }
 
 /// The model with its parameters, and the initial state of the first run, as they were fitted.
-pub(in crate::diagnose) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
+pub(crate) fn settle(model: &Model, problem: &Problem, z: &[f64]) -> Model {
     let mut draft = model.clone().into_draft();
     let shared = problem.plan().nuisances().iter().chain(problem.effects());
     for (variable, z) in shared.zip(z) {

@@ -37,6 +37,7 @@ pub(super) fn lack_of_fit(
         .map(|c| {
             let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);
             let floor = noise_floor(&answer.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
+            let floor = floor.max(noise.of_rounding(c));
             // Slow noise of the stated size is noise, whatever its innovation.
             let slow = stated.filter(|_| is_coloured).map(|stated| gaps[c].min(stated));
             slow.map_or(floor, |slow| floor.max(slow))

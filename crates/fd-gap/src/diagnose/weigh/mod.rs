@@ -36,7 +36,7 @@ use crate::fit::FitError;
 /// before the noise gets a colour that hides it.
 const NEAR: f64 = 1.15;
 /// Log-likelihood that something else could gain from which second causes are tried.
-const SOMETHING: f64 = 3.0;
+pub(super) const SOMETHING: f64 = 3.0;
 
 /// Single causes and pairs with their evidence, and the answer that it prefers.
 #[derive(Debug)]

@@ -10,14 +10,14 @@ use crate::{
 
 /// A fitted model with its values.
 #[derive(Clone, Debug)]
-pub(in crate::diagnose) struct FittedValues<'a> {
+pub(crate) struct FittedValues<'a> {
     simulator: &'a dyn Simulator,
     nuisances: Vec<(String, f64)>,
     effects: Vec<(Variable, f64)>,
 }
 
 impl<'a> FittedValues<'a> {
-    pub(in crate::diagnose) fn of(problem: &'a Problem, at: &Minimum) -> Self {
+    pub(crate) fn of(problem: &'a Problem, at: &Minimum) -> Self {
         let values = problem.effect_values(&at.z);
         Self {
             simulator: problem.simulator(),
@@ -31,7 +31,7 @@ impl<'a> FittedValues<'a> {
         Self { simulator, ..self }
     }
 
-    pub(in crate::diagnose) fn settled(&self) -> Settled<'_> {
+    pub(crate) fn settled(&self) -> Settled<'_> {
         let Self { simulator, nuisances, effects } = self;
         Settled { simulator: *simulator, nuisances, effects }
     }

@@ -1,5 +1,6 @@
 //! The answer in one sentence.
 
+use self::road::several;
 use fd_gap::{
     ceiling::Ceiling,
     diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
@@ -31,6 +32,9 @@ pub(super) fn headline(report: &Report) -> String {
             finding.channel,
             words::defect(&finding.defect)
         );
+    }
+    if let Some(road) = report.road.as_ref().filter(|road| 1 < road.causes.len()) {
+        return several(road);
     }
     match report.diagnosis.verdict {
         Verdict::NoGap => no_gap(report),
@@ -131,6 +135,18 @@ fn none_of_these(report: &Report) -> String {
 
 fn unclear(report: &Report) -> String {
     let diagnosis = &report.diagnosis;
+    let against = diagnosis.objections.iter().filter(|objection| objection.forbids());
+    let against: Vec<String> = against.map(words::objection).collect();
+    if let (Some(first), false) = (diagnosis.causes.first(), against.is_empty()) {
+        let best = match diagnosis.pairs.first().filter(|p| first.probability < p.probability) {
+            Some(pair) => words::pair(pair),
+            None => words::cause(first),
+        };
+        return format!(
+            "No cause can be named: {best} explains the fitted logs best, but {}.",
+            list(&against, "and")
+        );
+    }
     let first = diagnosis.causes.iter().take(NAMED);
     let names: Vec<String> =
         first.map(|cause| format!("{} ({})", words::cause(cause), p(cause.probability))).collect();
@@ -155,6 +171,9 @@ fn closes(report: &Report, adding: &str) -> String {
     let Some(closed) = held_out.closed() else {
         return "the held-out data show no gap above the noise".to_owned();
     };
+    if closed.fraction == 0.0 && closed.interval == [0.0, 0.0] {
+        return "it changes what is measured, so no simulation comes closer by it".to_owned();
+    }
     let of = if held_out.closed_of_refit.is_some() {
         "the gap that refitted parameters leave on held-out data"
     } else {
@@ -213,5 +232,6 @@ fn mostly(spectra: &[Spectrum]) -> String {
     }
 }
 
+mod road;
 #[cfg(test)]
 mod tests;

@@ -129,7 +129,7 @@ impl LogPart {
 }
 
 /// The last part of a path, which is what people call a file.
-fn file_name(path: &Path) -> String {
+pub(in crate::gap_study) fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 

@@ -12,10 +12,12 @@ use fd_gap::{
     diagnose::{Cause, CauseId, Diagnosis, PairId, Verdict},
     experiment::Advice,
     locate::Location,
+    road::Road,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
 
+pub(super) use self::inputs::file_name;
 pub use self::{
     inputs::{Inputs, LogPart, Pace, Role},
     schema::schema,
@@ -36,6 +38,11 @@ pub struct Report {
     pub headline: String,
     /// Which effect, how sure, how far the gap shrinks.
     pub diagnosis: Diagnosis,
+    /// Several causes, one after another, where one does not explain the logs down to the noise; `null`
+    /// elsewhere.
+    pub road: Option<Road>,
+    /// What to do next, the most useful first; never empty when the answer is tied, unclear or none of these.
+    pub next: Vec<String>,
     /// Where the gap lies.
     pub location: Location,
     /// The fitted law of the first cause that the verdict names, along the simulation; `null` when

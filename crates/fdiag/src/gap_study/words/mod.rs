@@ -4,15 +4,19 @@ mod answer;
 mod defects;
 mod further;
 mod labels;
+mod next_steps;
 mod numbers;
+mod objection;
 mod regions;
 mod units;
 
+pub(super) use self::next_steps::next_steps;
 pub use self::{
     answer::{cause, effect, estimate, group, pair, side, strength, with_strength},
     defects::{defect, time_policy},
     further::{advice, answers, rivals, truths},
     labels::{at, capital, family, label, list, site},
+    objection::objection,
     numbers::{four, p, percent, probability, share, with_error},
     regions::{region_of, region_on},
     units::shown,

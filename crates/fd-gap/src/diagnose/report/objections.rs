@@ -1,0 +1,159 @@
+//! What speaks against an answer, whatever its probability: what an engineer would say at first sight.
+//!
+//! An objection that [forbids](Objection::forbids) an answer takes its name away: half of what was believed of it
+//! is doubt then, and the verdict is [`Verdict::Unclear`]. The others are said beside it.
+
+use fd_effect::SiteRef;
+
+use super::held_out::Noise;
+use crate::{
+    diagnose::{
+        judge::Probabilities,
+        result::{Cause, Estimate, HeldOut, Objection, Pair, Verdict},
+        weigh::answer::Answer,
+    },
+    fit::{Log, Variable},
+};
+
+/// Strengths below so many standard errors are worth a word …
+const FAINT: f64 = 2.0;
+/// … and below so many are none.
+const NONE: f64 = 1.0;
+/// A forecast that is worse than another one by less than this factor is not worse.
+const WORSE: f64 = 1.02;
+/// Times the noise floor up to which a forecast is as good as any can be.
+const AT_THE_FLOOR: f64 = 1.3;
+/// Distance from the edge of a box, in its width, that counts as at the edge.
+const EDGE: f64 = 1e-3;
+/// Fewest parameters at their edges, and share of all, with which a model is not the one that was meant.
+const MANY: usize = 3;
+const MOST: f64 = 0.75;
+/// By how much a log may read beyond what a saturated sensor can show, in its range.
+const BEYOND: f64 = 0.1;
+/// The same in standard deviations of the noise.
+const NOISE: f64 = 6.0;
+
+/// What an answer is held against.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Claim<'a> {
+    /// The causes that the verdict names.
+    pub(super) causes: &'a [&'a Cause],
+    /// The best answer.
+    pub(super) answer: &'a Answer,
+    /// Gaps on held-out logs.
+    pub(super) held_out: &'a [HeldOut],
+    /// What is known of the noise.
+    pub(super) noise: Noise<'a>,
+    /// The logs of the fit.
+    pub(super) logs: &'a [Log],
+}
+
+/// What speaks against the named causes, those that forbid them first.
+pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
+    let mut all: Vec<Objection> = claim.causes.iter().filter_map(|cause| faint(cause)).collect();
+    all.extend(useless(claim));
+    all.extend(at_edges(claim.answer));
+    all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
+    all.sort_by_key(|objection| !objection.forbids());
+    all
+}
+
+/// The verdict that is left when something forbids it.
+pub(super) fn verdict_with(verdict: Verdict, objections: &[Objection]) -> Verdict {
+    let is_forbidden = objections.iter().any(Objection::forbids);
+    if is_forbidden { Verdict::Unclear } else { verdict }
+}
+
+/// Half of what was believed of causes and pairs is doubt.
+pub(super) fn doubt(others: &mut Probabilities, causes: &mut [Cause], pairs: &mut [Pair]) {
+    let left = 1.0 - others.no_gap;
+    let of_causes = causes.iter_mut().map(|cause| &mut cause.probability);
+    let mut named: Vec<&mut f64> =
+        of_causes.chain(pairs.iter_mut().map(|pair| &mut pair.probability)).collect();
+    let sum: f64 = named.iter().map(|p| **p).sum();
+    others.none_of_these = others.none_of_these.max(0.5 * left);
+    let factor = (left - others.none_of_these) / sum.max(f64::MIN_POSITIVE);
+    for p in &mut named {
+        **p *= factor.min(1.0);
+    }
+}
+
+/// All strengths of a cause are within their errors.
+fn faint(cause: &Cause) -> Option<Objection> {
+    let strengths = cause.parameters.iter().filter(|p| p.is_strength);
+    let of = |p: &Estimate| p.value.abs() / p.standard_error;
+    let largest = strengths.map(of).filter(|ratio| ratio.is_finite()).reduce(f64::max)?;
+    (largest < FAINT).then(|| Objection::FaintStrength {
+        cause: cause.label.to_owned(),
+        errors: largest,
+        is_none: largest < NONE,
+    })
+}
+
+/// The explained model forecasts no better than something that needs no cause, at every horizon.
+fn useless(claim: Claim<'_>) -> Vec<Objection> {
+    let Claim { held_out, noise, .. } = claim;
+    let total = |sizes: &[f64]| -> f64 {
+        sizes.iter().zip(noise.sigma).map(|(size, sigma)| (size / sigma).powi(2)).sum::<f64>().sqrt()
+    };
+    let loses = |rival: &dyn Fn(&HeldOut) -> Vec<f64>| {
+        !held_out.is_empty()
+            && held_out.iter().all(|h| {
+                let after = total(&h.after);
+                WORSE * total(&rival(h)) < after && AT_THE_FLOOR * total(&h.floor) < after
+            })
+    };
+    let rivals: [(&dyn Fn(&HeldOut) -> Vec<f64>, Objection); 3] = [
+        (&|h| h.constant.clone(), Objection::NoBetterThanConstant),
+        (&|h| h.last_value.clone(), Objection::NoBetterThanLastValue),
+        (&|h| h.nominal.clone(), Objection::WorseThanNominal),
+    ];
+    let mut all: Vec<Objection> =
+        rivals.into_iter().filter(|(rival, _)| loses(rival)).map(|(_, o)| o).collect();
+    // Of a gap that is hardly above the noise, shares say more than sizes.
+    let is_harm = |h: &HeldOut| h.closed_of_refit.is_some_and(|closed| closed.fraction < 0.0);
+    if !held_out.is_empty() && held_out.iter().all(is_harm) {
+        all.push(Objection::WorseThanRefitted);
+    }
+    all
+}
+
+/// Refitted parameters at the edges of what their tolerances allow.
+fn at_edges(answer: &Answer) -> Option<Objection> {
+    let fit = answer.fit.as_ref()?;
+    let nuisances = fit.problem.plan().nuisances();
+    let is_at_edge = |(variable, z): (&Variable, &f64)| {
+        let [low, high] = variable.range();
+        let near = EDGE * (high - low);
+        (*z - low < near || high - z < near).then(|| variable.name.clone())
+    };
+    let names: Vec<String> = nuisances.iter().zip(&fit.minimum.z).filter_map(is_at_edge).collect();
+    let is_most = MANY <= names.len() && MOST * nuisances.len() as f64 <= names.len() as f64;
+    (!names.is_empty()).then_some(Objection::ParametersAtEdges {
+        names,
+        of: nuisances.len(),
+        is_most,
+    })
+}
+
+/// The log reads what a saturated sensor could not show.
+fn beyond(cause: &Cause, claim: Claim<'_>) -> Option<Objection> {
+    let SiteRef::Output(c, _) = &cause.site else { return None };
+    if cause.label != "sensor-saturation" {
+        return None;
+    }
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values.filter(|v| v.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+            [low.min(v), high.max(v)]
+        })
+    };
+    let width = claim.logs.first()?.ny;
+    let shown = claim.answer.explanation.outputs.iter();
+    let shown = ends(&mut shown.flat_map(|rows| rows.iter().skip(*c).step_by(width)).copied());
+    let logs = claim.logs.iter();
+    let read = ends(&mut logs.flat_map(|log| log.y.iter().skip(*c).step_by(log.ny)).copied());
+    let least = (BEYOND * (shown[1] - shown[0])).max(NOISE * claim.noise.sigma[*c]);
+    let beyond = [(shown[0] - read[0], 0), (read[1] - shown[1], 1)];
+    let (_, end) = beyond.into_iter().filter(|(by, _)| least < *by).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Objection::ReadsBeyondLimit { limit: shown[end], reads: read[end] })
+}

@@ -1,0 +1,46 @@
+//! What is tried beside causes that are already there.
+
+use fd_effect::{Candidate, Offers, SiteRef, Suspects};
+
+/// Suspects beside a cause.
+#[derive(Debug)]
+pub(super) struct Beside<'a> {
+    /// All suspects of the study.
+    pub(super) suspects: &'a dyn Suspects,
+    /// The last cause, with the model that has all of them.
+    pub(super) last: Candidate,
+    /// All causes so far.
+    pub(super) known: Vec<Candidate>,
+    /// Parameters of the model as it came: an error of a parameter of a cause is no cause.
+    pub(super) parameters: Vec<String>,
+}
+
+impl Beside<'_> {
+    fn filter(&self, mut offers: Offers) -> Offers {
+        offers.retain(|offer| match offer {
+            Ok(candidate) => {
+                let is_known = self.known.iter().any(|k| k.identity() == candidate.identity());
+                !is_known && self.is_of_the_plant(&candidate.site)
+            }
+            Err(refusal) => self.is_of_the_plant(&refusal.site),
+        });
+        offers
+    }
+
+    fn is_of_the_plant(&self, site: &SiteRef) -> bool {
+        match site {
+            SiteRef::Parameter(_, name) => self.parameters.contains(name),
+            _ => true,
+        }
+    }
+}
+
+impl Suspects for Beside<'_> {
+    fn alone(&self) -> Offers {
+        self.filter(self.suspects.beside(&self.last))
+    }
+
+    fn beside(&self, first: &Candidate) -> Offers {
+        self.filter(self.suspects.beside(first))
+    }
+}

@@ -1,0 +1,82 @@
+//! Causes that forecasts do not miss.
+
+use fd_sim::model::Model;
+
+use super::{
+    adjustable::{With, without},
+    result::Milestone,
+};
+use crate::{
+    diagnose::{Case, FittedValues, Settings, prepare, settle},
+    fit::{FitError, Horizon, Log},
+    shrink::{closed, forecast_errors},
+};
+
+/// The models that are compared, and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judge<'a> {
+    pub(super) case: &'a Case<'a>,
+    pub(super) settings: &'a Settings,
+    /// Horizon of the forecasts.
+    pub(super) horizon: Horizon,
+    /// Noise of each output, in its unit.
+    pub(super) sigma: &'a [f64],
+    /// Noise floor, in sigma.
+    pub(super) floor: f64,
+}
+
+impl Judge<'_> {
+    /// Takes out causes, the last one excepted, that the rest does not miss. Returns the model without them, with
+    /// what was dropped.
+    pub(super) fn eliminate(
+        &self,
+        mut model: Model,
+        causes: &mut Vec<Milestone>,
+    ) -> Result<(Model, Vec<String>), FitError> {
+        let mut dropped = Vec::new();
+        let mut i = 0;
+        // The last one was accepted with all others there.
+        while i + 1 < causes.len() {
+            let plainer = without(&model, &causes[i].cause);
+            if self.is_missed(&plainer, &model)? {
+                i += 1;
+            } else {
+                dropped.push(causes.remove(i).cause.label.to_owned());
+                model = plainer;
+            }
+        }
+        Ok((model, dropped))
+    }
+
+    /// Whether held-out forecasts of the fuller model are clearly better.
+    fn is_missed(&self, plainer: &Model, fuller: &Model) -> Result<bool, FitError> {
+        let (Some(before), Some(after)) = (self.refitted(plainer)?, self.refitted(fuller)?) else {
+            return Ok(true);
+        };
+        let Settings { replicas, seed, .. } = *self.settings;
+        let share = closed(&before.errors, &after.errors, self.floor, replicas, seed);
+        Ok(share.is_some_and(|share| 0.0 < share.between_runs().interval[0]))
+    }
+
+    /// Refits a model and forecasts with it; `None` when it diverges.
+    pub(super) fn refitted(&self, model: &Model) -> Result<Option<Refitted>, FitError> {
+        let nominal = With { nominal: self.case.nominal, model: model.clone() };
+        let case = Case { nominal: &nominal, ..*self.case };
+        let prepared = prepare(&case, self.settings.horizon)?;
+        let (problem, at) = (&prepared.null.problem, &prepared.null.minimum);
+        let logs = Log::held_out(case.held_out, problem.simulator(), case.logs, problem.plan())?;
+        let values = FittedValues::of(problem, at);
+        let simulator = problem.simulator();
+        let errors =
+            forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
+        Ok(errors.map(|errors| Refitted { errors, model: settle(model, problem, &at.z) }))
+    }
+}
+
+/// A model with its parameters refitted.
+#[derive(Debug)]
+pub(super) struct Refitted {
+    /// Of held-out forecasts, in sigma.
+    pub(super) errors: Vec<Vec<Vec<f64>>>,
+    pub(super) model: Model,
+}

@@ -1,0 +1,58 @@
+//! What a road of causes says.
+
+use fd_sim::model::Model;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::{diagnose::Cause, shrink::Closed};
+
+/// Several causes, the one that was found first before the others.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Road {
+    /// The causes that were accepted.
+    pub causes: Vec<Milestone>,
+    /// Share of the held-out gap of the refitted model that no cause takes away and that is not noise, 0 to 1;
+    /// NaN (`null`) without held-out logs.
+    pub unexplained: f64,
+    /// Share of that gap that is noise, 0 to 1; NaN (`null`) without held-out logs.
+    pub noise: f64,
+    /// Share of the gap above the noise that all causes together close; `None` without held-out logs.
+    pub closed: Option<Closed>,
+    /// Why it ends there.
+    pub end: End,
+    /// Causes that were accepted on the way and that forecasts do not miss with the others there, by label.
+    pub dropped: Vec<String>,
+    /// The model with all causes in it, refitted together, their parameters adjustable; not serialised.
+    #[serde(skip)]
+    pub model: Model,
+}
+
+/// A cause on the road.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Milestone {
+    /// The cause, as it was found.
+    pub cause: Cause,
+    /// Probability when it was found, together with the causes that the log cannot tell from it.
+    pub probability: f64,
+    /// Labels of these.
+    pub tied: Vec<String>,
+    /// Share of the held-out gap of the refitted model that it takes away, 0 to 1; shares, `unexplained`
+    /// and `noise` of a road add up to 1. `None` without held-out logs.
+    pub share: Option<f64>,
+    /// Share that it closes of the gap that the causes before it have left.
+    pub closed: Option<Closed>,
+}
+
+/// Why a road ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// What is left is noise.
+    AtTheNoise,
+    /// The last one is a free curve, which is no law: what it leaves is not worth a search.
+    AtACurve,
+    /// No further cause improves held-out forecasts.
+    NothingHelps,
+    /// As many causes as were asked for.
+    Enough,
+}

@@ -1,0 +1,117 @@
+//! What to do next.
+
+use fd_gap::diagnose::{Objection, Verdict};
+
+use super::{further::advice, labels::{capital, list}};
+use crate::gap_study::report::Report;
+
+/// Reasons of refusals that a line of the model file lifts.
+const LIFTABLE: &str = "position";
+/// Coherence of what is left with an input from which a law of that input may explain it.
+const COHERENT: f64 = 0.5;
+
+/// What to do next, the most useful first. Never empty when the answer is tied, unclear or none of these: the
+/// input, sensor, rate or line of the model that would decide, or the statement that none in reach would.
+pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
+    let diagnosis = &report.diagnosis;
+    let mut steps = Vec::new();
+    let said = report.advice.as_ref().map(|found| advice(found, diagnosis));
+    steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
+    steps.extend(diagnosis.objections.iter().filter_map(cure));
+    let is_open = matches!(
+        diagnosis.verdict,
+        Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese
+    );
+    if diagnosis.verdict == Verdict::NoneOfThese {
+        steps.extend(liftable(report));
+        steps.push(of_what_is_left(report));
+    }
+    if is_open && steps.is_empty() {
+        steps.push(
+            "No excitation, sensor or sampling within the range of this log would separate the \
+             candidates: they are the same in this plant, unless it is taken apart."
+                .to_owned(),
+        );
+    }
+    steps
+}
+
+/// What would take an objection away.
+fn cure(objection: &Objection) -> Option<String> {
+    match objection {
+        Objection::FaintStrength { .. } => Some(
+            "Log a longer run, or one with larger motion: the strength is not much above its error."
+                .to_owned(),
+        ),
+        Objection::NoBetterThanConstant
+        | Objection::NoBetterThanLastValue
+        | Objection::WorseThanNominal => Some(
+            "Check the model and the reading of the log (signs, units, columns, start) before any \
+             effect: its forecasts are worth nothing."
+                .to_owned(),
+        ),
+        Objection::WorseThanRefitted => Some(
+            "Log a second run in which the suspected effect shows more: this one does not carry over."
+                .to_owned(),
+        ),
+        Objection::ParametersAtEdges { names, is_most: true, .. } => Some(format!(
+            "Check {}: the fit wants them farther from nominal than their tolerances allow.",
+            list(&names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>(), "and")
+        )),
+        Objection::ParametersAtEdges { .. } => None,
+        Objection::ReadsBeyondLimit { .. } => Some(
+            "Look at the sensor beside the log: it reads farther than a saturated one could."
+                .to_owned(),
+        ),
+    }
+}
+
+/// Effects that were refused for want of something that the user can say.
+fn liftable(report: &Report) -> Option<String> {
+    let refused = report.diagnosis.not_tested.iter();
+    let mut names: Vec<String> = refused
+        .filter(|refusal| refusal.reason.contains(LIFTABLE))
+        .map(|refusal| {
+            format!("{} at {}", refusal.label.replace('-', " "), refusal.site.name().unwrap_or("it"))
+        })
+        .collect();
+    names.sort();
+    names.dedup();
+    (!names.is_empty()).then(|| {
+        format!(
+            "Not tried for want of a position: {}. Name what moves there in the table `[sites]` of the \
+             model (`position = \"…\"`), and they are.",
+            list(&names, "and")
+        )
+    })
+}
+
+/// Where to look for an effect that nobody has listed.
+fn of_what_is_left(report: &Report) -> String {
+    let spectra = report.location.spectra.iter();
+    let coherent = spectra.flat_map(|spectrum| &spectrum.bands).filter(|b| b.is_above_floor_after);
+    let best = coherent.flat_map(|band| band.coherence.iter().flatten()).copied();
+    let best = best.fold(0.0, f64::max);
+    let ceiling = report.ceiling.as_ref().and_then(fd_gap::ceiling::Ceiling::share);
+    let is_known = ceiling.is_some_and(|closed| 0.0 < closed.interval[0]);
+    let places: Vec<String> = report
+        .location
+        .places
+        .iter()
+        .filter(|place| !place.statement.is_empty())
+        .take(1)
+        .map(|place| capital(&place.statement))
+        .collect();
+    let place = places.first().map_or_else(String::new, |place| format!(" {place}."));
+    if is_known || COHERENT < best {
+        format!(
+            "What is left follows from the logged inputs, so it is a law that the library lacks: write it \
+             as an effect of your own, or into the model.{place}"
+        )
+    } else {
+        format!(
+            "What is left does not follow from the logged inputs: look for an input, a disturbance or a \
+             mode of operation that is not in the log, and log it.{place}"
+        )
+    }
+}
