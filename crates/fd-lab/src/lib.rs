@@ -27,4 +27,3 @@ pub mod compare;
 pub mod engine;
 pub mod engine_gap;
 pub mod journal;
-mod quantile;

@@ -1,5 +1,7 @@
 //! The header of a log: names and units of columns.
 
+use fd_model::nearest;
+
 use crate::error::LogError;
 
 /// A column as its header names it.
@@ -47,7 +49,9 @@ pub(super) fn find(file: &str, header: &[HeaderColumn], wanted: &str) -> Result<
         [] => Err(LogError::MissingColumn {
             file: file.to_owned(),
             column: wanted.to_owned(),
-            nearest: nearest(header, wanted),
+            nearest: nearest(wanted, header.iter().map(|column| column.name.as_str()))
+                .into_iter()
+                .next(),
             known: texts(header),
         }),
         _ => Err(LogError::AmbiguousColumn {
@@ -60,31 +64,6 @@ pub(super) fn find(file: &str, header: &[HeaderColumn], wanted: &str) -> Result<
 
 pub(super) fn texts(header: &[HeaderColumn]) -> Vec<String> {
     header.iter().map(|column| column.text.clone()).collect()
-}
-
-/// The column most like `wanted`, if it takes few changes to get from one to the other.
-fn nearest(header: &[HeaderColumn], wanted: &str) -> Option<String> {
-    let wanted = wanted.to_lowercase();
-    let distance = |column: &HeaderColumn| edit_distance(&column.name.to_lowercase(), &wanted);
-    let (changes, column) =
-        header.iter().map(|column| (distance(column), column)).min_by_key(|(d, _)| *d)?;
-    (changes <= (wanted.chars().count() / 3).max(1)).then(|| column.name.clone())
-}
-
-/// Insertions, deletions and replacements between two texts (Levenshtein 1966).
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
@@ -103,12 +82,5 @@ mod tests {
         assert_eq!(parts("x[0] [m]"), ("x[0]".to_owned(), some("m")));
         assert_eq!(parts("wf"), ("wf".to_owned(), None));
         assert_eq!(parts("[K]"), ("[K]".to_owned(), None));
-    }
-
-    #[test]
-    fn edit_distances() {
-        for (a, b, distance) in [("kitten", "sitting", 3), ("", "ab", 2), ("wf", "wf", 0)] {
-            assert_eq!(edit_distance(a, b), distance);
-        }
     }
 }

@@ -68,6 +68,7 @@ mod clock;
 pub mod fault;
 pub mod file;
 mod inputs;
+mod nearest;
 mod resample;
 pub mod signal;
 mod simulate;
@@ -85,6 +86,7 @@ pub use crate::{
 };
 pub use crate::{
     inputs::Inputs,
+    nearest::nearest,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
     resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
     simulate::{Simulation, SimulationError},

@@ -1,5 +1,6 @@
 //! How long a signal remembers itself.
 
+use fd_numeric::dot;
 use realfft::RealFftPlanner;
 
 /// Lags to sum, in autocorrelation times.
@@ -52,7 +53,7 @@ pub fn autocorrelation_time(signal: &[f64]) -> Option<f64> {
 
 /// `Σ v(k) v(k + lag)`.
 fn product(centred: &[f64], lag: usize) -> f64 {
-    centred.iter().zip(&centred[lag..]).map(|(a, b)| a * b).sum()
+    dot(centred, &centred[lag..])
 }
 
 /// The products of all lags up to `last`, by Wiener and Khinchin: the inverse transform of the power

@@ -4,6 +4,7 @@ use fd_core::{
     Scalar, StateVisitor,
     stage::{Decision, DecisionRule, Evidence, Fault, Stage},
 };
+use fd_numeric::dot;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -155,10 +156,6 @@ impl<T: Scalar> SizedDebounce<T> {
         let is_alone = self.signatures.len() == 1;
         best.filter(|_| !self.mean.is_empty() && (is_alone || least + self.separation <= second))
     }
-}
-
-fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
 
 impl<T: Scalar> Stage<T> for SizedDebounce<T> {

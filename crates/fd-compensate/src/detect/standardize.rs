@@ -1,6 +1,7 @@
 //! Residuals in units of their own fault-free spread.
 
 use fd_core::Scalar;
+use fd_numeric::median;
 use serde::{Deserialize, Serialize};
 
 use super::error::{DetectorError, finite, length, positive};
@@ -97,11 +98,4 @@ fn centre_and_spread(mut values: Vec<f64>, spread: Spread) -> (f64, f64) {
             (centre, MAD_TO_SIGMA * median(&mut values))
         }
     }
-}
-
-/// The middle value, the mean of the two middle ones for an even count; sorts `values`.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let n = values.len();
-    f64::midpoint(values[(n - 1) / 2], values[n / 2])
 }

@@ -15,6 +15,7 @@ mod excitation;
 mod result;
 mod rival;
 
+use fd_numeric::upper_median;
 use rayon::prelude::*;
 
 pub use self::result::{Advice, Excitation, Experiment, Reach, Rival, Sensor, Separation};
@@ -197,8 +198,7 @@ fn sensors(case: &Case<'_>, diagnosis: &Diagnosis, bench: &Bench) -> Result<Vec<
         .map(|(c, sigma)| sigma / spread(&outputs, c, ny))
         .filter(|ratio| ratio.is_finite())
         .collect();
-    ratios.sort_by(f64::total_cmp);
-    let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(0.01);
+    let ratio = upper_median(&mut ratios).unwrap_or(0.01);
     let model = case.nominal.model();
     let is_logged = |name: &str| {
         model.outputs.iter().any(|output| output.value == fd_sim::equation::Expr::name(name))

@@ -1,10 +1,8 @@
 //! Normal equations in the form of an arrow: shared unknowns, and blocks that touch only them.
 
-use super::{
-    cholesky::Cholesky,
-    dot::{dot, dots},
-    layout::Layout,
-};
+use fd_numeric::wide::{dot, dots};
+
+use super::{cholesky::Cholesky, layout::Layout};
 
 /// `H = JᵀJ + P` and `g = Jᵀr + P(z − m)`, block by block.
 ///
@@ -120,8 +118,7 @@ impl Arrow {
             let column = |j: usize| &arms[(s * ns + j) * no..(s * ns + j + 1) * no];
             for i in 0..ns {
                 for j in 0..=i {
-                    let product: f64 = column(i).iter().zip(column(j)).map(|(a, b)| a * b).sum();
-                    corner[i * ns + j] -= product;
+                    corner[i * ns + j] -= fd_numeric::dot(column(i), column(j));
                 }
             }
             blocks.push(block);
@@ -154,7 +151,7 @@ impl Factor {
             let part = &mut own[s * self.own..(s + 1) * self.own];
             block.forward(part);
             for (j, value) in shared.iter_mut().enumerate() {
-                *value -= self.arm(s, j).iter().zip(&*part).map(|(a, b)| a * b).sum::<f64>();
+                *value -= fd_numeric::dot(self.arm(s, j), part);
             }
         }
         self.corner.forward(shared);

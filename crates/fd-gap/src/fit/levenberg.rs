@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use fd_numeric::dot;
+
 use super::{
     arrow::Arrow,
     layout::{Layout, LeastSquares, Linearization},
@@ -207,7 +209,7 @@ impl<'a> Descent<'a> {
             };
             let mut step = equations.gradient.clone();
             factor.solve(&mut step);
-            let predicted: f64 = step.iter().zip(&equations.gradient).map(|(a, b)| a * b).sum();
+            let predicted = dot(&step, &equations.gradient);
             if predicted < self.setting.negligible(self.at.cost) {
                 self.at.converged = true;
                 return None;

@@ -13,7 +13,6 @@
 
 mod arrow;
 mod cholesky;
-mod dot;
 mod error;
 mod layout;
 mod levenberg;

@@ -1,8 +1,9 @@
 //! How much a change of the outputs could explain, whatever the nuisances.
 
+use fd_numeric::wide::{dot, dots};
+
 use super::{
     arrow::{Arrow, Factor},
-    dot::{dot, dots},
     layout::{Layout, LeastSquares},
     levenberg::Minimum,
 };

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use fd_numeric::dot;
+
 /// A column; rows outside `rows` are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
@@ -23,10 +25,10 @@ impl Column {
         }
         let part = |column: &Self| from - column.rows.start..to - column.rows.start;
         let (a, b) = (&self.values[part(self)], &other.values[part(other)]);
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
+        dot(a, b)
     }
 
     pub(super) fn dot_full(&self, full: &[f64]) -> f64 {
-        self.values.iter().zip(&full[self.rows.clone()]).map(|(a, b)| a * b).sum()
+        dot(&self.values, &full[self.rows.clone()])
     }
 }

@@ -1,6 +1,7 @@
 //! A free signal at a place: what would have to be added there to explain the gap?
 
 use fd_effect::SiteRef;
+use fd_numeric::rms;
 use fd_sim::{
     equation::Expr,
     model::{Input, Law, Model},
@@ -172,8 +173,7 @@ impl<'a> Probe<'a> {
         };
         let fit = regress(&self.nuisances, &columns, &self.residual)?;
         let values = self.spread(&fit.coefficients, scale);
-        let all = || values.iter().flatten();
-        let rms = (all().map(|v| v * v).sum::<f64>() / all().count().max(1) as f64).sqrt();
+        let rms = rms(values.iter().flatten().copied());
         let share = if 0.0 < self.reducible { fit.explained / self.reducible } else { 0.0 };
         let share = share.clamp(0.0, 1.0);
         Some(FreeSignal { share, log_evidence: fit.log_evidence, unit, rms, values })
@@ -241,10 +241,10 @@ impl<'a> Probe<'a> {
             let constant = |value: f64| -> Rows {
                 self.bench.logs.iter().map(|log| vec![value; log.samples]).collect()
             };
-            let rms = self.bench.run(simulator, theta, self.starts, &constant(size)).map(|run| {
-                let change = self.change(base, &run.0);
-                (change.iter().map(|v| v * v).sum::<f64>() / change.len().max(1) as f64).sqrt()
-            });
+            let rms = self
+                .bench
+                .run(simulator, theta, self.starts, &constant(size))
+                .map(|run| rms(self.change(base, &run.0)));
             match rms {
                 Some(rms) if (0.5..2.0).contains(&rms) => return Some(size / rms),
                 Some(rms) if rms <= 1e-9 => size *= 1e3,

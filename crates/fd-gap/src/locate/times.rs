@@ -1,6 +1,7 @@
 //! The gap over time: where does it begin?
 
 use fd_compensate::calibrate::autocorrelation_time;
+use fd_numeric::rms;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -41,12 +42,8 @@ pub(super) fn times(
         let n = bench.logs[log].samples;
         let gap = |residuals: &[Rows], from: usize, to: usize| {
             let values = residuals.iter().flat_map(|output| &output[log][from..to]);
-            let (mut sum, mut count) = (0.0, 0.0_f64);
-            for value in values.filter(|v| v.is_finite()) {
-                sum += value * value;
-                count += 1.0;
-            }
-            (0.0 < count).then(|| f64::sqrt(sum / count))
+            let mut finite = values.copied().filter(|v| v.is_finite()).peekable();
+            finite.peek().is_some().then(|| rms(finite))
         };
         let pieces = STRETCHES.min(n);
         let stretches = (0..pieces).filter_map(|i| {

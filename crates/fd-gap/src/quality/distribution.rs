@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
+use fd_numeric::robust_deviation;
 use statrs::function::{erf::erfc, gamma::ln_gamma};
 
 /// Log-density of Gaussian noise that is rounded to a grid, at errors `e` from the rounded value:
@@ -65,9 +66,7 @@ const STEPS: usize = 60;
 #[must_use]
 pub fn outlier_mixture(errors: &[f64]) -> Option<OutlierMixture> {
     let mut sizes: Vec<f64> = errors.iter().map(|e| e.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
-    let robust = sizes.get(sizes.len() / 2)? / 0.674_489_750_196_082;
+    let robust = robust_deviation(&mut sizes)?;
     let fits = OUTLIER_WIDTHS.map(|width| fit(errors, robust.max(f64::MIN_POSITIVE), width));
     fits.into_iter().max_by(|a, b| a.log.total_cmp(&b.log))
 }

@@ -1,5 +1,7 @@
 //! How much of a residual is noise, whatever the model.
 
+use fd_numeric::{rms, robust_deviation};
+
 use super::Autoregression;
 
 /// Standard deviation of white noise on a slow signal, `rms(Δ³ r) / √20`: a third difference
@@ -40,9 +42,7 @@ pub fn third_difference_floor(signal: &[f64]) -> Option<f64> {
 pub fn robust_third_difference_floor(signal: &[f64]) -> Option<f64> {
     let differences = signal.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]);
     let mut sizes: Vec<f64> = differences.filter(|d| d.is_finite()).map(f64::abs).collect();
-    sizes.sort_by(f64::total_cmp);
-    // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
-    sizes.get(sizes.len() / 2).map(|median| median / 0.674_489_750_196_082 / f64::sqrt(20.0))
+    robust_deviation(&mut sizes).map(|deviation| deviation / f64::sqrt(20.0))
 }
 
 /// The smaller of [`third_difference_floor`] and the standard deviation of the innovation of an
@@ -58,10 +58,8 @@ pub fn robust_third_difference_floor(signal: &[f64]) -> Option<f64> {
 #[must_use]
 pub fn noise_floor(residual: &[f64], stated: Option<f64>) -> Option<f64> {
     let third = third_difference_floor(residual)?;
-    let finite = || residual.iter().filter(|v| v.is_finite());
-    let rms = f64::sqrt(finite().map(|v| v * v).sum::<f64>() / finite().count().max(1) as f64);
-    let innovation =
-        rms * Autoregression::fit(&[residual], Autoregression::HIGHEST_ORDER).innovation();
+    let innovation = rms(residual.iter().copied().filter(|v| v.is_finite()))
+        * Autoregression::fit(&[residual], Autoregression::HIGHEST_ORDER).innovation();
     let floor = third.min(innovation);
     Some(stated.map_or(floor, |stated| floor.clamp(0.6 * stated, 4.0 * stated)))
 }

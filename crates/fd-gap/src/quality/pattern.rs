@@ -1,5 +1,7 @@
 //! Can a few functions of known signals still predict a residual?
 
+use fd_numeric::dot;
+
 use super::Autoregression;
 
 /// Delays of the signals, in samples.
@@ -81,10 +83,6 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
             .collect();
     }
     best
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn remove(unit: &[f64], from: &mut [f64]) {

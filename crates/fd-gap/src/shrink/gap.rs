@@ -1,6 +1,7 @@
 //! The size of a gap, and how much of it an effect closes.
 
 use fd_compensate::calibrate::{CircularBlocks, autocorrelation_time};
+use fd_numeric::rms;
 use schemars::JsonSchema;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -19,7 +20,7 @@ const REDUCIBLE: f64 = 0.01;
 /// Root of the mean square of errors per output, in units of the noise.
 #[must_use]
 pub fn gap_per_output(errors: &Errors) -> Vec<f64> {
-    errors.iter().map(|signals| rms(signals.iter().flatten().copied())).collect()
+    errors.iter().map(|signals| rms(finite(signals.iter().flatten()))).collect()
 }
 
 /// Root of the mean square of all errors, in units of the noise.
@@ -31,16 +32,11 @@ pub fn gap_per_output(errors: &Errors) -> Vec<f64> {
 /// ```
 #[must_use]
 pub fn gap(errors: &Errors) -> f64 {
-    rms(errors.iter().flatten().flatten().copied())
+    rms(finite(errors.iter().flatten().flatten()))
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0_f64);
-    for value in values.filter(|value| value.is_finite()) {
-        sum += value * value;
-        count += 1.0;
-    }
-    f64::sqrt(sum / count.max(1.0))
+fn finite<'a>(values: impl Iterator<Item = &'a f64>) -> impl Iterator<Item = f64> {
+    values.copied().filter(|value| value.is_finite())
 }
 
 /// A share of the reducible gap, with a 95 % interval.

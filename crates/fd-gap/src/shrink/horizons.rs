@@ -1,6 +1,7 @@
 //! How far to forecast: the memory of the plant settles it.
 
 use faer::Mat;
+use fd_numeric::upper_median;
 use fd_sim::simulate::Simulator;
 
 use crate::fit::{Horizon, Log};
@@ -71,8 +72,7 @@ pub fn dominant_time_constant(
             slowest_decay(&mut run, &states[k], &ranges)
         })
         .collect();
-    times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied()
+    upper_median(&mut times)
 }
 
 /// Time constant of the slowest decay at one instant, in samples.

@@ -1,8 +1,9 @@
 //! The samples that a difference equation looks back on.
 
 use fd_core::{Scalar, StateVisitor};
+use fd_numeric::dot;
 
-use crate::{arx::ArxOrders, rls::dot};
+use crate::arx::ArxOrders;
 
 /// Past inputs and past bias values of all residual channels, newest first, so that a regressor
 /// lies in memory as it is used.

@@ -3,12 +3,12 @@
 use faer::Mat;
 use fd_core::stage::BiasModel;
 use fd_model::Record;
+use fd_numeric::dot;
 
 use crate::{
     arx::{ArxModel, regression::regressor},
     error::IdentError,
     least_squares::{Deficient, LeastSquares},
-    rls::dot,
 };
 
 /// What a simulation takes for the bias before the record begins.

@@ -4,11 +4,12 @@ use fd_core::{
     Scalar, StateVisitor,
     stage::{GuardReport, Identifier, Stage},
 };
+use fd_numeric::dot;
 
 use crate::{
     arx::{ArxOrders, History},
     error::IdentError,
-    rls::{RlsKernel, UdRls, check_parameters, dot},
+    rls::{RlsKernel, UdRls, check_parameters},
 };
 
 /// Recursive extended least squares, one estimator per residual channel, see the

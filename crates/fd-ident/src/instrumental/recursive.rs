@@ -4,13 +4,14 @@ use fd_core::{
     Scalar, StateVisitor,
     stage::{GuardReport, Identifier, Stage},
 };
+use fd_numeric::dot;
 use serde::{Deserialize, Serialize};
 
 use super::stability::is_stable;
 use crate::{
     arx::{ArxOrders, History},
     error::IdentError,
-    rls::{add_scaled, dot, positive},
+    rls::{add_scaled, positive},
 };
 
 /// Settings of [`RecursiveIv`].

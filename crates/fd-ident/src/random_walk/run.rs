@@ -4,11 +4,12 @@ use fd_core::{
     Buffer, Heap, Scalar, StateVisitor,
     stage::{GuardReport, Stage},
 };
+use fd_numeric::dot;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     error::IdentError,
-    rls::{Covariance, Guard, RlsKernel, RlsStorage, Ud, add_scaled, dot, positive},
+    rls::{Covariance, Guard, RlsKernel, RlsStorage, Ud, add_scaled, positive},
 };
 
 /// Covariance `Q` of what parameters move by from one sample to the next, relative to a noise of

@@ -6,9 +6,10 @@
 )]
 
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};
+use fd_numeric::dot;
 
 use crate::rls::{
-    covariance::{Covariance, dot},
+    covariance::Covariance,
     storage::{Grid, RlsStorage},
 };
 

@@ -86,11 +86,6 @@ pub(crate) fn rounding<T: Scalar>(n: usize) -> T {
     T::from_design(n as f64) * T::default_epsilon()
 }
 
-/// Scalar product of two slices, summed in order.
-pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
-}
-
 /// Computes `y ← y + factor · x`.
 pub(crate) fn add_scaled<T: Scalar>(y: &mut [T], factor: T, x: &[T]) {
     for (y, &x) in y.iter_mut().zip(x) {

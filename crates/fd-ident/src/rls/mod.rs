@@ -41,7 +41,7 @@ pub use self::{
     window::{WindowDesign, WindowRls},
 };
 pub(crate) use self::{
-    covariance::{add_scaled, dot, rounding},
+    covariance::{add_scaled, rounding},
     forgetting::positive,
     kernel::check_parameters,
 };

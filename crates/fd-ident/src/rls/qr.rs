@@ -4,12 +4,12 @@ use fd_core::{
     Buffer, Heap, Scalar, Shape, StateVisitor,
     stage::{GuardReport, Stage},
 };
+use fd_numeric::dot;
 
 use crate::{
     error::IdentError,
     rls::{
         RlsKernel,
-        covariance::dot,
         forgetting::{Forgetting, RlsDesign},
         storage::{Grid, RlsStorage},
     },

@@ -4,12 +4,13 @@ use fd_core::{
     Buffer, Scalar, StateVisitor,
     stage::{GuardReport, Stage},
 };
+use fd_numeric::dot;
 
 use crate::{
     error::IdentError,
     rls::{
         RlsKernel,
-        covariance::{Covariance, add_scaled, dot},
+        covariance::{Covariance, add_scaled},
         forgetting::{Forgetting, RlsDesign},
     },
 };

@@ -5,9 +5,10 @@
 )]
 
 use fd_core::{Buffer, Heap, Scalar, Shape, ShapeError, StateVisitor};
+use fd_numeric::dot;
 
 use crate::rls::{
-    covariance::{Covariance, add_scaled, dot, rounding},
+    covariance::{Covariance, add_scaled, rounding},
     storage::{Grid, RlsStorage},
 };
 

@@ -6,13 +6,14 @@ use fd_core::{
     Buffer, Heap, Scalar, Shape, StateVisitor,
     stage::{GuardReport, Stage},
 };
+use fd_numeric::dot;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     error::IdentError,
     rls::{
         RlsKernel,
-        covariance::{Covariance, add_scaled, dot},
+        covariance::{Covariance, add_scaled},
         forgetting::positive,
         storage::{Grid, RlsStorage},
         ud::Ud,

@@ -2,6 +2,7 @@
 
 use fd_core::{IoDims, stage::Plant};
 use fd_model::{Channel, Continuous, SampleTime, StateSpace};
+use fd_numeric::dot;
 
 use super::matrix;
 use crate::{error::EngineError, model::EngineModel, runge_kutta};
@@ -100,7 +101,6 @@ impl ChenPattonZhang {
     fn rates(x: &[f64; NX], u: f64) -> [f64; NX] {
         let [n_l, n_h, fuel] = *x;
         let products = [n_l * n_l, n_h * n_h, fuel * fuel, n_l * n_h, n_l * fuel, n_h * fuel];
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         std::array::from_fn(|i| dot(&A[i], x) + B[i][0] * u + dot(&E[i], &products))
     }
 }

@@ -1,5 +1,7 @@
 //! How far an effect moves the outputs once the nuisances have done what they can, to first order.
 
+use fd_numeric::dot;
+
 use super::{
     error::BlindError,
     truth::{Effect, Scene},
@@ -118,8 +120,4 @@ pub(super) fn seek(
         effect.distance = distance(effect)?;
     }
     Ok(())
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

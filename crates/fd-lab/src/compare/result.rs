@@ -1,5 +1,6 @@
 //! What came out: counts of all engines together, and who wins where.
 
+use fd_numeric::median;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -11,7 +12,6 @@ use super::{
     share::Share,
     tally::{Alarms, Outcome, Unit},
 };
-use crate::quantile::median;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 2;

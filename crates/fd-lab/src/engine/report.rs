@@ -1,13 +1,13 @@
 //! The benchmark's result as a sentence, tables, pictures and a page.
 
 use fd_model::figure;
+use fd_numeric::median;
 use fd_report::{Line, Page, Picture, PictureError, Table};
 
 use super::{
     example::{Example, FaultyRun, Residuals},
     study::{Range, Study},
 };
-use crate::quantile::median;
 
 /// A picture with the name of its file.
 #[derive(Clone, Debug, PartialEq)]

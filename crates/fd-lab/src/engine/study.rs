@@ -1,10 +1,10 @@
 //! Many seeds in parallel, and what they say together.
 
+use fd_numeric::quantile;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, trial::Trial};
-use crate::quantile::quantile;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;

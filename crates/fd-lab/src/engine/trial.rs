@@ -10,6 +10,7 @@ use fd_core::{
     stage::{Detector, Stage},
 };
 use fd_model::{Channel, Record};
+use fd_numeric::median;
 use fdiag::training::{Trace, Trained, TrainingError, sensor_sizes, train_on};
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,6 @@ use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
 };
-use crate::quantile::median;
 
 /// Largest fault that is tried, relative to the reading.
 const LARGEST_FAULT: f64 = 10.0;

@@ -59,7 +59,7 @@
 //! # Errors
 //!
 //! Text that does not parse gives a [`SyntaxError`] with its [`Span`], which [`picture`] draws under the
-//! text, and [`nearest`] suggests the name that was probably meant. Names that are not in the scope and
+//! text, and [`nearest`](fd_model::nearest()) suggests the name that was probably meant. Names that are not in the scope and
 //! definitions in a circle are found by [`Program::compile`]. Running cannot fail: a logarithm of a negative
 //! number is NaN, and whoever steps a simulation looks for that.
 //!
@@ -122,7 +122,6 @@ mod expr;
 mod fuse;
 mod interpret;
 mod kernel;
-mod nearest;
 mod order;
 mod parse;
 mod print;
@@ -140,7 +139,6 @@ pub use self::{
     error::{Found, Span, SyntaxError, SyntaxProblem, picture},
     evaluate::{EvaluationError, Values},
     expr::{Binary, Comparison, Cond, Expr, Lookup, Unary},
-    nearest::nearest,
     program::{Program, Workspace},
     table::{Outside, Table, TableError},
     token::{RESERVED, is_name, locate},

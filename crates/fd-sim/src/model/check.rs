@@ -5,12 +5,14 @@ mod numbers;
 
 use std::collections::HashMap;
 
+use fd_model::nearest;
+
 use self::names::Meaning;
 use super::{
     draft::{Draft, Law},
     error::{Mistake, ModelError},
 };
-use crate::equation::{Expr, MAX_DEPTH, RESERVED, in_order_of_use, locate, nearest};
+use crate::equation::{Expr, MAX_DEPTH, RESERVED, in_order_of_use, locate};
 
 type Checked = Result<(), ModelError>;
 

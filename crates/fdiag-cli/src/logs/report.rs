@@ -1,6 +1,7 @@
 //! A study of logs as a sentence, tables, pictures and a page.
 
 use fd_model::figure;
+use fd_numeric::rms;
 use fd_report::{Line, Page, Picture, PictureError, Table};
 use fdiag::training::Trace;
 
@@ -13,11 +14,8 @@ impl LogStudy {
         let later: Vec<&LogResult> = self.logs.iter().filter(|log| !log.healthy).collect();
         let shown: Vec<&LogResult> =
             if later.is_empty() { self.logs.iter().collect() } else { later.clone() };
-        let total = |f: &dyn Fn(&LogResult) -> &[f64]| {
-            let squares = shown.iter().flat_map(|log| f(log)).map(|v| v * v);
-            let count = shown.iter().map(|log| f(log).len()).sum::<usize>().max(1);
-            (squares.sum::<f64>() / count as f64).sqrt()
-        };
+        let total =
+            |f: &dyn Fn(&LogResult) -> &[f64]| rms(shown.iter().flat_map(|log| f(log)).copied());
         let (before, after) = (total(&|log| &log.rms_primary), total(&|log| &log.rms_compensated));
         // Several outputs have no unit in common; what is left is how much smaller they became.
         let change = match &self.residuals[..] {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use fd_core::{DynPipeline, Event, stage::Stage};
 use fd_log::{LogMap, read_log};
 use fd_model::{Record, TimeBaseReport, file::LinearModel};
+use fd_numeric::rms;
 use fdiag::{
     spec::PipelineSpec,
     training::{Healthy, Trace, TrainingError, sensor_sizes, train},
@@ -189,8 +190,8 @@ impl LogStudy {
                 healthy: i < request.healthy.len(),
                 samples: record.len(),
                 time_base: time_base.clone(),
-                rms_primary: rms(&with, &with.residual),
-                rms_compensated: rms(&with, &with.compensated),
+                rms_primary: rms_per_channel(&with, &with.residual),
+                rms_compensated: rms_per_channel(&with, &with.compensated),
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
@@ -256,15 +257,11 @@ fn residual_units(spec: &PipelineSpec, outputs: &[SignalUnit], channels: usize) 
 }
 
 /// Root mean square per channel over the samples in which the bias was subtracted.
-fn rms(trace: &Trace, values: &[f64]) -> Vec<f64> {
+fn rms_per_channel(trace: &Trace, values: &[f64]) -> Vec<f64> {
     let channels = trace.channels.max(1);
-    let count = trace.compensating.iter().filter(|on| **on).count().max(1);
+    let rows = || values.chunks_exact(channels).zip(&trace.compensating);
     (0..channels)
-        .map(|channel| {
-            let rows = values.chunks_exact(channels).zip(&trace.compensating);
-            let squares = rows.filter(|(_, on)| **on).map(|(row, _)| row[channel].powi(2));
-            (squares.sum::<f64>() / count as f64).sqrt()
-        })
+        .map(|channel| rms(rows().filter(|(_, on)| **on).map(|(row, _)| row[channel])))
         .collect()
 }
 

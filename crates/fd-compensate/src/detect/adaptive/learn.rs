@@ -1,6 +1,7 @@
 //! A bound learned from healthy logs: a high quantile of the residual, given the input.
 
 use faer::Mat;
+use fd_numeric::{rms, wide::dot};
 
 use super::{
     InputBound,
@@ -88,7 +89,7 @@ impl InputBound {
         let (features, values) = look(healthy, &bands, learned.evaluation);
         let (mut noise, mut gains) = (Vec::new(), Vec::new());
         for (channel, values) in values.iter().enumerate() {
-            let level = (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+            let level = rms(values.iter().copied());
             if level <= 0.0 {
                 let samples = healthy.len();
                 return Err(DetectorError::ConstantChannel { channel, samples });
@@ -182,17 +183,4 @@ fn upper_envelope(features: &[Vec<f64>], values: &[f64], level: f64, quantile: f
         weights = minimise(&normal, &right, weights);
     }
     weights.iter().zip(&scale).map(|(w, s)| w / s).collect()
-}
-
-/// A scalar product in eight sums at a time, which fill the registers of any machine and depend on none.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (pieces_a, pieces_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = pieces_a.remainder().iter().zip(pieces_b.remainder()).map(|(a, b)| a * b);
-    let mut sums = [0.0; 8];
-    for (a, b) in pieces_a.clone().zip(pieces_b.clone()) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + rest.sum::<f64>()
 }

@@ -1,6 +1,7 @@
 //! Coefficients of the whitening filter, and what becomes of a fault in it.
 
 use faer::Mat;
+use fd_numeric::dot;
 
 use crate::{
     detect::{
@@ -130,9 +131,7 @@ impl WhitenerDesign {
 /// Coefficients of the linear prediction of `z` with the order that Akaike's criterion prefers.
 fn prediction(z: &[f64], most_order: usize) -> Vec<f64> {
     let n = z.len() as f64;
-    let autocovariance: Vec<f64> = (0..=most_order)
-        .map(|lag| z.iter().zip(&z[lag..]).map(|(a, b)| a * b).sum::<f64>() / n)
-        .collect();
+    let autocovariance: Vec<f64> = (0..=most_order).map(|lag| dot(z, &z[lag..]) / n).collect();
     // Levinson's recursion: the solution of each order from that of the order before.
     let (mut a, mut variance) = (Vec::new(), autocovariance[0]);
     let (mut best, mut least) = (a.clone(), n * variance.ln());

@@ -10,6 +10,8 @@
 
 use std::f64::consts::PI;
 
+use fd_numeric::{median, robust_deviation};
+
 use super::gaussian::{count, gaussian};
 use crate::{
     evidence::{DECADES, NoisePrior},
@@ -85,9 +87,7 @@ impl Outliers {
         let deviations: Vec<Vec<f64>> = signals.iter().map(|s| from_neighbours(s)).collect();
         let mut sizes: Vec<f64> =
             deviations.iter().flatten().filter(|d| d.is_finite()).map(|d| d.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
-        let spread = sizes.get(sizes.len() / 2)? / 0.674_489_750_196_082;
+        let spread = robust_deviation(&mut sizes)?;
         let is_off = |d: &f64| OFF * spread < d.abs();
         let places: Vec<Vec<bool>> =
             deviations.iter().map(|d| d.iter().map(is_off).collect()).collect();
@@ -132,12 +132,7 @@ fn from_neighbours(signal: &[f64]) -> Vec<f64> {
         let (from, to) = (k.saturating_sub(NEIGHBOURS), (k + NEIGHBOURS).min(signal.len() - 1));
         let mut near: Vec<f64> =
             (from..=to).filter(|i| *i != k).map(|i| signal[i]).filter(|v| v.is_finite()).collect();
-        near.sort_by(f64::total_cmp);
-        match near.len() {
-            0 => f64::NAN,
-            n if n % 2 == 0 => signal[k] - 0.5 * (near[n / 2 - 1] + near[n / 2]),
-            n => signal[k] - near[n / 2],
-        }
+        signal[k] - median(&mut near)
     };
     (0..signal.len()).map(deviation).collect()
 }

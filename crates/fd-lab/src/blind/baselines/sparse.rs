@@ -6,6 +6,7 @@
 //! measured positions, and the rest comes from the simulation. The residual rate is what a
 //! simulation over one sample lacks from there.
 
+use fd_numeric::{dot, rms};
 use fd_sim::{
     equation::Expr,
     model::{Law, Model},
@@ -253,7 +254,7 @@ fn choose(
             (0..rate.len()).map(value).collect()
         })
         .collect();
-    let sizes: Vec<f64> = columns.iter().map(|c| rms(c).max(1e-300)).collect();
+    let sizes: Vec<f64> = columns.iter().map(|c| rms(c.iter().copied()).max(1e-300)).collect();
     let unit: Vec<Vec<f64>> =
         columns.iter().zip(&sizes).map(|(c, size)| c.iter().map(|v| v / size).collect()).collect();
     // The ends of the smoothing are left out.
@@ -277,10 +278,6 @@ fn choose(
     let (explained, terms) = best.filter(|(explained, _)| EXPLAINED < *explained)?;
     let terms = terms.into_iter().map(|(i, c)| (i, c / sizes[i], c.abs())).collect();
     Some(Chosen { state, explained, terms, library })
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 fn thresholded(
@@ -316,9 +313,7 @@ fn solve(
     active: &[usize],
 ) -> Option<Vec<f64>> {
     let n = active.len();
-    let product = |a: &[f64], b: &[f64]| -> f64 {
-        a[rows.clone()].iter().zip(&b[rows.clone()]).map(|(a, b)| a * b).sum()
-    };
+    let product = |a: &[f64], b: &[f64]| dot(&a[rows.clone()], &b[rows.clone()]);
     let mut m: Vec<Vec<f64>> = active
         .iter()
         .map(|&i| {

@@ -1,12 +1,10 @@
 //! Scores of logs as people have them, class by class.
 
+use fd_numeric::{median, quantile};
 use serde::{Deserialize, Serialize};
 
 use super::{Calibration, FALSE_ABSTENTION, Rate, SURE, Verdict};
-use crate::{
-    blind::kind::CaseKind,
-    quantile::{median, quantile},
-};
+use crate::blind::kind::CaseKind;
 
 /// What is counted of a class.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

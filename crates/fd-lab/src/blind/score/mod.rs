@@ -7,6 +7,7 @@ mod statistics;
 
 use std::{fs, path::Path};
 
+use fd_numeric::{median, quantile};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +27,6 @@ use super::{
     seal::SealKey,
     truth::Truth,
 };
-use crate::quantile::{median, quantile};
 
 /// Share of wrong abstentions at which "none of these" is counted.
 const FALSE_ABSTENTION: f64 = 0.03;

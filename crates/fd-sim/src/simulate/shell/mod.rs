@@ -28,13 +28,13 @@ mod run;
 mod scales;
 mod wiring;
 
-use fd_model::SampleTime;
+use fd_model::{SampleTime, nearest};
 
 pub use self::run::ShellSimulator;
 use self::{build::build, wiring::Wiring};
 use super::{Nominal, SimulateError, Simulator};
 use crate::{
-    equation::{Expr, nearest},
+    equation::Expr,
     model::{Mistake, Model, ModelError, Site},
     scales::ReplayScales,
 };

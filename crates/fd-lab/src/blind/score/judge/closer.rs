@@ -6,6 +6,7 @@ use fd_gap::{
     fit::{Horizon, Log},
     shrink::{Settled, forecast_errors, gap},
 };
+use fd_numeric::rms;
 use fd_sim::{
     model::Model,
     simulate::{EquationSimulator, Simulator},
@@ -102,8 +103,7 @@ fn really_closed(
     if before.is_empty() {
         return Ok(None);
     }
-    let squares = noise.iter().zip(&answer.sigma).map(|(noise, sigma)| (noise / sigma).powi(2));
-    let floor = (squares.sum::<f64>() / noise.len() as f64).sqrt();
+    let floor = rms(noise.iter().zip(&answer.sigma).map(|(noise, sigma)| noise / sigma));
     let (before, after) = (gap(&before) - floor, gap(&after) - floor);
     Ok((REDUCIBLE * floor < before).then(|| 1.0 - after / before))
 }

@@ -1,4 +1,7 @@
 //! Scalar products of long signals, several at a time.
+//!
+//! Eight sums are added up side by side, whatever the registers of the machine hold, and then together: the
+//! same bits everywhere, but not those of a sum in order.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
@@ -14,14 +17,36 @@ const SUMS: usize = 8;
 const GROUP: usize = 4;
 
 /// The scalar product of two signals of the same length.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+///
+/// ```
+/// let (a, b) = ([0.5; 1000], [2.0; 1000]);
+/// assert_eq!(fd_numeric::wide::dot(&a, &b), 1000.0);
+/// ```
+///
+/// # Panics
+///
+/// Panics when `b` is shorter than `a`.
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let [product, ..] = arch().dispatch(Products { a, b: [b; 1] });
     product
 }
 
 /// The scalar products of a signal with others of the same length, each to the bit what [`dot`]
 /// says.
-pub(crate) fn dots(a: &[f64], others: &[&[f64]]) -> Vec<f64> {
+///
+/// ```
+/// use fd_numeric::wide::{dot, dots};
+///
+/// let (a, b, c) = ([0.1; 99], [0.2; 99], [0.3; 99]);
+/// assert_eq!(dots(&a, &[&b, &c]), [dot(&a, &b), dot(&a, &c)]);
+/// ```
+///
+/// # Panics
+///
+/// Panics when one of the others is shorter than `a`.
+#[must_use]
+pub fn dots(a: &[f64], others: &[&[f64]]) -> Vec<f64> {
     let arch = arch();
     let mut products = Vec::with_capacity(others.len());
     let (groups, rest) = others.as_chunks::<GROUP>();
