@@ -11,6 +11,10 @@
 //! *When not to use:* to say that there is no loop. A controller that acts slowly, or on little noise, leaves
 //! too little to be seen.
 
+use fd_numeric::dot;
+
+use super::pattern::remove;
+
 /// Past samples that foretell.
 const PAST: usize = 8;
 /// Largest delay of an answer, in samples.
@@ -64,7 +68,8 @@ pub fn feedback(input: &[f64], errors: &[f64], earliest: usize) -> Option<f64> {
         if m < FEWEST {
             return None;
         }
-        let ranks = |side: &dyn Fn(&(f64, f64)) -> f64| ranks(&pairs.iter().map(side).collect::<Vec<_>>());
+        let ranks =
+            |side: &dyn Fn(&(f64, f64)) -> f64| ranks(&pairs.iter().map(side).collect::<Vec<_>>());
         let (u, e) = (ranks(&|pair| pair.0), ranks(&|pair| pair.1));
         let size = f64::sqrt(dot(&u, &u) * dot(&e, &e));
         let found = dot(&u, &e) / size;
@@ -101,15 +106,6 @@ fn unforeseen(signal: &[f64], columns: Vec<Vec<f64>>) -> Vec<f64> {
         all[*k] = value;
     }
     all
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn remove(unit: &[f64], from: &mut [f64]) {
-    let along = dot(unit, from);
-    from.iter_mut().zip(unit).for_each(|(f, u)| *f -= along * u);
 }
 
 /// Ranks about their mean; equal values share theirs.

@@ -121,10 +121,9 @@ impl Defect {
             | Self::Feedback { .. }
             | Self::Short { .. }
             | Self::Constant => Severity::Warning,
-            Self::NotExcited
-            | Self::WrongUnit { .. }
-            | Self::Undriven
-            | Self::Swapped { .. } => Severity::Serious,
+            Self::NotExcited | Self::WrongUnit { .. } | Self::Undriven | Self::Swapped { .. } => {
+                Severity::Serious
+            }
         }
     }
 }

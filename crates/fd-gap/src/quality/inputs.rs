@@ -17,7 +17,11 @@ const POOR: f64 = 0.3;
 const FACTORS: [f64; 2] = [1e-3, 1e3];
 
 /// What inputs of the log would make the nominal simulation agree with it, by place of the input.
-pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize, Defect)> {
+pub(super) fn input_defects(
+    simulator: &dyn Simulator,
+    log: &Log,
+    known: usize,
+) -> Vec<(usize, Defect)> {
     let mut simulator = simulator.boxed();
     let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
     let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
@@ -40,7 +44,7 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
         BAD * all < all - as_it_is && left < BETTER * (all - as_it_is) && GOOD * all < changed
     };
     let mut found = Vec::new();
-    for i in 0..log.nu {
+    for i in 0..known.min(log.nu) {
         for factor in FACTORS {
             let mut u = log.u.clone();
             u.iter_mut().skip(i).step_by(log.nu).for_each(|u| *u *= factor);
@@ -48,7 +52,7 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
                 found.push((i, Defect::WrongUnit { factor }));
             }
         }
-        for (j, with) in names.iter().enumerate().skip(i + 1) {
+        for (j, with) in names.iter().enumerate().take(known).skip(i + 1) {
             let mut u = log.u.clone();
             for row in u.chunks_exact_mut(log.nu) {
                 row.swap(i, j);
@@ -58,7 +62,7 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
             }
         }
     }
-    for i in 0..log.nu {
+    for i in 0..known.min(log.nu) {
         for c in (0..log.ny).filter(|c| crossed(&mut *simulator, log, i, *c)) {
             found.push((i, Defect::Swapped { with: outputs[c].clone() }));
         }

@@ -16,7 +16,8 @@ const FOLLOWED: f64 = 0.2;
 /// By how much two columns must agree better with each other's simulation.
 const SWAPPED: f64 = 0.5;
 
-/// Inspects a record. `noise` is what is stated for each output of the simulator, and `errors` are
+/// Inspects a record, of which the first `known` inputs of the simulator are what it was driven with (what comes
+/// after them are logged outputs that it follows). `noise` is what is stated for each output of the simulator, and `errors` are
 /// those (simulated less measured, one signal per output) that a fit has left in this log, if
 /// there was one: only they can show feedback.
 ///
@@ -26,6 +27,7 @@ const SWAPPED: f64 = 0.5;
 pub fn inspect(
     record: &fd_model::Record,
     simulator: &dyn Simulator,
+    known: usize,
     noise: &[Option<f64>],
     errors: Option<&[Vec<f64>]>,
     number: usize,
@@ -35,14 +37,14 @@ pub fn inspect(
     let mut add = |channel: &str, defect| {
         all.push(Finding { log: number, channel: channel.to_owned(), defect });
     };
-    for channel in simulator.inputs() {
+    for channel in simulator.inputs().iter().take(known) {
         let Some(i) = record.input_index(&channel.name) else { continue };
         let signal: Vec<f64> = record.input(i).collect();
         for defect in defects(&signal, None, true) {
             add(&channel.name, defect);
         }
     }
-    for (i, defect) in input_defects(simulator, &log) {
+    for (i, defect) in input_defects(simulator, &log, known) {
         add(&simulator.inputs()[i].name, defect);
     }
     let column = |values: &[f64], c: usize| -> Vec<f64> {
@@ -96,7 +98,7 @@ pub fn inspect(
     }
     let at_once = passes_at_once(&*simulator, &log);
     for ((errors, channel), at_once) in errors.into_iter().flatten().zip(outputs).zip(at_once) {
-        for (i, input) in simulator.inputs().iter().enumerate() {
+        for (i, input) in simulator.inputs().iter().enumerate().take(known) {
             let u: Vec<f64> = log.u.iter().skip(i).step_by(log.nu).copied().collect();
             if let Some(correlation) = feedback(&u, errors, usize::from(at_once)) {
                 add(&channel.name, Defect::Feedback { correlation, input: input.name.clone() });

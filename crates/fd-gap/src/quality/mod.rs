@@ -27,4 +27,6 @@ pub use self::{
     spectrum::spectral_peaks,
     wrong_sample::{leave_out_wrong_samples, wrong_samples},
 };
-pub(crate) use self::{direct_path::passes_at_once, distribution::OUTLIER_WIDTHS, spectrum::transform};
+pub(crate) use self::{
+    direct_path::passes_at_once, distribution::OUTLIER_WIDTHS, spectrum::transform,
+};

@@ -85,7 +85,8 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
     best
 }
 
-fn remove(unit: &[f64], from: &mut [f64]) {
+/// Takes the part along a unit vector out of a signal.
+pub(super) fn remove(unit: &[f64], from: &mut [f64]) {
     let along = dot(unit, from);
     from.iter_mut().zip(unit).for_each(|(f, u)| *f -= along * u);
 }

@@ -7,6 +7,7 @@
 //! *When not to use:* on inputs, which are made of jumps, and on outputs that show single blows.
 
 use fd_model::Record;
+use fd_numeric::robust_deviation;
 
 use super::{channel::grid_step, finding::Defect};
 
@@ -35,10 +36,7 @@ const MOST: usize = 3;
 pub fn wrong_samples(signal: &[f64]) -> Vec<usize> {
     let distances: Vec<Option<Distance>> = (0..signal.len()).map(|k| distance(signal, k)).collect();
     let mut sizes: Vec<f64> = distances.iter().flatten().map(|d| d.from).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(median) = sizes.get(sizes.len() / 2) else { return Vec::new() };
-    // Median of the magnitude of a Gaussian variable: 0.6745 standard deviations.
-    let spread = median / 0.674_489_750_196_082;
+    let Some(spread) = robust_deviation(&mut sizes) else { return Vec::new() };
     let step = grid_step(signal).unwrap_or(0.0);
     let is_wrong = |d: &Distance| {
         let least = (OFF * spread).max(ALONE * d.range).max(STEPS * step);

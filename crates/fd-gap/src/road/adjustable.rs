@@ -57,7 +57,9 @@ pub(super) fn adjustable(cause: &Cause, base: &Model) -> Model {
 pub(super) fn without(model: &Model, cause: &Cause) -> Model {
     let mut draft = model.clone().into_draft();
     for parameter in &mut draft.parameters {
-        let Some(found) = cause.parameters.iter().find(|p| p.name == parameter.name) else { continue };
+        let Some(found) = cause.parameters.iter().find(|p| p.name == parameter.name) else {
+            continue;
+        };
         let Parameter { value, bounds, .. } = parameter;
         if found.is_strength {
             *value = 0.0;

@@ -67,8 +67,7 @@ impl Judge<'_> {
         let logs = Log::held_out(case.held_out, problem.simulator(), case.logs, problem.plan())?;
         let values = FittedValues::of(problem, at);
         let simulator = problem.simulator();
-        let errors =
-            forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
+        let errors = forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
         Ok(errors.map(|errors| Refitted { errors, model: settle(model, problem, &at.z) }))
     }
 }

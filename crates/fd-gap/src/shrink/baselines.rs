@@ -52,8 +52,7 @@ impl Baselines {
 /// Mean of what was measured of an output.
 fn mean(logs: &[Log], output: usize) -> f64 {
     let values = || logs.iter().flat_map(|log| log.y.iter().skip(output).step_by(log.ny));
-    let (sum, n) = values()
-        .filter(|v| v.is_finite())
-        .fold((0.0, 0.0_f64), |(sum, n), v| (sum + v, n + 1.0));
+    let (sum, n) =
+        values().filter(|v| v.is_finite()).fold((0.0, 0.0_f64), |(sum, n), v| (sum + v, n + 1.0));
     sum / n.max(1.0)
 }

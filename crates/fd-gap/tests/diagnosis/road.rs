@@ -55,8 +55,14 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
     let u: Vec<f64> = (0..SAMPLES).flat_map(|k| fitted.u(k).to_vec()).collect();
     let scales = ReplayScales::of(&model, ts, &u, SAMPLES).unwrap();
     let few = [
-        "input-dead-zone", "input-saturation", "input-lag", "input-gain", "sensor-lag", "sensor-bias",
-        "sensor-scale", "input-offset",
+        "input-dead-zone",
+        "input-saturation",
+        "input-lag",
+        "input-gain",
+        "sensor-lag",
+        "sensor-bias",
+        "sensor-scale",
+        "input-offset",
     ];
     let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
     let suspects = EverySite::new(effects, &model, scales);

@@ -5,10 +5,12 @@ use std::time::Instant;
 use fd_effect::{EverySite, Side, Suspects, library, with_default_sites};
 use fd_gap::{
     diagnose::{self, Cause, Pair, Settings, Verdict, diagnose},
+    fit::Horizon,
     road::road,
 };
 use fd_model::Record;
-use fd_sim::{model::Model, scales::ReplayScales};
+use fd_sim::{model::Model, simulate::Nominal};
+use fdiag::gap_study::follow;
 
 use super::{
     answer::{Answer, Named, Share, Together, UNCLEAR},
@@ -32,12 +34,29 @@ pub(super) fn answer(
 ) -> Result<Answer, BlindError> {
     let begun = Instant::now();
     let model = with_default_sites(model);
-    let u: Vec<f64> = (0..train.len()).flat_map(|k| train.u(k).to_vec()).collect();
-    let scales = ReplayScales::of(&model, train.ts(), &u, train.len())?;
+    let (mut logs, mut held_out) = ([train.clone()], [held_out.clone()]);
+    let mut settings = settings.clone();
+    let follower = follow(&model, &logs)?;
+    let nominal: &dyn Nominal = match &follower {
+        Some(follower) => {
+            for record in logs.iter_mut().chain(&mut held_out) {
+                // A record of this model can be followed.
+                if let Ok(followed) = follower.record(record) {
+                    *record = followed;
+                }
+            }
+            settings.horizon = Horizon::FreeRun;
+            settings.report_horizons = vec![Horizon::FreeRun];
+            follower
+        }
+        None => &model,
+    };
+    let settings = &settings;
+    let u: Vec<f64> = (0..train.len()).flat_map(|k| logs[0].u(k).to_vec()).collect();
+    let scales = nominal.scales(train.ts(), &u, train.len())?;
     let suspects = EverySite::new(library(), &model, scales);
     let candidates = suspects.alone().iter().flatten().count();
-    let (logs, held_out) = (std::slice::from_ref(train), std::slice::from_ref(held_out));
-    let case = diagnose::Case { nominal: &model, suspects: &suspects, logs, held_out };
+    let case = diagnose::Case { nominal, suspects: &suspects, logs: &logs, held_out: &held_out };
     let diagnosis = diagnose(&case, settings, &())?;
     let road = road(&case, &diagnosis, settings, MOST, &())?;
     let seconds = begun.elapsed().as_secs_f64();

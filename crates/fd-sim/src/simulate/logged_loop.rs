@@ -147,7 +147,7 @@ impl Nominal for LoggedLoop<'_> {
 
 /// Missing values on straight lines between their neighbours; the ends are held, and a signal
 /// without any value is zero.
-fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
+pub(super) fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
     let known: Vec<usize> = (0..signal.len()).filter(|k| signal[*k].is_finite()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
         return vec![0.0; signal.len()];

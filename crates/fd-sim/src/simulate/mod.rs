@@ -27,6 +27,7 @@ mod delay_line;
 mod equations;
 mod error;
 mod flat;
+mod follower;
 mod jacobian;
 mod linearize;
 mod logged_loop;
@@ -39,6 +40,7 @@ pub use self::{
     black_box::BlackBox,
     equations::EquationSimulator,
     error::SimulateError,
+    follower::Follower,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     logged_loop::LoggedLoop,
     nominal::Nominal,

@@ -98,7 +98,14 @@ fn pairs(report: &Report, table: &mut Table) {
 /// Gaps on held-out data.
 pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
     let header = [
-        "horizon", "output", "constant", "last value", "nominal", "refitted", "explained", "floor",
+        "horizon",
+        "output",
+        "constant",
+        "last value",
+        "nominal",
+        "refitted",
+        "explained",
+        "floor",
         "gap closed",
     ];
     let mut table = Table::new("How far, on held-out data (rms)", &header);

@@ -180,7 +180,10 @@ fn a_single_wrong_sample_is_named_and_left_out() {
         .filter(|finding| finding["defect"]["kind"] == "wrong-sample")
         .collect();
     assert_eq!(wrong.len(), 1, "{findings}");
-    assert_eq!((&wrong[0]["defect"]["row"], &wrong[0]["defect"]["found"]), (&json!(437), &json!(99.0)));
+    assert_eq!(
+        (&wrong[0]["defect"]["row"], &wrong[0]["defect"]["found"]),
+        (&json!(437), &json!(99.0))
+    );
 }
 
 /// A log cannot vouch for itself.

@@ -8,7 +8,10 @@ use fd_gap::{
 };
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
-use fd_sim::{model::Model, simulate::Simulator};
+use fd_sim::{
+    model::Model,
+    simulate::{Follower, Simulator},
+};
 
 use super::{
     error::GapError,
@@ -44,7 +47,13 @@ impl Data {
     pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
         let model = subject.model();
         let (mut map, pace) = map(request, subject);
-        let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace, findings: Vec::new() };
+        let mut data = Self {
+            fit: Vec::new(),
+            held_out: Vec::new(),
+            parts: Vec::new(),
+            pace,
+            findings: Vec::new(),
+        };
         let mut findings = Vec::new();
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
             let log = read_log(path, &map)?;
@@ -102,6 +111,16 @@ impl Data {
         data.check_outputs()?;
         data.check_lengths(model)?;
         Ok(data)
+    }
+
+    /// Puts the logged outputs among the inputs, for a simulator that follows them.
+    pub(super) fn follow(&mut self, follower: &Follower<'_>) {
+        for record in self.fit.iter_mut().chain(&mut self.held_out) {
+            // A record of this model can be followed.
+            if let Ok(followed) = follower.record(record) {
+                *record = followed;
+            }
+        }
     }
 
     /// Time between samples.
@@ -164,9 +183,8 @@ impl Data {
 fn is_part(record: &Record, of: &Record) -> bool {
     let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
     let agrees = |from: usize| {
-        (0..record.len()).all(|k| {
-            is_same(record.y(k), of.y(from + k)) && is_same(record.u(k), of.u(from + k))
-        })
+        (0..record.len())
+            .all(|k| is_same(record.y(k), of.y(from + k)) && is_same(record.u(k), of.u(from + k)))
     };
     !record.is_empty() && record.len() <= of.len() && (0..=of.len() - record.len()).any(agrees)
 }

@@ -7,6 +7,7 @@
 mod data;
 mod error;
 mod findings;
+mod follow;
 mod headline;
 mod law;
 mod memory;
@@ -22,6 +23,7 @@ pub mod words;
 pub use self::{
     error::GapError,
     findings::{LogDefect, LogFinding, TimeBaseDefect},
+    follow::follow,
     law::Law,
     memory::Memory,
     patched::PatchedModel,

@@ -69,7 +69,7 @@ pub(super) fn patched_models(
                 (Verdict::Pair, Some(pair)) => pair.causes.iter().collect(),
                 _ => diagnosis.causes.iter().take(1).collect(),
             };
-            let model = adjustable(&diagnosis.best.model, &causes);
+            let model = adjustable(&diagnosis.best.model, &causes, subject.model());
             file("patched.toml".to_owned(), content, &logs, &subject.text(&model))
         }
     };
@@ -82,7 +82,7 @@ pub(super) fn patched_models(
                 format!("patched-{}.toml", i + 1),
                 content,
                 &logs,
-                &subject.text(&adjustable(&cause.model, &[cause])),
+                &subject.text(&adjustable(&cause.model, &[cause], subject.model())),
             ));
         }
     }
@@ -95,8 +95,12 @@ const ERRORS: f64 = 3.0;
 const MOST: f64 = 0.5;
 
 /// The model with what was found of the causes open to adjustment, so that a study of it goes on from there.
-fn adjustable(model: &Model, causes: &[&Cause]) -> Model {
+fn adjustable(model: &Model, causes: &[&Cause], nominal: &Model) -> Model {
     let mut draft = model.clone().into_draft();
+    // What follows a log has innovations in the place of noise.
+    for (output, known) in draft.outputs.iter_mut().zip(&nominal.outputs) {
+        output.noise = known.noise;
+    }
     for found in causes.iter().flat_map(|cause| &cause.parameters) {
         let tolerance = (ERRORS * found.standard_error / found.value).abs().min(MOST);
         let of_model = draft.parameters.iter_mut().find(|p| p.name == found.name);

@@ -17,6 +17,7 @@ use super::{
     data::Data,
     error::GapError,
     findings::findings,
+    follow::follow,
     headline::headline,
     law::law,
     memory::Memory,
@@ -63,9 +64,19 @@ impl GapStudy {
     /// Returns the first file, setting or step that is wrong.
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let subject = Subject::of(request)?;
-        let (nominal, model) = (subject.nominal(), subject.model());
-        let data = Data::read(request, &subject)?;
+        let (as_it_came, model) = (subject.nominal(), subject.model());
+        let mut data = Data::read(request, &subject)?;
         let ts = data.ts().ok_or(FitError::NoLog)?;
+        // Who states a horizon wants that, and no filter.
+        let is_auto = request.horizon == HorizonChoice::Auto;
+        let follower = if is_auto { follow(as_it_came, &data.fit)? } else { None };
+        let nominal: &dyn Nominal = match &follower {
+            Some(follower) => {
+                data.follow(follower);
+                follower
+            }
+            None => as_it_came,
+        };
         let simulator = nominal.simulator(ts)?;
         let logs = data.logs(&*simulator)?;
         let [fitted, _] = &logs;
@@ -82,8 +93,14 @@ impl GapStudy {
             most => road(&case, &diagnosis, &settings, most, monitor)?,
         };
         let location = locate(&case, &diagnosis, monitor)?;
-        let ceiling = ceiling(&case, &diagnosis, &settings, monitor)?;
+        // With logged outputs among the inputs, a black box would explain each output by itself.
+        let is_followed = follower.is_some();
+        let ceiling = match follower {
+            None => ceiling(&case, &diagnosis, &settings, monitor)?,
+            Some(_) => None,
+        };
         let is_open = match diagnosis.verdict {
+            _ if is_followed => false,
             Verdict::Tied | Verdict::Unclear => true,
             Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
             _ => false,
@@ -92,6 +109,7 @@ impl GapStudy {
         let advice = is_open.then(|| next(&case, &diagnosis, &reach, monitor)).transpose()?;
         let calibration = request
             .calibrate
+            .filter(|_| !is_followed)
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
@@ -108,7 +126,7 @@ impl GapStudy {
             calibration,
             findings: findings(&diagnosis, &data, model),
             inputs: Inputs::of(request, model, &data, memory),
-            settings: StudySettings::of(request, &settings, ts.seconds()),
+            settings: StudySettings::of(request, &settings, ts.seconds(), is_followed),
             models,
             timing: Timing::default(),
             diagnosis,

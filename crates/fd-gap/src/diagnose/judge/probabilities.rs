@@ -55,7 +55,8 @@ const NOT_MORE: f64 = 0.5;
 /// Bounds of the probability of "none of these" by what the best explanation leaves: misfit and forecast are
 /// two witnesses, and neither silences the other.
 pub(super) fn bounded(believed: Believed, left: &LackOfFit) -> Believed {
-    let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } = believed;
+    let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } =
+        believed;
     let gain = left.leftover.gain();
     let low = if SIGNIFICANT < gain { ANOTHER * (1.0 - no_gap) } else { 0.0 };
     let is_noise = !left.is_unexplained && gain < SOMETHING;

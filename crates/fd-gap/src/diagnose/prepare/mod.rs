@@ -87,7 +87,8 @@ fn weighted_null_fit(
     let rounded = |sigma: f64, c: usize| {
         if sigma < rounding[c] { sigma.hypot(rounding[c]) } else { sigma }
     };
-    let sigma = stated.iter().enumerate().map(|(c, stated)| rounded(stated.unwrap_or_else(|| guess(c)), c));
+    let sigma =
+        stated.iter().enumerate().map(|(c, stated)| rounded(stated.unwrap_or_else(|| guess(c)), c));
     let first = null_fit(plan, nominal, &Weights::white(sigma.collect()))?;
     let mut problem = first.problem.clone();
     let errors = problem.errors(&first.minimum.z).ok_or(FitError::Diverged)?;

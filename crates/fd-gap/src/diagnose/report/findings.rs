@@ -9,10 +9,11 @@ use crate::{
     shrink::dominant_time_constant,
 };
 
-/// Findings in all logs, with the errors that the null fit has left in each.
+/// Findings in all logs, of which `known` inputs come from outside, with the errors that the null fit has left in each.
 pub(super) fn findings(
     logs: &[Record],
     null: &Problem,
+    known: usize,
     stated: &[Option<f64>],
     errors: &[Vec<Vec<f64>>],
 ) -> Result<Vec<Finding>, FitError> {
@@ -23,7 +24,7 @@ pub(super) fn findings(
             segments.filter(|(s, _)| s.log == i).flat_map(|(_, e)| e).copied().collect()
         };
         let left: Vec<Vec<f64>> = errors.iter().map(left).collect();
-        findings.extend(inspect(log, null.simulator(), stated, Some(&left), i + 1)?);
+        findings.extend(inspect(log, null.simulator(), known, stated, Some(&left), i + 1)?);
         findings.extend(short(null.simulator(), &null.plan().logs[i], i + 1));
     }
     Ok(findings)

@@ -72,7 +72,8 @@ pub(super) fn report(
         None => refitted.clone(),
     };
     around_the_loop(&mut floor, &answer.explanation.gap, &best.gap);
-    let findings = findings(case.logs, &nominal, &noise.stated, &refit.errors)?;
+    let findings =
+        findings(case.logs, &nominal, model.external_inputs().len(), &noise.stated, &refit.errors)?;
     let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
     let known = Noise { sigma: &noise.sigma, floors: &floor };
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;

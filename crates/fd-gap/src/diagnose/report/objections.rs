@@ -94,7 +94,12 @@ fn faint(cause: &Cause) -> Option<Objection> {
 fn useless(claim: Claim<'_>) -> Vec<Objection> {
     let Claim { held_out, noise, .. } = claim;
     let total = |sizes: &[f64]| -> f64 {
-        sizes.iter().zip(noise.sigma).map(|(size, sigma)| (size / sigma).powi(2)).sum::<f64>().sqrt()
+        sizes
+            .iter()
+            .zip(noise.sigma)
+            .map(|(size, sigma)| (size / sigma).powi(2))
+            .sum::<f64>()
+            .sqrt()
     };
     let loses = |rival: &dyn Fn(&HeldOut) -> Vec<f64>| {
         !held_out.is_empty()
@@ -143,9 +148,9 @@ fn beyond(cause: &Cause, claim: Claim<'_>) -> Option<Objection> {
         return None;
     }
     let ends = |values: &mut dyn Iterator<Item = f64>| {
-        values.filter(|v| v.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-            [low.min(v), high.max(v)]
-        })
+        values
+            .filter(|v| v.is_finite())
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
     };
     let width = claim.logs.first()?.ny;
     let shown = claim.answer.explanation.outputs.iter();
@@ -154,6 +159,7 @@ fn beyond(cause: &Cause, claim: Claim<'_>) -> Option<Objection> {
     let read = ends(&mut logs.flat_map(|log| log.y.iter().skip(*c).step_by(log.ny)).copied());
     let least = (BEYOND * (shown[1] - shown[0])).max(NOISE * claim.noise.sigma[*c]);
     let beyond = [(shown[0] - read[0], 0), (read[1] - shown[1], 1)];
-    let (_, end) = beyond.into_iter().filter(|(by, _)| least < *by).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, end) =
+        beyond.into_iter().filter(|(by, _)| least < *by).max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(Objection::ReadsBeyondLimit { limit: shown[end], reads: read[end] })
 }

@@ -7,12 +7,17 @@ use crate::gap_study::words::{capital, list, p, percent, with_strength};
 /// The causes with what each takes away, and what is left.
 pub(super) fn several(road: &Road) -> String {
     let named = |milestone: &Milestone| {
-        let share = milestone.share.map_or_else(String::new, |share| format!("{}, ", percent(share)));
+        let share =
+            milestone.share.map_or_else(String::new, |share| format!("{}, ", percent(share)));
         format!("{} [{share}{}]", with_strength(&milestone.cause), p(milestone.probability))
     };
     let names: Vec<String> = road.causes.iter().map(named).collect();
     let left = if road.unexplained.is_finite() {
-        format!("; {} of the held-out gap is unexplained, {} is noise", percent(road.unexplained), percent(road.noise))
+        format!(
+            "; {} of the held-out gap is unexplained, {} is noise",
+            percent(road.unexplained),
+            percent(road.noise)
+        )
     } else {
         "; nothing was held out to check them".to_owned()
     };

@@ -148,7 +148,7 @@ fn report(verdict: Verdict) -> Report {
             pace: Pace::Stated,
             memory: Memory { seconds: None, forgets: true, slowest: None, runs_away: false },
         },
-        settings: StudySettings::of(&request, &fd_gap::diagnose::Settings::default(), 0.01),
+        settings: StudySettings::of(&request, &fd_gap::diagnose::Settings::default(), 0.01, false),
         models: Vec::new(),
         timing: Timing::default(),
     }

@@ -55,6 +55,9 @@ pub enum HorizonKind {
     FreeRun,
     /// Through windows.
     Windows,
+    /// Through the whole log, corrected at each sample by what it has missed: for plants that run away from any
+    /// start.
+    Following,
 }
 
 /// Where a horizon comes from.
@@ -70,8 +73,14 @@ pub enum HorizonSource {
 
 impl StudySettings {
     /// `ts` is the time between samples, in seconds.
-    pub(in crate::gap_study) fn of(request: &Request, settings: &Settings, ts: f64) -> Self {
+    pub(in crate::gap_study) fn of(
+        request: &Request,
+        settings: &Settings,
+        ts: f64,
+        is_followed: bool,
+    ) -> Self {
         let (horizon, window_s) = match settings.horizon {
+            Horizon::FreeRun if is_followed => (HorizonKind::Following, None),
             Horizon::FreeRun => (HorizonKind::FreeRun, None),
             Horizon::Windows { samples } => (HorizonKind::Windows, Some(samples as f64 * ts)),
         };

@@ -2,7 +2,10 @@
 
 use fd_gap::diagnose::{Objection, Verdict};
 
-use super::{further::advice, labels::{capital, list}};
+use super::{
+    further::advice,
+    labels::{capital, list},
+};
 use crate::gap_study::report::Report;
 
 /// Reasons of refusals that a line of the model file lifts.
@@ -18,10 +21,8 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let said = report.advice.as_ref().map(|found| advice(found, diagnosis));
     steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
     steps.extend(diagnosis.objections.iter().filter_map(cure));
-    let is_open = matches!(
-        diagnosis.verdict,
-        Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese
-    );
+    let is_open =
+        matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
     if diagnosis.verdict == Verdict::NoneOfThese {
         steps.extend(liftable(report));
         steps.push(of_what_is_left(report));
@@ -72,7 +73,11 @@ fn liftable(report: &Report) -> Option<String> {
     let mut names: Vec<String> = refused
         .filter(|refusal| refusal.reason.contains(LIFTABLE))
         .map(|refusal| {
-            format!("{} at {}", refusal.label.replace('-', " "), refusal.site.name().unwrap_or("it"))
+            format!(
+                "{} at {}",
+                refusal.label.replace('-', " "),
+                refusal.site.name().unwrap_or("it")
+            )
         })
         .collect();
     names.sort();

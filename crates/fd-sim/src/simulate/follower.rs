@@ -1,0 +1,242 @@
+//! A simulator that follows what was logged.
+//!
+//! A plant that is unstable without its controller runs away from any start: a free run of its log is lost,
+//! and windows forget what is slow and restart every delay, lag and hysteresis. Here the simulation is corrected at each sample
+//! by what it has missed of the logged outputs, with a fixed gain: what is left are the *innovations* of a
+//! Kalman filter (L. Ljung, *System Identification*, 2nd ed. 1999, section 7.4), white where the model is right.
+//! The corrections act on the states of the plant alone; what effects remember stays in the simulator and is never
+//! reset.
+//!
+//! The gain is that of the steady-state filter of the model, linearised at its initial state, with hardly any
+//! process noise: an unstable mode is followed with its mirror image, an integrator slowly, and what is stable
+//! runs as freely as it can.
+//!
+//! *When not to use:* on plants that forget their start, or only integrate. There the free run says more: an effect that is
+//! slow is taken for a disturbance by a filter, and followed.
+
+use fd_model::{Channel, Continuous, Record, SampleTime, StateSpace, riccati};
+
+use faer::{Mat, Scale, prelude::Solve};
+
+use super::{
+    Nominal, OperatingPoint, SimulateError, Simulator, linearize, logged_loop::without_holes,
+};
+use crate::{
+    equation::Expr,
+    model::{Controller, Input, Law, Model, ModelError, Reference, Signal},
+    scales::{ForceScale, ReplayScales, SignalScale},
+};
+
+/// Process noise of a sample, as of a disturbance of the inputs of this part of their size.
+const DISTURBANCE: f64 = 1e-3;
+
+/// A model whose simulation is corrected by logged outputs.
+///
+/// Each output is one more external input, which has to be in the [`record`](Self::record). The model that effects
+/// are spliced into is the one that came, with the noise of its outputs raised to that of the innovations.
+#[derive(Clone, Debug)]
+pub struct Follower<'a> {
+    nominal: &'a dyn Nominal,
+    model: Model,
+    /// States that are corrected.
+    states: Vec<String>,
+    /// Corrections of their derivatives by errors of the outputs.
+    gain: Mat<f64>,
+    /// Names of the outputs and of the inputs that bring their logged values.
+    logged: Vec<(String, String)>,
+}
+
+impl<'a> Follower<'a> {
+    /// Designs the gain for samples `ts` apart, outputs with this `noise` (standard deviations, in their units)
+    /// and inputs `u` (mean and size of each). `None` for a model that has a controller, states with update laws or
+    /// delays, and where no gain can hold it.
+    ///
+    /// ```
+    /// use fd_sim::{model::Model, simulate::{Follower, Nominal}};
+    /// use fd_model::{Channel, Record};
+    ///
+    /// // Falls over within a second.
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "pole"
+    /// sample_time = 0.02
+    /// inputs = { u = { unit = "1/s^2" } }
+    /// outputs = { y = { unit = "rad", value = "q", noise = 0.001 } }
+    /// [states]
+    /// q = { unit = "rad", initial = 0.0, derivative = "w" }
+    /// w = { unit = "rad/s", initial = 0.0, derivative = "9*sin(q) + u" }
+    /// "#.parse()?;
+    /// let ts = model.sample_time()?;
+    /// let follower = Follower::of(&model, ts, &[0.001], &[[0.0, 1.0]]).ok_or("can be held")?;
+    /// // It starts 0.1 rad beside the logged pole, and is there soon.
+    /// let (u, y) = ([Channel::new("u", "1/s^2")], [Channel::new("y", "rad")]);
+    /// let record = Record::from_rows(u.to_vec(), y.to_vec(), vec![([0.0], [0.0]); 200], ts)?;
+    /// let record = follower.record(&record)?;
+    /// let inputs: Vec<f64> = (0..200).flat_map(|k| record.u(k).to_vec()).collect();
+    /// let mut simulator = follower.simulator(ts)?;
+    /// let mut simulated = vec![0.0; 200];
+    /// simulator.simulate(&[], &[0.1, 0.0], &inputs, &mut simulated);
+    /// assert!(simulated[199].abs() < 1e-3, "{}", simulated[199]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn of(
+        nominal: &'a dyn Nominal,
+        ts: SampleTime,
+        noise: &[f64],
+        u: &[[f64; 2]],
+    ) -> Option<Self> {
+        let model = nominal.model();
+        if model.controller.is_some() {
+            return None;
+        }
+        let at = OperatingPoint {
+            u: u.iter().map(|[mean, _]| *mean).collect(),
+            ..OperatingPoint::initial(model)
+        };
+        let linear = linearize(model, &at).ok()?;
+        let (gain, innovations) = design(&linear, ts, noise, u)?;
+        let mut draft = model.clone().into_draft();
+        for (output, size) in draft.outputs.iter_mut().zip(innovations) {
+            output.noise = output.noise.map(|noise| noise.max(size));
+        }
+        let fresh = |name: &String| draft.fresh_name(&format!("{name}_logged"));
+        let logged = draft.outputs.iter().map(|o| (o.name.clone(), fresh(&o.name))).collect();
+        let states = draft.states.iter().map(|state| state.name.clone()).collect();
+        let model = Model::try_from(draft).ok()?;
+        Some(Self { nominal, model, states, gain, logged })
+    }
+
+    /// A record with the logged outputs among its inputs, interpolated where they are missing.
+    ///
+    /// # Errors
+    ///
+    /// Never for a record of this model, which has values for all its channels.
+    pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
+        let places = self.logged.iter().filter_map(|(output, name)| {
+            let place = record.output_index(output)?;
+            let channel = Channel::new(name, &record.outputs()[place].unit);
+            Some((channel, without_holes(record.output(place).collect())))
+        });
+        let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
+        let inputs = [record.inputs(), &channels].concat();
+        let row =
+            |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
+        let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
+        let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
+        let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
+        Ok(new.starting_at(record.time(0)))
+    }
+
+    /// The model with its corrections: a sampled controller of inputs that are added to the derivatives.
+    fn corrected(&self, model: &Model, ts: SampleTime) -> Result<Model, ModelError> {
+        let mut draft = model.clone().into_draft();
+        let units = model.outputs.iter().map(|output| output.unit.clone());
+        let references = self.logged.iter().zip(units);
+        let references =
+            references.map(|((_, name), unit)| Reference { name: name.clone(), unit }).collect();
+        let mut signals = Vec::new();
+        for (i, state) in self.states.iter().enumerate() {
+            let Some(at) = draft.states.iter().position(|known| known.name == *state) else {
+                continue;
+            };
+            let name = draft.fresh_name(&format!("correction_of_{state}"));
+            let terms = self.logged.iter().enumerate().map(|(j, (output, logged))| {
+                let error = Expr::name(logged) - Expr::name(output);
+                Expr::from(self.gain[(i, j)]) * error
+            });
+            let Some(value) = terms.reduce(|sum, term| sum + term) else { continue };
+            let unit = format!("({})/s", draft.states[at].unit);
+            draft.inputs.push(Input { name: name.clone(), unit, saturation: None });
+            if let Law::Derivative(derivative) = &mut draft.states[at].law {
+                *derivative = derivative.clone() + Expr::name(&name);
+            }
+            signals.push(Signal { input: name, value });
+        }
+        let sample_time = Some(ts.seconds());
+        draft.controller =
+            Some(Controller { sample_time, references, signals, ..Controller::default() });
+        Model::try_from(draft)
+    }
+}
+
+impl Nominal for Follower<'_> {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
+        self.nominal.patched(&self.corrected(model, ts)?, ts)
+    }
+
+    /// Sizes of the signals along the log, `u` with the logged outputs: those of a free run mean nothing.
+    fn scales(
+        &self,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<ReplayScales, SimulateError> {
+        let followed = ReplayScales::of(&self.corrected(&self.model, ts)?, ts, u, samples)?;
+        let width = u.len() / samples.max(1);
+        let plain = width - self.logged.len();
+        let own: Vec<f64> =
+            u.chunks_exact(width).flat_map(|row| row[..plain].iter().copied()).collect();
+        // Expressions are those of the model as it came, sizes those of the corrected run.
+        let model = ReplayScales::of(&self.model, ts, &own, samples)?;
+        let both = |(expr, _): (Expr, SignalScale), size: Option<(Expr, SignalScale)>| {
+            size.map(|(_, scale)| (expr, scale))
+        };
+        let sites = model.sites.into_iter().zip(followed.sites).map(|(site, size)| {
+            let velocity = site.velocity.and_then(|signal| both(signal, size.velocity));
+            let position = site.position.and_then(|signal| both(signal, size.position));
+            let (acceleration, compliance) = (site.acceleration, site.compliance);
+            let ForceScale { name, unit, force, mobility, kick, is_discrete, motion, .. } = size;
+            ForceScale {
+                name,
+                unit,
+                force,
+                mobility,
+                kick,
+                is_discrete,
+                motion,
+                acceleration,
+                compliance,
+                velocity,
+                position,
+            }
+        });
+        let inputs = followed.inputs.into_iter().take(self.model.inputs.len()).collect();
+        Ok(ReplayScales { inputs, sites: sites.collect(), ..followed })
+    }
+}
+
+/// Corrections of the derivatives, and the standard deviations of the innovations.
+fn design(
+    linear: &StateSpace<Continuous>,
+    ts: SampleTime,
+    noise: &[f64],
+    u: &[[f64; 2]],
+) -> Option<(Mat<f64>, Vec<f64>)> {
+    let (n, m) = (linear.nx(), linear.nu());
+    // Beside the inputs, each derivative has one of its own.
+    let b = Mat::from_fn(n, m + n, |i, j| {
+        if j < m { linear.b()[(i, j)] } else { f64::from(u8::from(i == j - m)) }
+    });
+    let d = Mat::zeros(linear.ny(), m + n);
+    let wide =
+        StateSpace::new(linear.a().to_owned(), b, linear.c().to_owned(), d, Continuous).ok()?;
+    let sampled = wide.sample_zoh(ts).ok()?;
+    let by_inputs = Mat::from_fn(n, m, |i, j| sampled.b()[(i, j)] * DISTURBANCE * u[j][1]);
+    let by_corrections = sampled.b().subcols(m, n).to_owned();
+    let q = &by_inputs * by_inputs.transpose();
+    // Rounding leaves a product of a matrix with itself unsymmetric.
+    let q = Scale(0.5) * (&q + q.transpose());
+    let r =
+        Mat::from_fn(noise.len(), noise.len(), |i, j| if i == j { noise[i].powi(2) } else { 0.0 });
+    let filter = riccati::discrete_filter(sampled.a(), sampled.c(), q.as_ref(), r.as_ref()).ok()?;
+    let gain = by_corrections.partial_piv_lu().solve(&filter.gain);
+    let is_finite = (0..n).all(|i| (0..noise.len()).all(|j| f64::is_finite(gain[(i, j)])));
+    let sizes = (0..noise.len()).map(|j| filter.weight[(j, j)].sqrt()).collect();
+    is_finite.then_some((gain, sizes))
+}

@@ -1,0 +1,64 @@
+//! Plants that run away from any start are followed along their logs.
+
+use fd_gap::{
+    fit::{FitError, Log},
+    quality::robust_third_difference_floor,
+};
+use fd_model::Record;
+use fd_sim::simulate::{Follower, Nominal};
+
+use super::memory::Memory;
+
+/// The simulator of a model that runs away from its start, corrected by what was logged; `None` for one that does
+/// not, or that cannot be held so (one with a controller, a delay or states with update laws). Noise that the
+/// model does not state is that of third differences.
+///
+/// ```
+/// use fd_model::{Channel, Record};
+/// use fd_sim::model::Model;
+/// use fdiag::gap_study::follow;
+///
+/// let tank: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "tank"
+/// sample_time = 1.0
+/// inputs = { u = { unit = "m/s" } }
+/// outputs = { y = { unit = "m", value = "h" } }
+/// states = { h = { unit = "m", initial = 0.0, derivative = "u - 0.1*h" } }
+/// "#.parse()?;
+/// let (u, y) = ([Channel::new("u", "m/s")], [Channel::new("y", "m")]);
+/// let log = Record::from_rows(u.to_vec(), y.to_vec(), [([1.0], [0.2]); 90], tank.sample_time()?)?;
+/// assert!(follow(&tank, &[log])?.is_none(), "a tank forgets");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// Returns an error when the model cannot be simulated or the logs do not fit it.
+pub fn follow<'a>(
+    nominal: &'a dyn Nominal,
+    records: &[Record],
+) -> Result<Option<Follower<'a>>, FitError> {
+    let longest = records.iter().max_by_key(|record| record.len()).ok_or(FitError::NoLog)?;
+    let simulator = nominal.simulator(longest.ts())?;
+    let log = Log::new(longest, &*simulator, 1)?;
+    let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
+    if !Memory::of(&*simulator, &u, log.samples()).runs_away {
+        return Ok(None);
+    }
+    let inputs = (0..log.nu).map(|i| {
+        let values: Vec<f64> = u.iter().skip(i).step_by(log.nu).copied().collect();
+        let n = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        [mean, fd_numeric::rms(values.iter().map(|v| v - mean))]
+    });
+    let inputs: Vec<[f64; 2]> = inputs.collect();
+    let stated = nominal.model().outputs.iter().map(|output| output.noise);
+    let noise = stated.enumerate().map(|(c, stated)| {
+        let signal: Vec<f64> = log.y.iter().skip(c).step_by(log.ny).copied().collect();
+        stated.or_else(|| robust_third_difference_floor(&signal)).unwrap_or(0.0)
+    });
+    let noise: Vec<f64> = noise.map(|noise| noise.max(f64::MIN_POSITIVE.sqrt())).collect();
+    Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
+}
