@@ -16,7 +16,7 @@ fn problems(log: &Record, errors: Option<&[Vec<f64>]>) -> Vec<(String, Defect)> 
     let model = example("dc_drive");
     let simulator = EquationSimulator::<f64>::new(&model).unwrap();
     let noise: Vec<_> = model.outputs.iter().map(|output| output.noise).collect();
-    let found = inspect(log, &simulator, simulator.inputs().len(), &noise, errors, 1).unwrap();
+    let found = inspect(log, &simulator, model.external_inputs().len(), &noise, errors, 1).unwrap();
     for finding in &found {
         println!("{finding}");
     }

@@ -47,17 +47,20 @@ pub fn follow<'a>(
     if !Memory::of(&*simulator, &u, log.samples()).runs_away {
         return Ok(None);
     }
-    let inputs = (0..log.nu).map(|i| {
-        let values: Vec<f64> = u.iter().skip(i).step_by(log.nu).copied().collect();
+    let width = simulator.inputs().len();
+    let inputs = (0..width).map(|i| {
+        let values: Vec<f64> = u.iter().skip(i).step_by(width).copied().collect();
         let n = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / n;
         [mean, fd_numeric::rms(values.iter().map(|v| v - mean))]
     });
     let inputs: Vec<[f64; 2]> = inputs.collect();
-    let stated = nominal.model().outputs.iter().map(|output| output.noise);
-    let noise = stated.enumerate().map(|(c, stated)| {
-        let signal: Vec<f64> = log.y.iter().skip(c).step_by(log.ny).copied().collect();
-        stated.or_else(|| robust_third_difference_floor(&signal)).unwrap_or(0.0)
+    let noise = nominal.model().outputs.iter().map(|output| {
+        let estimated = || {
+            let column = longest.output_index(&output.name)?;
+            robust_third_difference_floor(&longest.output(column).collect::<Vec<_>>())
+        };
+        output.noise.or_else(estimated).unwrap_or(0.0)
     });
     let noise: Vec<f64> = noise.map(|noise| noise.max(f64::MIN_POSITIVE.sqrt())).collect();
     Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
