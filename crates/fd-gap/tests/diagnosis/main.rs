@@ -21,4 +21,5 @@ mod lanes;
 mod locate;
 mod measurement;
 mod quality;
+mod reading;
 mod reproduce;

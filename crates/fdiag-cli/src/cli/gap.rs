@@ -55,6 +55,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
             longest_gap: args.longest_hole,
             disorder,
         },
+        as_read: args.as_read,
         seed: args.seed,
         calibrate: args.calibrate.map(|n| n as usize),
         ..Request::new(&args.model, &args.logs)

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use fd_gap::fit::{FitError, Log};
+use fd_gap::{
+    fit::{FitError, Log},
+    reading::Mistake,
+};
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
 use fd_sim::{model::Model, simulate::Simulator};
@@ -35,7 +38,12 @@ pub(super) struct Data {
 }
 
 impl Data {
-    pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
+    /// Reads all logs; a mistake of reading is mended before they are divided.
+    pub(super) fn read(
+        request: &Request,
+        subject: &Subject,
+        mistake: Option<&Mistake>,
+    ) -> Result<Self, GapError> {
         let model = subject.model();
         let (mut map, pace) = map(request, subject);
         let mut data = Self { fit: Vec::new(), held_out: Vec::new(), parts: Vec::new(), pace };
@@ -49,7 +57,8 @@ impl Data {
             // All logs are brought onto the time base of the first, and begin at 0 s.
             map.resample.sample_time.get_or_insert(log.record.ts().seconds());
             check(path, &log.record)?;
-            Ok((log.record.starting_at(0.0), log.time_base))
+            let mended = mistake.and_then(|mistake| mistake.mended(&log.record));
+            Ok((mended.unwrap_or(log.record).starting_at(0.0), log.time_base))
         };
         let mut later = Vec::new();
         for path in &request.logs {

@@ -33,6 +33,8 @@ pub struct Request {
     pub noise: Vec<Named>,
     /// How uneven logs become even.
     pub resample: ResampleChoice,
+    /// Whether the log is taken as it is read, without asking for wrong signs, units, columns and clocks.
+    pub as_read: bool,
     /// Seed of everything random.
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
@@ -63,6 +65,7 @@ impl Request {
             tolerances: Vec::new(),
             noise: Vec::new(),
             resample: ResampleChoice::default(),
+            as_read: false,
             seed: 1,
             calibrate: None,
         }
