@@ -50,11 +50,11 @@ pub(super) fn input_defects(simulator: &dyn Simulator, log: &Log) -> Vec<(usize,
         is_good.then_some(changed)
     };
     let mut found = Vec::new();
-    for i in 0..log.nu {
+    for (i, still) in still.into_iter().enumerate() {
         for factor in FACTORS {
             let mut u = log.u.clone();
             u.iter_mut().skip(i).step_by(log.nu).for_each(|u| *u *= factor);
-            if good(&u).is_some_and(|agreement| is_moved(agreement, still[i], all)) {
+            if good(&u).is_some_and(|agreement| is_moved(agreement, still, all)) {
                 found.push((i, Defect::WrongUnit { factor }));
             }
         }

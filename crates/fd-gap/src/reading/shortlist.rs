@@ -1,6 +1,6 @@
 //! A cheap look at all mistakes: one simulation each, or none where only outputs are concerned.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use super::{
     hypotheses::{Hypothesis, hypotheses},
@@ -10,8 +10,11 @@ use super::{
 };
 use crate::{diagnose::Case, fit::FitError};
 
-/// Mistakes that deserve a fit.
+/// Mistakes that deserve a fit …
 const LONGEST: usize = 8;
+/// … and where a fit has more unknowns than these, which makes it long.
+const FEWEST: usize = 3;
+const LARGE: usize = 16;
 /// Shifts of one input among several that are looked at first.
 const COARSE: [i64; 14] = [1, -1, 2, -2, 3, -3, 5, -5, 8, -8, 13, -13, 20, -20];
 
@@ -36,14 +39,17 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
     looked.retain(|(rough, _)| *rough <= limit);
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Neighbouring shifts of a clock look alike: one late and one early are enough.
-    let mut clocks: BTreeMap<(String, bool), ()> = BTreeMap::new();
+    let mut clocks: BTreeSet<(String, bool)> = BTreeSet::new();
     looked.retain(|(_, hypothesis)| match &hypothesis.mistake {
-        Mistake::Clock { channel, late } => {
-            clocks.insert((channel.clone(), 0 < *late), ()).is_none()
-        }
+        Mistake::Clock { channel, late } => clocks.insert((channel.clone(), 0 < *late)),
         _ => true,
     });
-    Ok(looked.into_iter().take(LONGEST).map(|(_, hypothesis)| hypothesis.clone()).collect())
+    let uncertain = |p: &&fd_sim::model::Parameter| 0.0 < p.tolerance;
+    let simulator = as_read.simulator();
+    let unknowns =
+        simulator.initial().len() + simulator.parameters().iter().filter(uncertain).count();
+    let longest = if LARGE < unknowns { FEWEST } else { LONGEST };
+    Ok(looked.into_iter().take(longest).map(|(_, hypothesis)| hypothesis.clone()).collect())
 }
 
 /// How a mended log looks with everything at its nominal value; `None` where it is not looked at or

@@ -28,9 +28,9 @@ const FOLLOWS: f64 = 0.7;
 const EXPLAINED: f64 = 1.5;
 /// By how much (natural logarithm) errors must shrink where they stay above the noise.
 const SHRINKS: f64 = 0.5;
-/// A diagnosis of the mended log is worth its time where errors of the null fit shrink by so much and become
-/// so much likelier, even if a physical cause explains more than the mended log without any.
-const WORTH: [f64; 2] = [0.7, 50.0];
+/// Where no physical cause comes near the noise, a diagnosis of the mended log is worth its time if errors of the
+/// null fit shrink by so much (natural logarithm) and become so much likelier: there may be a cause as well.
+const WORTH: [f64; 2] = [0.4, 5.0];
 
 /// A mistake that would explain much, which a diagnosis of the mended log has to confirm.
 #[derive(Clone, Debug)]
@@ -74,7 +74,8 @@ pub fn suspect(
     let Some(best) = best.map(|best| climbed(case, horizon, best)) else { return Ok(None) };
     let over_refit = best.1.advantage(&refit);
     let odds = best.1.advantage(&known) + price + best.0.log_prior;
-    let is_worth = WORTH[1] < over_refit && WORTH[0] < best.1.shrinks(&refit);
+    let is_worth =
+        !known.is_noise(EXPLAINED) && WORTH[0] < best.1.shrinks(&refit) && WORTH[1] < over_refit;
     if !(0.0 < odds || is_worth)
         || !best.1.follows(&refit, FOLLOWS)
         || !is_determined(case, horizon, &best)
@@ -148,7 +149,8 @@ fn climbed(
     best
 }
 
-/// Whether half and twice the factor explain clearly less.
+/// Whether half and twice the factor explain clearly less; of time, which beyond some factor leaves all at rest
+/// between samples, a factor half way to none.
 fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit)) -> bool {
     let with = |times: f64| match best.0.mistake.clone() {
         Mistake::Sign { channels } => Some(Mistake::Unit { channels, factor: -times }),
@@ -158,7 +160,7 @@ fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit))
         Mistake::Parameter { name, factor } => {
             Some(Mistake::Parameter { name, factor: times * factor })
         }
-        Mistake::Time { factor } => Some(Mistake::Time { factor: times * factor }),
+        Mistake::Time { factor } => (1.0 < times).then(|| Mistake::Time { factor: factor.sqrt() }),
         Mistake::Zero { .. } | Mistake::Swap { .. } | Mistake::Clock { .. } => None,
     };
     [0.5, 2.0].into_iter().filter_map(with).all(|control| {

@@ -119,7 +119,9 @@ fn a_clock_that_is_late_is_told_and_a_delay_is_not() {
     let model = example("dc_drive");
     let log = record(&model, reality(20.0), 3);
     let shifted = |by: isize| {
-        let whole = changed(&log, |k, u, _| u[0] = log.u(k.saturating_add_signed(by))[0]);
+        let whole = changed(&log, |k, u, _| {
+            u[0] = log.u(k.saturating_add_signed(by).min(log.len() - 1))[0]
+        });
         whole.slice(20, log.len() - 20)
     };
     // The command is logged six samples late: the drive answers before it is asked.
@@ -151,6 +153,17 @@ fn a_coupling_in_another_unit() {
     let name = draft.parameters[1].name.clone();
     let wrong = Model::try_from(draft).unwrap();
     assert_told(&wrong, &log, &Mistake::Parameter { name, factor: 9.806_65 });
+}
+
+#[test]
+fn a_wrong_unit_beside_a_dead_zone() {
+    let model = example("dc_drive");
+    let mut patch = Patch::of(&model);
+    patch.wrap_input("u", "applied", expr("u - clamp(u, -3, 3)")).unwrap();
+    let log = record(&patch.finish().unwrap(), reality(20.0), 4);
+    let degrees = 180.0 / std::f64::consts::PI;
+    let wrong = changed(&log, |_, _, y| y[1] *= degrees);
+    assert_told(&model, &wrong, &Mistake::unit("speed", degrees));
 }
 
 #[test]
