@@ -64,6 +64,7 @@ pub(super) fn said(mistake: &Mistake, model: &Model, ts: f64) -> Said {
     }
 }
 
+/// Where most mistakes are mended.
 const IN_MAP: &str = "Write this into the column map (`--columns`, docs/formats.md).";
 
 fn unit_said(channels: &[String], factor: f64, model: &Model) -> Said {
