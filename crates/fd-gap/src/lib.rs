@@ -7,6 +7,7 @@
 //! | [`evidence`] | how strongly a log speaks for a cause |
 //! | [`shrink`] | how far a gap shrinks on data that the fit has not seen |
 //! | [`diagnose`](mod@diagnose) | all of it, from a model, candidates and logs to an answer |
+//! | [`reading`] | is the log read as it is meant? |
 //! | [`locate`](mod@locate) | where the gap lies: output, side, equation, frequency, region, time |
 //! | [`experiment`] | the experiment that would separate what this log cannot |
 //! | [`calibrate`] | the expected confusion matrix of this log |
@@ -62,5 +63,6 @@ pub mod experiment;
 pub mod fit;
 pub mod locate;
 pub mod quality;
+pub mod reading;
 pub mod road;
 pub mod shrink;

@@ -37,18 +37,28 @@ pub(super) fn input_defects(
         (0..log.ny).map(|c| agreement(&column(&log.y, c), &column(&y, c))).sum()
     };
     let as_it_is = total(&log.u);
+    // What an input that does not move at all would do: a factor near zero must do better than that.
+    let still: Vec<f64> = (0..log.nu)
+        .map(|i| {
+            let mut u = log.u.clone();
+            u.iter_mut().skip(i).step_by(log.nu).for_each(|u| *u = 0.0);
+            total(&u)
+        })
+        .collect();
     let all = log.ny as f64;
     let mut good = |u: &[f64]| {
         let changed = total(u);
         let left = all - changed;
-        BAD * all < all - as_it_is && left < BETTER * (all - as_it_is) && GOOD * all < changed
+        let is_good =
+            BAD * all < all - as_it_is && left < BETTER * (all - as_it_is) && GOOD * all < changed;
+        is_good.then_some(changed)
     };
     let mut found = Vec::new();
-    for i in 0..known.min(log.nu) {
+    for (i, still) in still.into_iter().enumerate().take(known) {
         for factor in FACTORS {
             let mut u = log.u.clone();
             u.iter_mut().skip(i).step_by(log.nu).for_each(|u| *u *= factor);
-            if good(&u) {
+            if good(&u).is_some_and(|agreement| is_moved(agreement, still, all)) {
                 found.push((i, Defect::WrongUnit { factor }));
             }
         }
@@ -57,7 +67,7 @@ pub(super) fn input_defects(
             for row in u.chunks_exact_mut(log.nu) {
                 row.swap(i, j);
             }
-            if good(&u) {
+            if good(&u).is_some() {
                 found.push((i, Defect::Swapped { with: with.clone() }));
             }
         }
@@ -68,6 +78,11 @@ pub(super) fn input_defects(
         }
     }
     found
+}
+
+/// Whether the outputs agree with an input clearly better than with one that stands still.
+fn is_moved(agreement: f64, still: f64, all: f64) -> bool {
+    all - agreement < BETTER * (all - still)
 }
 
 /// Whether the column of an output, as an input, moves the simulated output as the column of the

@@ -21,5 +21,6 @@ mod lanes;
 mod locate;
 mod measurement;
 mod quality;
+mod reading;
 mod reproduce;
 mod road;

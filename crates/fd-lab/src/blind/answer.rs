@@ -40,7 +40,7 @@ pub struct Answer {
     pub gaps: [Vec<f64>; 3],
     /// What the diagnosis took for the noise of each output, in its unit.
     pub sigma: Vec<f64>,
-    /// Mistakes in the reading of the log, the most probable first.
+    /// Mistakes in the reading of the log: what was named, then what the diagnosis cannot tell from it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reading: Vec<Reading>,
     /// Share of the gap left after a refit of the parameters that the answer closes on held-out
@@ -92,7 +92,7 @@ pub struct Together {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
-    /// `sign`, `unit`, `swap`, `clock` or `time`.
+    /// `sign`, `unit`, `swap`, `clock`, `time`, `zero` or `parameter`.
     pub kind: String,
     /// The channels that are read wrongly; none where it is time.
     pub channels: Vec<String>,
@@ -100,8 +100,10 @@ pub struct Reading {
     pub factor: Option<f64>,
     /// Samples by which it was logged late, for a clock.
     pub late: Option<f64>,
-    /// Probability.
+    /// Probability of what was named, with all that cannot be told from it.
     pub probability: f64,
+    /// Whether it is what the diagnosis cannot tell from the one that was named.
+    pub is_tied: bool,
 }
 
 /// A share of a gap with its interval.

@@ -2,18 +2,19 @@
 
 use std::time::Instant;
 
-use fd_effect::{EverySite, Side, Suspects, library, with_default_sites};
+use fd_effect::{Candidate, EverySite, Side, Suspects, library, with_default_sites};
 use fd_gap::{
-    diagnose::{self, Cause, Pair, Settings, Verdict, diagnose},
+    diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
     fit::Horizon,
-    road::road,
+    reading::{self as gap, Mistake, suspect},
+    road::{Road, road},
 };
 use fd_model::Record;
 use fd_sim::{model::Model, simulate::Nominal};
 use fdiag::gap_study::follow;
 
 use super::{
-    answer::{Answer, Named, Share, Together, UNCLEAR},
+    answer::{Answer, Named, Reading, Share, Together, UNCLEAR},
     error::BlindError,
 };
 
@@ -52,13 +53,15 @@ pub(super) fn answer(
         None => &model,
     };
     let settings = &settings;
-    let u: Vec<f64> = (0..train.len()).flat_map(|k| logs[0].u(k).to_vec()).collect();
-    let scales = nominal.scales(train.ts(), &u, train.len())?;
-    let suspects = EverySite::new(library(), &model, scales);
-    let candidates = suspects.alone().iter().flatten().count();
-    let case = diagnose::Case { nominal, suspects: &suspects, logs: &logs, held_out: &held_out };
-    let diagnosis = diagnose(&case, settings, &())?;
-    let road = road(&case, &diagnosis, settings, MOST, &())?;
+    let as_read = diagnosed(nominal, &model, &logs, &held_out, settings);
+    let reading = match follower {
+        None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
+        Some(_) => None,
+    };
+    let (reading, Diagnosed { diagnosis, road, candidates }) = match reading {
+        Some((reading, mended)) => (readings(&reading), mended),
+        None => (Vec::new(), as_read?),
+    };
     let seconds = begun.elapsed().as_secs_f64();
 
     let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
@@ -89,7 +92,7 @@ pub(super) fn answer(
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
             .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
-        reading: Vec::new(),
+        reading,
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: refit.collect(),
         patched: Some(diagnosis.best.model.to_string()),
@@ -97,6 +100,76 @@ pub(super) fn answer(
         candidates,
         baselines: None,
     })
+}
+
+/// A diagnosis with several causes and the number of its candidates.
+struct Diagnosed {
+    diagnosis: Diagnosis,
+    road: Option<Road>,
+    candidates: usize,
+}
+
+/// Diagnoses logs with a simulator of the `model`.
+fn diagnosed(
+    nominal: &dyn Nominal,
+    model: &Model,
+    logs: &[Record],
+    held_out: &[Record],
+    settings: &Settings,
+) -> Result<Diagnosed, BlindError> {
+    let Some(train) = logs.first() else { return Err(fd_gap::fit::FitError::NoLog.into()) };
+    let u: Vec<f64> = (0..train.len()).flat_map(|k| train.u(k).to_vec()).collect();
+    let scales = nominal.scales(train.ts(), &u, train.len())?;
+    let suspects = EverySite::new(library(), model, scales);
+    let candidates = suspects.alone().iter().flatten().count();
+    let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
+    let diagnosis = diagnose(&case, settings, &())?;
+    let road = road(&case, &diagnosis, settings, MOST, &())?;
+    Ok(Diagnosed { diagnosis, road, candidates })
+}
+
+/// The diagnosis of the mended log, where a mistake of reading is confirmed.
+fn mended(
+    model: &Model,
+    logs: &[Record],
+    held_out: &[Record],
+    settings: &Settings,
+    as_read: Option<&Diagnosed>,
+) -> Option<(gap::Reading, Diagnosed)> {
+    let none: Vec<Candidate> = Vec::new();
+    let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
+    let as_read = as_read.map(|diagnosed| &diagnosed.diagnosis);
+    let suspicion = suspect(&case, settings.horizon, as_read).ok()??;
+    let model = suspicion.mistake().mended_model(model)?;
+    let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
+    let mended = diagnosed(&model, &model, &logs, &held_out, settings).ok()?;
+    let case =
+        diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
+    let reading = suspicion.judged(&case, &mended.diagnosis)?;
+    Some((reading, mended))
+}
+
+/// What was named, and what cannot be told from it.
+fn readings(reading: &gap::Reading) -> Vec<Reading> {
+    let of = |mistake: &Mistake, is_tied| {
+        let (kind, factor, late) = match mistake {
+            Mistake::Sign { .. } => ("sign", None, None),
+            Mistake::Unit { factor, .. } => ("unit", Some(*factor), None),
+            Mistake::Zero { .. } => ("zero", None, None),
+            Mistake::Swap { .. } => ("swap", None, None),
+            Mistake::Clock { late, .. } => ("clock", None, Some(*late as f64)),
+            Mistake::Time { factor } => ("time", Some(*factor), None),
+            Mistake::Parameter { factor, .. } => ("parameter", Some(*factor), None),
+        };
+        let channels = match mistake {
+            Mistake::Parameter { name, .. } => vec![name.clone()],
+            other => other.channels().into_iter().map(str::to_owned).collect(),
+        };
+        let probability = reading.probability;
+        Reading { kind: kind.to_owned(), channels, factor, late, probability, is_tied }
+    };
+    let also = reading.also.iter().map(|mistake| of(mistake, true));
+    std::iter::once(of(&reading.mistake, false)).chain(also).collect()
 }
 
 fn verdict(verdict: Verdict) -> &'static str {

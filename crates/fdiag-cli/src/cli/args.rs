@@ -203,6 +203,9 @@ pub(crate) struct GapArgs {
     /// the log
     #[arg(long)]
     pub(crate) drop_disorder: bool,
+    /// Take the log as it is read, without asking for wrong signs, units, columns and clocks
+    #[arg(long)]
+    pub(crate) as_read: bool,
     /// Diagnose simulated logs of known cause as well, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]

@@ -56,6 +56,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
             longest_gap: args.longest_hole,
             disorder,
         },
+        as_read: args.as_read,
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),

@@ -33,6 +33,7 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
     let report = &study.report;
     let title = format!("{}: simulation and reality", report.inputs.model);
     let mut page = Page::new(title, &report.headline);
+    reading(&mut page, report);
     for finding in report.findings.iter().filter(|f| f.severity == Severity::Serious) {
         let (file, channel) = (&finding.file, &finding.channel);
         page.warning(format!("{file}, {channel}: {}", words::defect(&finding.defect)));
@@ -80,6 +81,33 @@ fn several(page: &mut Page, report: &Report) {
          others there and everything refitted together. patched.toml has all of them.",
     );
     page.table(tables::road(road));
+}
+
+/// What is read wrongly, and how to mend it.
+fn reading(page: &mut Page, report: &Report) {
+    let Some(reading) = &report.reading else { return };
+    let p = words::p(reading.probability);
+    page.warning(format!(
+        "The log reads as if {} ({p}). All below is of the mended log. {}",
+        reading.statement, reading.advice
+    ));
+    let lines = reading.lines.lines().filter(|line| !line.is_empty());
+    lines.for_each(|line| page.text(line));
+    let header = ["output", "error as read", "error mended", "unit"];
+    let mut table =
+        Table::new("Best explanation as read, and plain fit with the mistake mended", &header);
+    let errors = reading.before.iter().zip(&reading.after);
+    for (output, (before, after)) in report.inputs.outputs.iter().zip(errors) {
+        let (name, unit) = (output.name.clone(), output.unit.clone());
+        table.push([name, four(*before), four(*after), unit]);
+    }
+    page.table(table);
+    if !reading.also.is_empty() {
+        page.text(
+            "Other mistakes would look the same in this log; report.json lists them below \
+             `reading.also`.",
+        );
+    }
 }
 
 /// Groups and causes with their probabilities, and the law.

@@ -5,6 +5,7 @@ use std::path::Path;
 use fd_gap::{
     fit::{FitError, Log},
     quality::{Defect, leave_out_wrong_samples},
+    reading::Mistake,
 };
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
@@ -44,7 +45,12 @@ pub(super) struct Data {
 }
 
 impl Data {
-    pub(super) fn read(request: &Request, subject: &Subject) -> Result<Self, GapError> {
+    /// Reads all logs; a mistake of reading is mended before they are divided.
+    pub(super) fn read(
+        request: &Request,
+        subject: &Subject,
+        mistake: Option<&Mistake>,
+    ) -> Result<Self, GapError> {
         let model = subject.model();
         let (mut map, pace) = map(request, subject);
         let mut data = Self {
@@ -65,7 +71,8 @@ impl Data {
             // All logs are brought onto the time base of the first, and begin at 0 s.
             map.resample.sample_time.get_or_insert(log.record.ts().seconds());
             check(path, &log.record)?;
-            let mut record = log.record.starting_at(0.0);
+            let mended = mistake.and_then(|mistake| mistake.mended(&log.record));
+            let mut record = mended.unwrap_or(log.record).starting_at(0.0);
             let wrong = leave_out_wrong_samples(&mut record);
             findings.extend(wrong.into_iter().map(|(channel, d)| LogFinding::of(path, channel, d)));
             Ok((record, log.time_base))

@@ -4,6 +4,7 @@
 //! came out into one [`Report`]. Whatever shows it, a page, tables, JSON or another language, reads that;
 //! [`words`] says in plain language what the types do not say themselves.
 
+mod attempt;
 mod data;
 mod error;
 mod findings;

@@ -38,6 +38,8 @@ pub struct Request {
     pub resample: ResampleChoice,
     /// Most causes that are sought one after another, where one does not explain the logs; 1 for no more.
     pub most: usize,
+    /// Whether the log is taken as it is read, without asking for wrong signs, units, columns and clocks.
+    pub as_read: bool,
     /// Seed of everything random.
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
@@ -69,6 +71,7 @@ impl Request {
             noise: Vec::new(),
             resample: ResampleChoice::default(),
             most: MOST,
+            as_read: false,
             seed: 1,
             calibrate: None,
         }

@@ -1,10 +1,9 @@
 //! From files to an answer.
 
-use fd_effect::EverySite;
 use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
-    diagnose::{Case, Monitor, Settings, Verdict, diagnose},
+    diagnose::{Case, Monitor, Settings, Verdict},
     experiment::{Reach, next},
     fit::{FitError, Horizon, Log},
     locate::locate,
@@ -14,6 +13,7 @@ use fd_model::{Record, SampleTime};
 use fd_sim::simulate::Nominal;
 
 use super::{
+    attempt::{Attempt, confirmed, mended},
     data::Data,
     error::GapError,
     findings::findings,
@@ -21,7 +21,6 @@ use super::{
     headline::headline,
     law::law,
     memory::Memory,
-    only::Chosen,
     patched::patched_models,
     report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
     request::{HorizonChoice, Request},
@@ -64,30 +63,32 @@ impl GapStudy {
     /// Returns the first file, setting or step that is wrong.
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let subject = Subject::of(request)?;
-        let (as_it_came, model) = (subject.nominal(), subject.model());
-        let mut data = Data::read(request, &subject)?;
-        let ts = data.ts().ok_or(FitError::NoLog)?;
+        let mut data = Data::read(request, &subject, None)?;
         // Who states a horizon wants that, and no filter.
         let is_auto = request.horizon == HorizonChoice::Auto;
-        let follower = if is_auto { follow(as_it_came, &data.fit)? } else { None };
+        let follower = if is_auto { follow(subject.nominal(), &data.fit)? } else { None };
         let nominal: &dyn Nominal = match &follower {
             Some(follower) => {
                 data.follow(follower);
                 follower
             }
-            None => as_it_came,
+            None => subject.nominal(),
         };
-        let simulator = nominal.simulator(ts)?;
-        let logs = data.logs(&*simulator)?;
-        let [fitted, _] = &logs;
-        let (u, samples) = longest(fitted);
-        let memory = Memory::of(&*simulator, &u, samples);
-        check_length(request, &data, memory, ts)?;
-        let settings = settings(request, memory, &logs, ts);
-        let every = EverySite::new(subject.effects(), model, nominal.scales(ts, &u, samples)?);
-        let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
+        let as_read = Attempt::new(request, &subject, nominal, &data, monitor);
+        // What follows a log makes up for many a mistake of reading.
+        let mended = match follower {
+            None => mended(request, &subject, &data, &as_read),
+            Some(_) => None,
+        };
+        let (attempt, reading) = confirmed(request, &subject, mended.as_ref(), monitor)
+            .map_or_else(
+                || as_read.map(|as_read| (as_read, None)),
+                |(attempt, reading)| Ok((attempt, Some(reading))),
+            )?;
+        let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis } =
+            attempt;
+        let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let diagnosis = diagnose(&case, &settings, monitor)?;
         let road = match request.most {
             0 | 1 => None,
             most => road(&case, &diagnosis, &settings, most, monitor)?,
@@ -113,19 +114,20 @@ impl GapStudy {
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
-        let models = patched_models(&subject, &diagnosis, road.as_ref(), &data);
-        let trace = trace(nominal, &diagnosis, &data, &logs, settings.horizon, ts)?;
+        let models = patched_models(subject, &diagnosis, road.as_ref(), data);
+        let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
         let mut report = Report {
             version: REPORT_VERSION,
             headline: String::new(),
+            reading,
             next: Vec::new(),
             road,
             law,
             ceiling,
             advice,
             calibration,
-            findings: findings(&diagnosis, &data, model),
-            inputs: Inputs::of(request, model, &data, memory),
+            findings: findings(&diagnosis, data, model),
+            inputs: Inputs::of(request, model, data, memory),
             settings: StudySettings::of(request, &settings, ts.seconds(), is_followed),
             models,
             timing: Timing::default(),
@@ -139,7 +141,7 @@ impl GapStudy {
 }
 
 /// Inputs of the longest log, row by row, and its samples.
-fn longest(logs: &[Log]) -> (Vec<f64>, usize) {
+pub(super) fn longest(logs: &[Log]) -> (Vec<f64>, usize) {
     let longest = logs.iter().max_by_key(|log| log.samples());
     longest.map_or_else(Default::default, |log| {
         let rows = (0..log.samples()).flat_map(|k| log.input(k).iter().copied());
@@ -149,7 +151,7 @@ fn longest(logs: &[Log]) -> (Vec<f64>, usize) {
 
 /// A log that ends before the initial state is forgotten says more of that than of the plant. Who
 /// states a horizon knows that.
-fn check_length(
+pub(super) fn check_length(
     request: &Request,
     data: &Data,
     memory: Memory,
@@ -182,7 +184,12 @@ pub fn automatic_settings(nominal: &dyn Nominal, logs: &[Record; 2]) -> Result<S
     Ok(settings(&request, memory, &logs, ts))
 }
 
-fn settings(request: &Request, memory: Memory, logs: &[Vec<Log>; 2], ts: SampleTime) -> Settings {
+pub(super) fn settings(
+    request: &Request,
+    memory: Memory,
+    logs: &[Vec<Log>; 2],
+    ts: SampleTime,
+) -> Settings {
     let shortest = logs.iter().flatten().map(Log::samples).min().unwrap_or(0);
     let windows = |seconds: f64| {
         let most = (shortest / FEWEST_WINDOWS).max(SHORTEST_WINDOW);

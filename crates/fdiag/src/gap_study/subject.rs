@@ -4,7 +4,7 @@ use std::{fmt, fs, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_effect::{Effect, library, with_default_sites};
-use fd_gap::fit::FitError;
+use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Channel, SampleTime, file::LinearModel};
 use fd_sim::{
@@ -80,6 +80,13 @@ impl Subject {
         let model = told(request, nominal.model())?;
         let nominal = engine.nominal_as(ts, model).map_err(error)?;
         Ok(Self { nominal, engine: Some(engine) })
+    }
+
+    /// The same subject with a parameter mended; `None` where that is not what is wrong, or makes no model.
+    pub(super) fn mended(&self, mistake: &Mistake) -> Option<Self> {
+        let is_parameter = matches!(mistake, Mistake::Parameter { .. }) && self.engine.is_none();
+        let model = is_parameter.then(|| mistake.mended_model(self.model()))??;
+        Some(Self { nominal: Box::new(model), engine: None })
     }
 
     /// The simulator.

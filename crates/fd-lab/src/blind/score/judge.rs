@@ -323,7 +323,12 @@ fn judge_list(
 /// Whether a mistake of reading is told, or taken for physics.
 fn judge_reading(misreading: &Misreading, answer: &Answer, verdict: &mut Verdict) {
     let told = answer.reading.first().filter(|told| 0.5 < told.probability);
-    verdict.is_reading_told = told.is_some_and(|told| is_told(misreading, told));
+    // What no log can tell apart is told when either is: the clocks of the only two channels, say.
+    let tied = answer.reading.iter().skip(1).filter(|reading| reading.is_tied);
+    verdict.is_reading_told = told
+        .into_iter()
+        .chain(tied.filter(|_| told.is_some()))
+        .any(|told| is_told(misreading, told));
     verdict.is_taken_for_physics =
         told.is_none() && 0.5 < verdict.blamed && 0.5 < verdict.probability && !answer.says_none;
     verdict.is_right = verdict.is_reading_told;

@@ -25,6 +25,16 @@ const SHOWN: f64 = 0.05;
 
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
+    let answer = answer(report);
+    let Some(reading) = &report.reading else { return answer };
+    format!(
+        "The log reads as if {} ({}); with that mended: {answer}",
+        reading.statement,
+        p(reading.probability)
+    )
+}
+
+fn answer(report: &Report) -> String {
     if let Some(finding) = report.spoiled() {
         return format!(
             "Check the log first: {}, `{}`: {}; as it is, no cause can be named.",

@@ -129,6 +129,7 @@ fn report(verdict: Verdict) -> Report {
     Report {
         version: REPORT_VERSION,
         headline: String::new(),
+        reading: None,
         diagnosis: diagnosis(verdict),
         location: Location { channels, sides, places, spectra: vec![spectrum()], regions, times },
         road: None,
@@ -237,4 +238,22 @@ fn a_log_that_is_not_what_it_claims_names_no_cause() {
     let text = headline(&spoiled);
     assert!(text.starts_with("Check the log first: run.csv, `y`: the channel looks"), "{text}");
     assert!(!text.contains("friction"), "{text}");
+}
+
+#[test]
+fn a_log_that_is_read_wrongly_is_said_first() {
+    let reading = fd_gap::reading::Reading {
+        mistake: fd_gap::reading::Mistake::sign("y"),
+        also: Vec::new(),
+        probability: 0.97,
+        statement: "`y` had the other sign".to_owned(),
+        advice: String::new(),
+        lines: String::new(),
+        before: vec![5.0],
+        after: vec![1.0],
+    };
+    let plain = headline(&report(Verdict::NoGap));
+    let said = headline(&Report { reading: Some(reading), ..report(Verdict::NoGap) });
+    let begin = "The log reads as if `y` had the other sign (p = 0.97); with that mended: ";
+    assert_eq!(said, format!("{begin}{plain}"));
 }

@@ -12,6 +12,7 @@ use fd_gap::{
     diagnose::{Cause, CauseId, Diagnosis, PairId, Verdict},
     experiment::Advice,
     locate::Location,
+    reading::Reading,
     road::Road,
 };
 use schemars::JsonSchema;
@@ -36,6 +37,9 @@ pub struct Report {
     pub version: u32,
     /// What came out, in one sentence.
     pub headline: String,
+    /// What the log, or the model, seems to say and does not mean; `null` when it is read as it is meant.
+    /// Everything below is then of the mended log.
+    pub reading: Option<Reading>,
     /// Which effect, how sure, how far the gap shrinks.
     pub diagnosis: Diagnosis,
     /// Several causes, one after another, where one does not explain the logs down to the noise; `null`

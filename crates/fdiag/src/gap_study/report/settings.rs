@@ -29,6 +29,8 @@ pub struct StudySettings {
     /// Noise that the request states, as `OUTPUT=VALUE`; standard deviations in the unit of the output.
     #[schemars(with = "Vec<String>")]
     pub noise: Vec<Named>,
+    /// Whether the log was taken as it is read, without asking for mistakes of reading.
+    pub as_read: bool,
     /// Causes that were fitted to the end.
     pub finalists: usize,
     /// Probability of no gap before the data.
@@ -100,6 +102,7 @@ impl StudySettings {
             only: request.only.clone(),
             tolerances: request.tolerances.clone(),
             noise: request.noise.clone(),
+            as_read: request.as_read,
             finalists: settings.finalists,
             prior_no_gap: settings.no_gap,
             prior_unknown: settings.unknown,

@@ -1,0 +1,119 @@
+//! A cheap look at all mistakes: one simulation each, or none where only outputs are concerned.
+
+use std::collections::BTreeSet;
+
+use super::{
+    hypotheses::{Hypothesis, hypotheses},
+    misfit::Look,
+    mistake::Mistake,
+    trial::Trial,
+};
+use crate::{diagnose::Case, fit::FitError};
+
+/// Mistakes that deserve a fit …
+const LONGEST: usize = 8;
+/// … and where a fit has more unknowns than these, which makes it long.
+const FEWEST: usize = 3;
+const LARGE: usize = 16;
+/// Shifts of one input among several that are looked at first.
+const COARSE: [i64; 14] = [1, -1, 2, -2, 3, -3, 5, -5, 8, -8, 13, -13, 20, -20];
+
+/// The mistakes whose mending does not look worse than the log as it is read, the best first.
+pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
+    let mut as_read = Trial::new(case, None)?;
+    let all = hypotheses(case.nominal.model(), as_read.simulator());
+    let nominal = as_read.simulated();
+    let rough = |simulated: &Option<Vec<Vec<f64>>>| {
+        let simulated = simulated.as_ref()?;
+        Some(as_read.misfit(simulated, Look::Rough)?.rough())
+    };
+    let limit = rough(&nominal).unwrap_or(f64::INFINITY);
+    let mut looked: Vec<(f64, &Hypothesis)> = Vec::new();
+    let is_other = |h: &&Hypothesis| !matches!(h.mistake, Mistake::Parameter { .. });
+    for hypothesis in all.iter().filter(is_other) {
+        if let Some(rough) = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake) {
+            looked.push((rough, hypothesis));
+        }
+    }
+    looked.extend(parameters(&mut as_read, &all));
+    looked.retain(|(rough, _)| *rough <= limit);
+    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Neighbouring shifts of a clock look alike: one late and one early are enough.
+    let mut clocks: BTreeSet<(String, bool)> = BTreeSet::new();
+    looked.retain(|(_, hypothesis)| match &hypothesis.mistake {
+        Mistake::Clock { channel, late } => clocks.insert((channel.clone(), 0 < *late)),
+        _ => true,
+    });
+    let uncertain = |p: &&fd_sim::model::Parameter| 0.0 < p.tolerance;
+    let simulator = as_read.simulator();
+    let unknowns =
+        simulator.initial().len() + simulator.parameters().iter().filter(uncertain).count();
+    let longest = if LARGE < unknowns { FEWEST } else { LONGEST };
+    Ok(looked.into_iter().take(longest).map(|(_, hypothesis)| hypothesis.clone()).collect())
+}
+
+/// How a mended log looks with everything at its nominal value; `None` where it is not looked at or
+/// cannot be simulated.
+fn look(
+    case: &Case<'_>,
+    as_read: &Trial<'_>,
+    nominal: Option<&[Vec<f64>]>,
+    mistake: &Mistake,
+) -> Option<f64> {
+    let simulator = as_read.simulator();
+    let is_input = |name: &str| simulator.inputs().iter().any(|input| input.name == name);
+    let inputs = mistake.channels().into_iter().filter(|name| is_input(name)).count();
+    let is_alone = simulator.inputs().len() == 1;
+    let again = match mistake {
+        Mistake::Clock { late, .. } if 0 < inputs && !is_alone => {
+            if !COARSE.contains(late) {
+                return None;
+            }
+            true
+        }
+        // A shift of the only input is one of all outputs.
+        Mistake::Clock { .. } => false,
+        Mistake::Time { .. } => true,
+        _ => 0 < inputs,
+    };
+    let mut trial = Trial::new(case, Some(mistake)).ok()?;
+    let simulated = if again {
+        trial.simulated()?
+    } else {
+        // What is simulated for the only input moves with it; beside the clock of an output it stays. Either
+        // way, rows are lost at one end.
+        let (late, is_moved) = match mistake {
+            Mistake::Clock { late, .. } => (*late, 0 < inputs),
+            _ => (0, false),
+        };
+        let lost = usize::try_from(late.unsigned_abs()).ok()? * simulator.outputs().len();
+        let rows = |y: &Vec<f64>| {
+            let end = y.len().checked_sub(lost)?;
+            let range = if (0 < late) == is_moved { lost..y.len() } else { 0..end };
+            Some(y.get(range)?.to_vec())
+        };
+        nominal?.iter().map(rows).collect::<Option<Vec<_>>>()?
+    };
+    Some(trial.misfit(&simulated, Look::Rough)?.rough())
+}
+
+/// All mistakes in parameters, simulated side by side.
+fn parameters<'h>(as_read: &mut Trial<'_>, all: &'h [Hypothesis]) -> Vec<(f64, &'h Hypothesis)> {
+    let known = as_read.simulator().parameters().to_vec();
+    let nominal: Vec<f64> = known.iter().map(|p| p.value).collect();
+    let set = |hypothesis: &'h Hypothesis| {
+        let Mistake::Parameter { name, factor } = &hypothesis.mistake else { return None };
+        let place = known.iter().position(|p| p.name == *name)?;
+        let mut theta = nominal.clone();
+        theta[place] /= factor;
+        Some((hypothesis, theta))
+    };
+    let (which, sets): (Vec<&Hypothesis>, Vec<Vec<f64>>) = all.iter().filter_map(set).unzip();
+    let found = as_read.simulated_with(&sets);
+    let pairs = which.into_iter().zip(found);
+    pairs
+        .filter_map(|(hypothesis, simulated)| {
+            Some((as_read.misfit(&simulated?, Look::Rough)?.rough(), hypothesis))
+        })
+        .collect()
+}

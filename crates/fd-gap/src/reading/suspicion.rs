@@ -1,0 +1,219 @@
+//! From a first look to a mistake that is worth a diagnosis, and from that to a reading.
+
+use fd_model::Record;
+
+use super::{
+    hypotheses::{FURTHEST, Hypothesis},
+    misfit::{Look, Misfit},
+    mistake::Mistake,
+    price::price,
+    result::Reading,
+    shortlist::shortlist,
+    trial::Trial,
+    words,
+};
+use crate::{
+    diagnose::{Case, Diagnosis, Verdict},
+    fit::{FitError, Horizon},
+};
+
+/// Mistakes within this much (natural logarithm) cannot be told apart.
+const TIED: f64 = 3.0;
+/// How much less likely a log must be with half and with twice the factor: a factor that is not
+/// determined, as that of an input that does nothing, is no unit.
+const DETERMINED: f64 = 4.0;
+/// Part of the spread of a column that a mended simulation may leave.
+const FOLLOWS: f64 = 0.7;
+/// A mended log whose errors are so many times the noise is explained.
+const EXPLAINED: f64 = 1.5;
+/// By how much (natural logarithm) errors must shrink where they stay above the noise.
+const SHRINKS: f64 = 0.5;
+/// Where no physical cause comes near the noise, a diagnosis of the mended log is worth its time if errors of the
+/// null fit shrink by so much (natural logarithm) and become so much likelier: there may be a cause as well.
+const WORTH: [f64; 2] = [0.4, 5.0];
+
+/// A mistake that would explain much, which a diagnosis of the mended log has to confirm.
+#[derive(Clone, Debug)]
+pub struct Suspicion {
+    hypothesis: Hypothesis,
+    also: Vec<Mistake>,
+    /// The best explanation of the log as it is read, and what that costs.
+    as_read: Misfit,
+    price: f64,
+    /// The mended log with nothing but parameters and starts fitted.
+    mended: Misfit,
+}
+
+/// Looks for a mistake of reading that explains a log at least about as well as the diagnosis of the
+/// log as it is read, which is `None` where the simulation as read is lost. Free of charge when that found no gap.
+///
+/// # Errors
+///
+/// Returns an error when the logs do not fit the model.
+pub fn suspect(
+    case: &Case<'_>,
+    horizon: Horizon,
+    as_read: Option<&Diagnosis>,
+) -> Result<Option<Suspicion>, FitError> {
+    if as_read.is_some_and(|diagnosis| diagnosis.verdict == Verdict::NoGap) {
+        return Ok(None);
+    }
+    let Some((known, refit, price)) = explained(case, as_read)? else { return Ok(None) };
+    let mut fits = Vec::new();
+    for hypothesis in shortlist(case)? {
+        if let Some(misfit) = fit(case, horizon, &hypothesis.mistake) {
+            fits.push((hypothesis, misfit));
+        }
+    }
+    let mut best: Option<(Hypothesis, Misfit)> = None;
+    for fit in &fits {
+        if best.as_ref().is_none_or(|best| 0.0 < beats(fit, best)) {
+            best = Some(fit.clone());
+        }
+    }
+    let Some(best) = best.map(|best| climbed(case, horizon, best)) else { return Ok(None) };
+    let over_refit = best.1.advantage(&refit);
+    let odds = best.1.advantage(&known) + price + best.0.log_prior;
+    let is_worth =
+        !known.is_noise(EXPLAINED) && WORTH[0] < best.1.shrinks(&refit) && WORTH[1] < over_refit;
+    if !(0.0 < odds || is_worth)
+        || !best.1.follows(&refit, FOLLOWS)
+        || !is_determined(case, horizon, &best)
+    {
+        return Ok(None);
+    }
+    let same = |other: &Mistake| match (other, &best.0.mistake) {
+        (Mistake::Clock { channel: a, .. }, Mistake::Clock { channel: b, .. }) => a == b,
+        (a, b) => a == b,
+    };
+    let tied = fits.iter().filter(|f| !same(&f.0.mistake) && -TIED < beats(f, &best));
+    let also = tied.map(|(hypothesis, _)| hypothesis.mistake.clone()).collect();
+    let (hypothesis, mended) = best;
+    Ok(Some(Suspicion { hypothesis, also, as_read: known, price, mended }))
+}
+
+/// The best explanation of the log as it is read, that of refitted parameters, and what the former costs.
+fn explained(
+    case: &Case<'_>,
+    as_read: Option<&Diagnosis>,
+) -> Result<Option<(Misfit, Misfit, f64)>, FitError> {
+    let trial = Trial::new(case, None)?;
+    let zero: Vec<Vec<f64>> = trial.zeros();
+    let Some(level) = trial.misfit(&zero, Look::Close).map(|misfit| misfit.constant()) else {
+        return Ok(None);
+    };
+    let of = |outputs: &[Vec<f64>]| trial.misfit(outputs, Look::Close);
+    let refit = as_read.and_then(|d| of(&d.refit.outputs)).unwrap_or_else(|| level.clone());
+    let mut known = (refit.clone(), 0.0);
+    if let Some((diagnosis, best)) = as_read.and_then(|d| Some((d, of(&d.best.outputs)?))) {
+        let price = price(diagnosis, best.independent());
+        if price < best.advantage(&refit) {
+            known = (best, price);
+        }
+    }
+    if known.1 < level.advantage(&known.0) {
+        known = (level, 0.0);
+    }
+    Ok(Some((known.0, refit, known.1)))
+}
+
+fn fit(case: &Case<'_>, horizon: Horizon, mistake: &Mistake) -> Option<Misfit> {
+    Trial::new(case, Some(mistake)).ok()?.fitted(horizon)
+}
+
+/// Logarithm of how much likelier one mistake is than another.
+fn beats(one: &(Hypothesis, Misfit), other: &(Hypothesis, Misfit)) -> f64 {
+    one.1.advantage(&other.1) + one.0.log_prior - other.0.log_prior
+}
+
+/// The first look may be off by some samples of a clock.
+fn climbed(
+    case: &Case<'_>,
+    horizon: Horizon,
+    mut best: (Hypothesis, Misfit),
+) -> (Hypothesis, Misfit) {
+    let Mistake::Clock { channel, late } = best.0.mistake.clone() else { return best };
+    for step in [1, -1] {
+        let mut late = late + step;
+        while late != 0 && late.abs() <= FURTHEST {
+            let mistake = Mistake::Clock { channel: channel.clone(), late };
+            let Some(misfit) = fit(case, horizon, &mistake) else { break };
+            let next = (Hypothesis { mistake, ..best.0.clone() }, misfit);
+            if beats(&next, &best) <= 0.0 {
+                break;
+            }
+            best = next;
+            late += step;
+        }
+    }
+    best
+}
+
+/// Whether half and twice the factor explain clearly less; of time, which beyond some factor leaves all at rest
+/// between samples, a factor half way to none.
+fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit)) -> bool {
+    let with = |times: f64| match best.0.mistake.clone() {
+        Mistake::Sign { channels } => Some(Mistake::Unit { channels, factor: -times }),
+        Mistake::Unit { channels, factor } => {
+            Some(Mistake::Unit { channels, factor: times * factor })
+        }
+        Mistake::Parameter { name, factor } => {
+            Some(Mistake::Parameter { name, factor: times * factor })
+        }
+        Mistake::Time { factor } => (1.0 < times).then(|| Mistake::Time { factor: factor.sqrt() }),
+        Mistake::Zero { .. } | Mistake::Swap { .. } | Mistake::Clock { .. } => None,
+    };
+    [0.5, 2.0].into_iter().filter_map(with).all(|control| {
+        let control = fit(case, horizon, &control);
+        control.is_none_or(|control| DETERMINED < best.1.advantage(&control))
+    })
+}
+
+impl Suspicion {
+    /// What is suspected.
+    #[must_use]
+    pub fn mistake(&self) -> &Mistake {
+        &self.hypothesis.mistake
+    }
+
+    /// Records with it mended; `None` when one is too short for that.
+    #[must_use]
+    pub fn mended(&self, records: &[Record]) -> Option<Vec<Record>> {
+        records.iter().map(|record| self.mistake().mended(record)).collect()
+    }
+
+    /// The reading, if the diagnosis of the `mended` case confirms it: it explains clearly more than the best
+    /// physical cause of the log as it is read.
+    #[must_use]
+    pub fn judged(self, mended: &Case<'_>, diagnosis: &Diagnosis) -> Option<Reading> {
+        let mistake = &self.hypothesis.mistake;
+        let trial = Trial::of_mended(mended, mistake).ok()?;
+        let best = trial.misfit(&diagnosis.best.outputs, Look::Close)?;
+        let paid = price(diagnosis, best.independent());
+        let refit = trial.misfit(&diagnosis.refit.outputs, Look::Close)?;
+        let ways = [(&best, paid), (&refit, 0.0), (&self.mended, 0.0)];
+        let believed = ways.into_iter().filter(|(misfit, _)| {
+            let clearly = misfit.is_noise(EXPLAINED) || SHRINKS < misfit.shrinks(&self.as_read);
+            clearly && misfit.follows(&self.as_read, FOLLOWS)
+        });
+        let odds = believed.map(|(misfit, paid)| misfit.advantage(&self.as_read) - paid);
+        let odds = odds.max_by(f64::total_cmp)? + self.price + self.hypothesis.log_prior;
+        let probability = 1.0 / (1.0 + (-odds).exp());
+        if probability <= 0.5 {
+            return None;
+        }
+        let rms = |misfit: &Misfit| misfit.columns.iter().map(|column| column.rms).collect();
+        let ts = mended.logs.first()?.ts().seconds();
+        let said = words::said(mistake, mended.nominal.model(), ts);
+        Some(Reading {
+            probability,
+            statement: said.statement,
+            advice: said.advice,
+            lines: said.lines,
+            before: rms(&self.as_read),
+            after: rms(&self.mended),
+            also: self.also,
+            mistake: self.hypothesis.mistake,
+        })
+    }
+}

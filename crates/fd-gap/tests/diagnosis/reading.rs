@@ -1,0 +1,189 @@
+//! Mistakes of reading are told as such, and nothing else is.
+
+use fd_effect::{EverySite, library};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, diagnose},
+    reading::{Mistake, Reading, suspect},
+};
+use fd_model::{Record, SampleTime};
+use fd_sim::{model::Model, patch::Patch, scales::ReplayScales};
+
+use crate::bench_cases::{Reality, example, expr, record};
+
+const FEW: [&str; 7] = [
+    "coulomb-friction",
+    "viscous-friction",
+    "input-delay",
+    "input-gain",
+    "sensor-scale",
+    "sensor-bias",
+    "input-dead-zone",
+];
+
+fn reality(amplitude: f64) -> Reality {
+    Reality { samples: 500, amplitude, parameter_error: 0.02, colour: 0.0, seed: 6 }
+}
+
+fn diagnosis(model: &Model, log: &Record) -> Diagnosis {
+    let u: Vec<f64> = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
+    let scales = ReplayScales::of(model, log.ts(), &u, log.len()).unwrap();
+    let effects = library().into_iter().filter(|e| FEW.contains(&e.label())).collect();
+    let suspects = EverySite::new(effects, model, scales);
+    let logs = std::slice::from_ref(log);
+    let case = Case { nominal: model, suspects: &suspects, logs, held_out: &[] };
+    diagnose(&case, &Settings::default(), &()).unwrap()
+}
+
+/// As a user's study does it.
+fn reading(model: &Model, log: &Record) -> Option<Reading> {
+    let as_read = diagnosis(model, log);
+    let none: Vec<fd_effect::Candidate> = Vec::new();
+    let logs = std::slice::from_ref(log);
+    let case = Case { nominal: model, suspects: &none, logs, held_out: &[] };
+    let found = suspect(&case, Settings::default().horizon, Some(&as_read)).unwrap();
+    println!("{:?} as read, suspected: {found:?}", as_read.verdict);
+    let suspicion = found?;
+    let logs = suspicion.mended(case.logs).unwrap();
+    let model = suspicion.mistake().mended_model(model).unwrap();
+    let mended = diagnosis(&model, &logs[0]);
+    let case = Case { nominal: &model, logs: &logs, ..case };
+    let reading = suspicion.judged(&case, &mended);
+    println!("{reading:?}");
+    reading
+}
+
+/// A log with its rows changed.
+fn changed(log: &Record, change: impl Fn(usize, &mut [f64], &mut [f64])) -> Record {
+    let rows = (0..log.len()).map(|k| {
+        let (mut u, mut y) = (log.u(k).to_vec(), log.y(k).to_vec());
+        change(k, &mut u, &mut y);
+        (u, y)
+    });
+    let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
+    Record::from_rows(inputs, outputs, rows, log.ts()).unwrap()
+}
+
+/// The reading, which must be nearly certain and be (or not be told from) this mistake.
+#[track_caller]
+fn assert_told(model: &Model, log: &Record, wanted: &Mistake) -> Reading {
+    let found = reading(model, log).unwrap();
+    assert!(0.9 < found.probability, "{found:?}");
+    assert!(found.mistake == *wanted || found.also.contains(wanted), "{found:?}");
+    found
+}
+
+#[test]
+fn a_wrong_sign() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 1);
+    // With one sensor of two there is no doubt whose sign it is.
+    let wrong = changed(&log, |_, _, y| y[1] = -y[1]);
+    let found = assert_told(&model, &wrong, &Mistake::sign("speed"));
+    assert_eq!(found.mistake, Mistake::sign("speed"));
+    assert!(found.lines.contains("speed = {"), "{}", found.lines);
+}
+
+#[test]
+fn rates_in_degrees() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 1);
+    let degrees = 180.0 / std::f64::consts::PI;
+    let wrong = changed(&log, |_, _, y| y[1] *= degrees);
+    let found = assert_told(&model, &wrong, &Mistake::unit("speed", degrees));
+    assert_eq!(found.statement, "`speed` were in deg/s, not rad/s");
+    assert!(found.lines.contains("column_unit = \"deg/s\""), "{}", found.lines);
+    // Errors are those of the numbers in the log: mended, they come down to the noise.
+    let noise = model.outputs[1].noise.unwrap();
+    assert!(found.after[1] < 1.2 * noise && 10.0 * noise < found.before[1]);
+}
+
+#[test]
+fn an_input_in_millivolts() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 2);
+    let wrong = changed(&log, |_, u, _| u[0] *= 1e3);
+    assert_told(&model, &wrong, &Mistake::unit("u", 1e3));
+}
+
+#[test]
+fn swapped_columns() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 1);
+    let wrong = changed(&log, |_, _, y| y.swap(0, 1));
+    let channels = [0, 1].map(|c| model.outputs[c].name.clone());
+    assert_told(&model, &wrong, &Mistake::Swap { channels });
+}
+
+#[test]
+fn a_clock_that_is_late_is_told_and_a_delay_is_not() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 3);
+    let shifted = |by: isize| {
+        let whole = changed(&log, |k, u, _| {
+            u[0] = log.u(k.saturating_add_signed(by).min(log.len() - 1))[0]
+        });
+        whole.slice(20, log.len() - 20)
+    };
+    // The command is logged six samples late: the drive answers before it is asked.
+    let found = reading(&model, &shifted(-6)).unwrap();
+    let late = Mistake::Clock { channel: "u".into(), late: 6 };
+    assert!(0.9 < found.probability && found.mistake == late, "{found:?}");
+    // Logged early, it is a delay like any other.
+    assert_eq!(reading(&model, &shifted(6)), None);
+}
+
+#[test]
+fn a_wrong_unit_of_time() {
+    let model = example("mass_spring_damper");
+    let log = record(&model, reality(6.0), 1);
+    let (u, y): (Vec<_>, Vec<_>) = log.samples().map(|(u, y)| (u[0], y.to_vec())).unzip();
+    let ts = SampleTime::new(60.0 * log.ts().seconds()).unwrap();
+    let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
+    let wrong = Record::new(inputs, outputs, u, y.concat(), ts).unwrap();
+    assert_told(&model, &wrong, &Mistake::Time { factor: 60.0 });
+}
+
+#[test]
+fn a_coupling_in_another_unit() {
+    let model = example("mass_spring_damper");
+    let log = record(&model, reality(6.0), 1);
+    let mut draft = model.into_draft();
+    draft.parameters[1].value *= 9.806_65;
+    draft.parameters[1].bounds = None;
+    let name = draft.parameters[1].name.clone();
+    let wrong = Model::try_from(draft).unwrap();
+    assert_told(&wrong, &log, &Mistake::Parameter { name, factor: 9.806_65 });
+}
+
+#[test]
+fn a_wrong_unit_beside_a_dead_zone() {
+    let model = example("dc_drive");
+    let mut patch = Patch::of(&model);
+    patch.wrap_input("u", "applied", expr("u - clamp(u, -3, 3)")).unwrap();
+    let log = record(&patch.finish().unwrap(), reality(20.0), 4);
+    let degrees = 180.0 / std::f64::consts::PI;
+    let wrong = changed(&log, |_, _, y| y[1] *= degrees);
+    assert_told(&model, &wrong, &Mistake::unit("speed", degrees));
+}
+
+#[test]
+fn nothing_wrong_and_honest_physics_are_no_misreadings() {
+    let model = example("dc_drive");
+    for seed in 0..3 {
+        let log = record(&model, Reality { seed, ..reality(20.0) }, seed);
+        assert_eq!(reading(&model, &log), None);
+    }
+    let truth = |change: &dyn Fn(&mut Patch)| {
+        let mut patch = Patch::of(&model);
+        change(&mut patch);
+        record(&patch.finish().unwrap(), reality(20.0), 4)
+    };
+    let gain = truth(&|patch| patch.wrap_input("u", "applied", expr("1.5*u")).unwrap());
+    assert_eq!(reading(&model, &gain), None);
+    let dead =
+        truth(&|patch| patch.wrap_input("u", "applied", expr("u - clamp(u, -3, 3)")).unwrap());
+    assert_eq!(reading(&model, &dead), None);
+    // An amplifier that delivers next to nothing: what is left is where the run begins.
+    let weak = truth(&|patch| patch.wrap_input("u", "applied", expr("0.0002*u")).unwrap());
+    assert_eq!(reading(&model, &weak), None);
+}

@@ -1,0 +1,114 @@
+//! A diagnosis of logs as they are read, and as they may be meant.
+
+use fd_effect::EverySite;
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
+    fit::{FitError, Log},
+    reading::{Mistake, Reading, Suspicion, suspect},
+};
+use fd_model::SampleTime;
+use fd_sim::simulate::Nominal;
+
+use super::{
+    data::Data,
+    error::GapError,
+    memory::Memory,
+    only::Chosen,
+    request::Request,
+    study::{check_length, longest, settings},
+    subject::Subject,
+};
+
+/// A diagnosis with what it was made of.
+pub(super) struct Attempt<'a> {
+    pub(super) subject: &'a Subject,
+    /// The simulator of the subject, or one that follows the logs with it.
+    pub(super) nominal: &'a dyn Nominal,
+    pub(super) data: &'a Data,
+    pub(super) suspects: Chosen<'a>,
+    pub(super) logs: [Vec<Log>; 2],
+    pub(super) memory: Memory,
+    pub(super) settings: Settings,
+    pub(super) ts: SampleTime,
+    pub(super) diagnosis: Diagnosis,
+}
+
+impl<'a> Attempt<'a> {
+    /// Diagnoses data with a subject.
+    pub(super) fn new(
+        request: &Request,
+        subject: &'a Subject,
+        nominal: &'a dyn Nominal,
+        data: &'a Data,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GapError> {
+        let model = subject.model();
+        let ts = data.ts().ok_or(FitError::NoLog)?;
+        let simulator = nominal.simulator(ts)?;
+        let logs = data.logs(&*simulator)?;
+        let (u, samples) = longest(&logs[0]);
+        let memory = Memory::of(&*simulator, &u, samples);
+        check_length(request, data, memory, ts)?;
+        let settings = settings(request, memory, &logs, ts);
+        let every = EverySite::new(subject.effects(), model, nominal.scales(ts, &u, samples)?);
+        let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
+        let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
+        let diagnosis = diagnose(&case, &settings, monitor)?;
+        Ok(Self { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis })
+    }
+}
+
+/// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.
+pub(super) struct Mended {
+    subject: Option<Subject>,
+    data: Data,
+    suspicion: Suspicion,
+}
+
+/// The data with a mistake of reading mended, if one is suspected and that can be done.
+pub(super) fn mended(
+    request: &Request,
+    subject: &Subject,
+    data: &Data,
+    as_read: &Result<Attempt<'_>, GapError>,
+) -> Option<Mended> {
+    let horizon = match as_read {
+        Ok(attempt) => attempt.settings.horizon,
+        // The simulation as read is lost; what is mended may not be.
+        Err(GapError::Fit(_) | GapError::Simulate(_)) => Settings::default().horizon,
+        Err(_) => return None,
+    };
+    if request.as_read {
+        return None;
+    }
+    // No cause is tried here.
+    let none: Vec<fd_effect::Candidate> = Vec::new();
+    let (nominal, logs) = (subject.nominal(), &data.fit[..]);
+    let case = Case { nominal, suspects: &none, logs, held_out: &[] };
+    let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
+    let suspicion = suspect(&case, horizon, diagnosis).ok()??;
+    let mistake = suspicion.mistake();
+    let other = subject.mended(mistake);
+    if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
+        return None;
+    }
+    let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
+    Some(Mended { subject: other, data, suspicion })
+}
+
+/// The diagnosis of the mended data, if that confirms the mistake.
+pub(super) fn confirmed<'a>(
+    request: &Request,
+    subject: &'a Subject,
+    mended: Option<&'a Mended>,
+    monitor: &dyn Monitor,
+) -> Option<(Attempt<'a>, Reading)> {
+    let Mended { subject: other, data, suspicion } = mended?;
+    let subject = other.as_ref().unwrap_or(subject);
+    let attempt = Attempt::new(request, subject, subject.nominal(), data, monitor).ok()?;
+    let suspects = &attempt.suspects;
+    let (logs, held_out) = (&data.fit[..], &data.held_out[..]);
+    let case = Case { nominal: subject.nominal(), suspects, logs, held_out };
+    let reading = suspicion.clone().judged(&case, &attempt.diagnosis)?;
+    Some((attempt, reading))
+}
