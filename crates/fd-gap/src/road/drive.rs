@@ -14,7 +14,7 @@ use crate::{
         Case, Cause, Diagnosis, HeldOut, Monitor, Objection, Regime, Settings, Verdict, diagnose,
         is_free_curve,
     },
-    fit::FitError,
+    fit::{FitError, Horizon},
     shrink::{Closed, closed, gap},
 };
 
@@ -38,7 +38,11 @@ pub fn road(
     }
     let mut found: Vec<Milestone> = Vec::new();
     let mut known: Vec<Candidate> = Vec::new();
-    let mut gaps = vec![total(first, &first.sigma, |h| &h.refit)];
+    let horizon = judged_at(first, settings);
+    let sized = |diagnosis: &Diagnosis, of: fn(&HeldOut) -> &Vec<f64>| {
+        total(at(diagnosis, horizon), &first.sigma, of)
+    };
+    let mut gaps = vec![sized(first, |h| &h.refit)];
     let mut model = case.nominal.model().clone();
     let mut diagnosis = first.clone();
     let parameters: Vec<String> = model.parameters.iter().map(|p| p.name.clone()).collect();
@@ -46,10 +50,10 @@ pub fn road(
         if found.len() == most {
             break End::Enough;
         }
-        let Some((next, candidate)) = accepted(&diagnosis, case.suspects, &known) else {
+        let Some((next, candidate)) = accepted(&diagnosis, horizon, case.suspects, &known) else {
             break if is_noise(&diagnosis) { End::AtTheNoise } else { End::NothingHelps };
         };
-        gaps.push(total(&diagnosis, &first.sigma, |h| &h.after));
+        gaps.push(sized(&diagnosis, |h| &h.after));
         model = adjustable(&next.cause, &model);
         let last = Candidate { model: model.clone(), ..candidate };
         known.push(last.clone());
@@ -73,7 +77,7 @@ pub fn road(
     if found.is_empty() {
         return Ok(None);
     }
-    finish(case, settings, Found { causes: found, model, gaps, end, first })
+    finish(case, settings, Found { causes: found, model, gaps, end, first, horizon })
 }
 
 /// What was found on the way.
@@ -84,21 +88,23 @@ struct Found<'a> {
     gaps: Vec<f64>,
     end: End,
     first: &'a Diagnosis,
+    /// Horizon at which forecasts judge.
+    horizon: Option<Horizon>,
 }
 
 /// Looks back: which causes are missed, what each takes away, and what all of them leave.
 fn finish(
     case: &Case<'_>,
     settings: &Settings,
-    Found { mut causes, model, gaps, end, first }: Found<'_>,
+    Found { mut causes, model, gaps, end, first, horizon }: Found<'_>,
 ) -> Result<Option<Road>, FitError> {
     let plain = |causes, model| {
         let (dropped, closed) = (Vec::new(), None);
         Road { causes, unexplained: f64::NAN, noise: f64::NAN, closed, end, dropped, model }
     };
-    let Some(held_out) = first.held_out.first() else { return Ok(Some(plain(causes, model))) };
-    let (sigma, horizon) = (&first.sigma, held_out.horizon);
-    let floor = total(first, sigma, |h| &h.floor);
+    let Some(horizon) = horizon else { return Ok(Some(plain(causes, model))) };
+    let sigma = &first.sigma;
+    let floor = total(at(first, Some(horizon)), sigma, |h| &h.floor);
     for (cause, gap) in causes.iter_mut().zip(gaps.windows(2)) {
         cause.share = Some((gap[0] - gap[1]) / gaps[0]);
     }
@@ -126,11 +132,12 @@ fn finish(
 /// their interval; without held-out logs, if it is more probable than not.
 fn accepted(
     diagnosis: &Diagnosis,
+    horizon: Option<Horizon>,
     suspects: &dyn Suspects,
     known: &[Candidate],
 ) -> Option<(Milestone, Candidate)> {
     let cause = diagnosis.causes.first()?;
-    let closed = diagnosis.held_out.first().and_then(|h| h.closed_of_refit);
+    let closed = at(diagnosis, horizon).and_then(|h| h.closed_of_refit);
     let is_better = match (closed, diagnosis.held_out.is_empty()) {
         (Some(closed), _) => 0.0 < closed.interval[0],
         (None, true) => 0.5 < 1.0 - diagnosis.no_gap - diagnosis.none_of_these,
@@ -162,9 +169,22 @@ fn is_noise(diagnosis: &Diagnosis) -> bool {
     diagnosis.regime == Regime::AtTheFloor && 0.5 < diagnosis.no_gap
 }
 
-/// A held-out gap over all outputs at the first horizon, in `sigma`; NaN without held-out logs.
-fn total(diagnosis: &Diagnosis, sigma: &[f64], of: impl Fn(&HeldOut) -> &Vec<f64>) -> f64 {
-    diagnosis.held_out.first().map_or(f64::NAN, |held_out| {
+/// The horizon at which forecasts judge all the way: that of the fits, if held-out logs were forecast at that, or the
+/// longest one; `None` without held-out logs.
+fn judged_at(diagnosis: &Diagnosis, settings: &Settings) -> Option<Horizon> {
+    let horizons = || diagnosis.held_out.iter().map(|held_out| held_out.horizon);
+    horizons().find(|horizon| *horizon == settings.horizon).or_else(|| horizons().last())
+}
+
+/// Held-out gaps at a horizon, or at the longest one where it is not there.
+fn at(diagnosis: &Diagnosis, horizon: Option<Horizon>) -> Option<&HeldOut> {
+    let wanted = diagnosis.held_out.iter().find(|held_out| Some(held_out.horizon) == horizon);
+    wanted.or_else(|| diagnosis.held_out.last())
+}
+
+/// A held-out gap over all outputs, in `sigma`; NaN without held-out logs.
+fn total(held_out: Option<&HeldOut>, sigma: &[f64], of: fn(&HeldOut) -> &Vec<f64>) -> f64 {
+    held_out.map_or(f64::NAN, |held_out| {
         let each = of(held_out).iter().zip(sigma);
         let squares: f64 = each.map(|(size, sigma)| (size / sigma).powi(2)).sum();
         (squares / sigma.len().max(1) as f64).sqrt()

@@ -73,6 +73,10 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
     assert_eq!(first.regime, Regime::AboveTheFloor, "two causes do not explain three");
 
     let found = road(&case, &first, &settings, 8, &()).unwrap().unwrap();
+    println!("{:?} {:?} {:?}", found.end, found.closed, found.dropped);
+    for m in &found.causes {
+        println!("{} {:?} {:?} {}", m.cause.label, m.share, m.closed, m.probability);
+    }
     let labels: Vec<&str> = found.causes.iter().map(|m| m.cause.label).collect();
     // Either lag is the lag of this loop-free chain; the dead zone and the end are one place each.
     for planted in ["input-dead-zone", "input-saturation"] {

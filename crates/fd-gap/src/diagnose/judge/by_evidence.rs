@@ -43,7 +43,7 @@ pub(super) fn by_evidence<'a>(
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
     let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
     let Believed { others: probabilities, causes, pairs } =
-        bounded(believe(singles.causes, pairs, &best, gain, settings), &lack_of_fit);
+        bounded(believe(singles.causes, pairs, &best, gain, settings), &lack_of_fit, doubt);
     let pairs = NamedPairs { pairs, tied, fitted };
     Ok(Judged {
         verdict: verdict(probabilities, &causes, &ties, &pairs),

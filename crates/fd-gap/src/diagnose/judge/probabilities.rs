@@ -54,12 +54,14 @@ const NOT_MORE: f64 = 0.5;
 
 /// Bounds of the probability of "none of these" by what the best explanation leaves: misfit and forecast are
 /// two witnesses, and neither silences the other.
-pub(super) fn bounded(believed: Believed, left: &LackOfFit) -> Believed {
+///
+/// Wrong samples that come in bursts leave nothing when they are left out: then it is their `doubt` that counts.
+pub(super) fn bounded(believed: Believed, left: &LackOfFit, doubt: f64) -> Believed {
     let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } =
         believed;
     let gain = left.leftover.gain();
     let low = if SIGNIFICANT < gain { ANOTHER * (1.0 - no_gap) } else { 0.0 };
-    let is_noise = !left.is_unexplained && gain < SOMETHING;
+    let is_noise = !left.is_unexplained && gain + doubt < SOMETHING;
     let high = if is_noise { NOT_MORE * (1.0 - no_gap) } else { 1.0 };
     let named = (1.0 - no_gap - none_of_these).max(f64::MIN_POSITIVE);
     let none_of_these = none_of_these.max(low).min(high);

@@ -50,7 +50,8 @@ pub(super) struct Claim<'a> {
 
 /// What speaks against the named causes, those that forbid them first.
 pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
-    let mut all: Vec<Objection> = claim.causes.iter().filter_map(|cause| faint(cause)).collect();
+    let mut all: Vec<Objection> =
+        claim.causes.iter().filter_map(|cause| faint(cause, claim.held_out)).collect();
     all.extend(useless(claim));
     all.extend(at_edges(claim.answer));
     all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
@@ -78,8 +79,13 @@ pub(super) fn doubt(others: &mut Probabilities, causes: &mut [Cause], pairs: &mu
     }
 }
 
-/// All strengths of a cause are within their errors.
-fn faint(cause: &Cause) -> Option<Objection> {
+/// All strengths of a cause are within their errors. One that held-out logs clearly show is there all the same: it only
+/// cannot be told from its other parameters.
+fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
+    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|closed| 0.0 < closed.interval[0]);
+    if held_out.iter().any(is_shown) {
+        return None;
+    }
     let strengths = cause.parameters.iter().filter(|p| p.is_strength);
     let of = |p: &Estimate| p.value.abs() / p.standard_error;
     let largest = strengths.map(of).filter(|ratio| ratio.is_finite()).reduce(f64::max)?;
