@@ -1,39 +1,36 @@
 //! How many fused multiply-adds one core can do per second: what other figures are parts of.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
 use std::hint::black_box;
 
-use pulp::{Arch, Simd, WithSimd};
+use fd_numeric::lanes::{LaneScalar, Machine, Registers, Simd, Work as OnRegisters};
 
 /// Independent sums, enough to hide the latency of an addition.
 const CHAINS: usize = 12;
 /// Multiply-adds per sum.
 const LENGTH: usize = 10_000;
 
-macro_rules! chains {
-    ($name:ident, $lanes:ident, $splat:ident, $mul_add:ident) => {
-        struct $name;
+struct Chains;
 
-        impl WithSimd for $name {
-            type Output = u64;
+impl<T: LaneScalar> OnRegisters<T> for Chains {
+    type Output = u64;
 
-            #[inline(always)]
-            fn with_simd<S: Simd>(self, simd: S) -> u64 {
-                let factor = simd.$splat(black_box(0.5));
-                let mut sums = [simd.$splat(black_box(1.0)); CHAINS];
-                for _ in 0..LENGTH {
-                    for sum in &mut sums {
-                        *sum = simd.$mul_add(*sum, factor, factor);
-                    }
-                }
-                black_box(sums);
-                (CHAINS * LENGTH * S::$lanes) as u64
+    #[inline(always)]
+    fn run<S: Simd>(self, m: T::Registers<S>) -> u64 {
+        let factor = m.splat(black_box(T::from_design(0.5)));
+        let mut sums = [m.splat(black_box(T::one())); CHAINS];
+        for _ in 0..LENGTH {
+            for sum in &mut sums {
+                *sum = m.mul_add(*sum, factor, factor);
             }
         }
-    };
+        black_box(sums);
+        (CHAINS * LENGTH * size_of_val(&factor) / size_of::<T>()) as u64
+    }
 }
-
-chains!(Doubles, F64_LANES, splat_f64s, mul_add_e_f64s);
-chains!(Singles, F32_LANES, splat_f32s, mul_add_e_f32s);
 
 /// A name and what does this many multiply-adds.
 pub type Work = (&'static str, fn() -> u64);
@@ -41,5 +38,8 @@ pub type Work = (&'static str, fn() -> u64);
 /// Runs of multiply-adds, each of which returns how many numbers it has computed.
 #[must_use]
 pub fn fused_multiply_adds() -> [Work; 2] {
-    [("f64", || Arch::new().dispatch(Doubles)), ("f32", || Arch::new().dispatch(Singles))]
+    [
+        ("f64", || Machine::detect().run::<f64, _>(Chains)),
+        ("f32", || Machine::detect().run::<f32, _>(Chains)),
+    ]
 }

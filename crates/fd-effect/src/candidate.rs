@@ -33,6 +33,8 @@ use super::site::{Side, SiteRef};
 /// * *The same in other units*: a plant in mm has the same candidates, scaled.
 /// * *The same integration grid* as the nominal model. An effect with a fast mode of its own is written
 ///   exactly over a step for held inputs, as those of the library are.
+/// * *What it says of itself*: strengths below zero only with [`is_signed`](Self::is_signed), and what
+///   [`dissipates`](Self::dissipates) and [`has_slope`](Self::has_slope) promise.
 /// * The [`label`](Self::label) is one cause. Its laws are variants that a diagnosis may choose among
 ///   without calling them different, the simplest one first.
 ///   The [`family`](Self::family) is the mechanism, wider than the label: what competes with what.
@@ -54,7 +56,7 @@ use super::site::{Side, SiteRef};
 ///
 /// # How it composes
 ///
-/// List it in [`library`](super::library), one line, or hand a `Vec<Box<dyn Effect>>` of your own to
+/// List it in the `all()` of its side, such as [`dynamics::all`](super::dynamics::all), or hand a `Vec<Box<dyn Effect>>` of your own to
 /// [`EverySite`](super::EverySite). Labels work on the command line from then on (`--exclude`, `--only`).
 ///
 /// # When not to implement it
@@ -128,6 +130,23 @@ pub trait Effect: std::fmt::Debug + Send + Sync {
 
     /// The mechanism that the effect belongs to, such as `friction`: wider than the label.
     fn family(&self) -> &'static str;
+
+    /// Whether strengths may be negative: a gain may be too small as well as too large. A width, a
+    /// delay or a dry friction below zero would be something else, and starts at 0.
+    fn is_signed(&self) -> bool {
+        false
+    }
+
+    /// Whether it takes energy out of the motion of its site, from every start.
+    fn dissipates(&self) -> bool {
+        false
+    }
+
+    /// Whether the outputs follow each strength from the first start on, so that a fit can leave
+    /// it. Not where they jump, or see nothing of some strengths.
+    fn has_slope(&self) -> bool {
+        true
+    }
 
     /// One candidate per law and site, or the reason why there is none.
     fn candidates(

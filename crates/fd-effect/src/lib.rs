@@ -63,7 +63,7 @@ pub use self::{
 /// What an effect offers: one candidate per law and site, or the reason why there is none.
 pub type Offers = Vec<Result<Candidate, NotTestable>>;
 
-/// All effects that are known.
+/// All effects that are known: the lists of the four sides, one after the other.
 ///
 /// ```
 /// use fd_effect::library;
@@ -73,46 +73,7 @@ pub type Offers = Vec<Result<Candidate, NotTestable>>;
 /// ```
 #[must_use]
 pub fn library() -> Vec<Box<dyn Effect>> {
-    use self::{dynamics as d, input as i, map as m, sensor as s};
-    vec![
-        Box::new(i::InputGain),
-        Box::new(i::InputOffset),
-        Box::new(i::InputDeadZone),
-        Box::new(i::InputSaturation),
-        Box::new(i::InputBacklash),
-        Box::new(i::InputDelay),
-        Box::new(i::InputLag),
-        Box::new(i::InputRateLimit),
-        Box::new(i::InputQuantisation),
-        Box::new(i::InputCrossCoupling),
-        Box::new(d::ViscousFriction),
-        Box::new(d::CoulombFriction),
-        Box::new(d::Drag),
-        Box::new(d::LinearStiffness),
-        Box::new(d::Stiffening),
-        Box::new(d::ConstantLoad),
-        Box::new(d::GravityLoad),
-        Box::new(d::PeriodicForce),
-        Box::new(d::Hysteresis),
-        Box::new(d::ResonantMode),
-        Box::new(d::EndStop),
-        Box::new(d::Overflow),
-        Box::new(d::StateCoupling),
-        Box::new(d::ParameterError),
-        Box::new(s::SensorBias),
-        Box::new(s::SensorDrift),
-        Box::new(s::SensorScale),
-        Box::new(s::SensorLag),
-        Box::new(s::SensorDelay),
-        Box::new(s::SensorSaturation),
-        Box::new(s::SensorCrossTalk),
-        Box::new(s::SensorQuantisation),
-        Box::new(s::SensorOutliers),
-        Box::new(s::SensorNoise),
-        Box::new(m::InputMap),
-        Box::new(m::ForceMap),
-        Box::new(m::SensorMap),
-    ]
+    [input::all(), dynamics::all(), sensor::all(), map::all()].into_iter().flatten().collect()
 }
 
 /// What all effects of a library offer for a model, in the order of the library.

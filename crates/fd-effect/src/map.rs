@@ -27,6 +27,16 @@ pub struct ForceMap;
 #[derive(Clone, Copy, Debug)]
 pub struct SensorMap;
 
+/// All effects that are maps.
+///
+/// ```
+/// assert_eq!(fd_effect::map::all()[0].label(), "input-map");
+/// ```
+#[must_use]
+pub fn all() -> Vec<Box<dyn Effect>> {
+    vec![Box::new(InputMap), Box::new(ForceMap), Box::new(SensorMap)]
+}
+
 impl Effect for InputMap {
     fn label(&self) -> &'static str {
         "input-map"
@@ -34,6 +44,14 @@ impl Effect for InputMap {
 
     fn family(&self) -> &'static str {
         "map"
+    }
+
+    fn is_signed(&self) -> bool {
+        true
+    }
+
+    fn has_slope(&self) -> bool {
+        false
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
@@ -59,6 +77,14 @@ impl Effect for ForceMap {
 
     fn family(&self) -> &'static str {
         "map"
+    }
+
+    fn is_signed(&self) -> bool {
+        true
+    }
+
+    fn has_slope(&self) -> bool {
+        false
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
@@ -91,6 +117,14 @@ impl Effect for SensorMap {
 
     fn family(&self) -> &'static str {
         "map"
+    }
+
+    fn is_signed(&self) -> bool {
+        true
+    }
+
+    fn has_slope(&self) -> bool {
+        false
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {

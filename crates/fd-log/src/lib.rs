@@ -5,7 +5,7 @@
 //! | record | [`read_log`] with a [`LogMap`] | [`write_log`] |
 //! | huge log, row by row | [`LogReader`] | |
 //!
-//! A format is one file that implements [`LogSource`], and one line in the list of [`FORMATS`].
+//! A format is one file that implements [`LogSource`], and an entry in the list of [`FORMATS`] beside it.
 //!
 //! What a file calls its columns, and in which units, is not what a model calls its channels. A map says
 //! which is which, and a record comes out that has the channels of the model:
@@ -36,23 +36,19 @@
 //! ```
 
 mod columns;
-mod csv;
 mod error;
 mod format;
 mod header;
 mod map;
-mod ndjson;
 mod reader;
 mod source;
 mod writer;
 
 pub use self::{
-    csv::CsvSource,
     error::LogError,
-    format::{FORMATS, LogFormat, format_of, open},
+    format::{CsvSource, FORMATS, LogFormat, NdjsonSource, format_of, open},
     header::HeaderColumn,
     map::{ColumnMap, LogMap, RowRule, TimeMap},
-    ndjson::NdjsonSource,
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
     source::LogSource,
     writer::{write_log, write_log_to},

@@ -6,9 +6,8 @@ use fd_model::{Channel, Record, TimeBaseError, TimeBaseReport, TimeSeries};
 
 use crate::{
     columns::{Column, Time, resolve, rule_columns, time_source},
-    csv::CsvSource,
     error::LogError,
-    format::open,
+    format::{CsvSource, open},
     map::{LogMap, RowRule},
     source::LogSource,
 };

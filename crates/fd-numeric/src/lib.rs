@@ -5,10 +5,12 @@
 //! |---|---|
 //! | multiply short vectors at run time, in any precision | [`dot()`] |
 //! | multiply long signals | [`wide::dot`], [`wide::dots`] |
+//! | compute the same with many numbers side by side | [`lanes`] |
 //! | say how large a signal is | [`rms()`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
 
 mod dot;
+pub mod lanes;
 mod quantile;
 mod rms;
 pub mod wide;

@@ -7,9 +7,7 @@
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use std::sync::OnceLock;
-
-use pulp::{Arch, Simd, WithSimd};
+use crate::lanes::{DoubleRegisters, Machine, Simd, Work};
 
 /// Sums that are added up side by side in a scalar product, so that none waits for another.
 const SUMS: usize = 8;
@@ -28,7 +26,7 @@ const GROUP: usize = 4;
 /// Panics when `b` is shorter than `a`.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let [product, ..] = arch().dispatch(Products { a, b: [b; 1] });
+    let [product, ..] = Machine::detect().run(Products { a, b: [b; 1] });
     product
 }
 
@@ -47,20 +45,14 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Panics when one of the others is shorter than `a`.
 #[must_use]
 pub fn dots(a: &[f64], others: &[&[f64]]) -> Vec<f64> {
-    let arch = arch();
+    let machine = Machine::detect();
     let mut products = Vec::with_capacity(others.len());
     let (groups, rest) = others.as_chunks::<GROUP>();
     for b in groups {
-        products.extend(arch.dispatch(Products { a, b: *b }));
+        products.extend(machine.run(Products { a, b: *b }));
     }
     products.extend(rest.iter().map(|b| dot(a, b)));
     products
-}
-
-/// Asking the processor what it can do takes longer than a short product.
-fn arch() -> Arch {
-    static ARCH: OnceLock<Arch> = OnceLock::new();
-    *ARCH.get_or_init(Arch::new)
 }
 
 struct Products<'a, const N: usize> {
@@ -68,11 +60,11 @@ struct Products<'a, const N: usize> {
     b: [&'a [f64]; N],
 }
 
-impl<const N: usize> WithSimd for Products<'_, N> {
+impl<const N: usize> Work<f64> for Products<'_, N> {
     type Output = [f64; N];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; N] {
+    fn run<S: Simd>(self, _: DoubleRegisters<S>) -> [f64; N] {
         let (a, a_rest) = self.a.as_chunks::<SUMS>();
         let mut b: [&[[f64; SUMS]]; N] = [&[]; N];
         for (chunks, signal) in b.iter_mut().zip(self.b) {

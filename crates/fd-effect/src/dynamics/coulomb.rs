@@ -28,6 +28,10 @@ impl Effect for CoulombFriction {
         "friction"
     }
 
+    fn dissipates(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let unit = &at.site.unit;

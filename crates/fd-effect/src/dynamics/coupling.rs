@@ -19,6 +19,10 @@ impl Effect for StateCoupling {
         "coupling"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let mut offers = Vec::new();
         for (i, site) in scales.sites.iter().enumerate() {

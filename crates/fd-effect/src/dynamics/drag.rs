@@ -19,6 +19,10 @@ impl Effect for Drag {
         "friction"
     }
 
+    fn dissipates(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let scale = at.force() / (at.velocity() * at.velocity());

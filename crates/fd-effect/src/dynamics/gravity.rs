@@ -19,6 +19,10 @@ impl Effect for GravityLoad {
         "load"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let unit = at.position_unit();

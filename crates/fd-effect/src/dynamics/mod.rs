@@ -34,6 +34,31 @@ pub use self::{
 };
 use super::{Effect, Offers, Reason, Sketch, units::per};
 
+/// All effects inside the plant.
+///
+/// ```
+/// assert_eq!(fd_effect::dynamics::all()[0].label(), "viscous-friction");
+/// ```
+#[must_use]
+pub fn all() -> Vec<Box<dyn Effect>> {
+    vec![
+        Box::new(ViscousFriction),
+        Box::new(CoulombFriction),
+        Box::new(Drag),
+        Box::new(LinearStiffness),
+        Box::new(Stiffening),
+        Box::new(ConstantLoad),
+        Box::new(GravityLoad),
+        Box::new(PeriodicForce),
+        Box::new(Hysteresis),
+        Box::new(ResonantMode),
+        Box::new(EndStop),
+        Box::new(Overflow),
+        Box::new(StateCoupling),
+        Box::new(ParameterError),
+    ]
+}
+
 /// What effects say that need to know what moves the site.
 const NO_EQUATION: Reason = Reason::Missing("equation of motion");
 

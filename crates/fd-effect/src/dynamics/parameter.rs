@@ -22,6 +22,10 @@ impl Effect for ParameterError {
         "parameter"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let offers = nominal.parameters.iter().enumerate().map(|(i, parameter)| {
             Sketch::of_parameter(self, "relative", nominal, scales, i)

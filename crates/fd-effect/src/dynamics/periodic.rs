@@ -22,6 +22,10 @@ impl Effect for PeriodicForce {
         "load"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (lowest, highest) = (0.5 / scales.duration, 0.45 / scales.ts);
         // In periods per log. A square wave above an eighth of the sample rate is all but a

@@ -23,6 +23,10 @@ impl Effect for LinearStiffness {
         "stiffness"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let scale = at.force() / at.position();
@@ -44,6 +48,10 @@ impl Effect for Stiffening {
 
     fn family(&self) -> &'static str {
         "stiffness"
+    }
+
+    fn is_signed(&self) -> bool {
+        true
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {

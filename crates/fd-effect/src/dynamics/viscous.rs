@@ -18,6 +18,14 @@ impl Effect for ViscousFriction {
         "friction"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
+    fn dissipates(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let scale = at.force() / at.velocity();

@@ -17,6 +17,10 @@ impl Effect for InputCrossCoupling {
         "coupling"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let mut offers = Vec::new();
         for (i, input) in scales.inputs.iter().enumerate() {

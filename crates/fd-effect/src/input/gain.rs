@@ -19,6 +19,10 @@ impl Effect for InputGain {
         "actuator-gain"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_input(self, nominal, scales, |sketch, _| {
             let gain = |law| sketch(law).strength("e", "gain_error", "1", 1.0, [-0.9, 2.0]);

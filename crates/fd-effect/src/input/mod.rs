@@ -22,6 +22,27 @@ pub use self::{
 };
 use super::{Effect, Offers, Reason, Sketch};
 
+/// All effects between the logged command and the plant.
+///
+/// ```
+/// assert_eq!(fd_effect::input::all()[0].label(), "input-gain");
+/// ```
+#[must_use]
+pub fn all() -> Vec<Box<dyn Effect>> {
+    vec![
+        Box::new(InputGain),
+        Box::new(InputOffset),
+        Box::new(InputDeadZone),
+        Box::new(InputSaturation),
+        Box::new(InputBacklash),
+        Box::new(InputDelay),
+        Box::new(InputLag),
+        Box::new(InputRateLimit),
+        Box::new(InputQuantisation),
+        Box::new(InputCrossCoupling),
+    ]
+}
+
 /// What the effects say when an input is constant.
 const STILL: Reason = Reason::Still("the input");
 

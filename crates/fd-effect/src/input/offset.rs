@@ -17,6 +17,10 @@ impl Effect for InputOffset {
         "actuator-offset"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let offers = scales.inputs.iter().enumerate().map(|(i, input)| {
             let size = if input.moves() { input.std } else { input.peak() };

@@ -23,6 +23,10 @@ impl Effect for InputQuantisation {
         "actuator-nonlinearity"
     }
 
+    fn has_slope(&self) -> bool {
+        false
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_input(self, nominal, scales, |sketch, input| {
             let law = |name, rounding, template| {

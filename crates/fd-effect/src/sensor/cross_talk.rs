@@ -19,6 +19,10 @@ impl Effect for SensorCrossTalk {
         "coupling"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let mut offers = Vec::new();
         for (i, output) in scales.outputs.iter().enumerate() {

@@ -18,6 +18,10 @@ impl Effect for SensorDrift {
         "sensor-offset"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let length = scales.duration;
         let shortest = 2.0 * scales.ts / length;

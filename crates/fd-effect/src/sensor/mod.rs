@@ -24,6 +24,27 @@ pub use self::{
 };
 use super::{Effect, Offers, Reason, Sketch};
 
+/// All effects between the plant and the logged measurement.
+///
+/// ```
+/// assert_eq!(fd_effect::sensor::all()[0].label(), "sensor-bias");
+/// ```
+#[must_use]
+pub fn all() -> Vec<Box<dyn Effect>> {
+    vec![
+        Box::new(SensorBias),
+        Box::new(SensorDrift),
+        Box::new(SensorScale),
+        Box::new(SensorLag),
+        Box::new(SensorDelay),
+        Box::new(SensorSaturation),
+        Box::new(SensorCrossTalk),
+        Box::new(SensorQuantisation),
+        Box::new(SensorOutliers),
+        Box::new(SensorNoise),
+    ]
+}
+
 /// What the effects say when an output is constant.
 const STILL: Reason = Reason::Still("the output");
 

@@ -18,6 +18,10 @@ impl Effect for SensorScale {
         "sensor-gain"
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_output(self, nominal, scales, |sketch, _| {
             vec![

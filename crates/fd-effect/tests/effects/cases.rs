@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fd_effect::{Candidate, Kind, NotTestable, Offers, library, offers};
+use fd_effect::{Candidate, Effect, Kind, NotTestable, Offers, library, offers};
 use fd_sim::{
     model::Model,
     scales::ReplayScales,
@@ -19,6 +19,11 @@ pub(crate) const PLANTS: [&str; 8] = [
     "tanks",
     "two_input",
 ];
+
+/// The effect that offers a candidate.
+pub(crate) fn effect(candidate: &Candidate) -> Box<dyn Effect> {
+    library().into_iter().find(|effect| effect.label() == candidate.label).unwrap()
+}
 
 /// A plant, its input and all that the library offers.
 pub(crate) struct Case {

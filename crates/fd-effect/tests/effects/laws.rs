@@ -8,7 +8,7 @@ use fd_sim::{
 };
 use num_dual::Dual64;
 
-use crate::cases::{Case, PLANTS, name};
+use crate::cases::{Case, PLANTS, effect, name};
 
 /// An integrator of what arrives, and a sensor of time.
 fn bench() -> Case {
@@ -249,9 +249,7 @@ fn friction_and_springs_work_against_the_motion_at_every_site() {
             site.mobility.signum() * power.sum::<f64>()
         };
         for candidate in case.simulated() {
-            let dissipates =
-                matches!(candidate.label, "viscous-friction" | "coulomb-friction" | "drag");
-            if dissipates {
+            if effect(&candidate).dissipates() {
                 for start in &candidate.starts {
                     let power = work(&candidate, start);
                     assert!(power < 0.0, "{plant}: {}: {power}", name(&candidate));
@@ -333,8 +331,7 @@ fn dual_numbers_go_through_every_effect() {
                     // of a map over values that do not occur, nor a held signal between its steps.
                     let leaves = y.iter().any(|y| y.eps != 0.0)
                         || !candidate.parameters[i].is_strength
-                        || candidate.label == "input-quantisation"
-                        || candidate.family == "map"
+                        || !effect(&candidate).has_slope()
                         || (candidate.label == "sensor-delay" && is_held(&candidate));
                     let is_first = *phi == candidate.starts[0];
                     assert!(leaves || !is_first, "{plant}: {} has no slope {i}", name(&candidate));

@@ -5,7 +5,7 @@ use fd_effect::{Candidate, Kind, SiteRef, with_default_sites};
 use fd_sim::{model::Model, simulate::Outcome};
 use proptest::prelude::*;
 
-use crate::cases::{Case, PLANTS, name, weaker, without_strength};
+use crate::cases::{Case, PLANTS, effect, name, weaker, without_strength};
 
 const SAMPLES: usize = 300;
 
@@ -74,27 +74,7 @@ fn names_units_bounds_and_files_are_in_order() {
                 assert!(candidate.starts.iter().all(|x| p.low <= x[i] && x[i] <= p.high));
                 // Shapes of which a positive strength says the direction, and widths, delays,
                 // frictions that a negative one would turn into something else.
-                let is_signed = matches!(
-                    candidate.label,
-                    "input-gain"
-                        | "input-offset"
-                        | "input-cross-coupling"
-                        | "viscous-friction"
-                        | "linear-stiffness"
-                        | "stiffening"
-                        | "constant-load"
-                        | "gravity-load"
-                        | "periodic-force"
-                        | "state-coupling"
-                        | "parameter-error"
-                        | "sensor-bias"
-                        | "sensor-drift"
-                        | "sensor-scale"
-                        | "sensor-cross-talk"
-                        | "input-map"
-                        | "force-map"
-                        | "sensor-map"
-                );
+                let is_signed = effect(&candidate).is_signed();
                 assert!(is_signed || !p.is_strength || p.low == 0.0, "{}", name(&candidate));
             }
         }

@@ -4,13 +4,12 @@ use fd_core::{
     StateVisitor,
     stage::{GuardReport, Stage},
 };
+use fd_numeric::lanes::{LaneScalar, Machine};
 use rayon::prelude::*;
 
 use super::{
     design::LaneDesign,
     error::BatchError,
-    lanes::{LaneScalar, sealed::Lanes},
-    machine::Machine,
     samples::SampleBlock,
     tile::{Layout, Pass, Regressors, Tally},
 };
@@ -51,7 +50,7 @@ pub struct BatchRls<T: LaneScalar> {
     layout: Layout,
     /// Whether any estimator forgets directionally.
     is_directional: bool,
-    tiles: Vec<<T as Lanes>::Row>,
+    tiles: Vec<T::Row>,
     tallies: Vec<Tally<T>>,
     lanes: Vec<Lane<T>>,
 }

@@ -5,7 +5,8 @@
 )]
 #![expect(clippy::needless_range_loop, reason = "the indices are those of the algebra")]
 
-use super::lanes::{Aligned, LaneScalar, Registers};
+use fd_numeric::lanes::{Aligned, LaneScalar, Registers};
+
 use crate::rls::rounding;
 
 /// What the estimators of some lanes are told: one register each, or one number of one estimator.

@@ -148,13 +148,10 @@ mod design;
 mod error;
 mod estimators;
 mod kernel;
-mod lanes;
-mod machine;
 mod past;
 mod samples;
 mod tile;
 
-pub use self::{
-    error::BatchError, estimators::BatchRls, lanes::LaneScalar, machine::Machine,
-    samples::SampleBlock,
-};
+pub use fd_numeric::lanes::{LaneScalar, Machine};
+
+pub use self::{error::BatchError, estimators::BatchRls, samples::SampleBlock};

@@ -4,10 +4,9 @@
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use super::{
-    lanes::Aligned,
-    tile::{Layout, Regressors},
-};
+use fd_numeric::lanes::Aligned;
+
+use super::tile::{Layout, Regressors};
 
 /// Past inputs and past values of the negated bias, newest first, as in
 /// [`RecursiveArx`](crate::arx::RecursiveArx).

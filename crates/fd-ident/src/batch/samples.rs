@@ -1,6 +1,6 @@
 //! Samples of many estimators, laid out as the estimators are.
 
-use super::lanes::{LaneScalar, sealed::Lanes};
+use fd_numeric::lanes::LaneScalar;
 
 /// Some samples `(φ, y)` for each of many estimators, or `(u, μ)` for estimators that make their
 /// regressors themselves.
@@ -24,7 +24,7 @@ pub struct SampleBlock<T: LaneScalar> {
     estimators: usize,
     steps: usize,
     /// For each tile, for each sample: a row per column and one of targets.
-    rows: Vec<<T as Lanes>::Row>,
+    rows: Vec<T::Row>,
 }
 
 impl<T: LaneScalar> SampleBlock<T> {
@@ -113,7 +113,7 @@ impl<T: LaneScalar> SampleBlock<T> {
         }
     }
 
-    pub(super) fn rows(&self) -> &[<T as Lanes>::Row] {
+    pub(super) fn rows(&self) -> &[T::Row] {
         &self.rows
     }
 }

@@ -4,12 +4,10 @@
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use pulp::{Simd, WithSimd};
+use fd_numeric::lanes::{Aligned, LaneScalar, Machine, Registers, Simd, Work};
 
 use super::{
     kernel::{Settings, State, update},
-    lanes::{Aligned, LaneScalar, Registers, sealed::Lanes},
-    machine::Machine,
     past::Past,
 };
 use crate::arx::ArxOrders;
@@ -17,7 +15,7 @@ use crate::arx::ArxOrders;
 /// Up to this many parameters, each number has a kernel of its own.
 const UNROLLED: usize = 10;
 
-type Row<T> = <T as Lanes>::Row;
+type Row<T> = <T as LaneScalar>::Row;
 
 /// Where the rows of a tile are: settings first, then what it remembers.
 #[derive(Clone, Copy, Debug)]
@@ -141,15 +139,14 @@ impl<T: LaneScalar> Pass<'_, T> {
 /// A pass of estimators with at most `N` parameters, some of which may forget directionally.
 struct Sized<'a, T: LaneScalar, const N: usize, const DIRECTIONAL: bool>(Pass<'a, T>);
 
-impl<T: LaneScalar, const N: usize, const DIRECTIONAL: bool> WithSimd
+impl<T: LaneScalar, const N: usize, const DIRECTIONAL: bool> Work<T>
     for Sized<'_, T, N, DIRECTIONAL>
 {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn run<S: Simd>(self, m: T::Registers<S>) {
         let Pass { layout, tiles, samples, steps, tallies, .. } = self.0;
-        let m = T::registers(simd);
         let per_tile = steps * (layout.columns() + 1);
         if per_tile == 0 {
             return;
@@ -182,7 +179,7 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool
     // Known to the compiler, which then unrolls everything.
     let n = if N <= UNROLLED { N } else { layout.n };
     let zero = m.splat(T::zero());
-    let load = |tile: &[Row<T>], row: usize| M::of(&tile[row])[part];
+    let load = |tile: &[Row<T>], row: usize| M::of(tile[row].as_ref())[part];
     let settings = Aligned(Settings {
         noise: load(tile, Layout::NOISE),
         minus_scale: load(tile, Layout::MINUS_SCALE),
@@ -214,20 +211,20 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool
     let columns = layout.columns();
     let is_given = layout.regressors == Regressors::Given;
     for sample in samples.chunks_exact(columns + 1) {
-        let target = M::of(&sample[columns])[part];
+        let target = M::of(sample[columns].as_ref())[part];
         if is_given {
             for i in 0..n {
-                phi[i] = M::of(&sample[i])[part];
+                phi[i] = M::of(sample[i].as_ref())[part];
             }
             update::<T, M, N, DIRECTIONAL>(m, n, &settings, &mut state, &phi, target);
         } else {
-            past.push_input(columns, |i| M::of(&sample[i])[part]);
+            past.push_input(columns, |i| M::of(sample[i].as_ref())[part]);
             past.regressor_into(&mut phi[..n], m.splat(T::one()));
             update::<T, M, N, DIRECTIONAL>(m, n, &settings, &mut state, &phi, target);
             past.push_bias(m.sub(zero, target));
         }
     }
-    let mut store = |row: usize, value: M::Reg| M::of_mut(&mut tile[row])[part] = value;
+    let mut store = |row: usize, value: M::Reg| M::of_mut(tile[row].as_mut())[part] = value;
     store(Layout::TRACE_BOUND, state.trace_bound);
     for j in 0..n {
         store(Layout::D + j, state.d[j]);
@@ -239,6 +236,6 @@ fn learn<T: LaneScalar, M: Registers<T>, const N: usize, const DIRECTIONAL: bool
     for (row, value) in past.rows().enumerate() {
         store(layout.past() + row, *value);
     }
-    M::of_mut(&mut tally[0])[part] = state.skipped;
-    M::of_mut(&mut tally[1])[part] = state.bounded;
+    M::of_mut(tally[0].as_mut())[part] = state.skipped;
+    M::of_mut(tally[1].as_mut())[part] = state.bounded;
 }

@@ -5,12 +5,11 @@
 use std::any::TypeId;
 
 use fd_core::Scalar;
+use fd_numeric::lanes::elementary;
 use thiserror::Error;
 
 use super::{
-    exponential,
     expr::{Binary, Comparison, Cond, Expr, Lookup, Unary},
-    sine,
     table::Table,
 };
 
@@ -21,16 +20,16 @@ const MAX_WHOLE_EXPONENT: f64 = 64.0;
 pub(super) fn unary<T: Scalar>(function: Unary, x: T) -> T {
     match function {
         Unary::Neg => -x,
-        Unary::Sin => own(x, sine::sin, T::sin),
-        Unary::Cos => own(x, sine::cos, T::cos),
+        Unary::Sin => own(x, elementary::sin, T::sin),
+        Unary::Cos => own(x, elementary::cos, T::cos),
         Unary::Tan => x.tan(),
         Unary::Asin => x.asin(),
         Unary::Acos => x.acos(),
         Unary::Atan => x.atan(),
         Unary::Sinh => x.sinh(),
         Unary::Cosh => x.cosh(),
-        Unary::Tanh => own(x, exponential::tanh, T::tanh),
-        Unary::Exp => own(x, exponential::exp, T::exp),
+        Unary::Tanh => own(x, elementary::tanh, T::tanh),
+        Unary::Exp => own(x, elementary::exp, T::exp),
         Unary::Ln => x.ln(),
         Unary::Log10 => x.log10(),
         Unary::Sqrt => x.sqrt(),

@@ -6,33 +6,25 @@
 
 use std::marker::PhantomData;
 
-use pulp::Simd;
+use fd_numeric::lanes::{self, DoubleRegisters, Registers, Simd, elementary};
 
 use super::{
-    exponential,
     expr::Comparison,
     kernel::{Kernel, Work},
-    sine,
     value::{Lanes, Value},
 };
 
 /// Arithmetic in registers of several lanes.
 #[derive(Clone, Copy)]
-struct Registers<S>(S);
+struct Wide<S>(DoubleRegisters<S>);
 
 // Loops are written out: a closure handed to an iterator would be compiled for the smallest
 // machine.
-impl<S: Simd> Registers<S> {
-    // `Simd::select_f64s` and `Simd::neg_f64s` are not inlined into code for wide registers.
-    #[inline(always)]
-    fn pick(self, mask: S::m64s, yes: S::f64s, no: S::f64s) -> S::f64s {
-        pulp::cast(self.0.select_u64s(mask, pulp::cast(yes), pulp::cast(no)))
-    }
-
+impl<S: Simd> Wide<S> {
     #[inline(always)]
     fn map<const N: usize>(to: &mut Lanes<N>, a: &Lanes<N>, f: impl Fn(S::f64s) -> S::f64s) {
-        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
-        let (a, _) = S::as_simd_f64s(&a.0);
+        let to = DoubleRegisters::<S>::of_mut(&mut to.0);
+        let a = DoubleRegisters::<S>::of(&a.0);
         for i in 0..N / S::F64_LANES {
             to[i] = f(a[i]);
         }
@@ -45,8 +37,8 @@ impl<S: Simd> Registers<S> {
         b: &Lanes<N>,
         f: impl Fn(S::f64s, S::f64s) -> S::f64s,
     ) {
-        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
-        let ((a, _), (b, _)) = (S::as_simd_f64s(&a.0), S::as_simd_f64s(&b.0));
+        let to = DoubleRegisters::<S>::of_mut(&mut to.0);
+        let (a, b) = (DoubleRegisters::<S>::of(&a.0), DoubleRegisters::<S>::of(&b.0));
         for i in 0..N / S::F64_LANES {
             to[i] = f(a[i], b[i]);
         }
@@ -58,227 +50,227 @@ impl<S: Simd> Registers<S> {
         [a, b, c]: [&Lanes<N>; 3],
         f: impl Fn(S::f64s, S::f64s, S::f64s) -> S::f64s,
     ) {
-        let (to, _) = S::as_mut_simd_f64s(&mut to.0);
-        let ((a, _), (b, _)) = (S::as_simd_f64s(&a.0), S::as_simd_f64s(&b.0));
-        let (c, _) = S::as_simd_f64s(&c.0);
+        let to = DoubleRegisters::<S>::of_mut(&mut to.0);
+        let (a, b) = (DoubleRegisters::<S>::of(&a.0), DoubleRegisters::<S>::of(&b.0));
+        let c = DoubleRegisters::<S>::of(&c.0);
         for i in 0..N / S::F64_LANES {
             to[i] = f(a[i], b[i], c[i]);
         }
     }
 }
 
-impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
+impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Wide<S> {
     #[inline(always)]
     fn add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| simd.add_f64s(a, b),
+            |a, b| m.add(a, b),
         );
     }
 
     #[inline(always)]
     fn sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| simd.sub_f64s(a, b),
+            |a, b| m.sub(a, b),
         );
     }
 
     #[inline(always)]
     fn mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| simd.mul_f64s(a, b),
+            |a, b| m.mul(a, b),
         );
     }
 
     #[inline(always)]
     fn div(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| simd.div_f64s(a, b),
+            |a, b| m.div(a, b),
         );
     }
 
     #[inline(always)]
     fn mul_add(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
-            |a, b, c| simd.add_f64s(simd.mul_f64s(a, b), c),
+            |a, b, c| m.add(m.mul(a, b), c),
         );
     }
 
     #[inline(always)]
     fn mul_sub(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
-            |a, b, c| simd.sub_f64s(simd.mul_f64s(a, b), c),
+            |a, b, c| m.sub(m.mul(a, b), c),
         );
     }
 
     #[inline(always)]
     fn sub_mul(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
-            |a, b, c| simd.sub_f64s(c, simd.mul_f64s(a, b)),
+            |a, b, c| m.sub(c, m.mul(a, b)),
         );
     }
 
     #[inline(always)]
     fn neg(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
-        let minus = simd.splat_f64s(-1.0);
+        let m = self.0;
+        let minus = m.splat(-1.0);
         Self::map(
             to,
             a,
             #[inline(always)]
-            |a| simd.mul_f64s(a, minus),
+            |a| m.mul(a, minus),
         );
     }
 
     #[inline(always)]
     fn sqrt(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::map(
             to,
             a,
             #[inline(always)]
-            |a| simd.sqrt_f64s(a),
+            |a| m.sqrt(a),
         );
     }
 
     #[inline(always)]
     fn sin(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
-        match Size::of(a, sine::SMALL, sine::FAR) {
+        let m = self.0;
+        match Size::of(a, elementary::SMALL_ANGLE, elementary::FAR_ANGLE) {
             Size::Small => Self::map(
                 to,
                 a,
                 #[inline(always)]
-                |a| sine::sin_small(simd, a),
+                |a| m.sin_small(a),
             ),
             Size::Near => Self::map(
                 to,
                 a,
                 #[inline(always)]
-                |a| sine::sin_near(simd, a),
+                |a| m.sin_near(a),
             ),
-            Size::Far => each(to, a, sine::sin),
+            Size::Far => each(to, a, elementary::sin),
         }
     }
 
     #[inline(always)]
     fn cos(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
-        match Size::of(a, sine::SMALL, sine::FAR) {
+        let m = self.0;
+        match Size::of(a, elementary::SMALL_ANGLE, elementary::FAR_ANGLE) {
             Size::Small => Self::map(
                 to,
                 a,
                 #[inline(always)]
-                |a| sine::cos_small(simd, a),
+                |a| m.cos_small(a),
             ),
             Size::Near => Self::map(
                 to,
                 a,
                 #[inline(always)]
-                |a| sine::cos_near(simd, a),
+                |a| m.cos_near(a),
             ),
-            Size::Far => each(to, a, sine::cos),
+            Size::Far => each(to, a, elementary::cos),
         }
     }
 
     #[inline(always)]
     fn exp(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
-        match Size::of(a, 0.0, exponential::FAR) {
+        let m = self.0;
+        match Size::of(a, 0.0, elementary::FAR_EXPONENT) {
             Size::Small | Size::Near => Self::map(
                 to,
                 a,
                 #[inline(always)]
-                |a| exponential::exp_near(simd, a),
+                |a| m.exp_near(a),
             ),
-            Size::Far => each(to, a, exponential::exp),
+            Size::Far => each(to, a, elementary::exp),
         }
     }
 
     #[inline(always)]
     fn tanh(self, to: &mut Lanes<N>, a: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::map(
             to,
             a,
             #[inline(always)]
-            |a| exponential::tanh_of(simd, a),
+            |a| m.tanh(a),
         );
     }
 
     #[inline(always)]
     fn smaller(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| self.pick(simd.less_than_f64s(b, a), b, a),
+            |a, b| m.select(m.less(b, a), b, a),
         );
     }
 
     #[inline(always)]
     fn larger(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip(
             to,
             a,
             b,
             #[inline(always)]
-            |a, b| self.pick(simd.less_than_f64s(a, b), b, a),
+            |a, b| m.select(m.less(a, b), b, a),
         );
     }
 
     #[inline(always)]
     fn clamp(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
-        let simd = self.0;
+        let m = self.0;
         Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
             |a, b, c| {
-                let above = self.pick(simd.less_than_f64s(a, b), b, a);
-                self.pick(simd.less_than_f64s(c, above), c, above)
+                let above = m.select(m.less(a, b), b, a);
+                m.select(m.less(c, above), c, above)
             },
         );
     }
 
     #[inline(always)]
     fn compare(self, comparison: Comparison, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>) {
-        let simd = self.0;
-        let (yes, no) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
+        let m = self.0;
+        let (yes, no) = (m.splat(1.0), m.splat(0.0));
         macro_rules! holds {
             ($method:ident, $a:expr, $b:expr) => {
                 Self::zip(
@@ -286,28 +278,28 @@ impl<S: Simd, const N: usize> Kernel<Lanes<N>> for Registers<S> {
                     $a,
                     $b,
                     #[inline(always)]
-                    |a, b| self.pick(simd.$method(a, b), yes, no),
+                    |a, b| m.select(m.$method(a, b), yes, no),
                 )
             };
         }
         match comparison {
-            Comparison::Less => holds!(less_than_f64s, a, b),
-            Comparison::LessEqual => holds!(less_than_or_equal_f64s, a, b),
-            Comparison::Greater => holds!(less_than_f64s, b, a),
-            Comparison::GreaterEqual => holds!(less_than_or_equal_f64s, b, a),
-            Comparison::Equal => holds!(equal_f64s, a, b),
+            Comparison::Less => holds!(less, a, b),
+            Comparison::LessEqual => holds!(at_most, a, b),
+            Comparison::Greater => holds!(less, b, a),
+            Comparison::GreaterEqual => holds!(at_most, b, a),
+            Comparison::Equal => holds!(equal, a, b),
         }
     }
 
     #[inline(always)]
     fn select(self, to: &mut Lanes<N>, a: &Lanes<N>, b: &Lanes<N>, c: &Lanes<N>) {
-        let simd = self.0;
-        let zero = simd.splat_f64s(0.0);
+        let m = self.0;
+        let zero = m.splat(0.0);
         Self::zip3(
             to,
             [a, b, c],
             #[inline(always)]
-            |a, b, c| self.pick(simd.less_than_f64s(zero, a), b, c),
+            |a, b, c| m.select(m.less(zero, a), b, c),
         );
     }
 }
@@ -350,11 +342,11 @@ pub(super) struct InLanes<W, V> {
     pub(super) lanes: PhantomData<V>,
 }
 
-impl<const N: usize, W: Work<Lanes<N>>> pulp::WithSimd for InLanes<W, Lanes<N>> {
+impl<const N: usize, W: Work<Lanes<N>>> lanes::Work<f64> for InLanes<W, Lanes<N>> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.work.run(Registers(simd));
+    fn run<S: Simd>(self, registers: DoubleRegisters<S>) {
+        self.work.run(Wide(registers));
     }
 }

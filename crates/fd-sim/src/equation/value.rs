@@ -4,9 +4,10 @@
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use std::{fmt::Debug, marker::PhantomData, sync::OnceLock};
+use std::{fmt::Debug, marker::PhantomData};
 
 use fd_core::Scalar;
+use fd_numeric::lanes::Machine;
 
 use super::{
     kernel::{OneLane, Work},
@@ -208,14 +209,6 @@ impl<const N: usize> Value for Lanes<N> {
     }
 
     fn vectorized<W: Work<Self>>(work: W) {
-        // Asking the processor what it can do takes longer than a short program.
-        static ARCH: OnceLock<pulp::Arch> = OnceLock::new();
-        let work = InLanes { work, lanes: PhantomData::<Self> };
-        match *ARCH.get_or_init(pulp::Arch::new) {
-            // Fewer lanes than the widest register has.
-            #[cfg(target_arch = "x86_64")]
-            pulp::Arch::V4(wide) if !N.is_multiple_of(8) => pulp::Simd::vectorize(*wide, work),
-            arch => arch.dispatch(work),
-        }
+        Machine::detect().for_rows_of(N).run(InLanes { work, lanes: PhantomData::<Self> });
     }
 }

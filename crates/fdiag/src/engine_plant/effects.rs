@@ -89,6 +89,10 @@ impl Effect for EngineEffect {
         self.family
     }
 
+    fn is_signed(&self) -> bool {
+        self.bounds[0] < 0.0
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let offers = self.parameters.iter().map(|name| {
             let parameter = nominal.parameters.iter().position(|known| known.name == *name);

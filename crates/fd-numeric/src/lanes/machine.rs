@@ -1,15 +1,21 @@
 //! Which instructions this processor has.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined into code for wide registers is compiled for narrow ones"
+)]
 
-use std::{fmt, sync::OnceLock};
+use std::{fmt, marker::PhantomData, sync::OnceLock};
 
-use pulp::WithSimd;
+use pulp::{Simd, WithSimd};
 
-/// Instructions that estimators side by side are computed with.
+use super::registers::LaneScalar;
+
+/// Instructions that numbers side by side are computed with.
 ///
 /// # Examples
 ///
 /// ```
-/// use fd_ident::batch::Machine;
+/// use fd_numeric::lanes::Machine;
 ///
 /// // The best there is comes first, one number at a time last.
 /// let names: Vec<String> = Machine::all().iter().map(ToString::to_string).collect();
@@ -42,9 +48,46 @@ impl Machine {
         all
     }
 
+    /// The same, or the next narrower one where its registers hold more numbers than rows of so
+    /// many `f64` can fill.
+    #[must_use]
+    pub fn for_rows_of(self, numbers: usize) -> Self {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            pulp::Arch::V4(wide) if !numbers.is_multiple_of(8) => Self(pulp::Arch::V3(*wide)),
+            _ => self,
+        }
+    }
+
+    /// Does some work, in code that is compiled for this machine.
     #[inline]
-    pub(super) fn run<W: WithSimd>(self, work: W) -> W::Output {
-        self.0.dispatch(work)
+    pub fn run<T: LaneScalar, W: Work<T>>(self, work: W) -> W::Output {
+        self.0.dispatch(Waiting { work, lanes: PhantomData })
+    }
+}
+
+/// Something to be computed with registers. `run` should be `#[inline(always)]`, and so should all
+/// that it calls.
+pub trait Work<T: LaneScalar> {
+    /// What comes out.
+    type Output;
+
+    /// Computes it.
+    fn run<S: Simd>(self, registers: T::Registers<S>) -> Self::Output;
+}
+
+/// Work that waits for a machine.
+struct Waiting<W, T> {
+    work: W,
+    lanes: PhantomData<T>,
+}
+
+impl<T: LaneScalar, W: Work<T>> WithSimd for Waiting<W, T> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> W::Output {
+        self.work.run(T::registers(simd))
     }
 }
 

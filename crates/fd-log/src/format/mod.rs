@@ -1,12 +1,14 @@
 //! The formats that can be read: one list, from the name of a file to a source.
 
+mod csv;
+mod ndjson;
+
 use std::{fs::File, path::Path};
 
+pub use self::{csv::CsvSource, ndjson::NdjsonSource};
 use crate::{
-    csv::CsvSource,
     error::LogError,
     map::LogMap,
-    ndjson::NdjsonSource,
     source::{LogSource, cannot_read},
 };
 

@@ -16,9 +16,9 @@ use std::f64::consts::FRAC_2_PI;
 use pulp::Simd;
 
 /// Largest angle that is reduced here: up to 2¹⁶ quarters of a turn.
-pub(super) const FAR: f64 = 1e5;
+pub const FAR: f64 = 1e5;
 /// Up to here there is nothing to take off.
-pub(super) const SMALL: f64 = 0.75;
+pub const SMALL: f64 = 0.75;
 
 /// π/2 in parts: three of 36 bits, whose products with up to 2¹⁶ are exact, and the rest.
 const QUARTER: [f64; 4] = [
@@ -50,7 +50,9 @@ const COSINE: [f64; 6] = [
 ];
 
 /// `sin(x)`.
-pub(super) fn sin(x: f64) -> f64 {
+#[inline]
+#[must_use]
+pub fn sin(x: f64) -> f64 {
     if x.abs() <= SMALL {
         sine(pulp::Scalar, Angle::small(pulp::Scalar, x))
     } else if x.abs() > FAR {
@@ -61,7 +63,9 @@ pub(super) fn sin(x: f64) -> f64 {
 }
 
 /// `cos(x)`.
-pub(super) fn cos(x: f64) -> f64 {
+#[inline]
+#[must_use]
+pub fn cos(x: f64) -> f64 {
     if x.abs() <= SMALL {
         cosine(pulp::Scalar, Angle::small(pulp::Scalar, x))
     } else if x.abs() > FAR {

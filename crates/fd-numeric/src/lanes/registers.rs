@@ -12,66 +12,56 @@ use std::{
 use fd_core::Scalar;
 use pulp::Simd;
 
-/// A number that estimators side by side can compute with: `f64` or `f32`.
+use super::{exponential, sine};
+
+/// A number that can lie side by side with others: `f64` or `f32`. The trait is sealed.
 ///
-/// One row of memory holds the same number of [`Self::WIDTH`] estimators, in 64 bytes: one
-/// register of the widest machine, several of a narrower one. The trait is sealed.
+/// One row of memory holds [`Self::WIDTH`] of them, in 64 bytes: one register of the widest machine,
+/// several of a narrower one.
 ///
 /// ```
-/// use fd_ident::batch::LaneScalar;
+/// use fd_numeric::lanes::LaneScalar;
 ///
-/// fn tiles<T: LaneScalar>(estimators: usize) -> usize {
-///     estimators.div_ceil(T::WIDTH)
+/// fn rows<T: LaneScalar>(numbers: usize) -> usize {
+///     numbers.div_ceil(T::WIDTH)
 /// }
 ///
-/// assert_eq!((tiles::<f64>(100), tiles::<f32>(100)), (13, 7));
+/// assert_eq!((rows::<f64>(100), rows::<f32>(100)), (13, 7));
 /// ```
-pub trait LaneScalar: Scalar + sealed::Lanes {
-    /// Estimators in a row: 8 of `f64`, 16 of `f32`.
+pub trait LaneScalar: Scalar + sealed::Sealed {
+    /// Numbers in a row: 8 of `f64`, 16 of `f32`.
     const WIDTH: usize;
+    /// A row of memory.
+    type Row: Copy + Debug + Send + Sync + AsRef<[Self]> + AsMut<[Self]>;
+    /// Arithmetic on a machine.
+    type Registers<S: Simd>: Registers<Self>;
+
+    /// The same number in all lanes.
+    fn row(value: Self) -> Self::Row;
+
+    /// Arithmetic on this machine.
+    fn registers<S: Simd>(simd: S) -> Self::Registers<S>;
 }
 
-impl LaneScalar for f64 {
-    const WIDTH: usize = 8;
+mod sealed {
+    /// Rows and registers are made for two kinds of numbers.
+    pub trait Sealed {}
+
+    impl Sealed for f64 {}
+    impl Sealed for f32 {}
 }
-
-impl LaneScalar for f32 {
-    const WIDTH: usize = 16;
-}
-
-pub(crate) mod sealed {
-    //! What no other crate needs to name.
-
-    use super::{Debug, Registers, Scalar, Simd};
-
-    /// The row of memory and the registers of a scalar.
-    pub trait Lanes: Scalar {
-        /// One number of each estimator of a tile.
-        type Row: Copy + Debug + Send + Sync + AsRef<[Self]> + AsMut<[Self]>;
-        /// Arithmetic on a machine.
-        type Registers<S: Simd>: Registers<Self>;
-
-        /// The same number for all.
-        fn row(value: Self) -> Self::Row;
-
-        /// Arithmetic on this machine.
-        fn registers<S: Simd>(simd: S) -> Self::Registers<S>;
-    }
-}
-
-use sealed::Lanes;
 
 /// Arithmetic on as many numbers as a register holds.
-pub trait Registers<T: Lanes>: Copy {
+pub trait Registers<T: LaneScalar>: Copy {
     /// A register.
     type Reg: Copy;
     /// One truth value per lane.
     type Mask: Copy;
 
-    /// The registers that make up a row.
-    fn of(row: &T::Row) -> &[Self::Reg];
-    /// The registers that make up a row, to be changed.
-    fn of_mut(row: &mut T::Row) -> &mut [Self::Reg];
+    /// The registers that numbers, such as those of a row, make up; what is left over is left out.
+    fn of(numbers: &[T]) -> &[Self::Reg];
+    /// The registers that numbers make up, to be changed.
+    fn of_mut(numbers: &mut [T]) -> &mut [Self::Reg];
     /// The same number in all lanes.
     fn splat(self, value: T) -> Self::Reg;
     /// `a + b`.
@@ -82,6 +72,8 @@ pub trait Registers<T: Lanes>: Copy {
     fn mul(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
     /// `a / b`.
     fn div(self, a: Self::Reg, b: Self::Reg) -> Self::Reg;
+    /// The square root.
+    fn sqrt(self, a: Self::Reg) -> Self::Reg;
     /// `|a|`
     fn abs(self, a: Self::Reg) -> Self::Reg;
     /// `a b + c`, rounded once where the machine can.
@@ -90,6 +82,8 @@ pub trait Registers<T: Lanes>: Copy {
     fn less(self, a: Self::Reg, b: Self::Reg) -> Self::Mask;
     /// `a ≤ b`; false for what is not a number.
     fn at_most(self, a: Self::Reg, b: Self::Reg) -> Self::Mask;
+    /// `a = b`.
+    fn equal(self, a: Self::Reg, b: Self::Reg) -> Self::Mask;
     /// Both.
     fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Whether it holds in every lane.
@@ -103,7 +97,7 @@ pub trait Registers<T: Lanes>: Copy {
 /// not, by where the stack happens to be.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Aligned<A>(pub(super) A);
+pub struct Aligned<A>(pub A);
 
 impl<A> Deref for Aligned<A> {
     type Target = A;
@@ -125,8 +119,8 @@ macro_rules! lanes {
     (
         $scalar:ident, $row:ident, $count:literal, $registers:ident, $doc:literal,
         $reg:ident, $mask:ident, $bits:ident, $bit:ident, $split:ident, $split_mut:ident,
-        $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $abs:ident, $mul_add:ident,
-        $less:ident, $at_most:ident, $both:ident, $pick:ident
+        $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $abs:ident,
+        $mul_add:ident, $less:ident, $at_most:ident, $equal:ident, $both:ident, $pick:ident
     ) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug)]
@@ -151,7 +145,9 @@ macro_rules! lanes {
         #[derive(Clone, Copy, Debug)]
         pub struct $registers<S>(S);
 
-        impl Lanes for $scalar {
+        impl LaneScalar for $scalar {
+            const WIDTH: usize = $count;
+
             type Row = $row;
             type Registers<S: Simd> = $registers<S>;
 
@@ -171,13 +167,13 @@ macro_rules! lanes {
             type Mask = S::$mask;
 
             #[inline(always)]
-            fn of(row: &$row) -> &[S::$reg] {
-                S::$split(&row.0).0
+            fn of(numbers: &[$scalar]) -> &[S::$reg] {
+                S::$split(numbers).0
             }
 
             #[inline(always)]
-            fn of_mut(row: &mut $row) -> &mut [S::$reg] {
-                S::$split_mut(&mut row.0).0
+            fn of_mut(numbers: &mut [$scalar]) -> &mut [S::$reg] {
+                S::$split_mut(numbers).0
             }
 
             #[inline(always)]
@@ -206,6 +202,11 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
+            fn sqrt(self, a: S::$reg) -> S::$reg {
+                self.0.$sqrt(a)
+            }
+
+            #[inline(always)]
             fn abs(self, a: S::$reg) -> S::$reg {
                 self.0.$abs(a)
             }
@@ -223,6 +224,11 @@ macro_rules! lanes {
             #[inline(always)]
             fn at_most(self, a: S::$reg, b: S::$reg) -> S::$mask {
                 self.0.$at_most(a, b)
+            }
+
+            #[inline(always)]
+            fn equal(self, a: S::$reg, b: S::$reg) -> S::$mask {
+                self.0.$equal(a, b)
             }
 
             #[inline(always)]
@@ -254,7 +260,7 @@ lanes!(
     Doubles,
     8,
     DoubleRegisters,
-    "Double precision.",
+    "Double precision, side by side.",
     f64s,
     m64s,
     u64s,
@@ -266,10 +272,12 @@ lanes!(
     sub_f64s,
     mul_f64s,
     div_f64s,
+    sqrt_f64s,
     abs_f64s,
     mul_add_e_f64s,
     less_than_f64s,
     less_than_or_equal_f64s,
+    equal_f64s,
     and_m64s,
     select_u64s
 );
@@ -278,7 +286,7 @@ lanes!(
     Singles,
     16,
     SingleRegisters,
-    "Single precision.",
+    "Single precision, side by side.",
     f32s,
     m32s,
     u32s,
@@ -290,10 +298,51 @@ lanes!(
     sub_f32s,
     mul_f32s,
     div_f32s,
+    sqrt_f32s,
     abs_f32s,
     mul_add_e_f32s,
     less_than_f32s,
     less_than_or_equal_f32s,
+    equal_f32s,
     and_m32s,
     select_u32s
 );
+
+/// The functions of [`elementary`](super::elementary) in all lanes, where their arguments allow it.
+impl<S: Simd> DoubleRegisters<S> {
+    /// `sin(a)` of angles up to [`SMALL_ANGLE`](super::elementary::SMALL_ANGLE).
+    #[inline(always)]
+    pub fn sin_small(self, a: S::f64s) -> S::f64s {
+        sine::sin_small(self.0, a)
+    }
+
+    /// `sin(a)` of angles up to [`FAR_ANGLE`](super::elementary::FAR_ANGLE).
+    #[inline(always)]
+    pub fn sin_near(self, a: S::f64s) -> S::f64s {
+        sine::sin_near(self.0, a)
+    }
+
+    /// `cos(a)` of angles up to [`SMALL_ANGLE`](super::elementary::SMALL_ANGLE).
+    #[inline(always)]
+    pub fn cos_small(self, a: S::f64s) -> S::f64s {
+        sine::cos_small(self.0, a)
+    }
+
+    /// `cos(a)` of angles up to [`FAR_ANGLE`](super::elementary::FAR_ANGLE).
+    #[inline(always)]
+    pub fn cos_near(self, a: S::f64s) -> S::f64s {
+        sine::cos_near(self.0, a)
+    }
+
+    /// `exp(a)` up to [`FAR_EXPONENT`](super::elementary::FAR_EXPONENT).
+    #[inline(always)]
+    pub fn exp_near(self, a: S::f64s) -> S::f64s {
+        exponential::exp_near(self.0, a)
+    }
+
+    /// `tanh(a)`.
+    #[inline(always)]
+    pub fn tanh(self, a: S::f64s) -> S::f64s {
+        exponential::tanh_of(self.0, a)
+    }
+}

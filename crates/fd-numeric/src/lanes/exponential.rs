@@ -17,7 +17,7 @@ use super::sine::ROUNDING;
 
 /// Largest exponent of which the exponential is computed here: no power of two on the way is
 /// beyond what a number can hold.
-pub(super) const FAR: f64 = 700.0;
+pub const FAR: f64 = 700.0;
 /// From here on a hyperbolic tangent is 1.
 const ONE: f64 = 22.0;
 
@@ -33,12 +33,16 @@ const EXPM1: [f64; 5] = [
 ];
 
 /// `exp(x)`.
-pub(super) fn exp(x: f64) -> f64 {
+#[inline]
+#[must_use]
+pub fn exp(x: f64) -> f64 {
     if x.abs() > FAR { x.exp() } else { exp_near(pulp::Scalar, x) }
 }
 
 /// `tanh(x)`.
-pub(super) fn tanh(x: f64) -> f64 {
+#[inline]
+#[must_use]
+pub fn tanh(x: f64) -> f64 {
     tanh_of(pulp::Scalar, x)
 }
 
