@@ -167,7 +167,7 @@ fn a_wrong_unit_is_found_instead_of_a_cause() {
     desk.spoil("monday.csv", |_, row| {
         row[2] = (1e3 * row[2].parse::<f64>().unwrap()).to_string();
     });
-    let output = desk.gap(&FEW);
+    let output = desk.gap(&[&FEW[..], &["--as-read"]].concat());
     let text = stdout(&output);
     assert!(output.status.success(), "{output:?}");
     // In a linear model a force in mN does the same as a speed in mm/s: both are named.
@@ -176,6 +176,26 @@ fn a_wrong_unit_is_found_instead_of_a_cause() {
         text.contains("speed") && text.contains("0.001") && !text.contains("Mechanism and place"),
         "{text}"
     );
+}
+
+/// Without `--as-read` it is mended, and what is missing is found behind it.
+#[test]
+fn a_wrong_unit_is_mended() {
+    let desk = Desk::new();
+    desk.spoil("monday.csv", |_, row| {
+        row[2] = (1e3 * row[2].parse::<f64>().unwrap()).to_string();
+    });
+    let output = desk.gap(&FEW);
+    let text = stdout(&output);
+    assert!(output.status.success(), "{output:?}");
+    let headline =
+        "The log reads as if `speed` were in mm/s, not m/s (p > 0.99); with that mended: ";
+    assert!(text.starts_with(&format!("{headline}Coulomb friction at rail")), "{text}");
+    let report = desk.report();
+    assert_eq!(report["reading"]["mistake"]["kind"], "unit");
+    assert_eq!(report["findings"].as_array().map(Vec::len), Some(0), "{}", report["findings"]);
+    let page = desk.read("out/report.html");
+    assert!(page.contains("column_unit = ") && page.contains("mm/s"), "the page does not say how");
 }
 
 /// Logs that say nothing, or not what they claim: a finding in the place of an answer.
@@ -207,7 +227,7 @@ fn logs_without_an_answer_are_told_from_those_with_one() {
     for (change, kind, words) in cases {
         let desk = Desk::new();
         desk.spoil("monday.csv", change);
-        let output = desk.gap(&FEW);
+        let output = desk.gap(&[&FEW[..], &["--as-read"]].concat());
         let text = stdout(&output);
         assert!(output.status.success(), "{kind}: {output:?}");
         assert!(text.starts_with("Check the log first: monday.csv"), "{kind}: {text}");
