@@ -205,7 +205,7 @@ fn half_of_a_log_says_what_the_whole_one_does() {
     let text = desk.read("monday.csv");
     let lines = text.lines().filter(|line| !line.starts_with('#')).take(501);
     desk.put("half.csv", &lines.flat_map(|line| [line, "\n"]).collect::<String>());
-    let output = desk.run(&["gap", "--model", "model.toml", "--log", "half.csv", "--out", "out"]);
+    let output = desk.run(&["--model", "model.toml", "--log", "half.csv", "--out", "out"]);
     assert!(stdout(&output).starts_with("Coulomb friction at rail ("), "{output:?}");
     let closed = &desk.report()["diagnosis"]["held_out"][0]["closed_of_refit"]["interval"];
     assert!(0.8 < closed[1].as_f64().unwrap(), "{closed}");
