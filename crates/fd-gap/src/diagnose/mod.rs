@@ -135,6 +135,7 @@ mod context;
 mod feedback;
 mod judge;
 mod monitor;
+mod objection;
 mod prepare;
 mod report;
 mod result;
@@ -160,9 +161,10 @@ pub(crate) use self::{
 pub use self::{
     case::Case,
     monitor::{Monitor, Stage},
+    objection::Objection,
     result::{
         Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
-        Nuisance, Objection, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
+        Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
     settings::Settings,
 };

@@ -7,6 +7,7 @@ use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::objection::Objection;
 use crate::{fit::Horizon, quality::Finding, shrink::Closed};
 
 /// The answer to: which effect, how sure, how far does the gap shrink?
@@ -133,61 +134,6 @@ pub enum Regime {
     /// Nothing reaches the noise, and likelihoods would be absurdly sure: how often a cause
     /// forecasts best, on blocks of the logs drawn with replacement.
     AboveTheFloor,
-}
-
-/// What an engineer would say against an answer at first sight, whatever its probability.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Objection {
-    /// The strengths of a cause are hardly more than their errors.
-    FaintStrength {
-        /// Label of the cause.
-        cause: String,
-        /// The largest of them, in standard errors.
-        errors: f64,
-        /// Whether it is not more than one: then there may as well be none.
-        is_none: bool,
-    },
-    /// At every horizon, held-out logs are forecast worse than by a constant.
-    NoBetterThanConstant,
-    /// At every horizon, held-out logs are forecast worse than by the last value that was measured.
-    NoBetterThanLastValue,
-    /// At every horizon, held-out logs are forecast worse than by the model as it came.
-    WorseThanNominal,
-    /// At every horizon, held-out logs are forecast worse than by the model with its parameters refitted.
-    WorseThanRefitted,
-    /// Refitted parameters lie at the edges of what their tolerances allow.
-    ParametersAtEdges {
-        /// Their names.
-        names: Vec<String>,
-        /// Of so many.
-        of: usize,
-        /// Whether they are most of them.
-        is_most: bool,
-    },
-    /// The log reads what the saturated sensor could not show.
-    ReadsBeyondLimit {
-        /// The most that it could show, in the unit of the output.
-        limit: f64,
-        /// What is read, in that unit.
-        reads: f64,
-    },
-}
-
-impl Objection {
-    /// Whether no cause may be named in the face of it; the others are said beside the answer.
-    #[must_use]
-    pub fn forbids(&self) -> bool {
-        match self {
-            Self::FaintStrength { is_none, .. } => *is_none,
-            Self::ParametersAtEdges { is_most, .. } => *is_most,
-            Self::NoBetterThanConstant
-            | Self::NoBetterThanLastValue
-            | Self::WorseThanNominal
-            | Self::WorseThanRefitted
-            | Self::ReadsBeyondLimit { .. } => true,
-        }
-    }
 }
 
 /// A mechanism at a place.

@@ -54,8 +54,8 @@ pub fn feedback(input: &[f64], errors: &[f64], earliest: usize) -> Option<f64> {
         (0..n).map(|k| if delay <= k { signal[k - delay] } else { f64::NAN }).collect()
     };
     let delays = |signal: &[f64]| (1..=PAST).map(|delay| past(signal, delay)).collect::<Vec<_>>();
-    let of_input = unforeseen(&input[..n], delays(input));
-    let of_errors = unforeseen(&errors[..n], [delays(input), delays(errors)].concat());
+    let of_input = unforeseen(&input[..n], &delays(input));
+    let of_errors = unforeseen(&errors[..n], &[delays(input), delays(errors)].concat());
     let moves = |k: &usize| input[*k].to_bits() != input[*k - 1].to_bits();
     // A command that is held most of the time answers only where it moves.
     let moved: Vec<usize> = (first..n).filter(moves).collect();
@@ -80,7 +80,7 @@ pub fn feedback(input: &[f64], errors: &[f64], earliest: usize) -> Option<f64> {
 }
 
 /// What a signal has that `columns` and a constant do not foretell; NaN where something is missing.
-fn unforeseen(signal: &[f64], columns: Vec<Vec<f64>>) -> Vec<f64> {
+fn unforeseen(signal: &[f64], columns: &[Vec<f64>]) -> Vec<f64> {
     let is_whole = |k: &usize| signal[*k].is_finite() && columns.iter().all(|c| c[*k].is_finite());
     let rows: Vec<usize> = (0..signal.len()).filter(is_whole).collect();
     let pick = |values: &[f64]| -> Vec<f64> { rows.iter().map(|k| values[*k]).collect() };
@@ -96,7 +96,9 @@ fn unforeseen(signal: &[f64], columns: Vec<Vec<f64>>) -> Vec<f64> {
         let after = dot(&column, &column);
         if 1e-12 * before < after {
             let size = after.sqrt();
-            column.iter_mut().for_each(|v| *v /= size);
+            for v in &mut column {
+                *v /= size;
+            }
             remove(&column, &mut left);
             basis.push(column);
         }
@@ -117,7 +119,9 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     let mut from = 0;
     for group in order.chunk_by(|a, b| values[*a].total_cmp(&values[*b]).is_eq()) {
         let rank = from as f64 + 0.5 * (group.len() as f64 - 1.0) - middle;
-        group.iter().for_each(|k| ranks[*k] = rank);
+        for k in group {
+            ranks[*k] = rank;
+        }
         from += group.len();
     }
     ranks

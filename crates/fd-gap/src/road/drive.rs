@@ -172,8 +172,9 @@ fn is_noise(diagnosis: &Diagnosis) -> bool {
 /// The horizon at which forecasts judge all the way: that of the fits, if held-out logs were forecast at that, or the
 /// longest one; `None` without held-out logs.
 fn judged_at(diagnosis: &Diagnosis, settings: &Settings) -> Option<Horizon> {
-    let horizons = || diagnosis.held_out.iter().map(|held_out| held_out.horizon);
-    horizons().find(|horizon| *horizon == settings.horizon).or_else(|| horizons().last())
+    let mut horizons = diagnosis.held_out.iter().map(|held_out| held_out.horizon);
+    let longest = diagnosis.held_out.last().map(|held_out| held_out.horizon);
+    horizons.find(|horizon| *horizon == settings.horizon).or(longest)
 }
 
 /// Held-out gaps at a horizon, or at the longest one where it is not there.

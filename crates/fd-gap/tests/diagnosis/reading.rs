@@ -120,7 +120,7 @@ fn a_clock_that_is_late_is_told_and_a_delay_is_not() {
     let log = record(&model, reality(20.0), 3);
     let shifted = |by: isize| {
         let whole = changed(&log, |k, u, _| {
-            u[0] = log.u(k.saturating_add_signed(by).min(log.len() - 1))[0]
+            u[0] = log.u(k.saturating_add_signed(by).min(log.len() - 1))[0];
         });
         whole.slice(20, log.len() - 20)
     };

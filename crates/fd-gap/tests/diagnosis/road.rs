@@ -73,10 +73,6 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
     assert_eq!(first.regime, Regime::AboveTheFloor, "two causes do not explain three");
 
     let found = road(&case, &first, &settings, 8, &()).unwrap().unwrap();
-    println!("{:?} {:?} {:?}", found.end, found.closed, found.dropped);
-    for m in &found.causes {
-        println!("{} {:?} {:?} {}", m.cause.label, m.share, m.closed, m.probability);
-    }
     let labels: Vec<&str> = found.causes.iter().map(|m| m.cause.label).collect();
     // Either lag is the lag of this loop-free chain; the dead zone and the end are one place each.
     for planted in ["input-dead-zone", "input-saturation"] {
@@ -89,7 +85,7 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
     assert!(0.95 < found.closed.unwrap().fraction);
     // What was found can be adjusted in the next study, and what the user knows keeps its tolerance.
     let adjustable = found.model.parameters.iter().filter(|p| 0.0 < p.tolerance).count();
-    assert!(1 + labels.len() <= adjustable, "{:?}", found.model.parameters);
+    assert!(labels.len() < adjustable, "{:?}", found.model.parameters);
     assert_eq!(found.model.parameters[0].tolerance, 0.01);
 
     let short = road(&case, &first, &settings, 1, &()).unwrap().unwrap();

@@ -66,8 +66,12 @@ pub(super) fn bounded(believed: Believed, left: &LackOfFit, doubt: f64) -> Belie
     let named = (1.0 - no_gap - none_of_these).max(f64::MIN_POSITIVE);
     let none_of_these = none_of_these.max(low).min(high);
     let factor = (1.0 - no_gap - none_of_these).max(0.0) / named;
-    causes.iter_mut().for_each(|ranked| ranked.cause.probability *= factor);
-    pairs.iter_mut().for_each(|pair| pair.probability *= factor);
+    for ranked in &mut causes {
+        ranked.cause.probability *= factor;
+    }
+    for pair in &mut pairs {
+        pair.probability *= factor;
+    }
     Believed { others: Probabilities { no_gap, none_of_these }, causes, pairs }
 }
 

@@ -59,12 +59,11 @@ impl KnownNoise {
         let gaps = gap_per_output(errors);
         let of = |c: usize| {
             let stated = self.stated[c];
-            let floor = match stated {
-                Some(stated) => (stated / self.sigma[c]).max(1.0),
-                None => {
-                    let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
-                    found.max(self.of_rounding(c))
-                }
+            let floor = if let Some(stated) = stated {
+                (stated / self.sigma[c]).max(1.0)
+            } else {
+                let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
+                found.max(self.of_rounding(c))
             };
             Reach { times: gaps[c] / floor, is_stated: stated.is_some() }
         };

@@ -23,7 +23,8 @@ use super::{
         judged::{Judged, NamedPairs},
         sides,
     },
-    result::{Cause, Diagnosis, NotTested, Objection, Verdict},
+    objection::Objection,
+    result::{Cause, Diagnosis, NotTested, Verdict},
     search::searched::Searched,
     weigh::{
         answer::Fit,

@@ -9,7 +9,8 @@ use super::held_out::Noise;
 use crate::{
     diagnose::{
         judge::Probabilities,
-        result::{Cause, Estimate, HeldOut, Objection, Pair, Verdict},
+        objection::Objection,
+        result::{Cause, Estimate, HeldOut, Pair, Verdict},
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -107,20 +108,23 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
             .sum::<f64>()
             .sqrt()
     };
-    let loses = |rival: &dyn Fn(&HeldOut) -> Vec<f64>| {
+    let loses = |rival: fn(&HeldOut) -> &Vec<f64>| {
         !held_out.is_empty()
             && held_out.iter().all(|h| {
                 let after = total(&h.after);
-                WORSE * total(&rival(h)) < after && AT_THE_FLOOR * total(&h.floor) < after
+                WORSE * total(rival(h)) < after && AT_THE_FLOOR * total(&h.floor) < after
             })
     };
-    let rivals: [(&dyn Fn(&HeldOut) -> Vec<f64>, Objection); 3] = [
-        (&|h| h.constant.clone(), Objection::NoBetterThanConstant),
-        (&|h| h.last_value.clone(), Objection::NoBetterThanLastValue),
-        (&|h| h.nominal.clone(), Objection::WorseThanNominal),
-    ];
-    let mut all: Vec<Objection> =
-        rivals.into_iter().filter(|(rival, _)| loses(rival)).map(|(_, o)| o).collect();
+    let mut all = Vec::new();
+    if loses(|h| &h.constant) {
+        all.push(Objection::NoBetterThanConstant);
+    }
+    if loses(|h| &h.last_value) {
+        all.push(Objection::NoBetterThanLastValue);
+    }
+    if loses(|h| &h.nominal) {
+        all.push(Objection::WorseThanNominal);
+    }
     // Of a gap that is hardly above the noise, shares say more than sizes.
     let is_harm = |h: &HeldOut| h.closed_of_refit.is_some_and(|closed| closed.fraction < 0.0);
     if !held_out.is_empty() && held_out.iter().all(is_harm) {
