@@ -103,7 +103,7 @@ impl<'a> EverySite<'a> {
     }
 
     /// Leaves out labels (`coulomb-friction`), families (`friction`), or either at one site
-    /// (`delay@u`).
+    /// (`input-delay@u`).
     #[must_use]
     pub fn without(mut self, excluded: &[String]) -> Self {
         self.excluded.extend_from_slice(excluded);

@@ -179,3 +179,16 @@ fn a_model_without_sites_gets_some() {
         }
     }
 }
+
+/// Who excludes an effect finds its name in the guide.
+#[test]
+fn the_guide_lists_every_label_and_mechanism() {
+    let guide = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gap.md");
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let table = guide.split("## Names of effects").nth(1).unwrap().split("\n## ").next().unwrap();
+    for effect in fd_effect::library() {
+        for name in [effect.label(), effect.family()] {
+            assert!(table.contains(&format!("`{name}`")), "{name} is not in the guide");
+        }
+    }
+}

@@ -32,7 +32,8 @@ pub fn road(
     most: usize,
     monitor: &dyn Monitor,
 ) -> Result<Option<Road>, FitError> {
-    let is_explained = first.regime == Regime::AtTheFloor && !first.is_unexplained;
+    let is_named = matches!(first.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
+    let is_explained = first.regime == Regime::AtTheFloor && (is_named || !first.is_unexplained);
     if is_explained || first.is_logged_loop || first.verdict == Verdict::NoGap {
         return Ok(None);
     }
@@ -154,9 +155,12 @@ fn accepted(
     let is_it = |c: &Candidate| c.identity() == cause.identity() && c.law == cause.law;
     let candidate = offers.into_iter().flatten().find(is_it)?;
     let tied: Vec<&Cause> = diagnosis.tied.iter().filter_map(|id| diagnosis.cause(*id)).collect();
+    // That something else is missing as well is what the road is about.
+    let known = (1.0 - diagnosis.no_gap - diagnosis.none_of_these).max(f64::MIN_POSITIVE);
+    let of_tied: f64 = tied.iter().map(|cause| cause.probability).sum();
     let milestone = Milestone {
         cause: cause.clone(),
-        probability: tied.iter().map(|cause| cause.probability).sum(),
+        probability: (of_tied / known).min(1.0),
         tied: tied.iter().skip(1).map(|cause| cause.label.to_owned()).collect(),
         share: None,
         closed,

@@ -81,7 +81,7 @@ Examples:
   fdiag gap --model cart.toml --log monday.csv
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
   fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
-  fdiag gap --model cart.toml --log monday.csv --exclude delay@force --calibrate 5
+  fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
 
 #[derive(Debug, Default, Args)]
@@ -179,7 +179,7 @@ pub(crate) struct GapArgs {
     /// of seconds, or `auto`: free, unless the model runs away from its initial state
     #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
     pub(crate) horizon: HorizonChoice,
-    /// Effect that is not tried: a label or a mechanism, also at one place (delay@u); several times
+    /// Effect that is not tried: a label or a mechanism, also at one place (input-delay@u); several times
     #[arg(long, value_name = "EFFECT[@PLACE]")]
     pub(crate) exclude: Vec<String>,
     /// Effect that is tried, no others; named as for --exclude

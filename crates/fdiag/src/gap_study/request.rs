@@ -26,7 +26,7 @@ pub struct Request {
     pub held_out: HeldOutChoice,
     /// How long simulations run without seeing the outputs.
     pub horizon: HorizonChoice,
-    /// Effects that are not tried: labels, families, or either at a site (`delay@u`).
+    /// Effects that are not tried: labels, families, or either at a site (`input-delay@u`).
     pub exclude: Vec<String>,
     /// The only effects that are tried, named alike; none means all.
     pub only: Vec<String>,
