@@ -49,8 +49,8 @@
 //! let suspects: Vec<Candidate> = Vec::new();
 //! let case = Case { nominal: &model, suspects: &suspects, logs: &[log], held_out: &[] };
 //! let settings = Settings::default();
-//! let as_read = diagnose(&case, &settings, &())?;
-//! let suspicion = suspect(&case, settings.horizon, Some(&as_read))?.ok_or("a mistake")?;
+//! // No cause was tried on the log as it is read.
+//! let suspicion = suspect(&case, settings.horizon, None)?.ok_or("a mistake")?;
 //! assert_eq!(*suspicion.mistake(), Mistake::unit("y", 1e3));
 //!
 //! let logs = suspicion.mended(case.logs).ok_or("long enough")?;

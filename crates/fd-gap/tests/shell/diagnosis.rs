@@ -43,7 +43,9 @@ fn assert_named(shell: &Shell, cause: Cause, label: &str, site: &str, strength: 
     let first = &diagnosis.causes[0];
     assert_eq!((first.label, first.site.name()), (label, Some(site)));
     assert_eq!(diagnosis.verdict, Verdict::Cause);
-    assert!(0.9 < first.probability);
+    // A law that is not quite that of the black box leaves more than noise, and that is a witness as well.
+    let sure = if within == 0.0 { 0.9 } else { 0.7 };
+    assert!(sure < first.probability, "{}", first.probability);
     let found = &first.parameters[0];
     let error = (found.value - strength).abs();
     // Three standard errors, and what the black box makes of held means.
