@@ -33,9 +33,9 @@
 //! kind = "equations"
 //! name = "lag"
 //! sample_time = 0.1
-//! inputs = { u = { unit = "V" } }
+//! inputs = { u = { unit = "rad" } }
 //! outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
-//! states = { x = { unit = "V", initial = 0.0, derivative = "u - x" } }
+//! states = { x = { unit = "V", initial = 0.0, derivative = "sin(u) - x" } }
 //! "#.parse()?;
 //! let ts = model.sample_time()?;
 //! let (mut x, mut rows) = (0.0, Vec::new());
@@ -43,7 +43,7 @@
 //!     let u = (0.05 * f64::from(k)).sin() + 0.3;
 //!     // Millivolts, and noise of ten of them.
 //!     rows.push(([u], [1e3 * x + 14.1 * f64::from(k * k).sin()]));
-//!     x = u + (-0.1_f64).exp() * (x - u);
+//!     x = u.sin() + (-0.1_f64).exp() * (x - u.sin());
 //! }
 //! let log = Record::from_rows(model.external_inputs(), model.output_channels(), rows, ts)?;
 //! let suspects: Vec<Candidate> = Vec::new();
