@@ -9,7 +9,6 @@ use fd_core::Scalar;
 /// ```
 /// assert_eq!(fd_numeric::dot(&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0]), 32.0);
 /// ```
-
 #[must_use]
 // Not marked for inlining: unrolled into its callers, it costs an update of recursive least squares half as many
 // instructions again (fd-ident/tests/instructions.rs).
