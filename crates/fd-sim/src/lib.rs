@@ -5,6 +5,7 @@
 //! | [`equation`] | expressions as text, as trees and as bytecode |
 //! | [`model`] | model files made of such expressions |
 //! | [`simulate`] | the contract of a simulator, and those that fulfil it |
+//! | [`outside`] | simulators that are programs of their own |
 //! | [`scales`] | sizes of all signals in a simulation |
 //! | [`patch`] | effects spliced into a model, which stays a model |
 //!
@@ -51,6 +52,7 @@
 
 pub mod equation;
 pub mod model;
+pub mod outside;
 pub mod patch;
 pub mod scales;
 pub mod simulate;

@@ -4,7 +4,8 @@ mod entries;
 
 use toml::Spanned;
 
-use self::entries::{FileController, FileModel, FileState, Head, Ordered, Text};
+pub(crate) use self::entries::Ordered;
+use self::entries::{FileController, FileModel, FileState, Head, Text};
 use super::{
     draft::{
         Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Input, Law, NamedTable, Output,

@@ -13,7 +13,8 @@ use fd_model::{Channel, SampleTime};
 use self::{engine::Engine, lanes::Many, system::System};
 use super::{
     error::SimulateError,
-    simulator::{Initial, Outcome, Port, Run, Simulator, drive},
+    run::{Outcome, Run, drive},
+    simulator::{Initial, Port, Simulator},
 };
 use crate::{
     model::{Model, Parameter},

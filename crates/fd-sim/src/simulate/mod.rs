@@ -32,10 +32,12 @@ mod jacobian;
 mod linearize;
 mod logged_loop;
 mod nominal;
+mod run;
 mod shell;
 mod simulator;
 mod timing;
 
+pub(crate) use self::run::rows;
 pub use self::{
     black_box::BlackBox,
     equations::EquationSimulator,
@@ -44,6 +46,7 @@ pub use self::{
     linearize::{OperatingPoint, linearize, linearize_discrete},
     logged_loop::LoggedLoop,
     nominal::Nominal,
+    run::{Outcome, Run, Tape},
     shell::{Shell, ShellSimulator},
-    simulator::{Initial, Outcome, Port, Run, Simulator},
+    simulator::{Initial, Port, Simulator},
 };

@@ -2,9 +2,9 @@
 
 use std::fmt::Debug;
 
-use fd_core::Scalar;
 use fd_model::{Channel, SampleTime};
 
+use super::run::{Outcome, Run, Tape, drive, one_by_one};
 use crate::model::Parameter;
 
 /// A deterministic model of a plant that can be run from any initial state, with any parameters.
@@ -40,7 +40,8 @@ use crate::model::Parameter;
 /// | a fit | `simulate_many` with slightly different `theta`, `x0` | residuals and their slopes |
 /// | a forecast | `start` at sample `first`, then `step` | what comes after the samples it has seen |
 /// | a forecast that is carried along | `go_on_from`, `step` | a memory that outlives a segment |
-/// | a [`Shell`](super::Shell) | `measure`, then `step` with forces | effects spliced around a black box |
+/// | a [`Shell`](super::Shell) | `measure`, then `step` with forces | effects that depend on the motion |
+/// | a [`Shell`](super::Shell) | `replay` | all other effects spliced around a black box |
 /// | whoever works in parallel | `boxed` | a copy per thread |
 ///
 /// # What an implementor must and must not do
@@ -243,7 +244,9 @@ pub trait Simulator: Debug + Send + Sync {
     fn simulate(&mut self, theta: &[f64], x0: &[f64], u: &[f64], y: &mut [f64]) -> Outcome {
         let (nu, ny) = (self.inputs().len(), self.outputs().len());
         self.start(theta, x0, 0);
-        drive(nu, ny, u, y, |now, next, row| self.step(now, next, &[], row))
+        let outcome = drive(nu, ny, u, y, |now, next, row| self.step(now, next, &[], row));
+        self.rest();
+        outcome
     }
 
     /// Runs several times through the same inputs `u`, row by row one sample after another from
@@ -261,112 +264,41 @@ pub trait Simulator: Debug + Send + Sync {
     fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
         one_by_one(self, first, u, runs);
     }
-}
 
-/// One of several runs through the same inputs.
-#[derive(Debug)]
-pub struct Run<'a> {
-    /// Parameters, in the order of [`Simulator::parameters`].
-    pub theta: &'a [f64],
-    /// Initial state, in the order of [`Simulator::initial`].
-    pub x0: &'a [f64],
-    /// Outputs, row by row, to be written; after a divergence the rest is NaN.
-    pub y: &'a mut [f64],
-    /// How the run ended.
-    pub outcome: Outcome,
-}
-
-impl<'a> Run<'a> {
-    /// A run that is still to be made.
-    #[must_use]
-    pub fn new(theta: &'a [f64], x0: &'a [f64], y: &'a mut [f64]) -> Self {
-        Self { theta, x0, y, outcome: Outcome::Complete }
-    }
-
-    /// Looks at the outputs of sample `k`, of which there are `ny`; says whether the run goes on.
-    pub(super) fn check(&mut self, k: usize, ny: usize) -> bool {
-        if self.outcome != Outcome::Complete {
-            return false;
-        }
-        if self.y[k * ny..(k + 1) * ny].iter().any(|value| !value.is_finite()) {
-            self.outcome = Outcome::Diverged { sample: k };
-        }
-        self.outcome == Outcome::Complete
-    }
-
-    /// Makes the outputs NaN from the divergence on.
-    pub(super) fn finish(&mut self, ny: usize) {
-        if let Outcome::Diverged { sample } = self.outcome {
-            self.y[sample * ny..].fill(f64::NAN);
-        }
-    }
-}
-
-/// The rows of inputs that a run sees, sample by sample, with the row after it.
-pub(super) fn rows<'a>(u: &'a [f64], nu: usize) -> impl Fn(usize) -> [&'a [f64]; 2] {
-    let last = (u.len() / nu.max(1)).max(1) - 1;
-    move |k| [k, (k + 1).min(last)].map(|k| &u[k * nu..(k + 1) * nu])
-}
-
-/// One run after the other.
-pub(super) fn one_by_one<S: Simulator + ?Sized>(
-    simulator: &mut S,
-    first: u64,
-    u: &[f64],
-    runs: &mut [Run<'_>],
-) {
-    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
-    let inputs = rows(u, nu);
-    for run in runs {
-        simulator.start(run.theta, run.x0, first);
-        for k in 0..run.y.len() / ny {
-            let [now, next] = inputs(k);
-            simulator.step(now, next, &[], &mut run.y[k * ny..(k + 1) * ny]);
-            if !run.check(k, ny) {
-                break;
+    /// Runs through tapes, each with inputs and forces of its own that are held between samples, from
+    /// sample number `first` on. Results are to the bit those of steps.
+    ///
+    /// A [`Shell`](super::Shell) whose effects do not depend on what the plant does asks in this way. A
+    /// simulator that can make a whole run in one call overrides this.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn replay(&mut self, first: u64, tapes: &mut [Tape<'_>]) {
+        let (nu, nf, ny) = (self.inputs().len(), self.ports().len(), self.outputs().len());
+        for Tape { run, u, f } in tapes {
+            self.start(run.theta, run.x0, first);
+            for k in 0..run.y.len() / ny {
+                let (u, f) = (&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
+                self.step(u, u, f, &mut run.y[k * ny..(k + 1) * ny]);
+                if !run.check(k, ny) {
+                    break;
+                }
             }
+            run.finish(ny);
+            self.rest();
         }
-        run.finish(ny);
     }
-}
 
-/// Steps through all samples, until one is not finite.
-pub(super) fn drive<T: Scalar>(
-    nu: usize,
-    ny: usize,
-    u: &[f64],
-    y: &mut [T],
-    mut step: impl FnMut(&[f64], &[f64], &mut [T]),
-) -> Outcome {
-    let samples = y.len() / ny;
-    for k in 0..samples {
-        let sample = |k: usize| &u[k * nu..(k + 1) * nu];
-        let row = &mut y[k * ny..(k + 1) * ny];
-        step(sample(k), sample((k + 1).min(samples - 1)), row);
-        if row.iter().any(|value| !value.is_finite()) {
-            y[k * ny..].fill(T::from_design(f64::NAN));
-            return Outcome::Diverged { sample: k };
-        }
-    }
-    Outcome::Complete
+    /// Says that the run is over, so that what it holds (a process, a licence) is free for others. The next
+    /// thing it is asked is [`start`](Self::start), if anything. Nothing has to be told: it only saves time.
+    fn rest(&mut self) {}
 }
 
 impl Clone for Box<dyn Simulator> {
     fn clone(&self) -> Self {
         self.boxed()
     }
-}
-
-/// How a simulation ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Every output is finite.
-    Complete,
-    /// Outputs are NaN from this sample on.
-    Diverged {
-        /// First sample without a finite output, from 0.
-        sample: usize,
-    },
 }
 
 /// A state of which the initial value can be set.

@@ -163,7 +163,7 @@ impl<'de> Deserialize<'de> for Text {
 }
 
 /// The entries of a table in the order of the file, which a map does not keep.
-pub(super) struct Ordered<T>(pub(super) Vec<(Spanned<String>, T)>);
+pub(crate) struct Ordered<T>(pub(crate) Vec<(Spanned<String>, T)>);
 
 impl<T> Default for Ordered<T> {
     fn default() -> Self {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{EquationSimulator, engine::Engine, system::System};
 use crate::{
     equation::{Lanes, Value},
-    simulate::simulator::{Run, one_by_one, rows},
+    simulate::run::{Run, one_by_one, rows},
 };
 
 /// Most runs side by side: two of the widest registers, so that neither waits for the other.

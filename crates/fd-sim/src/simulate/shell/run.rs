@@ -8,7 +8,10 @@ use super::wiring::{Source, Wiring};
 use crate::{
     equation::{Program, Workspace},
     model::{Model, Parameter},
-    simulate::{EquationSimulator, Initial, Port, SimulateError, Simulator},
+    simulate::{
+        EquationSimulator, Initial, Outcome, Port, Run, SimulateError, Simulator, Tape,
+        run::one_by_one,
+    },
 };
 
 /// Relative error of a ratio of two times that is meant to be whole.
@@ -154,6 +157,13 @@ impl ShellSimulator {
 
     /// One step of the simulator inside; `false` when it diverges.
     fn move_on(&mut self, u: &[f64], f: &[f64], y: &mut [f64]) -> bool {
+        self.prepare(u, f);
+        self.inside.step(&self.seen, &self.seen, &self.pushed, &mut self.raw);
+        self.conclude(u, y)
+    }
+
+    /// What the simulator inside sees and is pushed with in a step.
+    fn prepare(&mut self, u: &[f64], f: &[f64]) {
         let nu = self.seen.len();
         self.row[..nu].copy_from_slice(u);
         match &mut self.before {
@@ -178,7 +188,12 @@ impl ShellSimulator {
             }
         }
         self.pushed.iter_mut().zip(f).for_each(|(pushed, f)| *pushed += f);
-        self.inside.step(&self.seen, &self.seen, &self.pushed, &mut self.raw);
+    }
+
+    /// What the sensors make of the raw outputs; `false` when these are not finite.
+    fn conclude(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        let nu = self.seen.len();
+        self.row[..nu].copy_from_slice(u);
         if self.raw.iter().any(|value| !value.is_finite()) {
             y.fill(f64::NAN);
             return false;
@@ -193,6 +208,86 @@ impl ShellSimulator {
         }
         true
     }
+
+    /// Starts the equations around the simulator inside, and finds its parameters.
+    fn start_around(&mut self, theta: &[f64], first: u64) {
+        self.handed_on.slow_mut()[..theta.len()].copy_from_slice(theta);
+        self.hand_on.prepare(&mut self.handed_on);
+        self.hand_on.run(&mut self.handed_on, &mut self.theta);
+        for part in self.before.iter_mut().chain(&mut self.after) {
+            part.equations.restart(theta, &part.initial, first);
+        }
+        self.raw.fill(0.0);
+        self.row.fill(0.0);
+        self.has_diverged = false;
+    }
+
+    /// Runs of which the effects do not depend on what the plant does: first all that happens before the
+    /// simulator inside, then that in one go, then all that happens after it.
+    fn in_one_go(&mut self, first: u64, tapes: &mut [Tape<'_>]) {
+        let (nu, nf, ny) = (self.seen.len(), self.pushed.len(), self.raw.len());
+        let (steps, begin) = (self.steps, first * self.steps as u64);
+        let mut insides = Vec::with_capacity(tapes.len());
+        for Tape { run, u, f } in &*tapes {
+            let n = run.y.len() / ny * steps;
+            let mut inside = Inside {
+                theta: Vec::new(),
+                u: Vec::with_capacity(n * nu),
+                f: Vec::with_capacity(n * nf),
+                y: vec![f64::NAN; n * ny],
+            };
+            self.start_around(run.theta, begin);
+            for k in 0..n {
+                let k = k / steps;
+                self.prepare(&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
+                inside.u.extend_from_slice(&self.seen);
+                inside.f.extend_from_slice(&self.pushed);
+            }
+            inside.theta.clone_from(&self.theta);
+            insides.push(inside);
+        }
+        let mut inner: Vec<Tape<'_>> = insides
+            .iter_mut()
+            .zip(&*tapes)
+            .map(|(Inside { theta, u, f, y }, tape)| Tape {
+                run: Run::new(theta, tape.run.x0, y),
+                u,
+                f,
+            })
+            .collect();
+        self.inside.replay(begin, &mut inner);
+        drop(inner);
+        for (Tape { run, u, .. }, inside) in tapes.iter_mut().zip(&insides) {
+            self.start_around(run.theta, begin);
+            let mut between = vec![0.0; ny];
+            for (k, raw) in inside.y.chunks_exact(ny).enumerate() {
+                let (sample, is_sample) = (k / steps, k % steps == 0);
+                let rows = sample * ny..(sample + 1) * ny;
+                let y = if is_sample { &mut run.y[rows] } else { &mut between[..] };
+                self.raw.copy_from_slice(raw);
+                if !self.has_diverged && !self.conclude(&u[sample * nu..(sample + 1) * nu], y) {
+                    self.has_diverged = true;
+                }
+                if is_sample {
+                    if self.has_diverged {
+                        run.y[sample * ny..].fill(f64::NAN);
+                    }
+                    if !run.check(sample, ny) {
+                        break;
+                    }
+                }
+            }
+            run.finish(ny);
+        }
+    }
+}
+
+/// What the simulator inside is given, and gives, in a whole run.
+struct Inside {
+    theta: Vec<f64>,
+    u: Vec<f64>,
+    f: Vec<f64>,
+    y: Vec<f64>,
 }
 
 impl Simulator for ShellSimulator {
@@ -221,17 +316,9 @@ impl Simulator for ShellSimulator {
     }
 
     fn start(&mut self, theta: &[f64], x0: &[f64], first: u64) {
-        self.handed_on.slow_mut()[..theta.len()].copy_from_slice(theta);
-        self.hand_on.prepare(&mut self.handed_on);
-        self.hand_on.run(&mut self.handed_on, &mut self.theta);
         let first = first * self.steps as u64;
+        self.start_around(theta, first);
         self.inside.start(&self.theta, x0, first);
-        for part in self.before.iter_mut().chain(&mut self.after) {
-            part.equations.restart(theta, &part.initial, first);
-        }
-        self.raw.fill(0.0);
-        self.row.fill(0.0);
-        self.has_diverged = false;
     }
 
     fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
@@ -255,5 +342,32 @@ impl Simulator for ShellSimulator {
 
     fn boxed(&self) -> Box<dyn Simulator> {
         Box::new(self.clone())
+    }
+
+    fn simulate(&mut self, theta: &[f64], x0: &[f64], u: &[f64], y: &mut [f64]) -> Outcome {
+        let mut runs = [Run::new(theta, x0, y)];
+        self.simulate_many(0, u, &mut runs);
+        runs[0].outcome
+    }
+
+    fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+        if self.needs_outputs {
+            one_by_one(self, first, u, runs);
+            return;
+        }
+        let ny = self.raw.len();
+        let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
+        let f = vec![0.0; samples * self.pushed.len()];
+        let mut tapes: Vec<Tape<'_>> = runs
+            .iter_mut()
+            .map(|run| Tape { run: Run::new(run.theta, run.x0, &mut *run.y), u, f: &f })
+            .collect();
+        self.in_one_go(first, &mut tapes);
+        let outcomes: Vec<_> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
+        runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
+    }
+
+    fn rest(&mut self) {
+        self.inside.rest();
     }
 }

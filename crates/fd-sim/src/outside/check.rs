@@ -1,0 +1,355 @@
+//! Whether a simulator keeps what the contract of a simulator promises.
+
+use std::time::Instant;
+
+use crate::simulate::{Run, Simulator, Tape};
+
+/// Relative change of a parameter between two runs that must differ smoothly.
+const NUDGE: f64 = 1e-7;
+/// Relative size of differences of the second order below which outputs are as precise as they need be.
+const FINE: f64 = 1e-12;
+/// Relative difference up to which a whole run and its steps are the same but for rounding.
+const ROUNDING: f64 = 1e-9;
+/// Change of what says nothing of its size.
+const TRIAL: f64 = 1e-3;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Grade {
+    /// As it should be.
+    Fine,
+    /// A diagnosis will run, but its user should know.
+    Doubt,
+    /// A diagnosis would go wrong.
+    Broken,
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// What was looked at.
+    pub what: &'static str,
+    /// How bad it is.
+    pub grade: Grade,
+    /// What was found.
+    pub text: String,
+}
+
+/// What was found out about a simulator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conformance {
+    /// Findings in the order in which they were made.
+    pub findings: Vec<Checked>,
+    /// Samples of a run.
+    pub samples: usize,
+    /// Time of a whole run in one call, in seconds.
+    pub run: f64,
+    /// Time of a run step by step, with a look at the outputs before each step, in seconds.
+    pub steps: f64,
+    /// Relative differences of the second order between runs 1e-7 apart: the precision of its outputs.
+    pub precision: f64,
+}
+
+impl Conformance {
+    /// The worst of all findings.
+    #[must_use]
+    pub fn worst(&self) -> Grade {
+        self.findings.iter().map(|finding| finding.grade).max().unwrap_or(Grade::Fine)
+    }
+
+    /// Seconds that so many runs take with one worker: half of them in one call, half step by step, as a
+    /// diagnosis asks for them.
+    #[must_use]
+    pub fn cost(&self, runs: u32) -> f64 {
+        0.5 * f64::from(runs) * (self.run + self.steps)
+    }
+}
+
+/// Runs through the same steps of random height, held for 10 to 40 samples, and what they are compared with.
+struct Bench<'a> {
+    simulator: &'a mut dyn Simulator,
+    samples: usize,
+    theta: Vec<f64>,
+    x0: Vec<f64>,
+    u: Vec<f64>,
+    f: Vec<f64>,
+    findings: Vec<Checked>,
+}
+
+/// Checks a simulator with inputs within plus and minus `amplitude`. A simulator with a memory must have been told
+/// to ask anew ([`OutsideSimulator::without_memory`](super::OutsideSimulator::without_memory)).
+///
+/// ```
+/// use fd_sim::{model::Model, outside::{Grade, check}, simulate::EquationSimulator};
+///
+/// let model: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "lag"
+/// sample_time = 0.1
+/// parameters = { T = { unit = "s", value = 2.0 }, idle = { unit = "1", value = 1.0 } }
+/// inputs = { u = { unit = "1" } }
+/// states = { x = { unit = "1", initial = 0.0, derivative = "(u - x)/T" } }
+/// outputs = { y = { unit = "1", value = "x" } }
+/// "#.parse()?;
+/// let found = check(&mut EquationSimulator::new(&model)?, 200, 1.0);
+/// assert_eq!(found.worst(), Grade::Broken);
+/// let broken: Vec<_> = found.findings.iter().filter(|f| f.grade == Grade::Broken).collect();
+/// assert!(broken.len() == 1 && broken[0].text.contains("`idle`"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn check(simulator: &mut dyn Simulator, samples: usize, amplitude: f64) -> Conformance {
+    let samples = samples.max(2);
+    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
+    let mut bench = Bench {
+        theta: simulator.parameters().iter().map(|p| p.value).collect(),
+        x0: simulator.initial().iter().map(|state| state.value).collect(),
+        u: excitation(samples, nu, amplitude),
+        f: vec![0.0; samples * nf],
+        findings: Vec::new(),
+        simulator,
+        samples,
+    };
+    let mut found = Conformance {
+        findings: Vec::new(),
+        samples,
+        run: f64::NAN,
+        steps: f64::NAN,
+        precision: f64::NAN,
+    };
+    let (theta, x0) = (bench.theta.clone(), bench.x0.clone());
+    // The first run starts what has to be started.
+    let base = bench.run(&theta, &x0);
+    if bench.goes_through(&base) {
+        let begun = Instant::now();
+        let again = bench.run(&theta, &x0);
+        found.run = begun.elapsed().as_secs_f64();
+        let begun = Instant::now();
+        let stepped = bench.by_steps();
+        found.steps = begun.elapsed().as_secs_f64();
+        bench.repeats(&base, &again);
+        bench.is_the_same_by_steps(&base, &stepped);
+        found.precision = bench.precision(&base);
+        bench.parameters(&base);
+        bench.the_rest(&base, amplitude);
+    }
+    found.findings = bench.findings;
+    found
+}
+
+/// Steps of random height for each input, from a generator of Lehmer's kind (S. K. Park, K. W. Miller,
+/// "Random number generators: good ones are hard to find", CACM 31 (1988) 1192).
+fn excitation(samples: usize, inputs: usize, amplitude: f64) -> Vec<f64> {
+    const MODULUS: u64 = 2_147_483_647;
+    let mut seed = 4711_u64;
+    let mut next = |low: f64, high: f64| {
+        seed = seed * 48_271 % MODULUS;
+        low + (high - low) * seed as f64 / MODULUS as f64
+    };
+    let mut u = vec![0.0; samples * inputs];
+    for i in 0..inputs {
+        let (mut level, mut until) = (0.0, 0.0);
+        for k in 0..samples {
+            if until <= k as f64 {
+                level = amplitude * next(-1.0, 1.0);
+                until = k as f64 + next(10.0, 40.0);
+            }
+            u[k * inputs + i] = level;
+        }
+    }
+    u
+}
+
+/// Largest difference of two series in parts of the largest value.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let size = a.iter().fold(0.0_f64, |size, a| size.max(a.abs()));
+    let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    let apart = apart.fold(0.0_f64, |most, d| if d.is_nan() { f64::NAN } else { most.max(d) });
+    if apart == 0.0 { 0.0 } else { apart / size.max(f64::MIN_POSITIVE) }
+}
+
+impl Bench<'_> {
+    fn say(&mut self, what: &'static str, grade: Grade, text: String) {
+        self.findings.push(Checked { what, grade, text });
+    }
+
+    fn run(&mut self, theta: &[f64], x0: &[f64]) -> Vec<f64> {
+        let mut y = vec![f64::NAN; self.samples * self.simulator.outputs().len()];
+        let mut runs = [Run::new(theta, x0, &mut y)];
+        self.simulator.simulate_many(0, &self.u, &mut runs);
+        y
+    }
+
+    fn by_steps(&mut self) -> Vec<f64> {
+        let (nu, ny) = (self.simulator.inputs().len(), self.simulator.outputs().len());
+        let mut y = vec![f64::NAN; self.samples * ny];
+        let mut seen = vec![f64::NAN; ny];
+        self.simulator.start(&self.theta, &self.x0, 0);
+        for (k, row) in y.chunks_exact_mut(ny).enumerate() {
+            let u = &self.u[k * nu..(k + 1) * nu];
+            let can_measure = self.simulator.measure(u, &mut seen);
+            self.simulator.step(u, u, &[], row);
+            if can_measure && apart(row, &seen) > ROUNDING {
+                row.fill(f64::NAN);
+            }
+        }
+        self.simulator.rest();
+        y
+    }
+
+    fn goes_through(&mut self, y: &[f64]) -> bool {
+        let ny = self.simulator.outputs().len();
+        let Some(place) = y.iter().position(|value| !value.is_finite()) else {
+            let text = format!("{} samples at the nominal parameters, all finite", self.samples);
+            self.say("a run", Grade::Fine, text);
+            return true;
+        };
+        let (sample, output) = (place / ny, &self.simulator.outputs()[place % ny].name);
+        let text = format!("`{output}` is not finite at sample {sample} of the nominal run");
+        self.say("a run", Grade::Broken, text);
+        false
+    }
+
+    fn repeats(&mut self, base: &[f64], again: &[f64]) {
+        // Something else in between, so that what is left of it shows.
+        let other: Vec<f64> = self.theta.iter().map(|p| p * (1.0 + TRIAL)).collect();
+        let x0 = self.x0.clone();
+        self.run(&other, &x0);
+        let theta = self.theta.clone();
+        let later = self.run(&theta, &x0);
+        let [now, then] = [apart(base, again), apart(base, &later)];
+        let (grade, text) = if now == 0.0 && then == 0.0 {
+            (Grade::Fine, "the same run three times gives the same bits".to_owned())
+        } else if now == 0.0 {
+            let text = format!("something is left of the run before: {then:.1e} of the outputs");
+            (Grade::Broken, text)
+        } else {
+            let text = format!("two equal runs differ by {:.1e} of the outputs", now.max(then));
+            (Grade::Broken, text)
+        };
+        self.say("repeatability", grade, text);
+    }
+
+    fn is_the_same_by_steps(&mut self, base: &[f64], stepped: &[f64]) {
+        let (grade, text) = match apart(base, stepped) {
+            0.0 => (Grade::Fine, "whole runs, steps and measurements agree to the bit".to_owned()),
+            d if d <= ROUNDING => {
+                (Grade::Doubt, format!("whole runs and steps differ by rounding, {d:.1e}"))
+            }
+            d if d.is_nan() => {
+                let text = "what is measured before a step is not what the step gives".to_owned();
+                (Grade::Broken, text)
+            }
+            d => (Grade::Broken, format!("whole runs and steps differ by {d:.1e} of the outputs")),
+        };
+        self.say("steps", grade, text);
+    }
+
+    /// Differences of the second order of runs that are 1e-7 apart: rounding, and a curvature of 1e-14.
+    fn precision(&mut self, base: &[f64]) -> f64 {
+        let x0 = self.x0.clone();
+        let mut worst = 0.0_f64;
+        for i in 0..self.theta.len() {
+            let [once, twice] = [1.0, 2.0].map(|n| {
+                let mut theta = self.theta.clone();
+                theta[i] += n * NUDGE * if theta[i] == 0.0 { 1.0 } else { theta[i] };
+                self.run(&theta, &x0)
+            });
+            let straight: Vec<f64> = base.iter().zip(&twice).map(|(a, b)| 0.5 * (a + b)).collect();
+            worst = worst.max(apart(&straight, &once));
+        }
+        if self.theta.is_empty() {
+            return f64::EPSILON;
+        }
+        let (grade, text) = if worst <= FINE {
+            (Grade::Fine, format!("outputs are smooth to {worst:.1e}: double precision"))
+        } else {
+            let step = worst.sqrt();
+            let text = format!(
+                "outputs are smooth to {worst:.1e} only (single precision, a loose solver?): slopes \
+                 need steps of about {step:.0e}, and a diagnosis may need twice the runs"
+            );
+            (if worst < TRIAL { Grade::Doubt } else { Grade::Broken }, text)
+        };
+        self.say("precision", grade, text);
+        worst
+    }
+
+    /// Each parameter must move some output.
+    fn parameters(&mut self, base: &[f64]) {
+        let (x0, all) = (self.x0.clone(), self.simulator.parameters().to_vec());
+        let mut dead = Vec::new();
+        let mut lost = Vec::new();
+        for (i, parameter) in all.iter().enumerate() {
+            let mut theta = self.theta.clone();
+            let share = if parameter.tolerance > 0.0 { parameter.tolerance } else { TRIAL };
+            theta[i] += share * if theta[i] == 0.0 { 1.0 } else { theta[i] };
+            let y = self.run(&theta, &x0);
+            match apart(base, &y) {
+                0.0 => dead.push(parameter.name.as_str()),
+                d if d.is_nan() => lost.push(parameter.name.as_str()),
+                _ => {}
+            }
+        }
+        if !dead.is_empty() {
+            let text = format!("no output moves with {}: is it applied?", quoted(&dead));
+            self.say("parameters", Grade::Broken, text);
+        }
+        if !lost.is_empty() {
+            let text = format!("runs diverge within the tolerance of {}", quoted(&lost));
+            self.say("parameters", Grade::Doubt, text);
+        }
+        if dead.is_empty() && lost.is_empty() {
+            self.say("parameters", Grade::Fine, format!("each of {} moves an output", all.len()));
+        }
+    }
+
+    /// Initial states, inputs and ports.
+    fn the_rest(&mut self, base: &[f64], amplitude: f64) {
+        let (theta, u) = (self.theta.clone(), self.u.clone());
+        let mut dead = [Vec::new(), Vec::new(), Vec::new()];
+        for i in 0..self.x0.len() {
+            let mut x0 = self.x0.clone();
+            let tolerance = self.simulator.initial()[i].tolerance;
+            x0[i] += tolerance.unwrap_or(TRIAL * x0[i].abs().max(1.0));
+            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+                dead[0].push(self.simulator.initial()[i].channel.name.clone());
+            }
+        }
+        let nu = self.simulator.inputs().len();
+        for i in 0..nu {
+            self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += TRIAL * amplitude);
+            let x0 = self.x0.clone();
+            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+                dead[1].push(self.simulator.inputs()[i].name.clone());
+            }
+            self.u.clone_from(&u);
+        }
+        let nf = self.simulator.ports().len();
+        for i in 0..nf {
+            let mut f = self.f.clone();
+            f.iter_mut().skip(i).step_by(nf).for_each(|f| *f = TRIAL * amplitude);
+            let mut y = vec![f64::NAN; base.len()];
+            let run = Run::new(&theta, &self.x0, &mut y);
+            self.simulator.replay(0, &mut [Tape { run, u: &self.u, f: &f }]);
+            if apart(base, &y) == 0.0 {
+                dead[2].push(self.simulator.ports()[i].channel.name.clone());
+            }
+        }
+        let what = ["initial states", "inputs", "ports"];
+        let counts = [self.x0.len(), nu, nf];
+        for ((what, dead), count) in what.into_iter().zip(dead).zip(counts) {
+            if !dead.is_empty() {
+                let names: Vec<&str> = dead.iter().map(String::as_str).collect();
+                let text = format!("no output moves with {}", quoted(&names));
+                self.say(what, Grade::Broken, text);
+            } else if 0 < count {
+                self.say(what, Grade::Fine, format!("each of {count} moves an output"));
+            }
+        }
+    }
+}
+
+fn quoted(names: &[&str]) -> String {
+    format!("`{}`", names.join("`, `"))
+}

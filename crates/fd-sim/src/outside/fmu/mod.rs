@@ -1,0 +1,241 @@
+//! An FMU for co-simulation, FMI 2.0 (Modelica Association, <https://fmi-standard.org>), as a simulator.
+//!
+//! Inputs, outputs, parameters, initial states and ports are variables of type `Real`; ports are inputs that the
+//! user names as such. The communication step is the sample time. An instance is used again for the next run by
+//! `fmi2Reset`; parameters and initial states are set before it is initialised.
+//!
+//! *When not to use:* FMUs for model exchange, or of another version; FMUs that crash, for they take this program
+//! with them: serve those from a process. Outputs that depend on inputs of the same instant are as good as the FMU
+//! is at showing them before it steps; many show those of the step before.
+
+mod api;
+mod archive;
+mod description;
+mod instance;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use fd_model::nearest;
+use tempfile::TempDir;
+
+use self::{
+    api::{Api, Component},
+    description::{Description, Variable},
+    instance::{FmuInstance, References},
+};
+use super::{
+    contract::{Contract, Entry, Powers, Stated},
+    error::OutsideError,
+    source::{Instance, Source},
+};
+
+/// An FMU, unpacked and loaded, with the meaning that its user gives to its variables.
+#[derive(Clone, Debug)]
+pub struct Fmu {
+    file: String,
+    contract: Contract,
+    references: Arc<References>,
+    unpacked: Arc<Unpacked>,
+}
+
+/// What is on the disk, and in memory.
+#[derive(Debug)]
+struct Unpacked {
+    /// Before the directory, so that the library is unloaded first.
+    api: Arc<Api>,
+    description: Description,
+    resources: String,
+    _directory: Option<TempDir>,
+}
+
+impl Unpacked {
+    fn component(&self) -> Result<Component, String> {
+        let Description { name, guid, .. } = &self.description;
+        Component::new(&self.api, [name, guid, &self.resources])
+    }
+}
+
+/// Where FMUs keep the library for this machine.
+fn platform() -> Result<&'static str, &'static str> {
+    Ok(match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => "linux64",
+        ("linux", "x86") => "linux32",
+        ("macos", _) => "darwin64",
+        ("windows", "x86_64") => "win64",
+        ("windows", "x86") => "win32",
+        ("linux", "aarch64") => "aarch64-linux",
+        _ => return Err("a platform that FMUs of version 2 have a name for"),
+    })
+}
+
+impl Fmu {
+    /// Loads an FMU, or the directory of an unpacked one. `stated` is what the user says: a sample time; which
+    /// variables are inputs and outputs (all of them if none is said), parameters, states and ports, each by its name
+    /// or as the `variable` of an entry. Units and values that are not said are those of the FMU.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use fd_sim::outside::{Fmu, Stated};
+    ///
+    /// let error = Fmu::load(Path::new("no-such.fmu"), &Stated::default()).unwrap_err();
+    /// assert!(error.to_string().starts_with("no-such.fmu: the file: expected"));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns what is wrong with the FMU, or with what is said of it.
+    pub fn load(path: &Path, stated: &Stated) -> Result<Self, OutsideError> {
+        let file = path.display().to_string();
+        let wrong =
+            |what: &str, expected: &str, found: String| fault(&file, what, expected, &found);
+        let unreadable =
+            |error: std::io::Error| wrong("the file", "to be readable", error.to_string());
+        let (root, directory): (PathBuf, Option<TempDir>) = if path.is_dir() {
+            (path.to_owned(), None)
+        } else {
+            let archive = fs::read(path).map_err(unreadable)?;
+            let directory = tempfile::tempdir().map_err(unreadable)?;
+            archive::unpack(&archive, directory.path())
+                .map_err(|(what, expected, found)| wrong(&what, expected, found))?;
+            (directory.path().to_owned(), Some(directory))
+        };
+        let root = std::path::absolute(root).map_err(unreadable)?;
+        let text = fs::read_to_string(root.join("modelDescription.xml"))
+            .map_err(|error| wrong("modelDescription.xml", "to be there", error.to_string()))?;
+        let description = Description::read(&text)
+            .map_err(|(what, expected, found)| wrong(&what, &expected, found))?;
+        let platform = platform().map_err(|e| wrong("this machine", e, "another".to_owned()))?;
+        let binaries = root.join("binaries");
+        let name = format!("{}{}", description.identifier, std::env::consts::DLL_SUFFIX);
+        let library = binaries.join(platform).join(&name);
+        if !library.exists() {
+            let names = fs::read_dir(&binaries).into_iter().flatten().flatten();
+            let mut names: Vec<_> =
+                names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+            names.sort_unstable();
+            let expected = format!("{platform}/{name}");
+            return Err(wrong("binaries", &expected, format!("`{}`", names.join("`, `"))));
+        }
+        let api = Api::load(&library)
+            .map_err(|error| wrong("its library", "the functions of FMI 2.0", error))?;
+        let (contract, references) = meaning(&file, &description, stated)?;
+        let resources = format!("file://{}", root.join("resources").display());
+        Ok(Self {
+            contract,
+            references: Arc::new(references),
+            unpacked: Arc::new(Unpacked { api, description, resources, _directory: directory }),
+            file,
+        })
+    }
+
+    /// What it is.
+    #[must_use]
+    pub fn contract(&self) -> &Contract {
+        &self.contract
+    }
+
+    /// Whether this process may have one instance only.
+    #[must_use]
+    pub fn is_single(&self) -> bool {
+        self.unpacked.description.is_single
+    }
+
+    fn wrong(&self, what: &str, expected: &str, found: &str) -> OutsideError {
+        fault(&self.file, what, expected, found)
+    }
+}
+
+impl Source for Fmu {
+    fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
+        Ok(Box::new(FmuInstance::open(self)?))
+    }
+}
+
+fn fault(file: &str, what: &str, expected: &str, found: &str) -> OutsideError {
+    OutsideError::Fmu {
+        file: file.to_owned(),
+        what: what.to_owned(),
+        expected: expected.to_owned(),
+        found: found.to_owned(),
+    }
+}
+
+/// The contract that a user's words and the description make, and the references of its variables.
+fn meaning(
+    file: &str,
+    description: &Description,
+    stated: &Stated,
+) -> Result<(Contract, References), OutsideError> {
+    let mut stated = stated.clone();
+    let name = |entry: &Entry| entry.variable.clone().unwrap_or_else(|| entry.name.clone());
+    let ports: Vec<String> = stated.ports.iter().map(name).collect();
+    let all = |causality: &str| -> Vec<Entry> {
+        let is_it = |v: &&Variable| v.causality == causality && !ports.contains(&v.name);
+        let entry = |v: &Variable| Entry { name: v.name.clone(), ..Entry::default() };
+        description.variables.iter().filter(is_it).map(entry).collect()
+    };
+    if stated.inputs.is_empty() {
+        stated.inputs = all("input");
+    }
+    if stated.outputs.is_empty() {
+        stated.outputs = all("output");
+    }
+    let known = |room: &str, entry: &mut Entry, causes: &[&str]| -> Result<u32, OutsideError> {
+        let wanted = name(entry);
+        let fits = |v: &&Variable| causes.is_empty() || causes.contains(&v.causality.as_str());
+        let names = description.variables.iter().filter(fits).map(|v| v.name.as_str());
+        let found = description.variables.iter().find(|v| v.name == wanted);
+        let Some(variable) = found.filter(fits) else {
+            let what = format!("{room}.{}", entry.name);
+            let kinds = causes.join(" or ");
+            let expected = format!(
+                "the name of a real variable{}{kinds}",
+                if kinds.is_empty() { "" } else { " of causality " }
+            );
+            let near = nearest(&wanted, names);
+            let hint = near.first().map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+            let is = found.map_or("", |v| v.causality.as_str());
+            let is = if is.is_empty() { String::new() } else { format!(" ({is})") };
+            return Err(fault(file, &what, &expected, &format!("`{wanted}`{is}{hint}")));
+        };
+        let unit = || variable.unit.clone().unwrap_or_else(|| "1".to_owned());
+        entry.unit = entry.unit.take().or_else(|| Some(unit()));
+        match room {
+            "parameters" => entry.value = entry.value.or(variable.start),
+            "states" => entry.initial = entry.initial.or(variable.start),
+            _ => {}
+        }
+        Ok(variable.reference)
+    };
+    let mut each = |room: &str, causes: &[&str]| -> Result<Vec<u32>, OutsideError> {
+        let entries = match room {
+            "inputs" => &mut stated.inputs,
+            "ports" => &mut stated.ports,
+            "outputs" => &mut stated.outputs,
+            "parameters" => &mut stated.parameters,
+            _ => &mut stated.states,
+        };
+        entries.iter_mut().map(|entry| known(room, entry, causes)).collect()
+    };
+    let mut inputs = each("inputs", &["input"])?;
+    inputs.extend(each("ports", &["input"])?);
+    let references = References {
+        inputs,
+        outputs: each("outputs", &["output", "local"])?,
+        parameters: each("parameters", &["parameter"])?,
+        states: each("states", &[])?,
+    };
+    let shows = !stated.states.is_empty();
+    stated.name = stated.name.or_else(|| Some(description.name.clone()));
+    let measures = Powers { measure: true, states: shows, ..Powers::default() };
+    stated.powers = Some(stated.powers.unwrap_or(measures));
+    if let Some(powers) = &mut stated.powers {
+        // Whatever is said: that is how it is asked.
+        (powers.step, powers.rollout, powers.measure, powers.states) = (true, false, true, shows);
+    }
+    Ok((stated.settle(file)?, references))
+}

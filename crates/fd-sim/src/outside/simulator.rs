@@ -1,0 +1,394 @@
+//! A simulator outside of this program, as a simulator.
+
+use std::sync::Arc;
+
+use fd_model::{Channel, SampleTime};
+
+use super::{
+    contract::Contract,
+    error::OutsideError,
+    loan::{Fate, Loan, Shared, Work},
+    memory::{Memory, Past},
+    pool::Pool,
+    source::{Instance, Lost, Source, Start},
+    tally::{Counts, Tally},
+};
+use crate::{
+    model::Parameter,
+    simulate::{Initial, Outcome, Port, Run, Simulator, Tape, rows},
+};
+
+/// What distinguishes a measurement from a step in the past of a run, and a whole run from both.
+const MEASURED: u64 = 0x6d65_6173;
+const WHOLE: u64 = 0x7768_6f6c;
+
+/// A simulator outside of this program: a process or an FMU.
+///
+/// Copies share a pool of running simulators, one of which a copy has from its first step on until its run is
+/// over; making a copy costs nothing. Steps and runs that were made before are answered from a memory. Who
+/// copies it in the middle of a run, or finds that others needed its simulator, repeats the run up to there:
+/// it is the same, to the bit.
+///
+/// A simulator that ends or is silent for too long is started again and the run repeated; three deaths at the
+/// same parameters and initial states, or two silences, are a divergence there. One that breaks its contract
+/// is given up. What went wrong is in [`trouble`](Self::trouble), how much was asked in
+/// [`counts`](Self::counts).
+#[derive(Debug)]
+pub struct OutsideSimulator {
+    shared: Arc<Shared>,
+    loan: Loan,
+    theta: Vec<f64>,
+    x0: Vec<f64>,
+    first: u64,
+    /// Parameters and initial states.
+    origin: Past,
+    /// All that the next sample depends on.
+    past: Past,
+    /// Inputs and forces of the samples so far, row by row.
+    tape: Vec<f64>,
+    samples: usize,
+    row: Vec<f64>,
+    x: Vec<f64>,
+    has_diverged: bool,
+    /// Whether any simulator has begun this run.
+    was_made: bool,
+}
+
+impl OutsideSimulator {
+    /// A simulator with at most `workers` instances of the source, of which one is started, to see that it can
+    /// be, and begins a run at the nominal parameters.
+    ///
+    /// # Errors
+    ///
+    /// Returns why it cannot be started.
+    pub fn new(
+        contract: Contract,
+        source: impl Source + 'static,
+        workers: usize,
+    ) -> Result<Self, OutsideError> {
+        let theta: Vec<f64> = contract.parameters.iter().map(|p| p.value).collect();
+        let x0: Vec<f64> = contract.initial.iter().map(|state| state.value).collect();
+        let mut first = source.open()?;
+        match first.reset(Start { theta: &theta, x0: &x0, first: 0 }) {
+            // What the nominal parameters do is for whoever asks for a run to find.
+            Ok(()) | Err(Lost::Refused) => {}
+            Err(Lost::Gone(error) | Lost::Broken(error)) => return Err(error),
+        }
+        let tally = Tally::default();
+        Tally::add(&tally.started, 1);
+        let shared = Shared {
+            contract,
+            source: Box::new(source),
+            pool: Pool::new(workers),
+            memory: Some(Memory::default()),
+            tally,
+            fate: Fate::default().into(),
+        };
+        shared.pool.fill(first);
+        Ok(Self::of(Arc::new(shared)))
+    }
+
+    /// The same, asking for every run, also for one that was made before. Of a simulator that has no copies.
+    #[must_use]
+    pub fn without_memory(mut self) -> Self {
+        if let Some(shared) = Arc::get_mut(&mut self.shared) {
+            shared.memory = None;
+        }
+        self
+    }
+
+    fn of(shared: Arc<Shared>) -> Self {
+        let states = if shared.contract.powers.states { shared.contract.initial.len() } else { 0 };
+        Self {
+            shared,
+            loan: Loan::default(),
+            theta: Vec::new(),
+            x0: Vec::new(),
+            first: 0,
+            origin: Past::default(),
+            past: Past::default(),
+            tape: Vec::new(),
+            samples: 0,
+            row: Vec::new(),
+            x: vec![0.0; states],
+            has_diverged: false,
+            was_made: false,
+        }
+    }
+
+    /// What the simulator is.
+    #[must_use]
+    pub fn contract(&self) -> &Contract {
+        &self.shared.contract
+    }
+
+    /// How many instances there may be at once.
+    #[must_use]
+    pub fn workers(&self) -> usize {
+        self.shared.pool.workers()
+    }
+
+    /// What was asked so far, of this and all its copies.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.shared.tally.counts()
+    }
+
+    /// What went wrong last, with this or any of its copies.
+    #[must_use]
+    pub fn trouble(&self) -> Option<OutsideError> {
+        self.shared.tally.trouble()
+    }
+
+    /// Lets a simulator that is where this copy is do something.
+    fn work(
+        &mut self,
+        mut act: impl FnMut(&mut dyn Instance, &mut [f64]) -> Result<usize, Lost>,
+    ) -> Work {
+        let Self { shared, loan, theta, x0, first, tape, samples, x, was_made, .. } = self;
+        let (theta, x0, first, samples) = (&*theta, &*x0, *first, *samples);
+        let (ny, width) = (shared.contract.outputs.len(), tape.len() / samples.max(1));
+        loan.work(shared, self.origin, |instance, reached| {
+            let start = Start { theta, x0, first };
+            let mut from = reached.take().unwrap_or(usize::MAX);
+            if samples < from {
+                let counter = if *was_made { &shared.tally.repeated } else { &shared.tally.made };
+                Tally::add(counter, 1);
+                *was_made = true;
+                from = 0;
+                if shared.contract.powers.rollout && 0 < samples {
+                    let mut y = vec![0.0; samples * ny];
+                    instance.rollout(start, tape, samples, &mut y, x)?;
+                    from = samples;
+                } else {
+                    instance.reset(start)?;
+                }
+                Tally::add(&shared.tally.steps, from as u64);
+            }
+            let mut y = vec![0.0; if from < samples { ny } else { 0 }];
+            for k in from..samples {
+                instance.step(&tape[k * width..(k + 1) * width], &mut y, x)?;
+            }
+            let more = act(instance, x)?;
+            Tally::add(&shared.tally.steps, (samples - from + more) as u64);
+            *reached = Some(samples + more);
+            Ok(())
+        })
+    }
+
+    /// A whole run on a tape of inputs and forces, answered from memory if it was made before. Its end is
+    /// where this copy is then.
+    fn roll_out(&mut self, rows: &[f64], samples: usize, y: &mut [f64]) {
+        let past = self.origin.with(self.first).and(rows).with(WHOLE);
+        Tally::add(&self.shared.tally.asked, 1);
+        if self.shared.recall(past, [y, &mut self.x]) {
+            return;
+        }
+        let Self { shared, loan, theta, x0, first, x, .. } = self;
+        let start = Start { theta, x0, first: *first };
+        let work = loan.work(shared, self.origin, |instance, reached| {
+            *reached = None;
+            Tally::add(&shared.tally.made, 1);
+            Tally::add(&shared.tally.steps, samples as u64);
+            instance.rollout(start, rows, samples, y, x)
+        });
+        if work != Work::Done {
+            y.fill(f64::NAN);
+        }
+        self.shared.keep(past, [y, &self.x], work);
+    }
+
+    /// Inputs and forces of a sample as one row.
+    fn note_row(&mut self, u: &[f64], f: &[f64]) {
+        self.row.clear();
+        self.row.extend_from_slice(u);
+        self.row.extend_from_slice(f);
+        // No forces are none at any port.
+        self.row.resize(u.len() + self.shared.contract.ports.len(), 0.0);
+    }
+
+    /// The outputs of this sample, moving on, by whatever the simulator can do.
+    fn advance(&mut self, y: &mut [f64]) -> Work {
+        let row = std::mem::take(&mut self.row);
+        let work = if self.shared.contract.powers.step {
+            self.work(|instance, x| instance.step(&row, y, x).map(|()| 1))
+        } else {
+            // The whole run again, one sample longer.
+            let tape = [&self.tape[..], &row].concat();
+            let (samples, ny) = (self.samples + 1, y.len());
+            let mut all = vec![0.0; samples * ny];
+            self.roll_out(&tape, samples, &mut all);
+            y.copy_from_slice(&all[self.samples * ny..]);
+            Work::Done
+        };
+        self.row = row;
+        work
+    }
+}
+
+impl Simulator for OutsideSimulator {
+    fn ts(&self) -> SampleTime {
+        self.shared.contract.ts
+    }
+
+    fn inputs(&self) -> &[Channel] {
+        &self.shared.contract.inputs
+    }
+
+    fn outputs(&self) -> &[Channel] {
+        &self.shared.contract.outputs
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.shared.contract.parameters
+    }
+
+    fn initial(&self) -> &[Initial] {
+        &self.shared.contract.initial
+    }
+
+    fn ports(&self) -> &[Port] {
+        &self.shared.contract.ports
+    }
+
+    fn start(&mut self, theta: &[f64], x0: &[f64], first: u64) {
+        self.theta.clear();
+        self.theta.extend_from_slice(theta);
+        self.x0.clear();
+        self.x0.extend_from_slice(x0);
+        self.first = first;
+        self.origin = Past::default().and(theta).and(x0);
+        self.past = self.origin.with(first);
+        self.tape.clear();
+        self.samples = 0;
+        (self.has_diverged, self.was_made) = (false, false);
+        if !self.x.is_empty() {
+            self.x.copy_from_slice(x0);
+        }
+        self.loan.begin();
+    }
+
+    fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+        if self.has_diverged {
+            y.fill(f64::NAN);
+            return;
+        }
+        if self.samples == 0 && self.shared.contract.powers.step {
+            Tally::add(&self.shared.tally.asked, 1);
+        }
+        self.note_row(u, f);
+        let past = self.past.and(&self.row);
+        if !self.shared.recall(past, [y, &mut self.x]) {
+            let work = self.advance(y);
+            if work != Work::Done {
+                y.fill(f64::NAN);
+            }
+            self.shared.keep(past, [y, &self.x], work);
+        }
+        self.past = past;
+        self.tape.extend_from_slice(&self.row);
+        self.samples += 1;
+        if y.iter().any(|value| !value.is_finite()) {
+            y.fill(f64::NAN);
+            self.has_diverged = true;
+            self.rest();
+        }
+    }
+
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        if !self.shared.contract.powers.measure {
+            return false;
+        }
+        if self.has_diverged {
+            y.fill(f64::NAN);
+            return true;
+        }
+        let past = self.past.with(MEASURED).and(u);
+        if !self.shared.recall(past, [y, &mut []]) {
+            let work = self.work(|instance, _| instance.measure(u, y).map(|()| 0));
+            if work != Work::Done {
+                y.fill(f64::NAN);
+            }
+            self.shared.keep(past, [y, &[]], work);
+        }
+        true
+    }
+
+    /// Where the simulator does not show its states, those that the run has begun with.
+    fn state(&self) -> &[f64] {
+        if self.shared.contract.powers.states { &self.x } else { &self.x0 }
+    }
+
+    fn boxed(&self) -> Box<dyn Simulator> {
+        Box::new(Self {
+            shared: Arc::clone(&self.shared),
+            loan: Loan::default(),
+            theta: self.theta.clone(),
+            x0: self.x0.clone(),
+            first: self.first,
+            origin: self.origin,
+            past: self.past,
+            tape: self.tape.clone(),
+            samples: self.samples,
+            row: Vec::new(),
+            x: self.x.clone(),
+            has_diverged: self.has_diverged,
+            was_made: self.was_made,
+        })
+    }
+
+    fn simulate(&mut self, theta: &[f64], x0: &[f64], u: &[f64], y: &mut [f64]) -> Outcome {
+        let mut runs = [Run::new(theta, x0, y)];
+        self.simulate_many(0, u, &mut runs);
+        runs[0].outcome
+    }
+
+    fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
+        let (nu, nf) = (self.inputs().len(), self.ports().len());
+        let ny = self.outputs().len();
+        let inputs = rows(u, nu);
+        let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
+        let u: Vec<f64> = (0..samples).flat_map(|k| inputs(k)[0]).copied().collect();
+        let f = vec![0.0; samples * nf];
+        let mut tapes: Vec<Tape<'_>> = runs
+            .iter_mut()
+            .map(|run| {
+                let n = run.y.len() / ny;
+                let again = Run::new(run.theta, run.x0, &mut *run.y);
+                Tape { run: again, u: &u[..n * nu], f: &f[..n * nf] }
+            })
+            .collect();
+        self.replay(first, &mut tapes);
+        let outcomes: Vec<Outcome> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
+        runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
+    }
+
+    fn replay(&mut self, first: u64, tapes: &mut [Tape<'_>]) {
+        let (nu, nf, ny) = (self.inputs().len(), self.ports().len(), self.outputs().len());
+        let mut rows = Vec::new();
+        for Tape { run, u, f } in tapes {
+            let samples = run.y.len() / ny;
+            rows.clear();
+            for k in 0..samples {
+                rows.extend_from_slice(&u[k * nu..(k + 1) * nu]);
+                rows.extend_from_slice(&f[k * nf..(k + 1) * nf]);
+            }
+            self.start(run.theta, run.x0, first);
+            self.roll_out(&rows, samples, run.y);
+            (0..samples).all(|k| run.check(k, ny));
+            run.finish(ny);
+        }
+        self.rest();
+    }
+
+    fn rest(&mut self) {
+        let Self { shared, loan, .. } = self;
+        loan.end(&shared.pool);
+    }
+}
+
+impl Drop for OutsideSimulator {
+    fn drop(&mut self) {
+        self.rest();
+    }
+}

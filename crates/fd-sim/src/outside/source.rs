@@ -1,0 +1,104 @@
+//! What a simulator outside of this program is asked.
+
+use std::fmt::Debug;
+
+use super::error::OutsideError;
+
+/// Where a run begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// Parameters, in the order of the contract.
+    pub theta: &'a [f64],
+    /// Initial states, in the order of the contract.
+    pub x0: &'a [f64],
+    /// Number of the first step since the clock of the model was started.
+    pub first: u64,
+}
+
+/// Why a run was lost.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lost {
+    /// The simulator says that it cannot go on from here: a divergence.
+    Refused,
+    /// It has ended or is silent. Another one may do it.
+    Gone(OutsideError),
+    /// It does not keep to the contract. Another one would not either.
+    Broken(OutsideError),
+}
+
+/// One running simulator. Rows are inputs and then forces of a sample; `x` has the states of the contract, or
+/// no entry where they cannot be seen.
+pub trait Instance: Debug + Send {
+    /// Begins a run.
+    ///
+    /// # Errors
+    ///
+    /// Returns why the run is lost.
+    fn reset(&mut self, start: Start<'_>) -> Result<(), Lost>;
+
+    /// Writes the outputs of this sample without moving on.
+    ///
+    /// # Errors
+    ///
+    /// Returns why the run is lost.
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> Result<(), Lost>;
+
+    /// Writes the outputs of this sample and moves on; writes the states then.
+    ///
+    /// # Errors
+    ///
+    /// Returns why the run is lost.
+    fn step(&mut self, row: &[f64], y: &mut [f64], x: &mut [f64]) -> Result<(), Lost>;
+
+    /// A whole run of so many samples, with the bits of its steps. It is left at the end of the run.
+    ///
+    /// # Errors
+    ///
+    /// Returns why the run is lost; outputs that are not finite are no error.
+    fn rollout(
+        &mut self,
+        start: Start<'_>,
+        rows: &[f64],
+        samples: usize,
+        y: &mut [f64],
+        x: &mut [f64],
+    ) -> Result<(), Lost> {
+        self.reset(start)?;
+        by_steps(self, rows, samples, y, x)
+    }
+}
+
+/// A run that has begun, step by step; after a divergence the rest is NaN.
+pub(super) fn by_steps<I: Instance + ?Sized>(
+    instance: &mut I,
+    rows: &[f64],
+    samples: usize,
+    y: &mut [f64],
+    x: &mut [f64],
+) -> Result<(), Lost> {
+    let (width, ny) = (rows.len() / samples.max(1), y.len() / samples.max(1));
+    for k in 0..samples {
+        let outputs = &mut y[k * ny..(k + 1) * ny];
+        let stepped = instance.step(&rows[k * width..(k + 1) * width], outputs, x);
+        if stepped == Err(Lost::Refused) {
+            y[k * ny..].fill(f64::NAN);
+            return Ok(());
+        }
+        stepped?;
+        if y[k * ny..(k + 1) * ny].iter().any(|value| !value.is_finite()) {
+            y[k * ny..].fill(f64::NAN);
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// What starts simulators.
+pub trait Source: Debug + Send + Sync {
+    /// Starts one.
+    ///
+    /// # Errors
+    ///
+    /// Returns why that is not possible.
+    fn open(&self) -> Result<Box<dyn Instance>, OutsideError>;
+}

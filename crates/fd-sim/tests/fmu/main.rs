@@ -1,0 +1,223 @@
+//! FMUs as simulators, with one that is compiled from C. There must be a C compiler, `cc` or what `CC` says.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
+use std::{fs, path::Path, process::Command};
+
+use fd_sim::{
+    outside::{Fmu, Grade, OutsideError, OutsideFile, OutsideSimulator, Stated, check},
+    simulate::{Nominal, Simulator},
+};
+use tempfile::TempDir;
+
+const SAMPLES: usize = 100;
+const TS: f64 = 0.02;
+
+/// An unpacked FMU, with these macros in its source.
+fn fmu(macros: &[&str]) -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu");
+    fs::copy(here.join("mass.xml"), directory.path().join("modelDescription.xml")).unwrap();
+    let platform = match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => "linux64",
+        ("linux", "aarch64") => "aarch64-linux",
+        ("macos", _) => "darwin64",
+        other => panic!("the test does not know where FMUs keep the library of {other:?}"),
+    };
+    let binaries = directory.path().join("binaries").join(platform);
+    fs::create_dir_all(&binaries).unwrap();
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    // The last one counts.
+    let defines = ["VERSION=\"2.0\"", "FAULT=3"].iter().chain(macros).flat_map(|text| {
+        let name = text.split('=').next().unwrap_or_default();
+        [format!("-U{name}"), format!("-D{text}")]
+    });
+    let built = Command::new(&compiler)
+        // No fused products: the test computes the same bits.
+        .args(["-shared", "-fPIC", "-O1", "-ffp-contract=off", "-o"])
+        .arg(binaries.join(format!("mass{}", std::env::consts::DLL_SUFFIX)))
+        .args(defines)
+        .arg(here.join("mass.c"))
+        .output()
+        .unwrap_or_else(|e| panic!("this test needs a C compiler, and `{compiler}` gives: {e}"));
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    directory
+}
+
+const FILE: &str = r#"
+version = 1
+kind = "fmu"
+fmu = "."
+sample_time = 0.02
+workers = 2
+[parameters]
+m = { variable = "body.m", tolerance = 0.05 }
+d = { tolerance = 0.1 }
+k = {}
+[states]
+place = { tolerance = 0.02 }
+speed = {}
+[outputs]
+place = { noise = 0.001 }
+speed = {}
+[ports]
+push = { position = "place", velocity = "speed" }
+"#;
+
+fn file(directory: &TempDir, text: &str) -> OutsideFile {
+    OutsideFile::parse(&directory.path().join("model.toml"), text).unwrap()
+}
+
+fn open(directory: &TempDir) -> OutsideSimulator {
+    file(directory, FILE).open().unwrap()
+}
+
+/// What `mass.c` does: outputs of each sample, then on by four steps of the semi-implicit Euler method.
+fn expected([m, d, k]: [f64; 3], [mut x, mut v]: [f64; 2], push: f64) -> Vec<f64> {
+    let mut y = Vec::new();
+    for force in forces() {
+        y.extend([x, v]);
+        for _ in 0..4 {
+            let a = (force + push - d * v - k * x) / m;
+            v += 0.25 * TS * a;
+            x += 0.25 * TS * v;
+        }
+    }
+    y
+}
+
+fn forces() -> Vec<f64> {
+    (0..SAMPLES).map(|k| [1.0, -0.5, 0.25][k / 12 % 3]).collect()
+}
+
+fn run(simulator: &mut dyn Simulator, theta: &[f64], x0: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; 2 * SAMPLES];
+    simulator.simulate(theta, x0, &forces(), &mut y);
+    y
+}
+
+#[test]
+fn an_fmu_is_the_plant_that_it_was_made_of() {
+    let directory = fmu(&[]);
+    let mut simulator = open(&directory);
+    let contract = simulator.contract();
+    let names = |channels: &[fd_model::Channel]| -> Vec<String> {
+        channels.iter().map(|c| format!("{} {}", c.name, c.unit)).collect()
+    };
+    assert_eq!(names(&contract.inputs), ["force N"]);
+    assert_eq!(names(&contract.outputs), ["place m", "speed m/s"]);
+    assert_eq!(contract.parameters[0].unit, "kg");
+    let nominal = contract.parameters.iter().map(|p| p.value).collect::<Vec<_>>();
+    assert_eq!(nominal, [1.5, 0.8, 6.0]);
+
+    let found = run(&mut simulator, &nominal, &[0.1, 0.0]);
+    assert_eq!(found, expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0));
+    // Other parameters, another start, and what was set before is gone.
+    let found = run(&mut simulator, &[2.0, 0.4, 5.0], &[-0.2, 0.3]);
+    assert_eq!(found, expected([2.0, 0.4, 5.0], [-0.2, 0.3], 0.0));
+    assert_eq!(
+        run(&mut simulator, &nominal, &[0.1, 0.0])[..4],
+        expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0)[..4]
+    );
+
+    let mut copy = simulator.boxed();
+    copy.start(&nominal, &[0.1, 0.0], 0);
+    let mut y = [0.0; 4];
+    let expected = expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.5);
+    for (k, u) in forces().iter().enumerate() {
+        let (before, after) = y.split_at_mut(2);
+        assert!(copy.measure(&[*u], before));
+        copy.step(&[*u], &[*u], &[0.5], after);
+        assert_eq!((&y[..2], &y[2..]), (&expected[2 * k..2 * k + 2], &expected[2 * k..2 * k + 2]));
+        if k + 1 < SAMPLES {
+            assert_eq!(copy.state(), &expected[2 * k + 2..2 * k + 4]);
+        }
+    }
+}
+
+#[test]
+fn it_is_in_order_and_can_be_put_into_a_shell() {
+    let directory = fmu(&[]);
+    let file = file(&directory, FILE);
+    let found = check(&mut file.open().unwrap().without_memory(), SAMPLES, 1.0);
+    assert_eq!(found.worst(), Grade::Fine, "{:?}", found.findings);
+    let simulator = file.open().unwrap();
+    let shell = file.shell(&simulator).unwrap();
+    assert!(shell.model().sites[0].velocity.is_some() && shell.model().outputs[0].noise.is_some());
+    let mut around = shell.simulator(simulator.ts()).unwrap();
+    let found = run(&mut *around, &[1.5, 0.8, 6.0], &[0.1, 0.0]);
+    assert_eq!(found, expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0));
+}
+
+#[test]
+fn one_that_cannot_be_reset_is_made_anew() {
+    let directory = fmu(&["NO_RESET"]);
+    let mut simulator = open(&directory).without_memory();
+    for m in [1.5, 2.0, 1.5] {
+        let found = run(&mut simulator, &[m, 0.8, 6.0], &[0.1, 0.0]);
+        assert_eq!(found, expected([m, 0.8, 6.0], [0.1, 0.0], 0.0));
+    }
+}
+
+#[test]
+fn an_error_in_a_step_is_a_divergence_from_there_and_a_fatal_one_the_end() {
+    for (fault, is_fatal) in [("FAULT=2", false), ("FAULT=3", false), ("FAULT=4", true)] {
+        let directory = fmu(&[fault]);
+        let text = FILE.replace("k = {}", "k = {}\nfault = { tolerance = 0.0 }");
+        let mut simulator = file(&directory, &text).open().unwrap();
+        let healthy = expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0);
+        // From 1.01 s on; the step that fails begins at sample 51.
+        let found = run(&mut simulator, &[1.5, 0.8, 6.0, 1.01], &[0.1, 0.0]);
+        if is_fatal {
+            assert!(found.iter().all(|y| y.is_nan()));
+            let trouble = simulator.trouble().unwrap().to_string();
+            assert!(trouble.contains("fmi2DoStep: fatal (4) the spring has %s"), "{trouble}");
+        } else {
+            assert_eq!(found[..102], healthy[..102]);
+            assert!(found[102..].iter().all(|y| y.is_nan()));
+            assert_eq!(run(&mut simulator, &[1.5, 0.8, 6.0, 0.0], &[0.1, 0.0]), healthy);
+            assert_eq!(simulator.trouble(), None);
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    let directory = fmu(&[]);
+    let refused = |text: &str| file(&directory, text).open().unwrap_err().to_string();
+    for (from, to, part) in [
+        (
+            "k = {}",
+            "kk = {}",
+            "parameters.kk: expected the name of a real variable of causality parameter, found `kk`; did you mean `k`?",
+        ),
+        (
+            "k = {}",
+            "force = {}",
+            "parameters.force: expected the name of a real variable of causality parameter, found `force` (input)",
+        ),
+        ("speed = {}\n[ports]", "energie = {}\n[ports]", "did you mean `energy`?"),
+        ("sample_time = 0.02", "", "sample_time: expected seconds, found none"),
+        ("velocity = \"speed\"", "velocity = \"v\"", "expected an output out of `place`, `speed`"),
+        ("fmu = \".\"", "fmu = \"other.fmu\"", "the file: expected to be readable"),
+    ] {
+        assert!(FILE.contains(from), "{from}");
+        let error = refused(&FILE.replace(from, to));
+        assert!(error.contains(part), "{error}");
+    }
+    let old = fmu(&["VERSION=\"1.0\""]);
+    let error = file(&old, FILE).open().unwrap_err().to_string();
+    assert!(error.contains("the functions of FMI 2.0, found its version is not 2.0"), "{error}");
+    let foreign = fmu(&[]);
+    let description = foreign.path().join("modelDescription.xml");
+    let text = fs::read_to_string(&description).unwrap();
+    fs::write(&description, text.replace("{mass}", "mass")).unwrap();
+    let error = file(&foreign, FILE).open().unwrap_err().to_string();
+    assert!(
+        error.contains("fmi2Instantiate: expected an instance, found another guid: %s"),
+        "{error}"
+    );
+    fs::write(&description, text.replace("modelIdentifier=\"mass\"", "modelIdentifier=\"m\""))
+        .unwrap();
+    let error = Fmu::load(foreign.path(), &Stated::default()).unwrap_err();
+    assert!(matches!(&error, OutsideError::Fmu { what, .. } if what == "binaries"), "{error}");
+}
