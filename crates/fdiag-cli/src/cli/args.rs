@@ -20,12 +20,13 @@ const AFTER_HELP: &str = "\
 Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
   fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag simulator   says whether a simulator of your own is fit for fdiag gap
   fdiag engine      shows on a simulated jet engine what compensation gains
   fdiag compare     says which residual, compensation and detector find the smallest faults there
 
 Exit codes:
   0  done
-  1  done, and --fail-on-alarm was given and a log raised an alarm
+  1  done, and --fail-on-alarm was given and a log raised an alarm, or a simulator is broken
   2  the command line is wrong
   3  an input file is missing or wrong; the message says where
   4  the data or the model do not allow what was asked; the message says why
@@ -58,7 +59,8 @@ pub(crate) enum Command {
     Compensate(CompensateArgs),
     /// Say which unmodelled effect separates a simulator from logs of the real system
     ///
-    /// Reads a model with equations as text (docs/model-equations.md), a linear one or the jet engine
+    /// Reads a model with equations as text (docs/model-equations.md), a linear one, a simulator of your
+    /// own (kind = "process" or "fmu", docs/process-protocol.md, docs/fmu.md) or the jet engine
     /// (kind = "engine17", docs/gap.md), and logs of the real thing (CSV, docs/formats.md). Refits the parameters within their tolerances, tries every known
     /// effect at every place of the model, and says where the gap lies, which effect causes it and
     /// how sure that is, how far the gap shrinks on data that no fit has seen, and what experiment
@@ -66,6 +68,15 @@ pub(crate) enum Command {
     /// simulator with the cause in it. How to read the answer: docs/gap.md.
     #[command(after_help = GAP_HELP)]
     Gap(Box<GapArgs>),
+    /// Check a simulator of your own, or serve one of a model file
+    ///
+    /// `fdiag gap` takes any program that speaks a small protocol on its standard input and output
+    /// (docs/process-protocol.md). `check` runs it, and says what it is, what it can do, what is wrong
+    /// with it, and what a diagnosis will cost; `serve` is such a program for a model of equations.
+    Simulator {
+        #[command(subcommand)]
+        command: super::simulator::SimulatorCommand,
+    },
     /// Test the gap diagnosis on cases whose cause it does not know
     ///
     /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without

@@ -5,7 +5,8 @@ use std::{process::ExitCode, time::Instant};
 use fdiag::{
     gap::fit::FitError,
     gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
-    model::Disorder,
+    model::{Disorder, figure},
+    sim::outside::Counts,
 };
 use fdiag_cli::gap::{page, tables};
 
@@ -33,6 +34,12 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
         output.write(&model.file, &model.text)?;
     }
     output.finish(&study.report.headline, &tables(&study.report), &page, &study.report)?;
+    if let Some((counts, trouble)) = &study.outside {
+        eprintln!("{}", work(counts));
+        if let Some(trouble) = trouble {
+            eprintln!("The simulator was in trouble: {trouble}");
+        }
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -64,13 +71,29 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
     })
 }
 
+/// What was asked of a simulator outside of this program.
+fn work(counts: &Counts) -> String {
+    let Counts { asked, made, repeated, steps, deaths, lost, inside, .. } = counts;
+    let inside = figure(inside.as_secs_f64());
+    format!(
+        "Simulator: {asked} runs asked for, {made} made and {repeated} made again, {steps} steps, \
+         {inside} s inside; {deaths} deaths, {lost} runs lost"
+    )
+}
+
 /// What cannot be simulated or fitted is no mistake of a file.
 fn refusal(error: &GapError) -> Failure {
+    let reason = error.to_string();
     let is_analysis = match error {
+        GapError::Outside { error, .. } => {
+            return match refusal(error) {
+                Failure::Analysis(_) => Failure::analysis(reason),
+                _ => Failure::of_input(reason),
+            };
+        }
         GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
         GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
         _ => false,
     };
-    let reason = error.to_string();
     if is_analysis { Failure::Analysis(reason) } else { Failure::of_input(reason) }
 }

@@ -10,6 +10,7 @@ mod gap;
 mod output;
 mod pool;
 mod progress;
+mod simulator;
 mod toml_file;
 
 use std::process::ExitCode;
@@ -26,6 +27,7 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
+        Some(Command::Simulator { command }) => simulator::run(&command),
         Some(Command::Blind { command }) => blind::run_command(&command),
     };
     match result {

@@ -38,7 +38,11 @@ fn wrong_models_are_refused() {
         &desk,
         &desk.gap(&[]),
         3,
-        &["model.toml", "`neural-network`", "expected `equations`, `state-space` or `engine17`"],
+        &[
+            "model.toml",
+            "`neural-network`",
+            "expected `equations`, `state-space`, `process`, `fmu` or `engine17`",
+        ],
     );
     desk.put("model.toml", "version = 1\nkind = equations\n");
     refuses(&desk, &desk.gap(&[]), 3, &["model.toml:2:"]);

@@ -6,7 +6,7 @@ use crate::engine_plant::EngineFileError;
 use fd_gap::fit::FitError;
 use fd_log::LogError;
 use fd_model::{ModelError, file::ModelFileError};
-use fd_sim::{model::LoadError, simulate::SimulateError};
+use fd_sim::{model::LoadError, outside::OutsideError, simulate::SimulateError};
 use thiserror::Error;
 
 /// A gap cannot be diagnosed.
@@ -22,6 +22,17 @@ pub enum GapError {
     /// The model file of the engine is wrong.
     #[error(transparent)]
     Engine(Box<EngineFileError>),
+    /// A simulator outside of this program cannot be used.
+    #[error(transparent)]
+    Simulator(Box<OutsideError>),
+    /// A study failed after a simulator outside of this program was in trouble.
+    #[error("{error}\nThe simulator was in trouble before: {trouble}")]
+    Outside {
+        /// Why the study failed.
+        error: Box<GapError>,
+        /// What had gone wrong last.
+        trouble: Box<OutsideError>,
+    },
     /// The model file is of a kind that cannot be diagnosed.
     #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
     Kind {
@@ -130,7 +141,7 @@ macro_rules! boxed {
 }
 
 boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
-boxed!(EngineFileError => Engine);
+boxed!(EngineFileError => Engine, OutsideError => Simulator);
 boxed!(SimulateError => Simulate, ModelError => SampleTime);
 
 fn list(names: &[String]) -> String {

@@ -10,7 +10,10 @@ use fd_gap::{
     road::road,
 };
 use fd_model::{Record, SampleTime};
-use fd_sim::simulate::Nominal;
+use fd_sim::{
+    outside::{Counts, OutsideError},
+    simulate::Nominal,
+};
 
 use super::{
     attempt::{Attempt, confirmed, mended},
@@ -45,6 +48,8 @@ pub struct GapStudy {
     pub report: Report,
     /// Signals for pictures.
     pub trace: Option<Trace>,
+    /// What was asked of a simulator outside of this program, and what went wrong last with it.
+    pub outside: Option<(Counts, Option<OutsideError>)>,
 }
 
 impl GapStudy {
@@ -63,7 +68,14 @@ impl GapStudy {
     /// Returns the first file, setting or step that is wrong.
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let subject = Subject::of(request)?;
-        let mut data = Data::read(request, &subject, None)?;
+        let mut study = Self::of(request, &subject, monitor).map_err(|e| subject.explained(e))?;
+        study.outside =
+            subject.outside().map(|simulator| (simulator.counts(), simulator.trouble()));
+        Ok(study)
+    }
+
+    fn of(request: &Request, subject: &Subject, monitor: &dyn Monitor) -> Result<Self, GapError> {
+        let mut data = Data::read(request, subject, None)?;
         // Who states a horizon wants that, and no filter.
         let is_auto = request.horizon == HorizonChoice::Auto;
         let follower = if is_auto { follow(subject.nominal(), &data.fit)? } else { None };
@@ -74,13 +86,13 @@ impl GapStudy {
             }
             None => subject.nominal(),
         };
-        let as_read = Attempt::new(request, &subject, nominal, &data, monitor);
+        let as_read = Attempt::new(request, subject, nominal, &data, monitor);
         // What follows a log makes up for many a mistake of reading.
         let mended = match follower {
-            None => mended(request, &subject, &data, &as_read),
+            None => mended(request, subject, &data, &as_read),
             Some(_) => None,
         };
-        let (attempt, reading) = confirmed(request, &subject, mended.as_ref(), monitor)
+        let (attempt, reading) = confirmed(request, subject, mended.as_ref(), monitor)
             .map_or_else(
                 || as_read.map(|as_read| (as_read, None)),
                 |(attempt, reading)| Ok((attempt, Some(reading))),
@@ -136,7 +148,7 @@ impl GapStudy {
         };
         report.headline = headline(&report);
         report.next = words::next_steps(&report);
-        Ok(Self { report, trace })
+        Ok(Self { report, trace, outside: None })
     }
 }
 

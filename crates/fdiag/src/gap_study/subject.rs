@@ -9,7 +9,8 @@ use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Channel, SampleTime, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
-    simulate::Nominal,
+    outside::{OUTSIDE_KINDS, OutsideFile, OutsideSimulator},
+    simulate::{Nominal, Simulator},
 };
 
 use super::{
@@ -18,7 +19,7 @@ use super::{
 };
 
 /// Kinds of model files that can be diagnosed.
-const KINDS: &str = "`equations`, `state-space` or `engine17`";
+const KINDS: &str = "`equations`, `state-space`, `process`, `fmu` or `engine17`";
 
 /// What is diagnosed: the simulator of a model file, with the tolerances and the noise of a request.
 ///
@@ -28,6 +29,7 @@ const KINDS: &str = "`equations`, `state-space` or `engine17`";
 pub struct Subject {
     nominal: Box<dyn Nominal>,
     engine: Option<EngineFile>,
+    outside: Option<(OutsideFile, OutsideSimulator)>,
 }
 
 impl Subject {
@@ -57,6 +59,9 @@ impl Subject {
                 let model = model.map_err(|error| LoadError::Model { file, error })?;
                 Self::of_equations(request, &model)
             }
+            Some(kind) if OUTSIDE_KINDS.contains(&kind) => {
+                Self::of_outside(request, OutsideFile::parse(path, &text)?)
+            }
             Some(ENGINE_KIND) => Self::of_engine(request, EngineFile::parse(&file, &text)?),
             Some(found) => {
                 Err(GapError::Kind { file: path.clone(), found: found.to_owned(), expected: KINDS })
@@ -66,7 +71,15 @@ impl Subject {
 
     fn of_equations(request: &Request, model: &Model) -> Result<Self, GapError> {
         let model = told(request, &with_default_sites(model))?;
-        Ok(Self { nominal: Box::new(model), engine: None })
+        Ok(Self { nominal: Box::new(model), engine: None, outside: None })
+    }
+
+    fn of_outside(request: &Request, file: OutsideFile) -> Result<Self, GapError> {
+        let simulator = file.open()?;
+        let shell = file.shell(&simulator)?;
+        let model = told(request, shell.model())?;
+        let nominal = Box::new(shell.with_model(model)?);
+        Ok(Self { nominal, engine: None, outside: Some((file, simulator)) })
     }
 
     fn of_engine(request: &Request, engine: EngineFile) -> Result<Self, GapError> {
@@ -79,20 +92,37 @@ impl Subject {
         let nominal = engine.nominal(ts).map_err(error)?;
         let model = told(request, nominal.model())?;
         let nominal = engine.nominal_as(ts, model).map_err(error)?;
-        Ok(Self { nominal, engine: Some(engine) })
+        Ok(Self { nominal, engine: Some(engine), outside: None })
     }
 
     /// The same subject with a parameter mended; `None` where that is not what is wrong, or makes no model.
     pub(super) fn mended(&self, mistake: &Mistake) -> Option<Self> {
-        let is_parameter = matches!(mistake, Mistake::Parameter { .. }) && self.engine.is_none();
+        let is_text = self.engine.is_none() && self.outside.is_none();
+        let is_parameter = matches!(mistake, Mistake::Parameter { .. }) && is_text;
         let model = is_parameter.then(|| mistake.mended_model(self.model()))??;
-        Some(Self { nominal: Box::new(model), engine: None })
+        Some(Self { nominal: Box::new(model), engine: None, outside: None })
     }
 
     /// The simulator.
     #[must_use]
     pub fn nominal(&self) -> &dyn Nominal {
         &*self.nominal
+    }
+
+    /// The simulator outside of this program that it is, if it is one.
+    #[must_use]
+    pub fn outside(&self) -> Option<&OutsideSimulator> {
+        self.outside.as_ref().map(|(_, simulator)| simulator)
+    }
+
+    /// An error of a study, with what went wrong last with a simulator outside of this program, which may be why.
+    pub(super) fn explained(&self, error: GapError) -> GapError {
+        match self.outside().and_then(OutsideSimulator::trouble) {
+            Some(trouble) => {
+                GapError::Outside { error: Box::new(error), trouble: Box::new(trouble) }
+            }
+            None => error,
+        }
     }
 
     /// The model that effects are spliced into.
@@ -104,7 +134,11 @@ impl Subject {
     /// The text of a file of the simulator with effects in it.
     #[must_use]
     pub fn text(&self, patched: &Model) -> String {
-        self.engine.as_ref().map_or_else(|| patched.to_string(), |engine| engine.text(patched))
+        match (&self.engine, &self.outside) {
+            (Some(engine), _) => engine.text(patched),
+            (_, Some((file, _))) => file.text(patched),
+            _ => patched.to_string(),
+        }
     }
 
     /// What it may lack.
@@ -115,6 +149,9 @@ impl Subject {
     /// Channels of logs: inputs, then outputs.
     pub(super) fn channels(&self) -> [Vec<Channel>; 2] {
         let model = self.model();
+        if let Some((_, simulator)) = &self.outside {
+            return [simulator.inputs().to_vec(), simulator.outputs().to_vec()];
+        }
         self.engine.as_ref().map_or_else(
             || [model.external_inputs(), model.output_channels()],
             |engine| [engine.inputs(), engine.outputs()],
@@ -125,6 +162,9 @@ impl Subject {
     pub(super) fn keeps_pace(&self) -> bool {
         if let Some(engine) = &self.engine {
             return engine.sample_time().is_some();
+        }
+        if self.outside.is_some() {
+            return true;
         }
         let model = self.model();
         let controller = model.controller.as_ref().and_then(|controller| controller.sample_time);

@@ -1,0 +1,276 @@
+//! `fdiag simulator`: simulators of users, checked; models, served.
+
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Duration,
+};
+
+use clap::{Args, Subcommand};
+use fd_report::Table;
+use fdiag::{
+    gap_study::{Request, Subject},
+    model::{SampleTime, figure, unit::quantity},
+    sim::{
+        equation::Expr,
+        outside::{
+            Conformance, Contract, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
+            check, serve, stated,
+        },
+        simulate::EquationSimulator,
+    },
+};
+
+use super::failure::Failure;
+
+/// Numbers of runs that are reckoned with: a single cause, pairs, everything.
+const DIAGNOSES: [(u32, &str); 3] =
+    [(3_000, "one cause"), (10_000, "pairs tried"), (40_000, "none of the known causes")];
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SimulatorCommand {
+    /// Run a simulator and say what it is, what is wrong with it, and what a diagnosis will cost
+    ///
+    /// Checks that runs are finite and repeatable, that nothing is left of the run before, that whole
+    /// runs, steps and measurements agree, that outputs are smooth enough for slopes, and that every
+    /// parameter, initial state, input and port moves some output. Ends with exit code 1 when
+    /// something is broken.
+    #[command(after_help = CHECK_HELP)]
+    Check(CheckArgs),
+    /// Serve a model with equations on standard input and output, for whoever speaks the protocol
+    #[command(after_help = SERVE_HELP)]
+    Serve(ServeArgs),
+}
+
+const CHECK_HELP: &str = "\
+Examples:
+  fdiag simulator check cart.toml
+  fdiag simulator check --amplitude 2.4 -- python3 examples/process/cart.py";
+
+const SERVE_HELP: &str = "\
+Example: a model that is diagnosed as if it were somebody's program
+  fdiag simulator check -- fdiag simulator serve examples/gap/quick-start/model.toml";
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// Model file (TOML) of kind `process` or `fmu`
+    #[arg(value_name = "MODEL", required_unless_present = "command", conflicts_with = "command")]
+    model: Option<PathBuf>,
+    /// A program with its arguments, after `--`; it says itself what it is
+    #[arg(value_name = "COMMAND", last = true)]
+    command: Vec<String>,
+    /// Inputs are steps of random height between minus and plus this
+    #[arg(long, value_name = "SIZE", default_value_t = 1.0)]
+    amplitude: f64,
+    /// Samples of a run
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..))]
+    samples: u32,
+    /// The longest time that an answer of a COMMAND may take, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    timeout: f64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Model file (TOML) of kind `equations` or `state-space`
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// Time between steps, in seconds, instead of what the model says
+    #[arg(long, value_name = "SECONDS")]
+    step: Option<f64>,
+}
+
+pub(crate) fn run(command: &SimulatorCommand) -> Result<ExitCode, Failure> {
+    match command {
+        SimulatorCommand::Check(args) => check_simulator(args),
+        SimulatorCommand::Serve(args) => serve_model(args),
+    }
+}
+
+fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
+    let opened = match &args.model {
+        Some(model) => of_file(model)?,
+        None => of_command(args),
+    };
+    let simulator = match opened {
+        Ok(simulator) => simulator,
+        Err(error) => {
+            say(&format!("Broken: {error}\n"))?;
+            return Ok(ExitCode::from(1));
+        }
+    };
+    let (contract, workers) = (simulator.contract().clone(), simulator.workers());
+    let mut simulator = simulator.without_memory();
+    let found = check(&mut simulator, args.samples as usize, args.amplitude);
+    let trouble = simulator.trouble();
+    let is_broken = found.worst() == Grade::Broken || trouble.is_some();
+
+    let mut text = describe(&contract);
+    text += &findings(&contract, &found);
+    if let Some(trouble) = trouble {
+        text += &format!("BROKEN: {trouble}\n");
+    }
+    if found.run.is_finite() {
+        text += &cost(&found, workers);
+    }
+    text += match (is_broken, found.worst()) {
+        (true, _) => "\nBroken: a diagnosis with this simulator would go wrong.\n",
+        (_, Grade::Doubt) => "\nUsable, with the doubts above.\n",
+        _ => "\nIn order.\n",
+    };
+    say(&text)?;
+    Ok(if is_broken { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn of_file(model: &Path) -> Result<Result<OutsideSimulator, OutsideError>, Failure> {
+    let text = std::fs::read_to_string(model).map_err(|error| Failure::input(model, error))?;
+    let file = OutsideFile::parse(model, &text).map_err(Failure::of_input)?;
+    Ok(file.open())
+}
+
+fn of_command(args: &CheckArgs) -> Result<OutsideSimulator, OutsideError> {
+    let mut process = Process::new(&args.command);
+    process.timeout = Duration::try_from_secs_f64(args.timeout).unwrap_or(Duration::from_secs(30));
+    OutsideSimulator::new(process.contract()?, process, 1)
+}
+
+fn describe(contract: &Contract) -> String {
+    let mut text = format!("{}, a step every {} s\n", contract.name, contract.ts.seconds());
+    let powers = contract.powers;
+    let can = [
+        (powers.step, "step by step"),
+        (powers.rollout, "whole runs in one call"),
+        (powers.measure, "outputs before a step"),
+        (powers.states, "shows its states"),
+    ];
+    let can: Vec<&str> = can.into_iter().filter(|(can, _)| *can).map(|(_, what)| what).collect();
+    text += &format!("Powers: {}\n", can.join(", "));
+    let mut table = Table::new("Contract", &["what", "name", "unit", "value", "known to"]);
+    let mut row = |what: &str, name: &str, unit: &str, value: String, known: String| {
+        table.push([what.to_owned(), name.to_owned(), unit.to_owned(), value, known]);
+    };
+    for c in &contract.inputs {
+        row("input", &c.name, &c.unit, String::new(), String::new());
+    }
+    for (c, noise) in contract.outputs.iter().zip(&contract.noise) {
+        let noise = noise.map_or_else(String::new, |noise| format!("noise {}", figure(noise)));
+        row("output", &c.name, &c.unit, String::new(), noise);
+    }
+    for p in &contract.parameters {
+        let known = format!("{} %", figure(100.0 * p.tolerance));
+        row("parameter", &p.name, &p.unit, figure(p.value), known);
+    }
+    for x in &contract.initial {
+        let known = x.tolerance.map_or_else(|| "exactly".to_owned(), figure);
+        row("initial state", &x.channel.name, &x.channel.unit, figure(x.value), known);
+    }
+    for (port, motion) in contract.ports.iter().zip(&contract.motion) {
+        let moves = [&motion.position, &motion.velocity].into_iter().flatten();
+        let moves: Vec<&str> = moves.map(String::as_str).collect();
+        let moves =
+            if moves.is_empty() { String::new() } else { format!("moves {}", moves.join(", ")) };
+        row("port", &port.channel.name, &port.channel.unit, String::new(), moves);
+    }
+    text += &format!("\n{}\n\n", table.to_text(100));
+    text
+}
+
+fn findings(contract: &Contract, found: &Conformance) -> String {
+    let mut text = String::new();
+    let mut say = |grade: Grade, what: &str, finding: &str| {
+        let grade = match grade {
+            Grade::Fine => "fine",
+            Grade::Doubt => "DOUBT",
+            Grade::Broken => "BROKEN",
+        };
+        text += &format!("{grade:6}  {what}: {finding}\n");
+    };
+    for finding in &found.findings {
+        say(finding.grade, finding.what, &finding.text);
+    }
+    let channels = contract.inputs.iter().chain(&contract.outputs);
+    let units = channels.map(|c| c.unit.as_str());
+    let units = units.chain(contract.parameters.iter().map(|p| p.unit.as_str()));
+    let mut unknown: Vec<&str> =
+        units.filter(|unit| *unit != "1" && quantity(unit).is_none()).collect();
+    unknown.sort_unstable();
+    unknown.dedup();
+    if unknown.is_empty() {
+        say(Grade::Fine, "units", "all of channels and parameters are known");
+    } else {
+        let list = unknown.join("`, `");
+        say(Grade::Fine, "units", &format!("`{list}` are not converted: logs must have the same"));
+    }
+    if contract.noise.iter().any(Option::is_none) {
+        say(Grade::Fine, "noise", "not stated of every output: it will be estimated");
+    }
+    if let Some(precision) = contract.powers.precision.filter(|p| 100.0 * p < found.precision) {
+        let text = format!("it says {precision:.0e}, and is {:.0e}", found.precision);
+        say(Grade::Doubt, "stated precision", &text);
+    }
+    if !contract.powers.deterministic {
+        say(Grade::Broken, "stated powers", "it says that the same run gives other numbers");
+    }
+    if !contract.powers.step && !contract.ports.is_empty() {
+        let text = "without steps no force can depend on the motion: friction, springs and stops are \
+                    not tried";
+        say(Grade::Doubt, "ports", text);
+    }
+    text
+}
+
+fn cost(found: &Conformance, workers: usize) -> String {
+    let n = found.samples as f64;
+    let mut text = format!(
+        "\nA run of {} samples takes {} ms in one call and {} ms by steps ({} us each).\n\
+         A diagnosis with logs of that length, with {workers} worker{}, takes about\n",
+        found.samples,
+        figure(1e3 * found.run),
+        figure(1e3 * found.steps),
+        figure(1e6 * found.steps / n),
+        if workers == 1 { "" } else { "s" },
+    );
+    for (runs, what) in DIAGNOSES {
+        let seconds = found.cost(runs) / workers as f64;
+        let time = match seconds {
+            s if s < 120.0 => format!("{} s", figure(s)),
+            s if s < 7200.0 => format!("{} min", figure(s / 60.0)),
+            s => format!("{} h", figure(s / 3600.0)),
+        };
+        text += &format!("  {time} for {runs} runs ({what})\n");
+    }
+    text
+}
+
+fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
+    let request = Request::new(&args.model, Vec::<PathBuf>::new());
+    let subject = Subject::of(&request).map_err(Failure::of_input)?;
+    let model = subject.model();
+    let ts = SampleTime::new(args.step.unwrap_or(model.sample_time)).map_err(Failure::of_input)?;
+    let mut simulator =
+        EquationSimulator::<f64>::with_ports(model, ts).map_err(Failure::analysis)?;
+    let noise: Vec<Option<f64>> = model.outputs.iter().map(|output| output.noise).collect();
+    let mut hello = stated(&model.name, &simulator, &noise);
+    for (port, site) in hello.ports.iter_mut().zip(&model.sites) {
+        // A motion that is measured as it is.
+        let shown = |motion: &Option<Expr>| {
+            let motion = motion.as_ref()?;
+            let output = model.outputs.iter().find(|output| output.value == *motion)?;
+            Some(output.name.clone())
+        };
+        (port.position, port.velocity) = (shown(&site.position), shown(&site.velocity));
+    }
+    let (input, output) = (std::io::stdin().lock(), std::io::stdout().lock());
+    serve(&mut simulator, &hello, input, output).map_err(Failure::analysis)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn say(text: &str) -> Result<(), Failure> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::output("standard output", e))
+        }
+        _ => Ok(()),
+    }
+}
