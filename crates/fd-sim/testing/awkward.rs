@@ -1,4 +1,5 @@
 //! A sprung mass, served as a process, that misbehaves as its first argument says. For tests.
+#![allow(clippy::print_stderr, reason = "last words, to be quoted")]
 
 use std::{
     fs::OpenOptions,
@@ -89,7 +90,9 @@ impl Simulator for Awkward {
             y[0] += 1e-3 * self.manner.step as f64;
         }
         if self.manner.kind == "single" {
-            y.iter_mut().for_each(|y| *y = f64::from(single(*y)));
+            for y in y.iter_mut() {
+                *y = f64::from(single(*y));
+            }
         }
         if self.manner.step < self.steps {
             if self.manner.is("die") || (self.manner.kind == "die-when-light" && self.mass < 1.0) {
@@ -109,7 +112,9 @@ impl Simulator for Awkward {
     fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
         self.inner.measure(u, y);
         if self.manner.kind == "single" {
-            y.iter_mut().for_each(|y| *y = f64::from(single(*y)));
+            for y in y.iter_mut() {
+                *y = f64::from(single(*y));
+            }
         }
         true
     }

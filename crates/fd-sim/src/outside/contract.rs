@@ -44,6 +44,7 @@ pub struct Motion {
 }
 
 /// What a simulator can do.
+#[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Powers {
@@ -181,7 +182,7 @@ fn wrong(
     place: &str,
     key: impl Into<String>,
     expected: impl Into<String>,
-    found: impl ToString,
+    found: impl std::fmt::Display,
 ) -> OutsideError {
     let (key, expected, found) = (key.into(), expected.into(), found.to_string());
     OutsideError::Value { place: place.to_owned(), key, expected, found }

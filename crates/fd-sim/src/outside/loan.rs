@@ -87,14 +87,10 @@ impl Loan {
                 Tally::add(&shared.tally.lost, 1);
                 return Work::Lost;
             }
-            let (lease, mut slot) = match self.lease.and_then(|l| Some((l, shared.pool.slot(l)?))) {
-                Some(held) => held,
-                None => {
-                    let lease = shared.pool.lease();
-                    (self.lease, self.reached) = (Some(lease), None);
-                    let Some(slot) = shared.pool.slot(lease) else { continue };
-                    (lease, slot)
-                }
+            let held = self.lease.and_then(|lease| Some((lease, shared.pool.slot(lease)?)));
+            let Some((lease, mut slot)) = held else {
+                (self.lease, self.reached) = (Some(shared.pool.lease()), None);
+                continue;
             };
             if slot.instance.is_none() {
                 self.reached = None;

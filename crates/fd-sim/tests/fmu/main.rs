@@ -1,4 +1,5 @@
 //! FMUs as simulators, with one that is compiled from C. There must be a C compiler, `cc` or what `CC` says.
+#![allow(clippy::float_cmp, reason = "the bits are what is compared")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use std::{fs, path::Path, process::Command};

@@ -1,5 +1,6 @@
 //! Simulators outside of this program: real child processes, good ones and awkward ones.
 #![cfg(unix)]
+#![allow(clippy::float_cmp, reason = "the bits are what is compared")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failure here is a failed test")]
 
 mod bad;

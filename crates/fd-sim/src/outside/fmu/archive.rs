@@ -147,6 +147,7 @@ mod tests {
     use super::*;
 
     /// An archive of these files, deflated or stored.
+    #[expect(clippy::cast_possible_truncation, reason = "small files")]
     fn zip(files: &[(&str, &[u8], bool)]) -> Vec<u8> {
         let (mut archive, mut directory) = (Vec::new(), Vec::new());
         for (name, content, deflates) in files {

@@ -32,7 +32,7 @@ const LOOK: Duration = Duration::from_millis(2);
 /// A running child; it is ended when this is dropped, with all that it has started.
 #[derive(Debug)]
 pub(super) struct Child {
-    child: process::Child,
+    running: process::Child,
     input: Option<ChildStdin>,
     output: ChildStdout,
     words: Arc<Words>,
@@ -117,7 +117,14 @@ impl Child {
         let words = Arc::new(Words::default());
         let listener = Arc::clone(&words);
         std::thread::spawn(move || listener.listen(error));
-        Ok(Self { child, input: Some(input), output, words, shown, timeout: process.timeout })
+        Ok(Self {
+            running: child,
+            input: Some(input),
+            output,
+            words,
+            shown,
+            timeout: process.timeout,
+        })
     }
 
     /// Sends all bytes.
@@ -239,7 +246,7 @@ impl Child {
     fn await_end(&mut self, patience: Duration) -> Option<String> {
         let begun = Instant::now();
         loop {
-            match self.child.try_wait() {
+            match self.running.try_wait() {
                 Ok(Some(status)) => return Some(status.to_string()),
                 Ok(None) if begun.elapsed() < patience => std::thread::sleep(LOOK),
                 _ => return None,
@@ -257,7 +264,7 @@ impl Child {
 impl Drop for Child {
     fn drop(&mut self) {
         self.input = None;
-        if let Ok(id) = i32::try_from(self.child.id())
+        if let Ok(id) = i32::try_from(self.running.id())
             && let Some(group) = Pid::from_raw(id)
         {
             // Also after its end: what it has started may still be there. There may be nobody left.

@@ -44,7 +44,9 @@ impl ProcessInstance {
             Lost::Broken(self.child.protocol(what, expected.to_owned(), found))
         })?;
         begin(&mut self.bytes, op, count);
-        parts.iter().for_each(|part| put(&mut self.bytes, part));
+        for part in parts {
+            put(&mut self.bytes, part);
+        }
         self.child.send(&self.bytes, what, deadline).map_err(Lost::Gone)?;
 
         let mut head = [0; HEAD];
