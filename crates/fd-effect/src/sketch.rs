@@ -6,7 +6,7 @@ mod sites;
 use fd_sim::scales::{ForceScale, ReplayScales};
 use fd_sim::{
     equation::Expr,
-    model::{Model, Parameter, State},
+    model::{Definition, Model, Parameter, State},
     patch::Patch,
 };
 
@@ -154,6 +154,18 @@ impl<'a> Sketch<'a> {
     #[must_use]
     pub fn bind(mut self, local: &str, value: impl Into<Expr>) -> Self {
         self.bound.push((local.to_owned(), value.into()));
+        self
+    }
+
+    /// Takes up definitions that an expression of the scales needs, such as
+    /// [`ForceScale::helpers`]. Those that the model has from another effect are not added again.
+    #[must_use]
+    pub fn with_helpers(mut self, helpers: &[Definition]) -> Self {
+        for helper in helpers {
+            if !self.candidate.model.definitions.contains(helper) {
+                self.patch.add_definition(&helper.name, helper.value.clone());
+            }
+        }
         self
     }
 

@@ -70,6 +70,7 @@ pub mod file;
 mod inputs;
 mod nearest;
 mod resample;
+mod shown;
 pub mod signal;
 mod simulate;
 pub mod unit;
@@ -89,5 +90,6 @@ pub use crate::{
     nearest::nearest,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
     resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
+    shown::{Shown, ShownList, ShownMessage, is_plain},
     simulate::{Simulation, SimulationError},
 };

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use fdiag::{
     compensate::decide::Isolation,
+    core::Limits,
     ident::{arx::ArxOrders, order::Criterion},
     log::write_log,
     model::{
@@ -72,6 +73,7 @@ fn request(folder: &Path, logs: &[&str]) -> Request {
         columns: None,
         spec,
         share_to_learn: 0.7,
+        limits: Limits::default(),
     }
 }
 
@@ -185,6 +187,7 @@ fn a_real_gas_turbine() {
         columns: Some(toml::from_str(&map).unwrap()),
         spec,
         share_to_learn: 0.7,
+        limits: Limits::default(),
     };
     let (study, _) = LogStudy::run(&request, || ()).unwrap();
     println!("{}", study.headline());

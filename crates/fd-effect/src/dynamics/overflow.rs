@@ -70,6 +70,7 @@ fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usi
         .bind("l", low)
         .bind("Z", zone)
         .bind("R", store.rate)
+        .with_helpers(&site.helpers)
         .bind("C", site.compliance.clone())
         .define("e", "overflow", "clamp((x - l - 1/max(s, S))/Z, 0, 1)*max(R, 0)/C")
         .force("spilled", "-e")

@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use fd_core::{Limits, Resource};
 use rayon::prelude::*;
 
 use super::{
@@ -38,6 +39,31 @@ pub struct Order {
     pub full_oracle: bool,
 }
 
+/// Fewest samples of a log: effects are told from noise over hundreds of them.
+const FEWEST_SAMPLES: usize = 100;
+
+impl Order {
+    /// Checks what was ordered, before any directory is made.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when no case is ordered, logs are too short, or there would be more cases or
+    /// samples than the limits allow.
+    pub fn check(&self, limits: &Limits) -> Result<(), BlindError> {
+        if self.samples < FEWEST_SAMPLES {
+            let expected = "at least 100: effects are told from noise over hundreds of samples";
+            return Err(BlindError::Order { what: "samples", expected, found: self.samples });
+        }
+        limits.check(Resource::Samples, "samples of each log", self.samples as f64)?;
+        let cases: f64 = self.counts.iter().map(|(_, n)| *n as f64).sum();
+        if cases < 1.0 {
+            let expected = "at least 1 case of any kind";
+            return Err(BlindError::Order { what: "cases", expected, found: 0 });
+        }
+        Ok(limits.check(Resource::Cases, "cases", cases)?)
+    }
+}
+
 /// Makes cases in `out` and their truths in `truth`; `done` is called after each case.
 ///
 /// # Errors
@@ -51,6 +77,7 @@ pub fn make(
     key: &SealKey,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Truth>, BlindError> {
+    order.check(&Limits::default())?;
     let cases = out.join(CASES);
     for directory in [&cases, truth] {
         if directory.exists() {

@@ -13,7 +13,7 @@ use super::{
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };
-use crate::journal::{Journal, read};
+use crate::journal::{Journal, read, restart};
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]
@@ -65,6 +65,15 @@ impl Watcher for () {
     fn advance(&self) {}
 }
 
+/// Forgets the finished engines in a journal; none is no mistake.
+///
+/// # Errors
+///
+/// Returns an error when another run is writing the journal, or it cannot be written.
+pub fn begin_anew(journal: &Path) -> Result<(), CompareError> {
+    Ok(restart(journal)?)
+}
+
 impl Comparison {
     /// Runs a comparison on the threads of the current rayon pool.
     ///
@@ -85,8 +94,10 @@ impl Comparison {
         let scenes: Vec<Scene<'_>> = (0..config.scenarios.len())
             .map(|index| Scene::new(config, index))
             .collect::<Result<_, _>>()?;
+        // Held to the end: two runs must not finish the same engines into the same file.
+        let held = journal.map(Journal::open).transpose()?;
         let (known_thresholds, known_tests) = known(config, journal)?;
-        let journal = journal.map(Journal::open).transpose()?;
+        let journal = held;
         if let Some(journal) = &journal
             && known_thresholds.is_none()
         {

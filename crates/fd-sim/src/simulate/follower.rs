@@ -190,7 +190,8 @@ impl Nominal for Follower<'_> {
         let sites = model.sites.into_iter().zip(followed.sites).map(|(site, size)| {
             let velocity = site.velocity.and_then(|signal| both(signal, size.velocity));
             let position = site.position.and_then(|signal| both(signal, size.position));
-            let (acceleration, compliance) = (site.acceleration, site.compliance);
+            let (acceleration, compliance, helpers) =
+                (site.acceleration, site.compliance, site.helpers);
             let ForceScale { name, unit, force, mobility, kick, is_discrete, motion, .. } = size;
             ForceScale {
                 name,
@@ -202,6 +203,7 @@ impl Nominal for Follower<'_> {
                 motion,
                 acceleration,
                 compliance,
+                helpers,
                 velocity,
                 position,
             }

@@ -29,6 +29,7 @@ mod error;
 mod flat;
 mod follower;
 mod jacobian;
+mod limits;
 mod linearize;
 mod logged_loop;
 mod nominal;
@@ -41,6 +42,7 @@ pub use self::{
     equations::EquationSimulator,
     error::SimulateError,
     follower::Follower,
+    limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     logged_loop::LoggedLoop,
     nominal::Nominal,

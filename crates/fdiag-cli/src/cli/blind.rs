@@ -216,7 +216,7 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
         (CaseKind::Mismatch, args.mismatch),
     ];
     counts.extend(args.classes.counts());
-    let total: usize = counts.iter().map(|(_, n)| n).sum();
+    let total = counts.iter().fold(0_usize, |sum, (_, n)| sum.saturating_add(*n));
     let order =
         Order { seed: args.seed, counts, samples: args.samples, full_oracle: !args.quick_oracle };
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.out));

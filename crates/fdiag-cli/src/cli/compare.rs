@@ -1,8 +1,8 @@
 //! `fdiag compare`: the tournament.
 
-use std::{fs, io::ErrorKind, process::ExitCode};
+use std::{fs, process::ExitCode};
 
-use fd_lab::compare::{CompareConfig, CompareError, Comparison, Watcher};
+use fd_lab::compare::{CompareConfig, CompareError, Comparison, Watcher, begin_anew};
 use fd_report::Table;
 use indicatif::ProgressBar;
 
@@ -24,12 +24,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?.compact();
     let journal = args.output.out.join(JOURNAL);
     if args.restart {
-        match fs::remove_file(&journal) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(Failure::output(&journal, error));
-            }
-            _ => {}
-        }
+        begin_anew(&journal).map_err(refused)?;
     }
     let pool = pool(args.output.threads)?;
     let shown = Shown(bar(1, "engines"));
@@ -93,7 +88,10 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
 
 /// A setting that cannot be is the fault of the configuration file.
 fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
-    let setting = matches!(error, CompareError::Version { .. } | CompareError::Setting { .. });
+    let setting = matches!(
+        error,
+        CompareError::Version { .. } | CompareError::Setting { .. } | CompareError::Limit(_)
+    );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),
         _ if matches!(error, CompareError::Journal(_)) => Failure::of_input(error),

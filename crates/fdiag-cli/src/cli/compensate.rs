@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use fdiag::spec::PipelineSpec;
+use fdiag::{core::Limits, spec::PipelineSpec, training::TrainingError};
 use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
 
 use super::{args::CompensateArgs, failure::Failure, output::Output, progress::bar, toml_file};
@@ -26,12 +26,17 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
         columns: args.columns.as_deref().map(toml_file::read).transpose()?,
         spec,
         share_to_learn: args.learn_share,
+        limits: Limits::default(),
     };
     let output = Output::prepare(&args.output)?;
     let progress = bar((request.healthy.len() + request.logs.len()) as u64, "logs");
     let (study, traces) = LogStudy::run(&request, || progress.inc(1)).map_err(|error| {
         let reason = error.to_string();
         match error {
+            LogStudyError::Training(TrainingError::Limit(_)) => match &args.spec {
+                Some(spec) => Failure::input(spec, reason),
+                None => Failure::analysis(reason),
+            },
             LogStudyError::Training(_) | LogStudyError::Model(_) | LogStudyError::NoExcitation => {
                 Failure::analysis(reason)
             }

@@ -72,6 +72,7 @@ fn refusal(args: &EngineArgs, error: &EngineStudyError) -> Failure {
             | EngineStudyError::Setting { .. }
             | EngineStudyError::None { .. }
             | EngineStudyError::UnknownSensor { .. }
+            | EngineStudyError::Limit(_)
     );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),

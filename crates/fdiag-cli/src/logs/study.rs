@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use fd_core::{DynPipeline, Event, stage::Stage};
+use fd_core::{DynPipeline, Event, Limits, stage::Stage};
 use fd_log::{LogMap, read_log};
 use fd_model::{Record, TimeBaseReport, file::LinearModel};
 use fd_numeric::rms;
 use fdiag::{
     spec::PipelineSpec,
-    training::{Healthy, Trace, TrainingError, sensor_sizes, train},
+    training::{Healthy, Trace, TrainingError, sensor_sizes, train_within},
 };
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,8 @@ pub struct Request {
     /// Share of each healthy log, from its start, that the bias is learned from; the threshold is
     /// taken from the rest.
     pub share_to_learn: f64,
+    /// How large logs and numbers of the spec may be.
+    pub limits: Limits,
 }
 
 /// The result.
@@ -133,6 +135,7 @@ impl LogStudy {
     ///     columns: None,
     ///     spec: PipelineSpec::default(),
     ///     share_to_learn: 0.7,
+    ///     limits: fdiag::core::Limits::default(),
     /// };
     /// let (study, _traces) = LogStudy::run(&request, || ())?;
     /// println!("{}", study.headline());
@@ -143,8 +146,10 @@ impl LogStudy {
     ///
     /// Returns the first file, row or step that is wrong.
     pub fn run(request: &Request, done: impl Fn()) -> Result<(Self, Traces), LogStudyError> {
+        request.spec.check_limits(&request.limits).map_err(TrainingError::from)?;
         let file = LinearModel::read(&request.model)?;
         let mut map = request.columns.clone().unwrap_or_else(|| LogMap::for_model(&file));
+        map.resample.limits = request.limits;
         if let Some(ts) = file.system.sample_time() {
             map.resample.sample_time.get_or_insert(ts.seconds());
         }
@@ -167,7 +172,7 @@ impl LogStudy {
         if !healthy.iter().any(|log| input_moves(log.record)) {
             return Err(LogStudyError::NoExcitation);
         }
-        let trained = train(&request.spec, &model, &healthy)?;
+        let trained = train_within(&request.spec, &model, &healthy, &request.limits)?;
         let outputs: Vec<SignalUnit> = file
             .outputs
             .iter()

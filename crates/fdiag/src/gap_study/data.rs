@@ -208,6 +208,7 @@ fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
         }
     }
     let policy = &mut map.resample;
+    policy.limits = request.limits;
     policy.sample_time = request.resample.sample_time.or(policy.sample_time);
     policy.max_gap_s = request.resample.longest_gap.or(policy.max_gap_s);
     if request.resample.disorder != Disorder::default() {

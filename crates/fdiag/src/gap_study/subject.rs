@@ -1,15 +1,16 @@
 //! The simulator of a model file, with what its user knows better than the file.
 
-use std::{fmt, fs, path::Path};
+use std::{fmt, fs, io, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
+use fd_core::Resource;
 use fd_effect::{Effect, library, with_default_sites};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap, read_log};
-use fd_model::{Channel, SampleTime, file::LinearModel};
+use fd_model::{Channel, SampleTime, Shown, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
-    simulate::Nominal,
+    simulate::{Nominal, check_limits},
 };
 
 use super::{
@@ -39,8 +40,11 @@ impl Subject {
     pub fn of(request: &Request) -> Result<Self, GapError> {
         let path = &request.model;
         let file = path.display().to_string();
-        let text = fs::read_to_string(path)
-            .map_err(|error| LoadError::Read { file: file.clone(), message: error.to_string() })?;
+        let unread =
+            |error: io::Error| LoadError::Read { file: file.clone(), message: error.to_string() };
+        let bytes = fs::metadata(path).map_err(unread)?.len();
+        request.limits.check(Resource::Bytes, Shown(&file).to_string(), bytes as f64)?;
+        let text = fs::read_to_string(path).map_err(unread)?;
         // What is no TOML at all is an error of the reader of equations, which says where.
         let kind = text.parse::<toml::Table>().ok();
         let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
@@ -66,6 +70,9 @@ impl Subject {
 
     fn of_equations(request: &Request, model: &Model) -> Result<Self, GapError> {
         let model = told(request, &with_default_sites(model))?;
+        let simulate = |error| GapError::Simulate(Box::new(error));
+        check_limits(&model, SampleTime::new(model.sample_time)?, &request.limits)
+            .map_err(simulate)?;
         Ok(Self { nominal: Box::new(model), engine: None })
     }
 
@@ -187,6 +194,7 @@ fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
     if let Some(columns) = &request.columns {
         complete(&mut map, columns);
     }
+    map.resample.limits = request.limits;
     let first = request.logs.first().ok_or(FitError::NoLog)?;
     Ok(read_log(first, &map)?.record.ts())
 }

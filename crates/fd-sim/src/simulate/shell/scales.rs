@@ -145,6 +145,7 @@ impl Replay<'_> {
             motion,
             acceleration: Expr::Number(0.0),
             compliance: Expr::Number(mean),
+            helpers: Vec::new(),
             velocity: of(&site.velocity, velocity),
             position: of(&site.position, position),
         }
