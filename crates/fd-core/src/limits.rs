@@ -28,6 +28,8 @@ pub struct Limits {
     pub samples: u64,
     /// Integration steps per sample.
     pub substeps: u64,
+    /// Integration steps of one simulation of all logs of a diagnosis.
+    pub steps: u64,
     /// Length of a delay, in integration steps.
     pub delay_steps: u64,
     /// Samples that a detector, a rule or a fit keeps or looks back at.
@@ -53,6 +55,7 @@ impl Default for Limits {
         Self {
             samples: 10_000_000,
             substeps: 10_000,
+            steps: 2_000_000,
             delay_steps: 1 << 20,
             window: 10_000,
             order: 100,
@@ -74,6 +77,8 @@ pub enum Resource {
     Samples,
     /// [`Limits::substeps`].
     Substeps,
+    /// [`Limits::steps`].
+    Steps,
     /// [`Limits::delay_steps`].
     DelaySteps,
     /// [`Limits::window`].
@@ -96,9 +101,10 @@ pub enum Resource {
 
 impl Resource {
     /// All of them, in the order of [`Limits`].
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Samples,
         Self::Substeps,
+        Self::Steps,
         Self::DelaySteps,
         Self::Window,
         Self::Order,
@@ -116,6 +122,7 @@ impl Resource {
         match self {
             Self::Samples => "samples",
             Self::Substeps => "substeps",
+            Self::Steps => "steps",
             Self::DelaySteps => "delay_steps",
             Self::Window => "window",
             Self::Order => "order",
@@ -133,7 +140,7 @@ impl Resource {
         match self {
             Self::Samples | Self::Window => " samples",
             Self::Substeps => " integration steps per sample",
-            Self::DelaySteps => " integration steps",
+            Self::Steps | Self::DelaySteps => " integration steps",
             Self::Threads => " threads",
             Self::Bytes => " bytes",
             Self::Order | Self::Corners | Self::Models | Self::Cases | Self::Count => "",
@@ -175,6 +182,7 @@ impl Limits {
         match resource {
             Resource::Samples => self.samples,
             Resource::Substeps => self.substeps,
+            Resource::Steps => self.steps,
             Resource::DelaySteps => self.delay_steps,
             Resource::Window => self.window,
             Resource::Order => self.order,

@@ -9,7 +9,7 @@ const TAIL: usize = 20;
 /// Most entries of a list.
 const ENTRIES: usize = 20;
 /// Most characters of a line, and most lines, of a whole message.
-const LINE: usize = 400;
+const LINE: usize = 1000;
 const LINES: usize = 60;
 
 /// A piece of text in one line: control characters are escaped, and of more than 120 characters the

@@ -4,7 +4,10 @@ use std::{fmt, io};
 
 use thiserror::Error;
 
-use crate::{error::ModelError, shown::Shown};
+use crate::{
+    error::ModelError,
+    shown::{Shown, ShownMessage},
+};
 
 /// What was tried with a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +43,7 @@ pub enum ModelFileError {
         kind: io::ErrorKind,
     },
     /// The file is not TOML, or has wrong, unknown or missing keys.
-    #[error("{file}, line {line}, column {column}: {}", Shown(message))]
+    #[error("{file}, line {line}, column {column}: {}", ShownMessage(message))]
     Syntax {
         /// Name of the file.
         file: String,

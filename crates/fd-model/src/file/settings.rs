@@ -6,11 +6,11 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::{Table, Value};
 
-use crate::shown::Shown;
+use crate::shown::{Shown, ShownMessage};
 
 /// A file of settings cannot be read.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{}{}{}{}", Shown(file), in_line(*.line), at_key(.key), Shown(message))]
+#[error("{}{}{}{}", Shown(file), in_line(*.line), at_key(.key), ShownMessage(message))]
 pub struct SettingsError {
     /// Name of the file.
     pub file: String,

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt, ops::Range};
 
-use fd_model::Shown;
+use fd_model::{Shown, ShownMessage};
 use thiserror::Error;
 
 use crate::equation::{Span, SyntaxProblem, TableError, locate, picture};
@@ -56,7 +56,7 @@ pub struct Place {
 #[non_exhaustive]
 pub enum Mistake {
     /// The text is not TOML or does not have the form of a model.
-    #[error("{}", Shown(.0))]
+    #[error("{}", ShownMessage(.0))]
     Toml(String),
     /// Another version of the format.
     #[error("this is format version {found}, this program reads version 1")]

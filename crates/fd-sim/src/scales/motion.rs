@@ -154,3 +154,89 @@ impl FreshNames {
         name
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::equation::{Program, Scope};
+
+    const SWING: &str = r#"
+        version = 1
+        kind = "equations"
+        name = "swing"
+        sample_time = 0.01
+        parameters = { m = { unit = "kg", value = 2.0 }, l = { unit = "m", value = 0.7 } }
+        inputs = { u = { unit = "N" } }
+        outputs = { y = { unit = "rad", value = "q" } }
+        [states]
+        q = { unit = "rad", initial = 0.3, derivative = "w" }
+        w = { unit = "rad/s", initial = -0.2, derivative = "(pull + u)/mass" }
+        [definitions]
+        mass = "m*l^2*(1 + 0.1*share)"
+        share = "sin(q)*tip/l"
+        tip = "w*l*cos(q) + 0.3*u"
+        pull = "-share*abs(tip)"
+        seen = "tip*share + exp(-share)"
+        [sites]
+        tip_force = { unit = "N", enters = { w = "l/mass" }, velocity = "seen" }
+    "#;
+
+    fn value(model: &Model, helpers: &[Definition], expr: &Expr, u: f64) -> f64 {
+        let own = model.definitions.iter().chain(helpers);
+        let scope = Scope {
+            slow: vec!["m".into(), "l".into()],
+            fast: vec!["q".into(), "w".into(), "u".into()],
+            definitions: own.map(|d| (d.name.clone(), d.value.clone())).collect(),
+            ..Scope::default()
+        };
+        let program = Program::compile(&scope, std::slice::from_ref(expr)).unwrap();
+        let mut workspace = program.workspace::<f64>();
+        workspace.slow_mut().copy_from_slice(&[2.0, 0.7]);
+        program.prepare(&mut workspace);
+        workspace.fast_mut().copy_from_slice(&[0.4, -1.3, u]);
+        let mut result = [0.0];
+        program.run(&mut workspace, &mut result);
+        result[0]
+    }
+
+    #[test]
+    fn written_out_and_through_names_are_the_same_numbers() {
+        let model: Model = SWING.parse().unwrap();
+        let site = &model.sites[0];
+        let written = SiteProbe::of(&model, site, &mut FreshNames::of(&model));
+        assert!(written.helpers.is_empty());
+        let moved = site.velocity.clone().unwrap();
+        let (acceleration, compliance, helpers) =
+            through_names(&model, site, &moved, &mut FreshNames::of(&model));
+        assert!(!helpers.is_empty());
+        for (short, named) in
+            [(&written.acceleration, &acceleration), (&written.compliance, &compliance)]
+        {
+            let [a, b] = [value(&model, &[], short, 0.9), value(&model, &helpers, named, 0.9)];
+            // Some dozen operations in another order.
+            assert!((a - b).abs() < 1e-13 * a.abs() && a != 0.0, "{a} {b}");
+        }
+
+        let scale = ForceScale {
+            name: site.name.clone(),
+            unit: site.unit.clone(),
+            force: 1.0,
+            mobility: 1.0,
+            kick: 0.0,
+            is_discrete: false,
+            motion: super::super::SignalScale::of("", "", std::iter::empty()),
+            acceleration,
+            compliance,
+            helpers,
+            velocity: None,
+            position: None,
+        };
+        let (unforced, more) = scale.unforced(&model);
+        let helpers: Vec<Definition> = scale.helpers.iter().chain(&more).cloned().collect();
+        let [a, b] = [
+            value(&model, &[], &written.acceleration, 0.0),
+            value(&model, &helpers, &unforced, 0.9),
+        ];
+        assert!((a - b).abs() < 1e-13 * a.abs() && a != 0.0, "{a} {b}");
+    }
+}

@@ -3,6 +3,7 @@
 use std::{process::ExitCode, time::Instant};
 
 use fdiag::{
+    core::{Limits, Resource},
     gap::fit::FitError,
     gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
     model::Disorder,
@@ -60,6 +61,10 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),
+        limits: Limits {
+            steps: if args.yes { u64::MAX } else { plain.limits.steps },
+            ..plain.limits
+        },
         ..plain
     })
 }
@@ -67,6 +72,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
 /// What cannot be simulated or fitted is no mistake of a file.
 fn refusal(error: &GapError) -> Failure {
     let is_analysis = match error {
+        GapError::Limit(limit) => limit.resource != Resource::Bytes,
         GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
         GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
         _ => false,

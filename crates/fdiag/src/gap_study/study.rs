@@ -64,6 +64,7 @@ impl GapStudy {
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let subject = Subject::of(request)?;
         let mut data = Data::read(request, &subject, None)?;
+        subject.check_cost(&data, &request.limits)?;
         // Who states a horizon wants that, and no filter.
         let is_auto = request.horizon == HorizonChoice::Auto;
         let follower = if is_auto { follow(subject.nominal(), &data.fit)? } else { None };

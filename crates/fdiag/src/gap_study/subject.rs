@@ -3,23 +3,28 @@
 use std::{fmt, fs, io, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
-use fd_core::Resource;
+use fd_core::{Limits, Resource};
 use fd_effect::{Effect, library, with_default_sites};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap, read_log};
-use fd_model::{Channel, SampleTime, Shown, file::LinearModel};
+use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
-    simulate::{Nominal, check_limits},
+    simulate::{EquationSimulator, Nominal, check_limits},
 };
 
 use super::{
+    data::Data,
     error::GapError,
     request::{Named, Request},
 };
 
 /// Kinds of model files that can be diagnosed.
 const KINDS: &str = "`equations`, `state-space` or `engine17`";
+
+/// Milliseconds that a diagnosis takes for one integration step of its logs, all candidates and fits
+/// together, for a model of one state and for models of two or three with a cause that is hard to find.
+const STEP_MS: [f64; 2] = [1.0, 20.0];
 
 /// What is diagnosed: the simulator of a model file, with the tolerances and the noise of a request.
 ///
@@ -38,6 +43,9 @@ impl Subject {
     ///
     /// Returns what is wrong with the model file or a setting.
     pub fn of(request: &Request) -> Result<Self, GapError> {
+        if let Some(replicas) = request.calibrate {
+            request.limits.check(Resource::Models, "--calibrate", replicas as f64)?;
+        }
         let path = &request.model;
         let file = path.display().to_string();
         let unread =
@@ -94,6 +102,26 @@ impl Subject {
         let is_parameter = matches!(mistake, Mistake::Parameter { .. }) && self.engine.is_none();
         let model = is_parameter.then(|| mistake.mended_model(self.model()))??;
         Some(Self { nominal: Box::new(model), engine: None })
+    }
+
+    /// Compares the work for the fitted logs with the limit, before it is begun.
+    pub(super) fn check_cost(&self, data: &Data, limits: &Limits) -> Result<(), GapError> {
+        let Some(ts) = data.fit.first().map(Record::ts).filter(|_| self.engine.is_none()) else {
+            return Ok(());
+        };
+        let simulate = |error| GapError::Simulate(Box::new(error));
+        let simulator = EquationSimulator::<f64>::at(self.model(), ts).map_err(simulate)?;
+        let samples: usize = data.fit.iter().map(Record::len).sum();
+        let steps = samples as f64 * simulator.substeps() as f64;
+        let [least, most] = STEP_MS.map(|ms| ms * steps / 3.6e6);
+        let what = format!(
+            "{samples} samples of {} integration steps each, {} to {} hours on one thread (fewer samples \
+             or a longer `step` in the model take less; --yes begins it all the same)",
+            simulator.substeps(),
+            figure(least),
+            figure(most),
+        );
+        Ok(limits.check(Resource::Steps, what, steps)?)
     }
 
     /// The simulator.
