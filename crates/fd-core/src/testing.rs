@@ -21,8 +21,7 @@ pub type Samples<T> = [(Vec<T>, Vec<T>)];
 
 /// Checks the law of memory: a reset stage repeats itself exactly, a snapshot does not disturb it,
 /// and a twin of the same design with another past, restored from that snapshot, continues exactly
-/// as the original did. Memories that no samples could have left (counters anywhere, numbers beyond all
-/// sense) may give any results, but no panic, and nothing of them is left after a reset.
+/// as the original did.
 ///
 /// `step` takes a stage through sample `k` of `samples` and returns all that can be seen of it.
 ///
@@ -75,11 +74,27 @@ pub fn memory<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
     assert!(restored.is_ok(), "a snapshot must fit its own design: {restored:?}");
     let continued: Vec<R> = (cut..samples).map(|k| step(twin, k)).collect();
     assert_eq!(continued, whole[cut..], "a restored stage must continue as the original");
+}
 
-    for nonsense in NONSENSE {
-        stage.visit_state(&mut Overwrite { real: None, count: Some(nonsense.1) });
+/// Checks that no memory makes a stage panic: memories that no samples could have left (counters
+/// anywhere, numbers beyond all sense) may give any results, and nothing of them is left after a reset.
+///
+/// `step` is as in [`memory`].
+///
+/// # Panics
+///
+/// Panics when the law is broken.
+pub fn nonsense<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
+    stage: &mut S,
+    samples: usize,
+    mut step: impl FnMut(&mut S, usize) -> R,
+) {
+    stage.reset();
+    let whole: Vec<R> = (0..samples).map(|k| step(stage, k)).collect();
+    for (real, count) in NONSENSE {
+        stage.visit_state(&mut Overwrite { real: None, count: Some(count) });
         (0..samples).for_each(|k| drop(step(stage, k)));
-        stage.visit_state(&mut Overwrite { real: Some(nonsense.0), count: None });
+        stage.visit_state(&mut Overwrite { real: Some(real), count: None });
         (0..samples).for_each(|k| drop(step(stage, k)));
     }
     stage.reset();

@@ -8,7 +8,7 @@ use fd_core::{
         Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
         Verdict,
     },
-    testing::memory,
+    testing::{memory, nonsense},
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -294,6 +294,7 @@ impl Stage for Forgetful {
 fn a_stage_that_remembers_all_passes_the_law() {
     let whole = Forgetful::default();
     memory(&mut whole.clone(), &mut whole.clone(), 10, Forgetful::step);
+    nonsense(&mut whole.clone(), 10, Forgetful::step);
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn numbers_beyond_every_machine_are_refused() {
     desk.refuses(&format!("{GAP} --calibrate 4000000000"), 4, &["--calibrate", "limit `models`"]);
     let most = u64::MAX;
     desk.refuses(&format!("engine --seeds {most} --out made"), 4, &["seeds", "limit `cases`"]);
-    let words = ["engines.thresholds", "limit `cases`"];
+    let words = ["engines.", "limit `cases`"];
     desk.refuses(&format!("compare --seeds {most} --out made"), 4, &words);
     let make = "blind make --out made --seed 1 --single";
     desk.refuses(
