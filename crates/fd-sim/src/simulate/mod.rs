@@ -31,6 +31,7 @@ mod follower;
 mod jacobian;
 mod linearize;
 mod logged_loop;
+mod logged_outputs;
 mod nominal;
 mod shell;
 mod simulator;

@@ -94,16 +94,14 @@ impl GapStudy {
             most => road(&case, &diagnosis, &settings, most, monitor)?,
         };
         let location = locate(&case, &diagnosis, monitor)?;
-        // With logged outputs among the inputs, a black box would explain each output by itself.
+        // With logged outputs among the inputs, a black box would explain each output by itself, and other
+        // inputs cannot be tried.
         let is_followed = follower.is_some();
-        let ceiling = match follower {
-            None => ceiling(&case, &diagnosis, &settings, monitor)?,
-            Some(_) => None,
-        };
+        let ceiling =
+            if is_followed { None } else { ceiling(&case, &diagnosis, &settings, monitor)? };
         let is_open = match diagnosis.verdict {
-            _ if is_followed => false,
-            Verdict::Tied | Verdict::Unclear => true,
-            Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
+            Verdict::Tied | Verdict::Unclear => !is_followed,
+            Verdict::Pair => !is_followed && 1 < diagnosis.tied_pairs.len(),
             _ => false,
         };
         let reach = Reach { seed: request.seed, ..Reach::default() };

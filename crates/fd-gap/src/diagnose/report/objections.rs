@@ -1,7 +1,7 @@
 //! What speaks against an answer, whatever its probability: what an engineer would say at first sight.
 //!
 //! An objection that [forbids](Objection::forbids) an answer takes its name away: half of what was believed of it
-//! is doubt then, and the verdict is [`Verdict::Unclear`]. The others are said beside it.
+//! is doubt then, and the verdict is [`Verdict::Unclear`](crate::diagnose::Verdict::Unclear). The others are said beside it.
 
 use fd_effect::SiteRef;
 
@@ -10,7 +10,7 @@ use crate::{
     diagnose::{
         judge::Probabilities,
         objection::Objection,
-        result::{Cause, Estimate, HeldOut, Pair, Verdict},
+        result::{Cause, Estimate, HeldOut, Pair},
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -58,12 +58,6 @@ pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
     all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
     all.sort_by_key(|objection| !objection.forbids());
     all
-}
-
-/// The verdict that is left when something forbids it.
-pub(super) fn verdict_with(verdict: Verdict, objections: &[Objection]) -> Verdict {
-    let is_forbidden = objections.iter().any(Objection::forbids);
-    if is_forbidden { Verdict::Unclear } else { verdict }
 }
 
 /// Half of what was believed of causes and pairs is doubt.

@@ -99,15 +99,8 @@ fn of_what_is_left(report: &Report) -> String {
     let best = best.fold(0.0, f64::max);
     let ceiling = report.ceiling.as_ref().and_then(fd_gap::ceiling::Ceiling::share);
     let is_known = ceiling.is_some_and(|closed| 0.0 < closed.interval[0]);
-    let places: Vec<String> = report
-        .location
-        .places
-        .iter()
-        .filter(|place| !place.statement.is_empty())
-        .take(1)
-        .map(|place| capital(&place.statement))
-        .collect();
-    let place = places.first().map_or_else(String::new, |place| format!(" {place}."));
+    let place = report.location.places.iter().find(|place| !place.statement.is_empty());
+    let place = place.map_or_else(String::new, |place| format!(" {}.", capital(&place.statement)));
     if is_known || COHERENT < best {
         format!(
             "What is left follows from the logged inputs, so it is a law that the library lacks: write it \
