@@ -17,6 +17,7 @@ use super::{
     seal::SealKey,
     truth::{Scene, Truth},
 };
+use crate::Watcher;
 
 /// Name of the file with the secret, beside the truths.
 pub(super) const KEY: &str = "seal.key";
@@ -38,7 +39,7 @@ pub struct Order {
     pub full_oracle: bool,
 }
 
-/// Makes cases in `out` and their truths in `truth`; `done` is called after each case.
+/// Makes cases in `out` and their truths in `truth`.
 ///
 /// # Errors
 ///
@@ -49,7 +50,7 @@ pub fn make(
     out: &Path,
     truth: &Path,
     key: &SealKey,
-    done: impl Fn() + Sync,
+    watcher: &impl Watcher,
 ) -> Result<Vec<Truth>, BlindError> {
     let cases = out.join(CASES);
     for directory in [&cases, truth] {
@@ -66,6 +67,7 @@ pub fn make(
 
     let kinds = order.counts.iter().flat_map(|(kind, n)| (0..*n).map(move |i| (*kind, i)));
     let kinds: Vec<(CaseKind, usize)> = kinds.collect();
+    watcher.begin(kinds.len() as u64, 0);
     // The order of the cases tells nothing of their kinds.
     let mut numbers: Vec<usize> = (1..=kinds.len()).collect();
     Random::named(order.seed, "order").shuffle(&mut numbers);
@@ -75,7 +77,7 @@ pub fn make(
         .map(|((kind, i), number)| {
             let case = format!("case-{number:04}");
             let made = one(order, *kind, *i, &case, &cases, truth, key)?;
-            done();
+            watcher.advance();
             Ok(made)
         })
         .collect();

@@ -39,6 +39,5 @@ pub use self::{
         Comparison, EntryName, EntryResult, FaultResult, IsolationResult, REPORT_VERSION, RocPoint,
         ScenarioResult,
     },
-    run::Watcher,
     share::Share,
 };
