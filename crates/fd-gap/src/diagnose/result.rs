@@ -240,6 +240,16 @@ impl Leftover {
     }
 }
 
+impl Cause {
+    /// Its largest strength in standard errors; `None` when no strength has one.
+    #[must_use]
+    pub fn significance(&self) -> Option<f64> {
+        let strengths = self.parameters.iter().filter(|p| p.is_strength);
+        let ratios = strengths.map(|p| p.value.abs() / p.standard_error);
+        ratios.filter(|ratio| ratio.is_finite()).reduce(f64::max)
+    }
+}
+
 /// A fitted parameter of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Estimate {

@@ -19,7 +19,7 @@ pub(super) fn with_logged_outputs(
     let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
     let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
     let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
-    Ok(new.starting_at(record.time(0)))
+    Ok(new.at_the_place_of(record))
 }
 
 /// Missing values on straight lines between their neighbours; the ends are held, and a signal

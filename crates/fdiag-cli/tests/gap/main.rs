@@ -4,5 +4,6 @@
 mod answers;
 mod desk;
 mod engine;
+mod long;
 mod refusals;
 mod schema;

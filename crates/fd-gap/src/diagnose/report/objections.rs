@@ -10,7 +10,7 @@ use crate::{
     diagnose::{
         judge::Probabilities,
         objection::Objection,
-        result::{Cause, Estimate, HeldOut, Pair},
+        result::{Cause, HeldOut, Pair},
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -81,9 +81,7 @@ fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
     if held_out.iter().any(is_shown) {
         return None;
     }
-    let strengths = cause.parameters.iter().filter(|p| p.is_strength);
-    let of = |p: &Estimate| p.value.abs() / p.standard_error;
-    let largest = strengths.map(of).filter(|ratio| ratio.is_finite()).reduce(f64::max)?;
+    let largest = cause.significance()?;
     (largest < FAINT).then(|| Objection::FaintStrength {
         cause: cause.label.to_owned(),
         errors: largest,

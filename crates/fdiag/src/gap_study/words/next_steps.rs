@@ -6,7 +6,8 @@ use super::{
     further::advice,
     labels::{capital, list},
 };
-use crate::gap_study::report::Report;
+use crate::gap_study::{report::Report, whole::Whole};
+use fd_model::figure;
 
 /// Reasons of refusals that a line of the model file lifts.
 const LIFTABLE: &str = "position";
@@ -21,6 +22,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let said = report.advice.as_ref().map(|found| advice(found, diagnosis));
     steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
     steps.extend(diagnosis.objections.iter().filter_map(cure));
+    steps.extend(report.whole.as_ref().and_then(unlike));
     let is_open =
         matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
     if diagnosis.verdict == Verdict::NoneOfThese {
@@ -65,6 +67,21 @@ fn cure(objection: &Objection) -> Option<String> {
                 .to_owned(),
         ),
     }
+}
+
+/// Windows of a long log that are unlike the others.
+fn unlike(whole: &Whole) -> Option<String> {
+    let worst = whole.unlike.first()?;
+    let (of, count) = (whole.windows, whole.unlike_count);
+    Some(format!(
+        "Look at what happened in rows {} to {} of {}: the forecast there misses by {} times the noise, \
+         {} in the median of all windows ({count} of {of} are unlike the others).",
+        worst.rows[0],
+        worst.rows[1],
+        worst.file,
+        figure(worst.explained),
+        figure(whole.explained),
+    ))
 }
 
 /// Effects that were refused for want of something that the user can say.
