@@ -66,7 +66,14 @@ impl Effect for InputMap {
                 },
             )
         });
-        offers.collect()
+        let signals = scales.signals.iter().enumerate().filter(|(_, signal)| signal.moves());
+        let signals = signals.map(|(i, signal)| {
+            let sketch = Sketch::of_signal(self, "of-input", nominal, scales, i);
+            curve(sketch, &signal.unit, signal.std, "u", range(signal))
+                .wrap_input("u + curve")
+                .finish()
+        });
+        offers.chain(signals).collect()
     }
 }
 
@@ -186,7 +193,7 @@ fn range(signal: &SignalScale) -> [f64; 2] {
 
 /// Adds the strengths of the hats and `curve`, a curve of the template `of`. Each start has one
 /// hat.
-fn curve<'a>(
+pub(super) fn curve<'a>(
     sketch: Sketch<'a>,
     unit: &str,
     scale: f64,

@@ -13,7 +13,7 @@ use fd_model::{Record, SampleTime};
 use fd_sim::simulate::{Follower, Nominal};
 
 use super::{
-    attempt::{Attempt, confirmed, mended},
+    attempt::{Attempt, confirmed, inside, is_unknown, mended},
     data::Data,
     error::GapError,
     findings::findings,
@@ -95,8 +95,14 @@ impl GapStudy {
                 || as_read.map(|as_read| (as_read, None)),
                 |(attempt, reading)| Ok((attempt, Some(reading))),
             )?;
+        let is_unknown = reading.is_none() && is_unknown(&attempt.diagnosis);
+        let inner = match follower {
+            None if is_unknown => attempt.subject.with_inner_places(),
+            _ => None,
+        };
+        let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
         let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis } =
-            attempt;
+            found.unwrap_or(attempt);
         let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let road = match request.most {
