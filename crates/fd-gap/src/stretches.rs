@@ -43,27 +43,21 @@ pub fn stretches(record: &Record, length: usize, count: usize) -> Vec<std::ops::
     let p = features.count();
     let mut known = vec![0.0; p * p];
     (0..p).for_each(|i| known[i * p + i] = BEFORE);
-    let mut chosen = Vec::with_capacity(count);
-    for _ in 0..count {
-        let gain = |block: &Vec<f64>| {
+    let mut chosen: Vec<usize> = Vec::with_capacity(count);
+    while chosen.len() < count {
+        let known_with = |block: &[f64]| {
             let sum: Vec<f64> = known.iter().zip(block).map(|(a, b)| a + b).collect();
             Cholesky::new(&sum, p).map_or(f64::NEG_INFINITY, |factor| factor.log_determinant())
         };
-        let left = (0..blocks.len()).filter(|b| !chosen.contains(b));
-        let best = match chosen.is_empty() {
-            true => Some(0),
-            // The first of equals, so that the choice is the same every time.
-            false => {
-                left.map(|b| (b, gain(&blocks[b])))
-                    .fold(None, |best: Option<(usize, f64)>, new| {
-                        if best.is_none_or(|best| best.1 < new.1) { Some(new) } else { best }
-                    })
-                    .map(|best| best.0)
-            }
+        let left = (0..blocks.len()).filter(|block| !chosen.contains(block));
+        let gains = left.map(|block| (block, known_with(&blocks[block])));
+        // The first of equals, so that the choice is the same every time.
+        let best = gains.reduce(|best, new| if best.1 < new.1 { new } else { best });
+        let Some(next) = (if chosen.is_empty() { Some(0) } else { best.map(|(b, _)| b) }) else {
+            break;
         };
-        let Some(best) = best else { break };
-        known.iter_mut().zip(&blocks[best]).for_each(|(known, own)| *known += own);
-        chosen.push(best);
+        known.iter_mut().zip(&blocks[next]).for_each(|(known, own)| *known += own);
+        chosen.push(next);
     }
     chosen.sort_unstable();
     chosen.into_iter().map(|b| b * length..(b + 1) * length).collect()
@@ -113,8 +107,8 @@ impl Features {
             for (c, [mean, spread, size]) in self.scales.iter().enumerate() {
                 let (v, last) = (value(record, k, c), value(record, k - 1, c));
                 let (v, step) = ((v - mean) / spread, (v - last) / size);
-                let own = &mut row[1 + PER_CHANNEL * c..1 + PER_CHANNEL * (c + 1)];
-                own.copy_from_slice(&[v, v.abs(), step, step.abs()]);
+                let own = [v, v.abs(), step, step.abs()];
+                row[1 + PER_CHANNEL * c..][..PER_CHANNEL].copy_from_slice(&own);
             }
             if row.iter().all(|v| v.is_finite()) {
                 for (i, a) in row.iter().enumerate() {
@@ -157,7 +151,7 @@ mod tests {
             prop_assert_eq!(chosen[0].start, 0);
             prop_assert!(chosen.windows(2).all(|pair| pair[0].end <= pair[1].start));
             prop_assert!(chosen.last().unwrap().end <= y.len());
-            let rows: usize = chosen.iter().map(|rows| rows.len()).sum();
+            let rows: usize = chosen.iter().map(ExactSizeIterator::len).sum();
             prop_assert!(rows == y.len() || rows <= length.max(1) * count.max(1));
         }
 

@@ -78,3 +78,41 @@ fn falls_over(nominal: &dyn Nominal, seconds: f64) -> bool {
     let pole = linear.ok().and_then(|linear| linear.worst_pole().ok().flatten());
     pole.is_some_and(|pole| FALLS_OVER.ln() < pole.re * seconds)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+mod tests {
+    use fd_model::Channel;
+    use fd_sim::model::Model;
+
+    use super::*;
+
+    /// A rod that starts upright or hanging, held in a log of ten seconds; it swings when nobody holds it.
+    fn is_followed(angle: &str) -> bool {
+        let text = format!(
+            r#"
+            version = 1
+            kind = "equations"
+            name = "rod"
+            sample_time = 0.02
+            inputs = {{ u = {{ unit = "1/s^2" }} }}
+            outputs = {{ y = {{ unit = "rad", value = "q" }} }}
+            [states]
+            q = {{ unit = "rad", initial = {angle}, derivative = "w" }}
+            w = {{ unit = "rad/s", initial = 0.0, derivative = "9*sin(q) - 0.3*w + u" }}
+            "#
+        );
+        let model: Model = text.parse().unwrap();
+        let (u, y) = ([Channel::new("u", "1/s^2")], [Channel::new("y", "rad")]);
+        let row = |k: u32| ([(0.3 * f64::from(k)).sin()], [1e-3 * f64::from(k * 7919 % 13)]);
+        let ts = model.sample_time().unwrap();
+        let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
+        follow(&model, &[log]).unwrap().is_some()
+    }
+
+    #[test]
+    fn what_falls_over_and_swings_is_followed_and_what_hangs_is_not() {
+        assert!(is_followed("0.0"));
+        assert!(!is_followed("3.14159265"));
+    }
+}
