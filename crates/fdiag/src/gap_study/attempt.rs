@@ -2,7 +2,7 @@
 
 use fd_effect::EverySite;
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Monitor, Regime, Settings, Verdict, diagnose},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict, diagnose},
     fit::{FitError, Log},
     reading::{Mistake, Reading, Suspicion, suspect},
 };
@@ -93,17 +93,8 @@ pub(super) fn inside<'a>(
 ) -> Option<Attempt<'a>> {
     let (nominal, data) = (subject.nominal(), outside.data);
     let attempt = Attempt::at(Places::Inside, request, subject, nominal, data, monitor).ok()?;
-    let Diagnosis { verdict, regime, is_unexplained, .. } = &attempt.diagnosis;
-    let is_named = matches!(verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
-    let is_all = *regime != Regime::AboveTheFloor && !is_unexplained;
-    (is_named && is_all).then_some(attempt)
-}
-
-/// Whether nothing around the plant explains its logs down to the noise.
-pub(super) fn is_unknown(diagnosis: &Diagnosis) -> bool {
-    let Diagnosis { verdict, regime, is_unexplained, .. } = diagnosis;
-    let is_open = matches!(verdict, Verdict::NoneOfThese | Verdict::Unclear);
-    *verdict != Verdict::NoGap && (is_open || *regime == Regime::AboveTheFloor || *is_unexplained)
+    let Diagnosis { verdict, .. } = attempt.diagnosis;
+    (verdict != Verdict::NoGap && attempt.diagnosis.is_explained()).then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.

@@ -13,7 +13,7 @@ use fd_model::{Record, SampleTime};
 use fd_sim::simulate::{Follower, Nominal};
 
 use super::{
-    attempt::{Attempt, confirmed, inside, is_unknown, mended},
+    attempt::{Attempt, confirmed, inside, mended},
     data::Data,
     error::GapError,
     findings::findings,
@@ -95,7 +95,7 @@ impl GapStudy {
                 || as_read.map(|as_read| (as_read, None)),
                 |(attempt, reading)| Ok((attempt, Some(reading))),
             )?;
-        let is_unknown = reading.is_none() && is_unknown(&attempt.diagnosis);
+        let is_unknown = reading.is_none() && !attempt.diagnosis.is_explained();
         let inner = match follower {
             None if is_unknown => attempt.subject.with_inner_places(),
             _ => None,
