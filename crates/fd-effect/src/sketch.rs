@@ -58,6 +58,21 @@ impl<'a> Sketch<'a> {
         Self::new(effect, law, nominal, scales, site, Side::Input).bind("u", Expr::name(name))
     }
 
+    /// An effect on a signal inside the model, by its place in [`ReplayScales::signals`]; `u` is the signal as its
+    /// definition has it.
+    pub fn of_signal(
+        effect: &dyn Effect,
+        law: &'static str,
+        nominal: &'a Model,
+        scales: &'a ReplayScales,
+        index: usize,
+    ) -> Self {
+        let name = scales.signals[index].name.clone();
+        let place = nominal.definitions.iter().position(|known| known.name == name);
+        let site = SiteRef::Signal(place.unwrap_or(index), name.clone());
+        Self::new(effect, law, nominal, scales, site, Side::Dynamics).bind("u", Expr::name(name))
+    }
+
     /// A force at a site; `v` and `x` are velocity and position, if the site has them.
     pub fn of_force(
         effect: &dyn Effect,

@@ -110,6 +110,9 @@ pub struct ReplayScales {
     pub outputs: Vec<SignalScale>,
     /// Sites of forces.
     pub sites: Vec<ForceScale>,
+    /// Signals inside the model that are places for effects, in units that nobody states; none unless
+    /// [`with_signals`](Self::with_signals) measured them.
+    pub signals: Vec<SignalScale>,
 }
 
 impl ReplayScales {
@@ -215,11 +218,58 @@ impl ReplayScales {
         });
         let sites = sites.collect();
         let duration = samples as f64 * ts.seconds();
-        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites })
+        let signals = Vec::new();
+        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites, signals })
     }
 }
 
 impl ReplayScales {
+    /// The same with the definitions of the model as places for effects, measured with the inputs of [`of`](Self::of).
+    ///
+    /// ```
+    /// # use fd_sim::{scales::ReplayScales, model::Model};
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "slider"
+    /// sample_time = 0.01
+    /// definitions = { push = "u*abs(u)" }
+    /// inputs = { u = { unit = "N" } }
+    /// states = { v = { unit = "m/s", initial = 0.0, derivative = "push - v" } }
+    /// outputs = { y = { unit = "m/s", value = "v" } }
+    /// "#.parse()?;
+    /// let u: Vec<f64> = (0..100).map(|k| if k < 50 { 3.0 } else { -3.0 }).collect();
+    /// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 100)?;
+    /// let scales = scales.with_signals(&model, model.sample_time()?, &u, 100)?;
+    /// assert_eq!((scales.signals[0].name.as_str(), scales.signals[0].peak()), ("push", 9.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model cannot be simulated.
+    pub fn with_signals(
+        self,
+        model: &Model,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<Self, SimulateError> {
+        let mut probe = Probe { draft: model.clone().into_draft(), count: 0 };
+        model.definitions.iter().for_each(|definition| probe.show(&Expr::name(&definition.name)));
+        let (first, ny) = (model.outputs.len(), probe.draft.outputs.len());
+        // Probes use names of the model as its own equations do.
+        let Ok(probed) = Model::try_from(probe.draft) else { return Ok(self) };
+        let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
+        let mut y = vec![0.0; samples * ny];
+        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
+        let signals = model.definitions.iter().enumerate().map(|(column, definition)| {
+            let values = y.iter().skip(first + column).step_by(ny).copied();
+            SignalScale::of(&definition.name, "1", values.take_while(|x| x.is_finite()))
+        });
+        Ok(Self { signals: signals.collect(), ..self })
+    }
+
     /// The same for an integration step divided into `factor`, where the outputs of candidates
     /// depend on the step by more than the noise. The nominal model is to be simulated with this
     /// [`step`](Self::step) then, too.

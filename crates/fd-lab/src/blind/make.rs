@@ -18,6 +18,7 @@ use super::{
     seal::SealKey,
     truth::{Scene, Truth},
 };
+use crate::Watcher;
 
 /// Name of the file with the secret, beside the truths.
 pub(super) const KEY: &str = "seal.key";
@@ -64,7 +65,7 @@ impl Order {
     }
 }
 
-/// Makes cases in `out` and their truths in `truth`; `done` is called after each case.
+/// Makes cases in `out` and their truths in `truth`.
 ///
 /// # Errors
 ///
@@ -75,7 +76,7 @@ pub fn make(
     out: &Path,
     truth: &Path,
     key: &SealKey,
-    done: impl Fn() + Sync,
+    watcher: &impl Watcher,
 ) -> Result<Vec<Truth>, BlindError> {
     order.check(&Limits::default())?;
     let cases = out.join(CASES);
@@ -93,6 +94,7 @@ pub fn make(
 
     let kinds = order.counts.iter().flat_map(|(kind, n)| (0..*n).map(move |i| (*kind, i)));
     let kinds: Vec<(CaseKind, usize)> = kinds.collect();
+    watcher.begin(kinds.len() as u64, 0);
     // The order of the cases tells nothing of their kinds.
     let mut numbers: Vec<usize> = (1..=kinds.len()).collect();
     Random::named(order.seed, "order").shuffle(&mut numbers);
@@ -102,7 +104,7 @@ pub fn make(
         .map(|((kind, i), number)| {
             let case = format!("case-{number:04}");
             let made = one(order, *kind, *i, &case, &cases, truth, key)?;
-            done();
+            watcher.advance();
             Ok(made)
         })
         .collect();

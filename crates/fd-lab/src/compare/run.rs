@@ -13,7 +13,10 @@ use super::{
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };
-use crate::journal::{Journal, read, restart};
+use crate::{
+    Watcher,
+    journal::{Journal, read, restart},
+};
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]
@@ -25,44 +28,6 @@ enum Line {
     Thresholds(Unit),
     /// An engine that results are taken from.
     Test(Unit),
-}
-
-/// Somebody who watches a comparison.
-///
-/// ```
-/// use std::sync::atomic::{AtomicU64, Ordering};
-///
-/// use fd_lab::compare::Watcher;
-///
-/// /// Counts what is still to be done.
-/// struct Left(AtomicU64);
-///
-/// impl Watcher for Left {
-///     fn begin(&self, engines: u64, done: u64) {
-///         self.0.store(engines - done, Ordering::Relaxed);
-///     }
-///
-///     fn advance(&self) {
-///         self.0.fetch_sub(1, Ordering::Relaxed);
-///     }
-/// }
-///
-/// let left = Left(AtomicU64::new(0));
-/// left.begin(10, 4);
-/// left.advance();
-/// assert_eq!(left.0.into_inner(), 5);
-/// ```
-pub trait Watcher: Sync {
-    /// So many engines are to be run, of which some are done already.
-    fn begin(&self, engines: u64, done: u64);
-    /// One more is done.
-    fn advance(&self);
-}
-
-/// Nobody.
-impl Watcher for () {
-    fn begin(&self, _engines: u64, _done: u64) {}
-    fn advance(&self) {}
 }
 
 /// Forgets the finished engines in a journal; none is no mistake.

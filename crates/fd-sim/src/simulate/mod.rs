@@ -32,6 +32,7 @@ mod jacobian;
 mod limits;
 mod linearize;
 mod logged_loop;
+mod logged_outputs;
 mod nominal;
 mod shell;
 mod simulator;

@@ -2,12 +2,11 @@
 
 use std::{fs, process::ExitCode};
 
-use fd_lab::compare::{CompareConfig, CompareError, Comparison, Watcher, begin_anew};
+use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
-use indicatif::ProgressBar;
 
 use super::{
-    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::Bar, toml_file,
 };
 
 /// Name of the file of finished engines.
@@ -27,10 +26,10 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
         begin_anew(&journal).map_err(refused)?;
     }
     let pool = pool(args.output.threads)?;
-    let shown = Shown(bar(1, "engines"));
+    let shown = Bar::new("engines");
     let comparison =
         pool.install(|| Comparison::run(&config, Some(&journal), &shown)).map_err(refused)?;
-    shown.0.finish_and_clear();
+    shown.finish();
     let mut page = comparison.page().map_err(Failure::analysis)?;
     page.heading("Configuration");
     page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
@@ -46,21 +45,6 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
 fn command() -> String {
     let arguments = std::env::args().skip(1);
     ["fdiag".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
-}
-
-struct Shown(ProgressBar);
-
-impl Watcher for Shown {
-    fn begin(&self, engines: u64, done: u64) {
-        self.0.set_length(engines);
-        self.0.set_position(done);
-        // What was done before says nothing about the time that is left.
-        self.0.reset_eta();
-    }
-
-    fn advance(&self) {
-        self.0.inc(1);
-    }
 }
 
 fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {

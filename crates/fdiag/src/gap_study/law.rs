@@ -24,6 +24,9 @@ const POINTS: usize = 400;
 /// Way up and down of a curve, in ranges, beyond which it is none.
 const CURVE: f64 = 3.0;
 
+/// The effect whose path over time is drawn.
+const WANDERS: &str = "parameter-wander";
+
 /// The law of the best explanation, along its simulation of the fitted logs.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Law {
@@ -148,6 +151,30 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
                 over,
                 over_name,
                 unit: site.unit.clone(),
+                adds: false,
+            })
+        }
+        SiteRef::Signal(..) => {
+            let applied = added().find(|d| d.name.starts_with(&format!("{name}_applied")))?;
+            Some(Axes {
+                value: Expr::name(&applied.name),
+                expression: format!("{} = {}", applied.name, applied.value),
+                over: Expr::name(name),
+                over_name: name.to_owned(),
+                over_unit: "1".to_owned(),
+                unit: "1".to_owned(),
+                adds: true,
+            })
+        }
+        SiteRef::Parameter(i, _) if cause.label == WANDERS => {
+            let real = added().find(|d| d.name.starts_with(&format!("{name}_real")))?;
+            Some(Axes {
+                value: Expr::name(&real.name),
+                expression: format!("{} = {}", real.name, real.value),
+                over: Expr::name("t"),
+                over_name: "time".to_owned(),
+                over_unit: "s".to_owned(),
+                unit: nominal.parameters.get(*i)?.unit.clone(),
                 adds: false,
             })
         }

@@ -4,7 +4,7 @@ use std::{fmt, fs, io, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_core::{Limits, Resource};
-use fd_effect::{Effect, library, with_default_sites};
+use fd_effect::{Effect, library, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
@@ -122,6 +122,13 @@ impl Subject {
             figure(most),
         );
         Ok(limits.check(Resource::Steps, what, steps)?)
+    }
+
+    /// The same subject with names for the terms of its sums, which are places for effects; `None` for the engine.
+    pub(super) fn with_inner_places(&self) -> Option<Self> {
+        let model = with_inner_places(self.model());
+        let is_open = self.engine.is_none() && !model.definitions.is_empty();
+        is_open.then(|| Self { nominal: Box::new(model), engine: None })
     }
 
     /// The simulator.

@@ -51,6 +51,7 @@ pub(super) fn measure(
     });
     let sites = sites.collect();
     ReplayScales {
+        signals: Vec::new(),
         ts: ts.seconds(),
         duration: samples as f64 * ts.seconds(),
         step: shell.inside.ts().seconds(),
