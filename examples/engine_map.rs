@@ -91,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // Seeds that the default configuration was not chosen on.
         let mut config = EngineConfig { seeds, first_seed: 50_001, ..EngineConfig::default() };
         change(&mut config);
-        let row = match Benchmark::new(config)?.study(|| ()) {
+        let row = match Benchmark::new(config)?.study(&()) {
             Ok(study) => {
                 let s = &study.summary;
                 let faults: Vec<String> =

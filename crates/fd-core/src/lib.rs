@@ -55,6 +55,7 @@ mod dims;
 mod error;
 mod event;
 mod frame;
+mod limits;
 mod linmap;
 mod pipeline;
 mod scalar;
@@ -71,6 +72,7 @@ pub use crate::{
     error::{BuildError, FrameError, ShapeError},
     event::{Event, EventKind, Events},
     frame::Frame,
+    limits::{Amount, LimitError, Limits, Resource},
     linmap::LinMap,
     pipeline::{DynPipeline, DynStages, MissingSamples, Pipeline, Stages, Step},
     scalar::Scalar,

@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use crate::{
     frame::Frame,
     scalar::Scalar,
-    snapshot::Snapshot,
+    snapshot::{Snapshot, StateVisitor},
     stage::{ResidualGenerator, Stage},
 };
 
@@ -74,6 +74,56 @@ pub fn memory<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
     assert!(restored.is_ok(), "a snapshot must fit its own design: {restored:?}");
     let continued: Vec<R> = (cut..samples).map(|k| step(twin, k)).collect();
     assert_eq!(continued, whole[cut..], "a restored stage must continue as the original");
+}
+
+/// Checks that no memory makes a stage panic: memories that no samples could have left (counters
+/// anywhere, numbers beyond all sense) may give any results, and nothing of them is left after a reset.
+///
+/// `step` is as in [`memory`].
+///
+/// # Panics
+///
+/// Panics when the law is broken.
+pub fn nonsense<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
+    stage: &mut S,
+    samples: usize,
+    mut step: impl FnMut(&mut S, usize) -> R,
+) {
+    stage.reset();
+    let whole: Vec<R> = (0..samples).map(|k| step(stage, k)).collect();
+    for (real, count) in NONSENSE {
+        stage.visit_state(&mut Overwrite { real: None, count: Some(count) });
+        (0..samples).for_each(|k| drop(step(stage, k)));
+        stage.visit_state(&mut Overwrite { real: Some(real), count: None });
+        (0..samples).for_each(|k| drop(step(stage, k)));
+    }
+    stage.reset();
+    let again: Vec<R> = (0..samples).map(|k| step(stage, k)).collect();
+    assert_eq!(again, whole, "reset must restart the stage, whatever was in its memory");
+}
+
+/// Numbers and counters that snapshots let through.
+const NONSENSE: [(f64, u64); 4] =
+    [(1e300, 1 << 53), (f64::NEG_INFINITY, (1 << 53) - 1), (-1e-300, 7), (f64::INFINITY, 999_983)];
+
+/// Puts the same number into all memory.
+struct Overwrite {
+    real: Option<f64>,
+    count: Option<u64>,
+}
+
+impl<T: Scalar> StateVisitor<T> for Overwrite {
+    fn reals(&mut self, _name: &'static str, values: &mut [T]) {
+        if let Some(real) = self.real {
+            values.fill(T::from_design(real));
+        }
+    }
+
+    fn counts(&mut self, _name: &'static str, values: &mut [u64]) {
+        if let Some(count) = self.count {
+            values.fill(count);
+        }
+    }
 }
 
 /// Checks the law of [`memory`] on a residual generator.

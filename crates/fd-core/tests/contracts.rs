@@ -165,6 +165,11 @@ fn snapshots_of_other_sizes_are_refused_by_name() {
         three.restore(&mut Reals([0.0; 2])),
         Err(SnapshotError::Field { index: 0, .. })
     ));
+    for nan in [f64::NAN, -f64::NAN] {
+        let error = Snapshot::of(&mut Reals([0.5, nan])).restore(&mut back).unwrap_err();
+        assert_eq!(error.to_string(), "snapshot field `x`, value 2: expected a number, found NaN");
+        assert_eq!(back.0, [1.0, f64::NEG_INFINITY], "a refused snapshot changes nothing");
+    }
     let mut nothing = Uncompensated::new(2);
     let surplus = saved.restore::<f64>(&mut nothing).unwrap_err();
     assert_eq!(surplus, SnapshotError::Surplus { expected: 0, found: 1 });

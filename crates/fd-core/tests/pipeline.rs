@@ -8,9 +8,10 @@ use fd_core::{
         Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
         Verdict,
     },
-    testing::memory,
+    testing::{memory, nonsense},
 };
 use proptest::prelude::*;
+use serde_json::Value;
 
 /// `r = y − a·(previous y) − u`: the smallest generator with a memory.
 #[derive(Clone, Debug)]
@@ -293,6 +294,7 @@ impl Stage for Forgetful {
 fn a_stage_that_remembers_all_passes_the_law() {
     let whole = Forgetful::default();
     memory(&mut whole.clone(), &mut whole.clone(), 10, Forgetful::step);
+    nonsense(&mut whole.clone(), 10, Forgetful::step);
 }
 
 #[test]
@@ -335,4 +337,75 @@ proptest! {
         let mut fresh = pipeline();
         prop_assert_eq!(Snapshot::of(&mut original), Snapshot::of(&mut fresh));
     }
+}
+
+/// Every copy of a JSON value in which one number is another.
+fn with_one_number_altered(value: &Value) -> Vec<Value> {
+    match value {
+        Value::Number(number) => {
+            let number = number.as_u64().unwrap();
+            let others = [number ^ 1, number ^ (1 << 31), number ^ (1 << 63), !number, 0, 1];
+            others.into_iter().filter(|other| *other != number).map(Value::from).collect()
+        }
+        Value::Array(items) => (0..items.len())
+            .flat_map(|i| {
+                with_one_number_altered(&items[i]).into_iter().map(move |item| {
+                    let mut copy = items.clone();
+                    copy[i] = item;
+                    Value::Array(copy)
+                })
+            })
+            .collect(),
+        Value::Object(entries) => entries
+            .iter()
+            .flat_map(|(key, item)| {
+                with_one_number_altered(item).into_iter().map(move |item| {
+                    let mut copy = entries.clone();
+                    copy.insert(key.clone(), item);
+                    Value::Object(copy)
+                })
+            })
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn a_snapshot_of_which_one_number_was_altered_is_refused() {
+    let mut original = pipeline();
+    for k in 0..7_u8 {
+        original.step(&[0.1], &[f64::from(k)]).unwrap();
+    }
+    let saved = serde_json::to_value(Snapshot::of(&mut original)).unwrap();
+    let altered = with_one_number_altered(&saved);
+    assert!(50 < altered.len(), "{}", altered.len());
+    let mut restored = pipeline();
+    let before = Snapshot::of(&mut restored);
+    for value in altered {
+        let Ok(snapshot) = serde_json::from_value::<Snapshot>(value.clone()) else { continue };
+        let error = snapshot.restore(&mut restored).unwrap_err();
+        assert!(
+            matches!(error, SnapshotError::Damaged { .. } | SnapshotError::Version { .. }),
+            "{value}: {error}"
+        );
+    }
+    assert_eq!(Snapshot::of(&mut restored), before, "a refused snapshot changes nothing");
+    serde_json::from_value::<Snapshot>(saved).unwrap().restore(&mut restored).unwrap();
+    assert_ne!(Snapshot::of(&mut restored), before);
+}
+
+#[test]
+fn a_refused_snapshot_says_what_was_expected_and_found() {
+    let mut original = pipeline();
+    let mut saved = serde_json::to_value(Snapshot::of(&mut original)).unwrap();
+    saved["version"] = 9.into();
+    let snapshot: Snapshot = serde_json::from_value(saved).unwrap();
+    let error = snapshot.restore(&mut pipeline()).unwrap_err();
+    assert_eq!(error.to_string(), "snapshot: expected version 1, found 9");
+
+    let mut saved = serde_json::to_value(Snapshot::of(&mut original)).unwrap();
+    saved["checksum"] = 10.into();
+    let snapshot: Snapshot = serde_json::from_value(saved).unwrap();
+    let text = snapshot.restore(&mut pipeline()).unwrap_err().to_string();
+    assert!(text.contains("expected the checksum 000000000000000a"), "{text}");
 }

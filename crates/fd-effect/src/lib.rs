@@ -40,6 +40,7 @@
 mod candidate;
 mod default_sites;
 pub mod dynamics;
+mod inner_places;
 pub mod input;
 pub mod map;
 pub mod sensor;
@@ -55,6 +56,7 @@ pub use self::{
         Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding,
     },
     default_sites::with_default_sites,
+    inner_places::with_inner_places,
     site::{Side, SiteRef},
     sketch::Sketch,
     suspects::{EverySite, Suspects},

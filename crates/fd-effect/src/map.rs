@@ -66,7 +66,14 @@ impl Effect for InputMap {
                 },
             )
         });
-        offers.collect()
+        let signals = scales.signals.iter().enumerate().filter(|(_, signal)| signal.moves());
+        let signals = signals.map(|(i, signal)| {
+            let sketch = Sketch::of_signal(self, "of-input", nominal, scales, i);
+            curve(sketch, &signal.unit, signal.std, "u", range(signal))
+                .wrap_input("u + curve")
+                .finish()
+        });
+        offers.chain(signals).collect()
     }
 }
 
@@ -186,29 +193,41 @@ fn range(signal: &SignalScale) -> [f64; 2] {
 
 /// Adds the strengths of the hats and `curve`, a curve of the template `of`. Each start has one
 /// hat.
-fn curve<'a>(
+pub(super) fn curve<'a>(
+    sketch: Sketch<'a>,
+    unit: &str,
+    scale: f64,
+    of: &str,
+    range: [f64; 2],
+) -> Sketch<'a> {
+    let hats = curve_of(HATS, sketch, unit, scale, of, range);
+    (0..HATS).fold(hats, |sketch, i| {
+        let hat = |j| if i == j { START } else { 0.0 };
+        sketch.start(&(0..HATS).map(hat).collect::<Vec<f64>>())
+    })
+}
+
+/// The same with so many hats, and without any start.
+pub(super) fn curve_of<'a>(
+    hats: u8,
     sketch: Sketch<'a>,
     unit: &str,
     scale: f64,
     of: &str,
     [low, high]: [f64; 2],
 ) -> Sketch<'a> {
-    let distance = (high - low) / f64::from(HATS - 1);
+    let distance = (high - low) / f64::from(hats - 1);
     let mut sketch = sketch.bind("low", low).bind("high", high).bind("distance", distance).define(
         "q",
         "map_argument",
         &format!("clamp({of}, low, high)"),
     );
     let mut sum = Vec::new();
-    for i in 0..HATS {
+    for i in 0..hats {
         sketch = sketch
             .strength(&format!("h_{i}"), &format!("map_{}", i + 1), unit, scale, [-3.0, 3.0])
             .bind(&format!("c_{i}"), low + f64::from(i) * distance);
         sum.push(format!("h_{i}*max(0, 1 - abs(q - c_{i})/distance)"));
-    }
-    for i in 0..HATS {
-        let hat = |j| if i == j { START } else { 0.0 };
-        sketch = sketch.start(&(0..HATS).map(hat).collect::<Vec<f64>>());
     }
     sketch.define("curve", "map_value", &sum.join(" + "))
 }

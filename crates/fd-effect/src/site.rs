@@ -35,6 +35,8 @@ pub enum SiteRef {
     State(usize, String),
     /// An output, by its place in [`Draft::outputs`](fd_sim::model::Draft::outputs).
     Output(usize, String),
+    /// A signal inside the model, by its place in [`Draft::definitions`](fd_sim::model::Draft::definitions).
+    Signal(usize, String),
     /// A parameter, by its place in [`Draft::parameters`](fd_sim::model::Draft::parameters).
     Parameter(usize, String),
     /// No place in particular.
@@ -42,7 +44,7 @@ pub enum SiteRef {
 }
 
 impl SiteRef {
-    /// Name of the input, site, state, output or parameter.
+    /// Name of the input, site, state, output, signal or parameter.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         match self {
@@ -50,6 +52,7 @@ impl SiteRef {
             | Self::Force(_, name)
             | Self::State(_, name)
             | Self::Output(_, name)
+            | Self::Signal(_, name)
             | Self::Parameter(_, name) => Some(name),
             Self::WholeModel => None,
         }
@@ -68,6 +71,8 @@ enum Site {
     State(String),
     /// An output.
     Output(String),
+    /// A signal inside the model.
+    Signal(String),
     /// A parameter.
     Parameter(String),
     /// No place in particular.
@@ -81,6 +86,7 @@ impl From<SiteRef> for Site {
             SiteRef::Force(_, name) => Self::Force(name),
             SiteRef::State(_, name) => Self::State(name),
             SiteRef::Output(_, name) => Self::Output(name),
+            SiteRef::Signal(_, name) => Self::Signal(name),
             SiteRef::Parameter(_, name) => Self::Parameter(name),
             SiteRef::WholeModel => Self::Model,
         }

@@ -6,7 +6,7 @@ mod sites;
 use fd_sim::scales::{ForceScale, ReplayScales};
 use fd_sim::{
     equation::Expr,
-    model::{Model, Parameter, State},
+    model::{Definition, Model, Parameter, State},
     patch::Patch,
 };
 
@@ -56,6 +56,21 @@ impl<'a> Sketch<'a> {
         let name = nominal.inputs[index].name.clone();
         let site = SiteRef::Input(index, name.clone());
         Self::new(effect, law, nominal, scales, site, Side::Input).bind("u", Expr::name(name))
+    }
+
+    /// An effect on a signal inside the model, by its place in [`ReplayScales::signals`]; `u` is the signal as its
+    /// definition has it.
+    pub fn of_signal(
+        effect: &dyn Effect,
+        law: &'static str,
+        nominal: &'a Model,
+        scales: &'a ReplayScales,
+        index: usize,
+    ) -> Self {
+        let name = scales.signals[index].name.clone();
+        let place = nominal.definitions.iter().position(|known| known.name == name);
+        let site = SiteRef::Signal(place.unwrap_or(index), name.clone());
+        Self::new(effect, law, nominal, scales, site, Side::Dynamics).bind("u", Expr::name(name))
     }
 
     /// A force at a site; `v` and `x` are velocity and position, if the site has them.
@@ -154,6 +169,18 @@ impl<'a> Sketch<'a> {
     #[must_use]
     pub fn bind(mut self, local: &str, value: impl Into<Expr>) -> Self {
         self.bound.push((local.to_owned(), value.into()));
+        self
+    }
+
+    /// Takes up definitions that an expression of the scales needs, such as
+    /// [`ForceScale::helpers`]. Those that the model has from another effect are not added again.
+    #[must_use]
+    pub fn with_helpers(mut self, helpers: &[Definition]) -> Self {
+        for helper in helpers {
+            if !self.candidate.model.definitions.contains(helper) {
+                self.patch.add_definition(&helper.name, helper.value.clone());
+            }
+        }
         self
     }
 

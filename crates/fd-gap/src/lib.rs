@@ -3,6 +3,7 @@
 //! | room | what it is for |
 //! |---|---|
 //! | [`quality`] | is the log good enough, and how much of it is noise? |
+//! | [`stretches`](mod@stretches) | which parts of a long log tell most |
 //! | [`fit`] | fits of a simulator to logs, and screening |
 //! | [`evidence`] | how strongly a log speaks for a cause |
 //! | [`shrink`] | how far a gap shrinks on data that the fit has not seen |
@@ -66,3 +67,4 @@ pub mod quality;
 pub mod reading;
 pub mod road;
 pub mod shrink;
+pub mod stretches;

@@ -5,7 +5,7 @@ mod common;
 
 use common::noise;
 use faer::Mat;
-use fd_core::{Heap, Snapshot};
+use fd_core::{Heap, Snapshot, testing::nonsense};
 use fd_ident::{
     least_squares::LeastSquares,
     rls::{
@@ -226,6 +226,22 @@ fn same_future<K: RlsKernel<f64>>(
     let (theta, _, again) = run(half, &data[..40]);
     prop_assert_eq!(continued(again, theta), end);
     Ok(())
+}
+
+/// A place beyond the window, from a foreign snapshot, once was a panic.
+#[test]
+fn no_memory_makes_a_window_panic() {
+    let data = data(3, 40);
+    let design = WindowDesign { samples: 7, prior_variance: 100.0 };
+    let mut kernel = WindowRls::<f64>::new(N, &design).unwrap();
+    let mut theta = [0.0; N];
+    nonsense(&mut kernel, data.len(), |kernel, k| {
+        if k == 0 {
+            theta = [0.0; N];
+        }
+        kernel.update(&data[k].0, data[k].1, &mut theta);
+        theta.map(f64::to_bits)
+    });
 }
 
 /// Kulhavý's step against its definition on the information matrix.

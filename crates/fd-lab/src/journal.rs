@@ -1,7 +1,7 @@
 //! A file of finished pieces of work, one line of JSON each, that a killed run leaves readable.
 
 use std::{
-    fs::{self, File, OpenOptions},
+    fs::{self, File, OpenOptions, TryLockError},
     io::Write,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
@@ -21,6 +21,15 @@ pub enum JournalError {
         path: PathBuf,
         /// What it said.
         source: std::io::Error,
+    },
+    /// Another run is writing it.
+    #[error(
+        "{}: another run is writing this file; wait until it has ended, or choose another directory",
+        path.display()
+    )]
+    Busy {
+        /// The file.
+        path: PathBuf,
     },
     /// A line before the last is not what this program writes.
     #[error("{}, line {line}: {reason}", path.display())]
@@ -42,11 +51,12 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Opens a journal or begins it. What a killed run left of a line is cut off.
+    /// Opens a journal or begins it, and keeps others from opening it until it is dropped. What a
+    /// killed run left of a line is cut off.
     pub(crate) fn open(path: &Path) -> Result<Self, JournalError> {
+        let file = held(path)?;
         mend(path)?;
-        let file = OpenOptions::new().create(true).append(true).open(path);
-        Ok(Self { path: path.to_owned(), file: Mutex::new(file.map_err(io(path))?) })
+        Ok(Self { path: path.to_owned(), file: Mutex::new(file) })
     }
 
     /// Adds a line.
@@ -80,6 +90,21 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, JournalEr
     whole.lines().enumerate().map(parse).collect()
 }
 
+/// Forgets all that a journal holds, if nobody is writing it.
+pub(crate) fn restart(path: &Path) -> Result<(), JournalError> {
+    if path.exists() { held(path)?.set_len(0).map_err(io(path)) } else { Ok(()) }
+}
+
+/// The file, locked: the lock ends with the file or the process, however that ends.
+fn held(path: &Path) -> Result<File, JournalError> {
+    let file = OpenOptions::new().create(true).append(true).open(path).map_err(io(path))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(JournalError::Busy { path: path.to_owned() }),
+        // A file system without locks.
+        Err(TryLockError::Error(_)) | Ok(()) => Ok(file),
+    }
+}
+
 fn mend(path: &Path) -> Result<(), JournalError> {
     let Ok(text) = fs::read(path) else { return Ok(()) };
     let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
@@ -111,10 +136,18 @@ mod tests {
         let whole = fs::read(&path).unwrap();
         fs::write(&path, [&whole[..], b"3"].concat()).unwrap();
         assert_eq!(read::<u32>(&path).unwrap(), [1, 22]);
+        let held = Journal::open(&path).unwrap();
+        for refused in [Journal::open(&path).map(drop), restart(&path)] {
+            let error = refused.unwrap_err();
+            assert!(matches!(error, JournalError::Busy { .. }), "{error}");
+        }
+        drop(held);
         Journal::open(&path).unwrap().append(&4_u32).unwrap();
         assert_eq!(read::<u32>(&path).unwrap(), [1, 22, 4]);
         fs::write(&path, "1\nno\n2\n").unwrap();
         let error = read::<u32>(&path).unwrap_err();
         assert!(matches!(error, JournalError::Line { line: 2, .. }), "{error}");
+        restart(&path).unwrap();
+        assert!(read::<u32>(&path).unwrap().is_empty());
     }
 }

@@ -15,7 +15,7 @@
 //! use fd_lab::engine::{Benchmark, EngineConfig};
 //!
 //! let config = EngineConfig { seeds: 2, ..EngineConfig::default() };
-//! let study = Benchmark::new(config)?.study(|| {})?;
+//! let study = Benchmark::new(config)?.study(&())?;
 //! assert_eq!((study.trials.len(), study.failed.len()), (2, 0));
 //! // Compensation makes the largest fault-free residual several times smaller.
 //! assert!(study.summary.fault_free_ratio.median > 5.0, "{:?}", study.summary.fault_free_ratio);
@@ -27,3 +27,6 @@ pub mod compare;
 pub mod engine;
 pub mod engine_gap;
 pub mod journal;
+mod watcher;
+
+pub use crate::watcher::Watcher;

@@ -45,7 +45,7 @@ fn the_same_seed_makes_the_same_cases_and_another_makes_others() {
         let mut order = order(seed);
         order.counts.extend([(CaseKind::Loop, 1), (CaseKind::Cut, 1), (CaseKind::Misread, 1)]);
         let (out, truth) = (room.path().join(name), room.path().join(format!("{name}-truth")));
-        make(&order, &out, &truth, &key(), || ()).unwrap();
+        make(&order, &out, &truth, &key(), &()).unwrap();
         (files(&out), files(&truth))
     };
     // The loops of these seeds have a controller that can be written as a model.
@@ -63,24 +63,21 @@ fn the_same_seed_makes_the_same_cases_and_another_makes_others() {
 fn a_test_runs_resumes_and_notices_a_changed_truth() {
     let room = tempfile::tempdir().unwrap();
     let (out, truth) = (room.path().join("cases"), room.path().join("truth"));
-    let made = make(&order(11), &out, &truth, &key(), || ()).unwrap();
+    let made = make(&order(11), &out, &truth, &key(), &()).unwrap();
     assert_eq!(made.len(), 4);
-    assert!(matches!(
-        make(&order(11), &out, &truth, &key(), || ()),
-        Err(BlindError::Exists { .. })
-    ));
+    assert!(matches!(make(&order(11), &out, &truth, &key(), &()), Err(BlindError::Exists { .. })));
     // Half a line is what a killed run leaves.
     fs::write(out.join("answers.jsonl"), "{\"case\":\"case-00").unwrap();
-    run(&out, &Manner::default(), || ()).unwrap();
+    run(&out, &Manner::default(), &()).unwrap();
     let answers = read_answers(&out.join("answers.jsonl")).unwrap();
     assert_eq!(answers.len(), 4);
     assert!(answers.iter().all(|answer| answer.error.is_none()), "{answers:?}");
     assert!(answers.iter().all(|answer| answer.baselines.is_some()));
     let before = fs::read(out.join("answers.jsonl")).unwrap();
-    run(&out, &Manner::default(), || ()).unwrap();
+    run(&out, &Manner::default(), &()).unwrap();
     assert_eq!(fs::read(out.join("answers.jsonl")).unwrap(), before, "nothing is left to do");
 
-    let result = score(&out, &truth, || ()).unwrap();
+    let result = score(&out, &truth, &()).unwrap();
     assert_eq!((result.cases, result.unanswered, result.failed), (4, 0, 0));
     assert_eq!(result.invisible.of, 2);
     assert!(result.markdown().contains("| two effects: exact pair |"));
@@ -90,7 +87,7 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     let last = sealed.len() - 1;
     sealed[last] ^= 1;
     fs::write(&file, sealed).unwrap();
-    let broken = score(&out, &truth, || ());
+    let broken = score(&out, &truth, &());
     assert!(matches!(broken, Err(BlindError::Broken { case }) if case == "case-0001"));
 }
 
@@ -99,7 +96,7 @@ fn the_truth_must_not_lie_among_the_cases() {
     let room = tempfile::tempdir().unwrap();
     let out = room.path().join("cases");
     let inside = out.join("cases").join("truth");
-    let refused = make(&order(1), &out, &inside, &key(), || ());
+    let refused = make(&order(1), &out, &inside, &key(), &());
     assert!(matches!(refused, Err(BlindError::TruthBeside { .. })));
 }
 
@@ -220,10 +217,10 @@ fn a_known_controller_and_runs_from_rest_have_answers_of_their_own() {
     let counts = vec![(CaseKind::Loop, 1), (CaseKind::Cut, 1), (CaseKind::CutNone, 1)];
     // The controller of this seed is one that can be written as a model.
     let order = Order { seed: 13, counts, samples: SAMPLES, full_oracle: false };
-    make(&order, &out, &truth, &key(), || ()).unwrap();
+    make(&order, &out, &truth, &key(), &()).unwrap();
     for variant in [Variant::AsLogged, Variant::KnownController, Variant::FromRest] {
         let manner = Manner { variant, with_baselines: false, ..Manner::default() };
-        run(&out, &manner, || ()).unwrap();
+        run(&out, &manner, &()).unwrap();
     }
     let answers = |file: &str| read_answers(&out.join(file)).unwrap();
     let all = answers("answers.jsonl");
@@ -233,7 +230,7 @@ fn a_known_controller_and_runs_from_rest_have_answers_of_their_own() {
         (answers("answers_known_controller.jsonl"), answers("answers_from_rest.jsonl"));
     assert_eq!((known.len(), rest.len()), (1, 2));
     assert!(known.iter().chain(&rest).all(|answer| answer.error.is_none()), "{known:?}");
-    let result = score(&out, &truth, || ()).unwrap();
+    let result = score(&out, &truth, &()).unwrap();
     let names: Vec<&str> = result.classes.iter().map(|class| class.name.as_str()).collect();
     assert_eq!(names, ["loop", "cut"]);
     assert_eq!(result.classes[1].comparison.as_ref().unwrap().blamed.of, 1);

@@ -7,8 +7,9 @@ use std::{
     sync::atomic::{AtomicU64, Ordering},
 };
 
-use fd_lab::compare::{
-    CompareConfig, CompareError, Comparison, Engines, ProfileKind, Share, Sizes, Watcher,
+use fd_lab::{
+    Watcher,
+    compare::{CompareConfig, CompareError, Comparison, Engines, ProfileKind, Share, Sizes},
 };
 
 /// One linear scenario, one observer, with and without bias model.

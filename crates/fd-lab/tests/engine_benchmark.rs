@@ -23,7 +23,7 @@ use serde::Deserialize;
 fn study(config: EngineConfig, threads: usize) -> Study {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let benchmark = Benchmark::new(config).unwrap();
-    pool.install(|| benchmark.study(|| ())).unwrap()
+    pool.install(|| benchmark.study(&())).unwrap()
 }
 
 fn example(name: &str) -> EngineConfig {

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use fd_model::{TimeBaseError, file::FileAction, unit::UnitError};
+use fd_model::{Shown, ShownList, TimeBaseError, file::FileAction, unit::UnitError};
 use thiserror::Error;
 
 use crate::map::RowRule;
@@ -43,7 +43,7 @@ pub enum LogError {
         rules: Vec<RowRule>,
     },
     /// The log was written in a version of the format that is not known.
-    #[error("{file}, row 1: expected log format version 1, found {found}")]
+    #[error("{file}, row 1: expected log format version 1, found {}", Shown(found))]
     Version {
         /// Name of the file.
         file: String,
@@ -51,7 +51,7 @@ pub enum LogError {
         found: String,
     },
     /// The separator of columns is not a single byte.
-    #[error("{file}: expected an ASCII character between columns, the column map says `{found}`")]
+    #[error("{file}: expected an ASCII character between columns, the column map says `{}`", Shown(&found.to_string()))]
     Delimiter {
         /// Name of the file.
         file: String,
@@ -59,7 +59,7 @@ pub enum LogError {
         found: char,
     },
     /// A cell or header is not UTF-8 text.
-    #[error("{file}, row {row}: expected UTF-8 text, found {found}")]
+    #[error("{file}, row {row}: expected UTF-8 text, found {}", Shown(found))]
     NotUtf8 {
         /// Name of the file.
         file: String,
@@ -70,8 +70,10 @@ pub enum LogError {
     },
     /// A column is not there.
     #[error(
-        "{file}: there is no column `{column}`{}; the columns are {known:?}",
-        nearest.as_ref().map_or(String::new(), |n| format!(", did you mean `{n}`?"))
+        "{file}: there is no column `{}`{}; the columns are {}",
+        Shown(column),
+        nearest.as_ref().map_or(String::new(), |n| format!(", did you mean `{}`?", Shown(n))),
+        ShownList(known)
     )]
     MissingColumn {
         /// Name of the file.
@@ -85,7 +87,8 @@ pub enum LogError {
     },
     /// No column looks like time, and no sample time is given.
     #[error(
-        "{file}: expected a column `time` or `t`, or a sample time in the column map; the columns are {known:?}"
+        "{file}: expected a column `time` or `t`, or a sample time in the column map; the columns are {}",
+        ShownList(known)
     )]
     NoTime {
         /// Name of the file.
@@ -94,7 +97,7 @@ pub enum LogError {
         known: Vec<String>,
     },
     /// A name fits several columns.
-    #[error("{file}: `{column}` fits several columns: {matches:?}")]
+    #[error("{file}: `{}` fits several columns: {}", Shown(column), ShownList(matches))]
     AmbiguousColumn {
         /// Name of the file.
         file: String,
@@ -110,7 +113,12 @@ pub enum LogError {
         file: String,
     },
     /// The header and the map give different units to a column.
-    #[error("column `{column}` of {file}: the header says [{header}], the column map says [{map}]")]
+    #[error(
+        "column `{}` of {file}: the header says [{}], the column map says [{}]",
+        Shown(column),
+        Shown(header),
+        Shown(map)
+    )]
     UnitConflict {
         /// Name of the file.
         file: String,
@@ -122,7 +130,7 @@ pub enum LogError {
         map: String,
     },
     /// A column has a unit of the wrong kind.
-    #[error("column `{column}` of {file}: {source}")]
+    #[error("column `{}` of {file}: {}", Shown(column), Shown(&source.to_string()))]
     Unit {
         /// Name of the file.
         file: String,
@@ -144,7 +152,11 @@ pub enum LogError {
         found: usize,
     },
     /// A cell is not a number.
-    #[error("column `{column}` of {file}, row {row}: expected a finite number, found `{found}`")]
+    #[error(
+        "column `{}` of {file}, row {row}: expected a finite number, found `{}`",
+        Shown(column),
+        Shown(found)
+    )]
     Number {
         /// Name of the file.
         file: String,
@@ -156,7 +168,7 @@ pub enum LogError {
         found: String,
     },
     /// A row has no time.
-    #[error("column `{column}` of {file}, row {row}: expected a time, found no value")]
+    #[error("column `{}` of {file}, row {row}: expected a time, found no value", Shown(column))]
     NoTimeInRow {
         /// Name of the file.
         file: String,
@@ -166,7 +178,7 @@ pub enum LogError {
         row: u64,
     },
     /// A line of an NDJSON file is not an object of numbers.
-    #[error("{file}, row {row}: expected a JSON object of numbers, {found}")]
+    #[error("{file}, row {row}: expected a JSON object of numbers, {}", Shown(found))]
     NotAnObject {
         /// Name of the file.
         file: String,
@@ -176,7 +188,10 @@ pub enum LogError {
         found: String,
     },
     /// A line of an NDJSON file has a key that the first line has not.
-    #[error("{file}, row {row}: expected the keys of the first object, found `{key}` besides")]
+    #[error(
+        "{file}, row {row}: expected the keys of the first object, found `{}` besides",
+        Shown(key)
+    )]
     NewKey {
         /// Name of the file.
         file: String,
@@ -187,7 +202,8 @@ pub enum LogError {
     },
     /// A time is not after the one before.
     #[error(
-        "column `{column}` of {file}, row {row}: expected a time after {before} s, found {time} s"
+        "column `{}` of {file}, row {row}: expected a time after {before} s, found {time} s",
+        Shown(column)
     )]
     NotIncreasing {
         /// Name of the file.
@@ -210,7 +226,7 @@ pub enum LogError {
         source: TimeBaseError,
     },
     /// Two channels of a record would make columns of the same name.
-    #[error("{file}: two channels of the record are called `{column}`")]
+    #[error("{file}: two channels of the record are called `{}`", Shown(column))]
     DuplicateColumn {
         /// Name of the file.
         file: String,
@@ -218,7 +234,12 @@ pub enum LogError {
         column: String,
     },
     /// A name or unit cannot stand in a header.
-    #[error("{file}: `{header}` would not be read back as channel `{name}` with unit `{unit}`")]
+    #[error(
+        "{file}: `{}` would not be read back as channel `{}` with unit `{}`",
+        Shown(header),
+        Shown(name),
+        Shown(unit)
+    )]
     Unwritable {
         /// Name of the file.
         file: String,

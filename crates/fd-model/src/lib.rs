@@ -55,13 +55,14 @@ mod gramian;
 mod hankel;
 mod linalg;
 pub mod lyapunov;
+mod natural_units;
 mod norms;
 pub mod reduce;
 pub mod riccati;
 pub mod uncertainty;
 mod zeros;
 
-pub use crate::norms::PeakGain;
+pub use crate::{natural_units::NaturalUnits, norms::PeakGain};
 
 // Signals, faults, records and files.
 mod clock;
@@ -70,6 +71,7 @@ pub mod file;
 mod inputs;
 mod nearest;
 mod resample;
+mod shown;
 pub mod signal;
 mod simulate;
 pub mod unit;
@@ -89,5 +91,6 @@ pub use crate::{
     nearest::nearest,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
     resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
+    shown::{Shown, ShownList, ShownMessage, is_plain},
     simulate::{Simulation, SimulationError},
 };

@@ -42,6 +42,8 @@ pub struct Record {
     y: Vec<f64>,
     ts: SampleTime,
     start: f64,
+    /// Samples of the same run before the first one.
+    before: usize,
 }
 
 impl Record {
@@ -72,7 +74,7 @@ impl Record {
                 return Err(ShapeError { role, expected, found }.into());
             }
         }
-        Ok(Self { inputs, outputs, u, y, ts, start: 0.0 })
+        Ok(Self { inputs, outputs, u, y, ts, start: 0.0, before: 0 })
     }
 
     /// A record from samples `(u, y)`, one value per channel in each.
@@ -118,6 +120,45 @@ impl Record {
     pub fn starting_at(mut self, seconds: f64) -> Self {
         self.start = seconds;
         self
+    }
+
+    /// The same samples as a run of its own, of which nobody knows what came before.
+    #[must_use]
+    pub fn as_its_own_run(self) -> Self {
+        Self { before: 0, ..self }
+    }
+
+    /// The same samples, at the place in its run that another record has.
+    ///
+    /// ```
+    /// use fd_model::{Channel, Record, SampleTime};
+    ///
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let all = Record::new(u, y, vec![0.0; 9], vec![0.0; 9], SampleTime::new(0.1)?)?;
+    /// let late = all.clone().at_the_place_of(&all.slice(2, 9));
+    /// assert_eq!((late.samples_before(), late.len()), (2, 9));
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn at_the_place_of(self, other: &Self) -> Self {
+        Self { start: other.start, before: other.before, ..self }
+    }
+
+    /// Samples of the same run before the first one, of which this is a [`slice`](Self::slice).
+    ///
+    /// ```
+    /// use fd_model::{Channel, Record, SampleTime};
+    ///
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let all = Record::new(u, y, vec![0.0; 9], vec![0.0; 9], SampleTime::new(0.1)?)?;
+    /// let late = all.slice(2, 9).slice(4, 6);
+    /// assert_eq!((all.samples_before(), late.samples_before()), (0, 6));
+    /// assert_eq!(late.as_its_own_run().samples_before(), 0);
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn samples_before(&self) -> usize {
+        self.before
     }
 
     /// Input channels.
@@ -213,6 +254,7 @@ impl Record {
             y: part(&self.y, self.outputs.len()),
             ts: self.ts,
             start: self.time(from),
+            before: self.before + from,
         }
     }
 

@@ -1,6 +1,6 @@
 //! From samples at any increasing times to a record on an even time base.
 
-use fd_core::{Shape, ShapeError};
+use fd_core::{LimitError, Limits, Shape, ShapeError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -47,6 +47,9 @@ pub struct ResamplePolicy {
     pub tolerance: f64,
     /// What happens to samples that are not later than the one before.
     pub disorder: Disorder,
+    /// How long the record may become; not a matter of files.
+    #[serde(skip)]
+    pub limits: Limits,
 }
 
 /// What happens to samples that are not later than the one before.
@@ -125,15 +128,22 @@ pub enum TimeBaseError {
         /// Number of samples.
         samples: usize,
     },
-    /// The grid would have an absurd number of samples.
-    #[error("{span_s} s in steps of {step_s} s are more than {most} samples")]
+    /// The grid would have more samples than the limit.
+    #[error(
+        "{limit}; {span_s} s in steps of {step_s} s, the longest without a sample {longest_s} s after \
+         {longest_at_s} s"
+    )]
     TooLong {
         /// Time from the first to the last sample, in seconds.
         span_s: f64,
         /// Step of the grid, in seconds.
         step_s: f64,
-        /// Largest number of samples.
-        most: usize,
+        /// Longest time between two samples, in seconds: a clock that jumped shows here.
+        longest_s: f64,
+        /// Time of the sample before it, in seconds.
+        longest_at_s: f64,
+        /// How many samples there may be.
+        limit: LimitError,
     },
     /// A parameter of the policy is outside its range.
     #[error("resampling: `{parameter}` must be {expected}, got {value}")]
@@ -154,7 +164,13 @@ impl Default for ResamplePolicy {
     /// A step found from the data, gaps above five steps of the grid or the data, a tolerance of a thousandth of a step,
     /// and disorder rejected.
     fn default() -> Self {
-        Self { sample_time: None, max_gap_s: None, tolerance: 1e-3, disorder: Disorder::Reject }
+        Self {
+            sample_time: None,
+            max_gap_s: None,
+            tolerance: 1e-3,
+            disorder: Disorder::Reject,
+            limits: Limits::default(),
+        }
     }
 }
 

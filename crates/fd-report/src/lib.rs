@@ -30,5 +30,5 @@ pub use self::{
     decimate::decimate,
     page::Page,
     picture::{Line, Picture, PictureError},
-    table::Table,
+    table::{Table, markdown_text},
 };

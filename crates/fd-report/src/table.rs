@@ -62,7 +62,7 @@ impl Table {
         format!("{}\n{table}", self.title)
     }
 
-    /// The header and the rows as Markdown, without the title; bars in cells are escaped.
+    /// The header and the rows as Markdown, without the title; bars and HTML in cells are escaped.
     ///
     /// ```
     /// # use fd_report::Table;
@@ -73,11 +73,35 @@ impl Table {
     #[must_use]
     pub fn to_markdown(&self) -> String {
         let line = |cells: &[String]| {
-            let escaped: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            let escaped: Vec<String> = cells.iter().map(|cell| markdown_text(cell)).collect();
             format!("| {} |\n", escaped.join(" | "))
         };
         let rule = format!("|{}\n", "---|".repeat(self.header.len()));
         let rows: String = self.rows.iter().map(|row| line(row)).collect();
         line(&self.header) + &rule + &rows
     }
+}
+
+/// Text in Markdown that means nothing but itself: no HTML, no end of a cell or line.
+///
+/// ```
+/// use fd_report::markdown_text;
+///
+/// assert_eq!(markdown_text("<b>a|b</b>\n# c < d"), "&lt;b>a\\|b&lt;/b> # c < d");
+/// ```
+#[must_use]
+pub fn markdown_text(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        // Elsewhere `<` is a sign of mathematics, in Markdown too.
+        let opens = |next: &char| next.is_ascii_alphabetic() || matches!(next, '/' | '!' | '?');
+        match character {
+            '<' if characters.peek().is_some_and(opens) => escaped.push_str("&lt;"),
+            '|' => escaped.push_str("\\|"),
+            c if c.is_control() => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
 }

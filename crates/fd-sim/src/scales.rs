@@ -1,10 +1,13 @@
 //! Sizes of all signals in a simulation of the nominal model.
 
+mod motion;
+
 use fd_model::SampleTime;
 
+use self::motion::SiteProbe;
 use crate::{
     equation::{Expr, Unary},
-    model::{Draft, Law, Model, Output, Site},
+    model::{Definition, Draft, Law, Model, Output, Site},
     simulate::{EquationSimulator, SimulateError, Simulator},
 };
 
@@ -79,6 +82,9 @@ pub struct ForceScale {
     pub acceleration: Expr,
     /// Acceleration per force, an expression.
     pub compliance: Expr,
+    /// Definitions that the model does not have and that both need: slopes of its own definitions,
+    /// where those are too long to be written out. Few models need any.
+    pub helpers: Vec<Definition>,
     /// The velocity on which the force works: that of the site, or the state it enters where the
     /// site has neither velocity nor position (a current, which a voltage drives).
     pub velocity: Option<(Expr, SignalScale)>,
@@ -104,14 +110,9 @@ pub struct ReplayScales {
     pub outputs: Vec<SignalScale>,
     /// Sites of forces.
     pub sites: Vec<ForceScale>,
-}
-
-/// The quantities of one site that are probed.
-struct SiteProbe {
-    acceleration: Expr,
-    compliance: Expr,
-    velocity: Option<Expr>,
-    position: Option<Expr>,
+    /// Signals inside the model that are places for effects, in units that nobody states; none unless
+    /// [`with_signals`](Self::with_signals) measured them.
+    pub signals: Vec<SignalScale>,
 }
 
 impl ReplayScales {
@@ -152,10 +153,10 @@ impl ReplayScales {
         let nominal = EquationSimulator::<f64>::at(model, ts)?;
         let step = ts.seconds() / nominal.substeps() as f64;
 
-        let sites: Vec<SiteProbe> =
-            model.sites.iter().map(|site| SiteProbe::of(model, site)).collect();
+        let sites = SiteProbe::of_all(model);
         let mut probe = Probe { draft: model.clone().into_draft(), count: 0 };
         probe.draft.step = Some(step);
+        probe.draft.definitions.extend(sites.iter().flat_map(|site| site.helpers.clone()));
         for input in &model.inputs {
             probe.show(&Expr::name(&input.name));
         }
@@ -169,8 +170,7 @@ impl ReplayScales {
                 probe.show(expr);
             }
         }
-        // Probes use names of the model as its own equations do.
-        let probed = Model::try_from(probe.draft).unwrap_or_else(|_| model.clone());
+        let probed = Model::try_from(probe.draft)?;
         let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
         let ny = probed.outputs.len();
         let mut y = vec![0.0; samples * ny];
@@ -212,16 +212,64 @@ impl ReplayScales {
                 position: signal(probe.position),
                 acceleration: probe.acceleration,
                 compliance: probe.compliance,
+                helpers: probe.helpers,
                 motion: acceleration,
             }
         });
         let sites = sites.collect();
         let duration = samples as f64 * ts.seconds();
-        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites })
+        let signals = Vec::new();
+        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites, signals })
     }
 }
 
 impl ReplayScales {
+    /// The same with the definitions of the model as places for effects, measured with the inputs of [`of`](Self::of).
+    ///
+    /// ```
+    /// # use fd_sim::{scales::ReplayScales, model::Model};
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "slider"
+    /// sample_time = 0.01
+    /// definitions = { push = "u*abs(u)" }
+    /// inputs = { u = { unit = "N" } }
+    /// states = { v = { unit = "m/s", initial = 0.0, derivative = "push - v" } }
+    /// outputs = { y = { unit = "m/s", value = "v" } }
+    /// "#.parse()?;
+    /// let u: Vec<f64> = (0..100).map(|k| if k < 50 { 3.0 } else { -3.0 }).collect();
+    /// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 100)?;
+    /// let scales = scales.with_signals(&model, model.sample_time()?, &u, 100)?;
+    /// assert_eq!((scales.signals[0].name.as_str(), scales.signals[0].peak()), ("push", 9.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model cannot be simulated.
+    pub fn with_signals(
+        self,
+        model: &Model,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<Self, SimulateError> {
+        let mut probe = Probe { draft: model.clone().into_draft(), count: 0 };
+        model.definitions.iter().for_each(|definition| probe.show(&Expr::name(&definition.name)));
+        let (first, ny) = (model.outputs.len(), probe.draft.outputs.len());
+        // Probes use names of the model as its own equations do.
+        let Ok(probed) = Model::try_from(probe.draft) else { return Ok(self) };
+        let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
+        let mut y = vec![0.0; samples * ny];
+        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
+        let signals = model.definitions.iter().enumerate().map(|(column, definition)| {
+            let values = y.iter().skip(first + column).step_by(ny).copied();
+            SignalScale::of(&definition.name, "1", values.take_while(|x| x.is_finite()))
+        });
+        Ok(Self { signals: signals.collect(), ..self })
+    }
+
     /// The same for an integration step divided into `factor`, where the outputs of candidates
     /// depend on the step by more than the noise. The nominal model is to be simulated with this
     /// [`step`](Self::step) then, too.
@@ -251,56 +299,10 @@ impl Probe {
     }
 }
 
-impl SiteProbe {
-    fn of(model: &Model, site: &Site) -> Self {
-        let entered = match site.enters.as_slice() {
-            [(state, _)] if site.velocity.is_none() && site.position.is_none() => {
-                Some(Expr::name(state))
-            }
-            _ => None,
-        };
-        let velocity = site.velocity.clone().or(entered);
-        let moved = velocity
-            .clone()
-            .or_else(|| site.position.clone())
-            .or_else(|| site.enters.first().map(|(state, _)| Expr::name(state)))
-            .unwrap_or(Expr::Number(0.0));
-        let moved = inline(model, &moved);
-        let mut acceleration = Expr::Number(0.0);
-        let mut compliance = Expr::Number(0.0);
-        for state in &model.states {
-            let slope = moved.differentiate(&state.name).simplify();
-            let rate = match &state.law {
-                Law::Derivative(law) => law.clone(),
-                Law::Update(law) => law.clone() - Expr::name(&state.name),
-            };
-            acceleration = acceleration + slope.clone() * rate;
-            for (_, factor) in site.enters.iter().filter(|(entered, _)| *entered == state.name) {
-                compliance = compliance + slope.clone() * factor.clone();
-            }
-        }
-        Self {
-            acceleration: acceleration.simplify(),
-            compliance: compliance.simplify(),
-            velocity,
-            position: site.position.clone(),
-        }
-    }
-}
-
 /// Whether a force at the site acts at the end of an integration step instead of during it.
 fn is_discrete(model: &Model, site: &Site) -> bool {
     let entered = |name: &str| site.enters.iter().any(|(state, _)| state == name);
     model.states.iter().any(|s| entered(&s.name) && matches!(s.law, Law::Update(_)))
-}
-
-/// The expression with all definitions of the model written out.
-#[must_use]
-pub fn inline(model: &Model, expr: &Expr) -> Expr {
-    expr.substitute(&|name| {
-        let definition = model.definitions.iter().find(|definition| definition.name == name)?;
-        Some(inline(model, &definition.value))
-    })
 }
 
 impl ForceScale {

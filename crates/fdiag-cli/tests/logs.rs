@@ -4,10 +4,15 @@
 #[path = "../../fdiag/tests/support/mod.rs"]
 mod support;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicU64, Ordering},
+};
 
+use fd_lab::Watcher;
 use fdiag::{
     compensate::decide::Isolation,
+    core::Limits,
     ident::{arx::ArxOrders, order::Criterion},
     log::write_log,
     model::{
@@ -72,6 +77,22 @@ fn request(folder: &Path, logs: &[&str]) -> Request {
         columns: None,
         spec,
         share_to_learn: 0.7,
+        limits: Limits::default(),
+    }
+}
+
+/// Counts what is still to be done.
+#[derive(Default)]
+struct Count(AtomicU64);
+
+impl Watcher for Count {
+    fn begin(&self, pieces: u64, done: u64) {
+        assert_eq!((pieces, done), (3, 0));
+        self.0.store(pieces, Ordering::Relaxed);
+    }
+
+    fn advance(&self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -89,11 +110,11 @@ fn a_sensor_fault_is_found_where_it_is() {
     FaultSpec::add(Site::sensor("temperature"), 40.0, drift).apply_to_record(&mut faulty).unwrap();
     write_log(folder.path().join("faulty.csv"), &faulty).unwrap();
 
-    let counted = std::cell::Cell::new(0);
+    let counted = Count::default();
     let request = request(folder.path(), &["quiet.csv", "faulty.csv"]);
-    let (study, traces) = LogStudy::run(&request, || counted.set(counted.get() + 1)).unwrap();
+    let (study, traces) = LogStudy::run(&request.read().unwrap(), &counted).unwrap();
     println!("{}", study.headline());
-    assert_eq!((counted.get(), study.logs.len()), (3, 3));
+    assert_eq!((counted.0.into_inner(), study.logs.len()), (0, 3));
     let [healthy, quiet, faulty] = &study.logs[..] else { panic!("three logs") };
     assert!(healthy.healthy && !quiet.healthy && !faulty.healthy);
     assert_eq!(healthy.first_alarm_s.1, None);
@@ -111,14 +132,14 @@ fn a_sensor_fault_is_found_where_it_is() {
     // The report survives JSON, and running again gives the same.
     let text = serde_json::to_string(&study).unwrap();
     assert_eq!(serde_json::from_str::<LogStudy>(&text).unwrap(), study);
-    assert_eq!(LogStudy::run(&request, || ()).unwrap().0, study);
+    assert_eq!(LogStudy::run(&request.read().unwrap(), &()).unwrap().0, study);
 
     // Nothing is named unless it was asked for; then with how sure and how large, in K.
     assert_eq!(faulty.named, None);
     let faults = FaultSites::Both;
     let isolation = IsolationSpec::Bayes { faults, settings: Isolation::default() };
     let asked = Request { spec: PipelineSpec { isolation, ..request.spec.clone() }, ..request };
-    let (study, traces) = LogStudy::run(&asked, || ()).unwrap();
+    let (study, traces) = LogStudy::run(&asked.read().unwrap(), &()).unwrap();
     assert_eq!((&study.logs[0].named, &study.logs[1].named), (&None, &None));
     let named = study.logs[2].named.as_ref().unwrap();
     assert_eq!((named.name.as_deref(), named.unit.as_str()), (Some("sensor temperature"), "K"));
@@ -143,7 +164,8 @@ fn all_logs_share_the_time_base_of_the_first() {
     std::fs::write(folder.path().join("model.toml"), model).unwrap();
     write_log(folder.path().join("healthy.csv"), &log(2000, 0)).unwrap();
     write_log(folder.path().join("slow.csv"), &log(2000, 1).decimated(2).unwrap()).unwrap();
-    let (study, _) = LogStudy::run(&request(folder.path(), &["slow.csv"]), || ()).unwrap();
+    let (study, _) =
+        LogStudy::run(&request(folder.path(), &["slow.csv"]).read().unwrap(), &()).unwrap();
     let slow = &study.logs[1];
     assert_eq!((slow.time_base.rows, slow.samples), (1000, 1999));
     assert!((slow.time_base.step_s - 0.1).abs() < 1e-12);
@@ -185,8 +207,9 @@ fn a_real_gas_turbine() {
         columns: Some(toml::from_str(&map).unwrap()),
         spec,
         share_to_learn: 0.7,
+        limits: Limits::default(),
     };
-    let (study, _) = LogStudy::run(&request, || ()).unwrap();
+    let (study, _) = LogStudy::run(&request.read().unwrap(), &()).unwrap();
     println!("{}", study.headline());
     assert_eq!(study.logs.len(), 8);
     for log in &study.logs {

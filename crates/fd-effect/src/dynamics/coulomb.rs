@@ -1,7 +1,6 @@
 //! Coulomb friction and its relatives.
 
-use fd_sim::scales::inline;
-use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
+use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_site;
 use crate::{Effect, Offers};
@@ -39,11 +38,7 @@ impl Effect for CoulombFriction {
                 sketch(law).with_creep(at).strength("f", "coulomb", unit, at.force(), [0.0, 3.0])
             };
             let name = "friction";
-            let inputs = |name: &str| {
-                let is_input = nominal.inputs.iter().any(|input| input.name == name);
-                is_input.then_some(Expr::Number(0.0))
-            };
-            let held = inline(nominal, &at.site.acceleration).substitute(&inputs).simplify();
+            let (held, helpers) = at.site.unforced(nominal);
             vec![
                 dry("symmetric").resist(name, "f*tanh(v/max(V, K*f))").starts([
                     [0.05],
@@ -70,6 +65,7 @@ impl Effect for CoulombFriction {
                 dry("load-dependent")
                     .require(at.site.has_equation(), super::NO_EQUATION)
                     .strength("m", "per_load", "1", 1.0, [0.0, 1.0])
+                    .with_helpers(&at.site.helpers)
                     .bind("A", at.site.acceleration.clone())
                     .bind("C", at.site.compliance.clone())
                     .define("N", "nominal_force", "A/C")
@@ -78,6 +74,8 @@ impl Effect for CoulombFriction {
                     .starts([[0.05, 0.05], [0.02, 0.2], [0.3, 0.1]]),
                 dry("gear")
                     .strength("m", "per_transmitted", "1", 1.0, [0.0, 1.0])
+                    .with_helpers(&at.site.helpers)
+                    .with_helpers(&helpers)
                     .bind("A", at.site.acceleration.clone())
                     .bind("H", held)
                     .bind("C", at.site.compliance.clone())

@@ -6,6 +6,7 @@ mod coupling;
 mod drag;
 mod end_stop;
 mod gravity;
+mod hidden_store;
 mod hysteresis;
 mod mode;
 mod overflow;
@@ -13,6 +14,7 @@ mod parameter;
 mod periodic;
 mod stiffness;
 mod viscous;
+mod wander;
 
 use fd_sim::model::Model;
 use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
@@ -24,6 +26,7 @@ pub use self::{
     drag::Drag,
     end_stop::EndStop,
     gravity::GravityLoad,
+    hidden_store::HiddenStore,
     hysteresis::Hysteresis,
     mode::ResonantMode,
     overflow::Overflow,
@@ -31,6 +34,7 @@ pub use self::{
     periodic::PeriodicForce,
     stiffness::{LinearStiffness, Stiffening},
     viscous::ViscousFriction,
+    wander::ParameterWander,
 };
 use super::{Effect, Offers, Reason, Sketch, units::per};
 
@@ -54,8 +58,10 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(ResonantMode),
         Box::new(EndStop),
         Box::new(Overflow),
+        Box::new(HiddenStore),
         Box::new(StateCoupling),
         Box::new(ParameterError),
+        Box::new(ParameterWander),
     ]
 }
 

@@ -46,6 +46,7 @@ impl Effect for ResonantMode {
                 .with_velocity(at)
                 .require(at.has_velocity(), Reason::Missing("velocity"))
                 .require(at.site.has_equation(), super::NO_EQUATION)
+                .with_helpers(&at.site.helpers)
                 .bind("a", at.site.acceleration.clone())
                 .bind("C", at.site.compliance.clone())
                 .strength("m", "mode_share", "1", 1.0, [0.0, 5.0])

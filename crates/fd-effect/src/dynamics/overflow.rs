@@ -16,8 +16,8 @@ const LEVELS: [f64; 7] = [0.62, 0.8, 0.42, 0.92, 0.96, 1.0, 1.04];
 /// model: what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is
 /// the inverse of the height, so that none is exactly none.
 ///
-/// Only for sites without velocity whose position is the very state that the force enters: a tank,
-/// a temperature, a pressure. The rise is stopped within `Z`, a hundredth of the range, or what the
+/// Only for sites without velocity whose position, if they name one, is the very state that the force enters: a
+/// tank, a temperature, a pressure. The rise is stopped within `Z`, a hundredth of the range, or what the
 /// level can rise in two integration steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Overflow;
@@ -60,16 +60,20 @@ fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usi
     let Some(store) = store(nominal, i) else {
         return sketch.require(false, Reason::Missing("level"));
     };
-    let (low, high) = site.position.as_ref().map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
+    // A site that names neither works on the state it enters.
+    let level = site.position.as_ref().or(site.velocity.as_ref());
+    let (low, high) = level.map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
     let range = high - low;
     let zone = (0.01 * range).max(2.0 * scales.step * site.motion.peak());
     sketch
         .require(range > 0.0 && site.force > 0.0, Reason::Still("the level"))
         .limit("s", "brim", per("1", store.unit), 1.0 / range, [0.0, 12.5])
+        .bind("x", Expr::name(store.state))
         .bind("S", 1e-9 / range)
         .bind("l", low)
         .bind("Z", zone)
         .bind("R", store.rate)
+        .with_helpers(&site.helpers)
         .bind("C", site.compliance.clone())
         .define("e", "overflow", "clamp((x - l - 1/max(s, S))/Z, 0, 1)*max(R, 0)/C")
         .force("spilled", "-e")
@@ -77,6 +81,7 @@ fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usi
 
 /// A state that a force fills.
 struct Store<'a> {
+    state: &'a str,
     unit: &'a str,
     rate: Expr,
 }
@@ -84,10 +89,15 @@ struct Store<'a> {
 fn store(model: &Model, site: usize) -> Option<Store<'_>> {
     let site = &model.sites[site];
     let [(entered, _)] = site.enters.as_slice() else { return None };
-    let is_level = site.velocity.is_none() && site.position == Some(Expr::name(entered));
+    let is_itself = |position: &Expr| *position == Expr::name(entered);
+    let is_level = site.velocity.is_none() && site.position.as_ref().is_none_or(is_itself);
     let state = model.states.iter().find(|state| is_level && state.name == *entered)?;
+    // A velocity is nothing that fills.
+    let is_rate = site.position.is_none() && state.unit.ends_with("/s");
     match &state.law {
-        Law::Derivative(rate) => Some(Store { unit: &state.unit, rate: rate.clone() }),
-        Law::Update(_) => None,
+        Law::Derivative(rate) if !is_rate => {
+            Some(Store { state: &state.name, unit: &state.unit, rate: rate.clone() })
+        }
+        Law::Derivative(_) | Law::Update(_) => None,
     }
 }

@@ -40,7 +40,7 @@ impl Effect for ParameterError {
     }
 }
 
-fn is_used(model: &Model, parameter: &Parameter) -> bool {
+pub(super) fn is_used(model: &Model, parameter: &Parameter) -> bool {
     let mut draft: Draft = model.clone().into_draft();
     let mut exprs = draft.plant_expressions_mut().into_iter();
     parameter.value.abs() > 0.0 && exprs.any(|expr: &mut Expr| expr.mentions(&parameter.name))

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_input;
+use super::each_place;
 use crate::{Effect, Offers};
 
 /// Dead zone of half width `w`: what is left is shifted, not scaled. In the asymmetric law it goes
@@ -20,7 +20,7 @@ impl Effect for InputDeadZone {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        each_input(self, nominal, scales, |sketch, input| {
+        each_place(self, nominal, scales, |sketch, input| {
             let zone = |law| {
                 sketch(law).strength("w", "dead_zone", &input.unit, input.peak(), [0.0, 0.95])
             };

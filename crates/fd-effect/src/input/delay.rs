@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_input;
+use super::each_place;
 use crate::{Effect, Offers};
 
 /// Longest delay and time constant, in samples.
@@ -26,7 +26,7 @@ impl Effect for InputDelay {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let longest = LONGEST.min(0.25 * scales.duration / scales.ts);
-        each_input(self, nominal, scales, |sketch, _| {
+        each_place(self, nominal, scales, |sketch, _| {
             vec![
                 sketch("pure")
                     .strength("T", "delay", "s", scales.ts, [0.0, longest])

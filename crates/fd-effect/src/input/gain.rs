@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_input;
+use super::each_place;
 use crate::{Effect, Offers};
 
 /// Gain error `u + e u`; in the asymmetric law `u + e u + a |u|`, that is `e ± a` for the two
@@ -24,7 +24,7 @@ impl Effect for InputGain {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        each_input(self, nominal, scales, |sketch, _| {
+        each_place(self, nominal, scales, |sketch, _| {
             let gain = |law| sketch(law).strength("e", "gain_error", "1", 1.0, [-0.9, 2.0]);
             vec![
                 gain("symmetric").wrap_input("(1 + e)*u").starts([[0.05], [-0.2]]),

@@ -4,7 +4,7 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::{
     delay::{LONGEST, STARTS},
-    each_input,
+    each_place,
 };
 use crate::{Effect, Offers};
 
@@ -29,7 +29,7 @@ impl Effect for InputLag {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let longest = LONGEST.min(0.5 * scales.duration / scales.ts);
-        each_input(self, nominal, scales, |sketch, input| {
+        each_place(self, nominal, scales, |sketch, input| {
             let lag = |law| {
                 sketch(law)
                     .strength("T", "lag", "s", scales.ts, [0.0, longest])

@@ -60,3 +60,20 @@ fn each_input<'a>(
     });
     offers.map(Sketch::finish).collect()
 }
+
+/// The laws of an effect at every input, and at every signal inside the model, that moves.
+fn each_place<'a>(
+    effect: &'a dyn Effect,
+    nominal: &'a Model,
+    scales: &'a ReplayScales,
+    laws: impl Fn(&dyn Fn(&'static str) -> Sketch<'a>, &SignalScale) -> Vec<Sketch<'a>>,
+) -> Offers {
+    let inside = scales.signals.iter().enumerate().filter(|(_, signal)| signal.moves());
+    let inside = inside.flat_map(|(i, signal)| {
+        laws(&|law| Sketch::of_signal(effect, law, nominal, scales, i), signal)
+    });
+    let inside: Offers = inside.map(Sketch::finish).collect();
+    let mut offers = each_input(effect, nominal, scales, laws);
+    offers.extend(inside);
+    offers
+}

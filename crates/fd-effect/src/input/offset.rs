@@ -1,6 +1,9 @@
 //! Offset of an actuator.
 
-use fd_sim::{model::Model, scales::ReplayScales};
+use fd_sim::{
+    model::Model,
+    scales::{ReplayScales, SignalScale},
+};
 
 use crate::{Effect, Offers, Reason, Sketch};
 
@@ -22,15 +25,21 @@ impl Effect for InputOffset {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let offers = scales.inputs.iter().enumerate().map(|(i, input)| {
+        let offset = |sketch: Sketch<'_>, input: &SignalScale| {
             let size = if input.moves() { input.std } else { input.peak() };
-            Sketch::of_input(self, "constant", nominal, scales, i)
+            sketch
                 .require(size > 0.0 && size.is_finite(), Reason::Still("the input"))
                 .strength("o", "offset", &input.unit, size, [-5.0, 5.0])
                 .wrap_input("u + o")
                 .starts([[0.1]])
                 .finish()
+        };
+        let inputs = scales.inputs.iter().enumerate().map(|(i, input)| {
+            offset(Sketch::of_input(self, "constant", nominal, scales, i), input)
         });
-        offers.collect()
+        let signals = scales.signals.iter().enumerate().map(|(i, signal)| {
+            offset(Sketch::of_signal(self, "constant", nominal, scales, i), signal)
+        });
+        inputs.chain(signals).collect()
     }
 }

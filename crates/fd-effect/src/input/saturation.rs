@@ -5,7 +5,7 @@ use fd_sim::{
     scales::{ReplayScales, SignalScale},
 };
 
-use super::each_input;
+use super::each_place;
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.
@@ -27,7 +27,7 @@ impl Effect for InputSaturation {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        each_input(self, nominal, scales, |sketch, input| {
+        each_place(self, nominal, scales, |sketch, input| {
             vec![
                 limit(sketch("hard"), input)
                     .wrap_input("u/max(1, s*abs(u))")

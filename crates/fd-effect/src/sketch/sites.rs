@@ -3,13 +3,17 @@
 use fd_sim::patch::PatchError;
 
 use super::Sketch;
+use crate::SiteRef;
 
 impl Sketch<'_> {
-    /// Lets the plant see the value of a template instead of the input `u`.
+    /// Lets the plant see the value of a template instead of the input, or the signal, `u`.
     #[must_use]
     pub fn wrap_input(mut self, template: &str) -> Self {
         let (applied, value) = (self.fresh("applied"), self.expr(template));
-        let result = self.patch.wrap_input(&self.prefix, &applied, value);
+        let result = match self.candidate.site {
+            SiteRef::Signal(..) => self.patch.wrap_definition(&self.prefix, &applied, value),
+            _ => self.patch.wrap_input(&self.prefix, &applied, value),
+        };
         self.keep(result)
     }
 

@@ -8,6 +8,7 @@
 )]
 
 mod cases;
+mod inside;
 mod invariance;
 mod laws;
 mod library;

@@ -85,6 +85,16 @@ impl Diagnosis {
     pub fn pair(&self, id: PairId) -> Option<&Pair> {
         self.pairs.get(id.0)
     }
+
+    /// Whether the answer explains the logs down to the noise: there is no gap, or what is named leaves nothing that
+    /// something else could explain. Where it does not, places inside the model, or several causes, are
+    /// worth trying.
+    #[must_use]
+    pub fn is_explained(&self) -> bool {
+        let is_named = matches!(self.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
+        let is_all = self.regime != Regime::AboveTheFloor && !self.is_unexplained;
+        self.verdict == Verdict::NoGap || is_named && is_all
+    }
 }
 
 /// A cause of a diagnosis: its place in [`Diagnosis::causes`], from 0.
@@ -237,6 +247,16 @@ impl Leftover {
     #[must_use]
     pub fn gain(&self) -> f64 {
         self.level + self.pattern
+    }
+}
+
+impl Cause {
+    /// Its largest strength in standard errors; `None` when no strength has one.
+    #[must_use]
+    pub fn significance(&self) -> Option<f64> {
+        let strengths = self.parameters.iter().filter(|p| p.is_strength);
+        let ratios = strengths.map(|p| p.value.abs() / p.standard_error);
+        ratios.filter(|ratio| ratio.is_finite()).reduce(f64::max)
     }
 }
 

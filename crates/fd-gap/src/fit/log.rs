@@ -48,6 +48,8 @@ impl Log {
     ///
     /// Returns an error when the sample times differ, a channel is missing, its unit does not fit,
     /// or an input has no value at all.
+    ///
+    /// A [slice](Record::slice) of a run begins in motion, and keeps the clock of that.
     pub fn new(
         record: &Record,
         simulator: &dyn Simulator,
@@ -80,6 +82,7 @@ impl Log {
         let output_units = units(record.outputs(), simulator.outputs(), &outputs);
         let input_units: Vec<&str> = input_units.iter().map(String::as_str).collect();
         let output_units: Vec<&str> = output_units.iter().map(String::as_str).collect();
+        let first = record.samples_before();
         let record = &record
             .in_units(&input_units, &output_units)
             .map_err(|source| FitError::Unit { log: number, source })?;
@@ -98,7 +101,15 @@ impl Log {
             }
         }
         let (nu, ny) = (inputs.len(), outputs.len());
-        Ok(Self { u, y: y.collect(), nu, ny, samples: record.len(), first: 0, is_in_motion: false })
+        Ok(Self {
+            u,
+            y: y.collect(),
+            nu,
+            ny,
+            samples: record.len(),
+            first,
+            is_in_motion: 0 < first,
+        })
     }
 
     /// The logs of records, each [`continuing`](Self::continuing) one of the `earlier` ones if it
@@ -122,7 +133,8 @@ impl Log {
         plan: &Plan,
     ) -> Result<Vec<Self>, FitError> {
         let mut logs = Self::all(records, simulator, earlier)?;
-        let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion);
+        // A stretch of a run is in motion whatever its run began with.
+        let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion && log.first == 0);
         for log in &mut logs {
             log.is_in_motion |= is_in_motion;
         }
@@ -134,9 +146,10 @@ impl Log {
     /// they are free. Any other log has a clock of its own, and begins where the model says.
     #[must_use]
     pub fn continuing(mut self, record: &Record, earlier: &[Record]) -> Self {
-        let before = earlier.iter().find(|e| record.continues(e)).map(Record::len);
-        self.first = before.unwrap_or(0);
-        self.is_in_motion |= before.is_some();
+        if let Some(before) = earlier.iter().find(|e| record.continues(e)) {
+            self.first = before.samples_before() + before.len();
+            self.is_in_motion = true;
+        }
         self
     }
 

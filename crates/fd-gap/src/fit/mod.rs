@@ -24,7 +24,7 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::arrow::Arrow;
+pub(crate) use self::{arrow::Arrow, cholesky::Cholesky};
 pub use self::{
     error::FitError,
     layout::{Layout, LeastSquares, Linearization},

@@ -319,7 +319,10 @@ fn with_free_input(model: &Model, site: &SiteRef) -> Option<(Model, String)> {
                 Law::Update(_) => unit.clone(),
             }
         }
-        SiteRef::Output(..) | SiteRef::Parameter(..) | SiteRef::WholeModel => return None,
+        SiteRef::Output(..)
+        | SiteRef::Signal(..)
+        | SiteRef::Parameter(..)
+        | SiteRef::WholeModel => return None,
     };
     patch.add_input(Input { name, unit: unit.clone(), saturation: None });
     Some((patch.finish().ok()?, unit))

@@ -103,7 +103,7 @@ fn sites(
         all.push((SiteRef::Output(i, output.name.clone()), Vec::new()));
     }
     for cause in &diagnosis.causes {
-        let is_hidden = matches!(cause.site, SiteRef::Parameter(..))
+        let is_hidden = matches!(cause.site, SiteRef::Parameter(..) | SiteRef::Signal(..))
             && places_of(model, cause, &all).is_empty()
             && !all.iter().any(|(site, _)| *site == cause.site);
         if is_hidden {
@@ -145,7 +145,8 @@ fn places_of(model: &Model, cause: &Cause, sites: &[(SiteRef, Vec<String>)]) -> 
     };
     match &cause.site {
         SiteRef::State(_, name) => of_state(name).into_iter().collect(),
-        SiteRef::Parameter(_, name) => {
+        // What carries it is where it shows, as of a parameter.
+        SiteRef::Signal(_, name) | SiteRef::Parameter(_, name) => {
             let states = model.states.iter();
             let touched = states.filter(|state| depends(model, state.law.expr(), name));
             let mut places: Vec<usize> = touched.filter_map(|s| of_state(&s.name)).collect();
@@ -185,6 +186,7 @@ pub(crate) fn name(site: &SiteRef) -> String {
         SiteRef::Force(_, name) => format!("force site `{name}`"),
         SiteRef::State(_, name) => format!("the equation of `{name}`"),
         SiteRef::Output(_, name) => format!("output `{name}`"),
+        SiteRef::Signal(_, name) => format!("signal `{name}`"),
         SiteRef::Parameter(_, name) => format!("parameter `{name}`"),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }

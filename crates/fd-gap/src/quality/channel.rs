@@ -11,14 +11,16 @@ const CLIPPED: f64 = 0.05;
 const COARSE: f64 = 0.5;
 /// Part of the distinct values that may miss the grid.
 const OFF_GRID: f64 = 0.01;
+/// Samples per distinct value from which three are a grid.
+const SHARED: usize = 20;
 /// Distance from the grid, in steps, that counts as rounding.
 const ROUNDING: f64 = 1e-3;
 /// Correlation of neighbours below which sampling is too slow, in a signal well above its noise.
 const SLOW: f64 = 0.5;
 
 /// The step of the grid that all values lie on, if there is one: the smallest distance of two
-/// distinct values, when nearly all of them are whole multiples of it apart. `None` for fewer than
-/// four distinct values, which are always on some grid.
+/// distinct values, when nearly all of them are whole multiples of it apart. `None` for one or two
+/// distinct values, which are always on some grid, and for three unless many samples share them.
 ///
 /// ```
 /// use fd_gap::quality::grid_step;
@@ -37,7 +39,8 @@ pub fn grid_step(signal: &[f64]) -> Option<f64> {
     let smallest = 1e-9 * (last - first);
     let gaps = values.windows(2).map(|w| w[1] - w[0]).filter(|gap| smallest < *gap);
     let step = gaps.fold(f64::INFINITY, f64::min);
-    if values.len() < 4 || !step.is_finite() {
+    let fewest = if SHARED * values.len() < signal.len() { 3 } else { 4 };
+    if values.len() < fewest || !step.is_finite() {
         return None;
     }
     let is_off = |v: &&f64| {

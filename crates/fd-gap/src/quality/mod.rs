@@ -29,4 +29,5 @@ pub use self::{
 };
 pub(crate) use self::{
     direct_path::passes_at_once, distribution::OUTLIER_WIDTHS, spectrum::transform,
+    wrong_sample::neighbours,
 };

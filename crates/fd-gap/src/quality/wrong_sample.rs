@@ -54,7 +54,7 @@ pub fn leave_out_wrong_samples(record: &mut Record) -> Vec<(String, Defect)> {
     for c in 0..record.outputs().len() {
         let signal: Vec<f64> = record.output(c).collect();
         for row in wrong_samples(&signal) {
-            let around = neighbours(&signal, row);
+            let around = neighbours(&signal, row, NEIGHBOURS);
             let around = [around[0], around[around.len() - 1]];
             let defect = Defect::WrongSample { row, found: signal[row], around };
             found.push((record.outputs()[c].name.clone(), defect));
@@ -74,7 +74,7 @@ struct Distance {
 
 /// `None` at the ends and where something is missing.
 fn distance(signal: &[f64], k: usize) -> Option<Distance> {
-    let around = neighbours(signal, k);
+    let around = neighbours(signal, k, NEIGHBOURS);
     if around.len() < 2 * NEIGHBOURS || !signal[k].is_finite() {
         return None;
     }
@@ -83,9 +83,9 @@ fn distance(signal: &[f64], k: usize) -> Option<Distance> {
     Some(Distance { from: (signal[k] - middle).abs(), range })
 }
 
-/// Finite neighbours in rising order.
-fn neighbours(signal: &[f64], k: usize) -> Vec<f64> {
-    let (from, to) = (k.saturating_sub(NEIGHBOURS), (k + NEIGHBOURS).min(signal.len() - 1));
+/// Finite neighbours of a sample, up to so many on either side, in rising order.
+pub(crate) fn neighbours(signal: &[f64], k: usize, reach: usize) -> Vec<f64> {
+    let (from, to) = (k.saturating_sub(reach), (k + reach).min(signal.len() - 1));
     let mut near: Vec<f64> =
         (from..=to).filter(|i| *i != k).map(|i| signal[i]).filter(|v| v.is_finite()).collect();
     near.sort_by(f64::total_cmp);

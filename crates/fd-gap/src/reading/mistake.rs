@@ -144,8 +144,8 @@ impl Mistake {
         };
         let ts = SampleTime::new(record.ts().seconds() / scale).ok()?;
         let start = record.time(rows.start) / scale;
-        let record = Record::new(inputs.to_vec(), outputs.to_vec(), u, y, ts).ok()?;
-        Some(record.starting_at(start))
+        let mended = Record::new(inputs.to_vec(), outputs.to_vec(), u, y, ts).ok()?;
+        Some(mended.at_the_place_of(record).starting_at(start))
     }
 
     /// The rows of a log of `n` samples in which all channels have a value of the same time.

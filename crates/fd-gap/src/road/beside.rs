@@ -7,12 +7,10 @@ use fd_effect::{Candidate, Offers, SiteRef, Suspects};
 pub(super) struct Beside<'a> {
     /// All suspects of the study.
     pub(super) suspects: &'a dyn Suspects,
-    /// The last cause, with the model that has all of them.
-    pub(super) last: Candidate,
-    /// All causes so far.
-    pub(super) known: Vec<Candidate>,
+    /// All causes so far, one at least; the model of the last one has all of them.
+    pub(super) known: &'a [Candidate],
     /// Parameters of the model as it came: an error of a parameter of a cause is no cause.
-    pub(super) parameters: Vec<String>,
+    pub(super) parameters: &'a [String],
 }
 
 impl Beside<'_> {
@@ -37,7 +35,8 @@ impl Beside<'_> {
 
 impl Suspects for Beside<'_> {
     fn alone(&self) -> Offers {
-        self.filter(self.suspects.beside(&self.last))
+        let last = self.known.last();
+        self.filter(last.map_or_else(Vec::new, |last| self.suspects.beside(last)))
     }
 
     fn beside(&self, first: &Candidate) -> Offers {

@@ -6,7 +6,7 @@ use fd_sim::model::Model;
 use super::{
     adjustable::{With, adjustable},
     beside::Beside,
-    eliminate::{Judge, Refitted},
+    eliminate::{Eliminated, Judge, Refitted},
     result::{End, Milestone, Road},
 };
 use crate::{
@@ -56,18 +56,13 @@ pub fn road(
         };
         gaps.push(sized(&diagnosis, |h| &h.after));
         model = adjustable(&next.cause, &model);
-        let last = Candidate { model: model.clone(), ..candidate };
-        known.push(last.clone());
+        let is_curve = is_free_curve(&candidate);
+        known.push(Candidate { model: model.clone(), ..candidate });
         found.push(next);
-        if is_free_curve(&last) {
+        if is_curve {
             break End::AtACurve;
         }
-        let suspects = Beside {
-            suspects: case.suspects,
-            last,
-            known: known.clone(),
-            parameters: parameters.clone(),
-        };
+        let suspects = Beside { suspects: case.suspects, known: &known, parameters: &parameters };
         let nominal = With { nominal: case.nominal, model: model.clone() };
         let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
         diagnosis = diagnose(&here, settings, monitor)?;
@@ -110,9 +105,8 @@ fn finish(
         cause.share = Some((gap[0] - gap[1]) / gaps[0]);
     }
     let judge = Judge { case, settings, horizon, sigma, floor };
-    let (model, dropped) = judge.eliminate(model, &mut causes)?;
-    let (before, after) = (judge.refitted(case.nominal.model())?, judge.refitted(&model)?);
-    let (Some(before), Some(after)) = (before, after) else {
+    let Eliminated { model, refitted, dropped } = judge.eliminate(model, &mut causes)?;
+    let (Some(before), Some(after)) = (judge.refitted(case.nominal.model())?, refitted) else {
         return Ok(Some(Road { dropped, ..plain(causes, model) }));
     };
     let Refitted { errors: after, model } = after;

@@ -26,36 +26,35 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Takes out causes, the last one excepted, that the rest does not miss. Returns the model without them, with
-    /// what was dropped.
+    /// Takes out causes, the last one excepted, that the rest does not miss.
     pub(super) fn eliminate(
         &self,
         mut model: Model,
         causes: &mut Vec<Milestone>,
-    ) -> Result<(Model, Vec<String>), FitError> {
+    ) -> Result<Eliminated, FitError> {
+        let mut refitted = self.refitted(&model)?;
         let mut dropped = Vec::new();
         let mut i = 0;
         // The last one was accepted with all others there.
         while i + 1 < causes.len() {
             let plainer = without(&model, &causes[i].cause);
-            if self.is_missed(&plainer, &model)? {
+            let without_it = self.refitted(&plainer)?;
+            if self.is_missed(without_it.as_ref(), refitted.as_ref()) {
                 i += 1;
             } else {
                 dropped.push(causes.remove(i).cause.label.to_owned());
-                model = plainer;
+                (model, refitted) = (plainer, without_it);
             }
         }
-        Ok((model, dropped))
+        Ok(Eliminated { model, refitted, dropped })
     }
 
-    /// Whether held-out forecasts of the fuller model are clearly better.
-    fn is_missed(&self, plainer: &Model, fuller: &Model) -> Result<bool, FitError> {
-        let (Some(before), Some(after)) = (self.refitted(plainer)?, self.refitted(fuller)?) else {
-            return Ok(true);
-        };
+    /// Whether held-out forecasts of the fuller model are clearly better; where one of the two diverges, nobody knows.
+    fn is_missed(&self, plainer: Option<&Refitted>, fuller: Option<&Refitted>) -> bool {
+        let (Some(before), Some(after)) = (plainer, fuller) else { return true };
         let Settings { replicas, seed, .. } = *self.settings;
         let share = closed(&before.errors, &after.errors, self.floor, replicas, seed);
-        Ok(share.is_some_and(|share| 0.0 < share.between_runs().interval[0]))
+        share.is_some_and(|share| 0.0 < share.between_runs().interval[0])
     }
 
     /// Refits a model and forecasts with it; `None` when it diverges.
@@ -70,6 +69,16 @@ impl Judge<'_> {
         let errors = forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
         Ok(errors.map(|errors| Refitted { errors, model: settle(model, problem, &at.z) }))
     }
+}
+
+/// What is left when causes that forecasts do not miss are out.
+#[derive(Debug)]
+pub(super) struct Eliminated {
+    pub(super) model: Model,
+    /// That model, refitted; `None` when it diverges.
+    pub(super) refitted: Option<Refitted>,
+    /// Labels of what was dropped.
+    pub(super) dropped: Vec<String>,
 }
 
 /// A model with its parameters refitted.

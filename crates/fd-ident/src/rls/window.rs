@@ -220,5 +220,10 @@ impl<T: Scalar, S: RlsStorage<T>> Stage<T> for WindowRls<T, S> {
         let mut counts = [self.next, self.filled, self.age, skipped, bounded];
         visitor.counts("next, filled, age, skipped, bounded", &mut counts);
         [self.next, self.filled, self.age, self.report.skipped, self.report.bounded] = counts;
+        // A foreign snapshot must not point beyond the window.
+        let samples = self.samples as u64;
+        self.next %= samples;
+        self.filled = self.filled.min(samples);
+        self.age %= samples;
     }
 }

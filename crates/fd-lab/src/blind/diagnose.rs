@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use fd_effect::{Candidate, EverySite, Side, Suspects, library, with_default_sites};
+use fd_effect::{
+    Candidate, EverySite, Side, Suspects, library, with_default_sites, with_inner_places,
+};
 use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
     fit::Horizon,
@@ -53,7 +55,8 @@ pub(super) fn answer(
         None => &model,
     };
     let settings = &settings;
-    let as_read = diagnosed(nominal, &model, &logs, &held_out, settings);
+    let is_followed = follower.is_some();
+    let as_read = diagnosed(nominal, &model, &logs, &held_out, settings, is_followed);
     let reading = match follower {
         None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
         Some(_) => None,
@@ -109,13 +112,14 @@ struct Diagnosed {
     candidates: usize,
 }
 
-/// Diagnoses logs with a simulator of the `model`.
+/// Diagnoses logs with a simulator of the `model`; with effects inside it where those around it do not explain them.
 fn diagnosed(
     nominal: &dyn Nominal,
     model: &Model,
     logs: &[Record],
     held_out: &[Record],
     settings: &Settings,
+    is_followed: bool,
 ) -> Result<Diagnosed, BlindError> {
     let Some(train) = logs.first() else { return Err(fd_gap::fit::FitError::NoLog.into()) };
     let u: Vec<f64> = (0..train.len()).flat_map(|k| train.u(k).to_vec()).collect();
@@ -124,6 +128,20 @@ fn diagnosed(
     let candidates = suspects.alone().iter().flatten().count();
     let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
     let diagnosis = diagnose(&case, settings, &())?;
+    if !is_followed && !diagnosis.is_explained() {
+        let inner = with_inner_places(model);
+        let scales = inner.scales(train.ts(), &u, train.len())?;
+        let scales = scales.with_signals(&inner, train.ts(), &u, train.len())?;
+        let suspects = EverySite::new(library(), &inner, scales);
+        let case = diagnose::Case { nominal: &inner, suspects: &suspects, logs, held_out };
+        let inside = diagnose(&case, settings, &());
+        let is_better =
+            |inside: &Diagnosis| inside.verdict != Verdict::NoGap && inside.is_explained();
+        if let Some(diagnosis) = inside.ok().filter(is_better) {
+            let candidates = suspects.alone().iter().flatten().count();
+            return Ok(Diagnosed { diagnosis, road: None, candidates });
+        }
+    }
     let road = road(&case, &diagnosis, settings, MOST, &())?;
     Ok(Diagnosed { diagnosis, road, candidates })
 }
@@ -142,7 +160,7 @@ fn mended(
     let suspicion = suspect(&case, settings.horizon, as_read).ok()??;
     let model = suspicion.mistake().mended_model(model)?;
     let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
-    let mended = diagnosed(&model, &model, &logs, &held_out, settings).ok()?;
+    let mended = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
     let case =
         diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
     let reading = suspicion.judged(&case, &mended.diagnosis)?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use fd_core::LimitError;
 use fd_gap::fit::FitError;
 use fd_jetengine::EngineError;
 use fd_log::LogError;
@@ -90,6 +91,19 @@ pub enum BlindError {
         /// How often it was tried.
         tries: usize,
     },
+    /// What was ordered cannot be made.
+    #[error("{what}: expected {expected}, found {found}")]
+    Order {
+        /// Which part of the order.
+        what: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        found: usize,
+    },
+    /// A part of the order is beyond a limit.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// No random numbers from the system.
     #[error("the system gives no random numbers: {what}")]
     Entropy {

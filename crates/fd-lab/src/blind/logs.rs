@@ -67,7 +67,7 @@ impl Scene<'_> {
         let cut = |log: &Record| {
             let cut = log.slice(from, from + samples);
             let start = cut.time(0) - zero;
-            cut.starting_at(start)
+            cut.starting_at(start).as_its_own_run()
         };
         let reference = conditions.controller.as_ref().map(|controller| {
             let channel = Channel::new(

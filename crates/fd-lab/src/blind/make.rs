@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use fd_core::{Limits, Resource};
 use rayon::prelude::*;
 
 use super::{
@@ -17,6 +18,7 @@ use super::{
     seal::SealKey,
     truth::{Scene, Truth},
 };
+use crate::Watcher;
 
 /// Name of the file with the secret, beside the truths.
 pub(super) const KEY: &str = "seal.key";
@@ -38,7 +40,32 @@ pub struct Order {
     pub full_oracle: bool,
 }
 
-/// Makes cases in `out` and their truths in `truth`; `done` is called after each case.
+/// Fewest samples of a log: effects are told from noise over hundreds of them.
+const FEWEST_SAMPLES: usize = 100;
+
+impl Order {
+    /// Checks what was ordered, before any directory is made.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when no case is ordered, logs are too short, or there would be more cases or
+    /// samples than the limits allow.
+    pub fn check(&self, limits: &Limits) -> Result<(), BlindError> {
+        if self.samples < FEWEST_SAMPLES {
+            let expected = "at least 100: effects are told from noise over hundreds of samples";
+            return Err(BlindError::Order { what: "samples", expected, found: self.samples });
+        }
+        limits.check(Resource::Samples, "samples of each log", self.samples as f64)?;
+        let cases: f64 = self.counts.iter().map(|(_, n)| *n as f64).sum();
+        if cases < 1.0 {
+            let expected = "at least 1 case of any kind";
+            return Err(BlindError::Order { what: "cases", expected, found: 0 });
+        }
+        Ok(limits.check(Resource::Cases, "cases", cases)?)
+    }
+}
+
+/// Makes cases in `out` and their truths in `truth`.
 ///
 /// # Errors
 ///
@@ -49,8 +76,9 @@ pub fn make(
     out: &Path,
     truth: &Path,
     key: &SealKey,
-    done: impl Fn() + Sync,
+    watcher: &impl Watcher,
 ) -> Result<Vec<Truth>, BlindError> {
+    order.check(&Limits::default())?;
     let cases = out.join(CASES);
     for directory in [&cases, truth] {
         if directory.exists() {
@@ -66,6 +94,7 @@ pub fn make(
 
     let kinds = order.counts.iter().flat_map(|(kind, n)| (0..*n).map(move |i| (*kind, i)));
     let kinds: Vec<(CaseKind, usize)> = kinds.collect();
+    watcher.begin(kinds.len() as u64, 0);
     // The order of the cases tells nothing of their kinds.
     let mut numbers: Vec<usize> = (1..=kinds.len()).collect();
     Random::named(order.seed, "order").shuffle(&mut numbers);
@@ -75,7 +104,7 @@ pub fn make(
         .map(|((kind, i), number)| {
             let case = format!("case-{number:04}");
             let made = one(order, *kind, *i, &case, &cases, truth, key)?;
-            done();
+            watcher.advance();
             Ok(made)
         })
         .collect();

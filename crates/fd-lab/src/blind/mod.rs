@@ -50,7 +50,7 @@ pub use self::{
     make::{Order, make},
     misreading::Misreading,
     oracle::{Oracle, Rival},
-    run::{ChooseSettings, Manner, Progress, progress, run},
+    run::{ChooseSettings, Manner, run},
     score::{
         Bin, BySquares, Calibration, ClassScore, ClosedOf, Comparison, Rate, Score, Verdict, score,
         score_open,

@@ -15,7 +15,7 @@ use super::{
     files::{Case, Variant},
     make::{CASES, COMMITMENT},
 };
-use crate::journal::Journal;
+use crate::{Watcher, journal::Journal};
 
 /// How cases are diagnosed.
 #[derive(Clone, Copy)]
@@ -68,29 +68,9 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
     Ok(answer)
 }
 
-/// How far a run is before it goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Cases in the directory.
-    pub cases: usize,
-    /// Cases that have an answer.
-    pub answered: usize,
-}
-
-/// How many cases there are, and how many have an answer.
-///
-/// # Errors
-///
-/// As [`run`].
-pub fn progress(directory: &Path, variant: Variant) -> Result<Progress, BlindError> {
-    let answers = read_answers(&directory.join(variant.answers()))?;
-    let cases: Vec<Case> = cases(directory)?.into_iter().filter(|c| c.has(variant)).collect();
-    let answered = cases.iter().filter(|c| answers.iter().any(|a| a.case == c.name)).count();
-    Ok(Progress { cases: cases.len(), answered })
-}
-
-/// Diagnoses every case that has no answer yet and adds the answers to `answers.jsonl` (or, of
-/// another form, to a file of its own); `done` is called after each. A diagnosis that fails is an answer, too: one without causes.
+/// Diagnoses every case that has no answer yet, adds the answers to `answers.jsonl` (or, of another
+/// form, to a file of its own), and says how many cases have one now. A diagnosis that fails is an
+/// answer, too: one without causes.
 ///
 /// # Errors
 ///
@@ -98,25 +78,26 @@ pub fn progress(directory: &Path, variant: Variant) -> Result<Progress, BlindErr
 pub fn run(
     directory: &Path,
     manner: &Manner<'_>,
-    done: impl Fn() + Sync,
-) -> Result<(), BlindError> {
+    watcher: &impl Watcher,
+) -> Result<usize, BlindError> {
     let path = directory.join(manner.variant.answers());
     let known = read_answers(&path)?;
-    let cases = cases(directory)?;
+    let cases: Vec<Case> =
+        cases(directory)?.into_iter().filter(|case| case.has(manner.variant)).collect();
+    let is_open = |case: &&Case| !known.iter().any(|answer| answer.case == case.name);
+    let open: Vec<&Case> = cases.iter().filter(is_open).collect();
+    watcher.begin(cases.len() as u64, (cases.len() - open.len()) as u64);
     let journal = Journal::open(&path)?;
-    cases
-        .par_iter()
-        .filter(|case| case.has(manner.variant))
-        .filter(|case| !known.iter().any(|answer| answer.case == case.name))
-        .try_for_each(|case| {
-            let answer = answer_of(case, manner).unwrap_or_else(|error| Answer {
-                case: case.name.clone(),
-                error: Some(error.to_string()),
-                no_gap: 1.0,
-                ..Answer::default()
-            });
-            journal.append(&answer)?;
-            done();
-            Ok(())
-        })
+    open.par_iter().try_for_each(|case| {
+        let answer = answer_of(case, manner).unwrap_or_else(|error| Answer {
+            case: case.name.clone(),
+            error: Some(error.to_string()),
+            no_gap: 1.0,
+            ..Answer::default()
+        });
+        journal.append(&answer)?;
+        watcher.advance();
+        Ok::<_, BlindError>(())
+    })?;
+    Ok(cases.len())
 }

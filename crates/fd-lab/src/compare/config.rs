@@ -1,8 +1,9 @@
 //! Every choice of a comparison.
 
 use fd_compensate::decide::Debouncing;
+use fd_core::Limits;
 use fd_model::fault::Site;
-use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec};
+use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
 use super::{defaults, error::CompareError, fault::FaultGrid};
@@ -234,6 +235,7 @@ impl CompareConfig {
             let (expected, found) = (CONFIG_VERSION, self.version);
             return Err(CompareError::Version { expected, found });
         }
+        check_limits(self, &Limits::default())?;
         let setting = |setting: &str, expected, found: String| {
             Err(CompareError::Setting { setting: setting.to_owned(), expected, found })
         };

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use fd_core::LimitError;
 use fd_report::PictureError;
 use thiserror::Error;
 
@@ -29,6 +30,9 @@ pub enum CompareError {
         /// What it is.
         found: String,
     },
+    /// A setting is beyond a limit.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// The directory holds the beginning of another comparison.
     #[error(
         "{} was begun with another configuration; choose another directory or begin anew with \

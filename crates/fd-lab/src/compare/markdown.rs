@@ -1,7 +1,7 @@
 //! The comparison as a page of text that can be kept next to the code.
 
 use fd_model::figure;
-use fd_report::Table;
+use fd_report::{Table, markdown_text};
 
 use super::{
     config::CompareConfig,
@@ -21,11 +21,12 @@ impl Comparison {
     pub fn markdown(&self, command: &str) -> String {
         let mut parts = vec![
             "# Comparison of methods on the engine".to_owned(),
-            self.headline(),
+            markdown_text(&self.headline()),
             format!(
                 "Written by `{command}`, version {} of `fdiag`. How it is counted, and what to choose: \
                  [compare.md](../compare.md).",
                 env!("CARGO_PKG_VERSION"),
+                command = command.replace('`', "'").replace(char::is_control, " "),
             ),
             self.counts(),
         ];
@@ -51,10 +52,10 @@ impl Comparison {
         section("### Their best entries", &self.common_size(), &self.family_entries());
         for scenario in &self.scenarios {
             section(
-                &format!("## {}", scenario.name),
+                &format!("## {}", markdown_text(&scenario.name)),
                 &format!(
                     "{}. Smallest fault in per cent with its interval; the best {BEST} of {} entries.",
-                    scenario.about,
+                    markdown_text(&scenario.about),
                     scenario.entries.len(),
                 ),
                 &scenario.best(),

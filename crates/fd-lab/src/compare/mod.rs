@@ -39,6 +39,6 @@ pub use self::{
         Comparison, EntryName, EntryResult, FaultResult, IsolationResult, REPORT_VERSION, RocPoint,
         ScenarioResult,
     },
-    run::Watcher,
+    run::begin_anew,
     share::Share,
 };

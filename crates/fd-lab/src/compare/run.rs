@@ -13,7 +13,10 @@ use super::{
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };
-use crate::journal::{Journal, read};
+use crate::{
+    Watcher,
+    journal::{Journal, read, restart},
+};
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]
@@ -27,42 +30,13 @@ enum Line {
     Test(Unit),
 }
 
-/// Somebody who watches a comparison.
+/// Forgets the finished engines in a journal; none is no mistake.
 ///
-/// ```
-/// use std::sync::atomic::{AtomicU64, Ordering};
+/// # Errors
 ///
-/// use fd_lab::compare::Watcher;
-///
-/// /// Counts what is still to be done.
-/// struct Left(AtomicU64);
-///
-/// impl Watcher for Left {
-///     fn begin(&self, engines: u64, done: u64) {
-///         self.0.store(engines - done, Ordering::Relaxed);
-///     }
-///
-///     fn advance(&self) {
-///         self.0.fetch_sub(1, Ordering::Relaxed);
-///     }
-/// }
-///
-/// let left = Left(AtomicU64::new(0));
-/// left.begin(10, 4);
-/// left.advance();
-/// assert_eq!(left.0.into_inner(), 5);
-/// ```
-pub trait Watcher: Sync {
-    /// So many engines are to be run, of which some are done already.
-    fn begin(&self, engines: u64, done: u64);
-    /// One more is done.
-    fn advance(&self);
-}
-
-/// Nobody.
-impl Watcher for () {
-    fn begin(&self, _engines: u64, _done: u64) {}
-    fn advance(&self) {}
+/// Returns an error when another run is writing the journal, or it cannot be written.
+pub fn begin_anew(journal: &Path) -> Result<(), CompareError> {
+    Ok(restart(journal)?)
 }
 
 impl Comparison {
@@ -85,8 +59,10 @@ impl Comparison {
         let scenes: Vec<Scene<'_>> = (0..config.scenarios.len())
             .map(|index| Scene::new(config, index))
             .collect::<Result<_, _>>()?;
+        // Held to the end: two runs must not finish the same engines into the same file.
+        let held = journal.map(Journal::open).transpose()?;
         let (known_thresholds, known_tests) = known(config, journal)?;
-        let journal = journal.map(Journal::open).transpose()?;
+        let journal = held;
         if let Some(journal) = &journal
             && known_thresholds.is_none()
         {

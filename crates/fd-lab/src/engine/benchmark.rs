@@ -1,6 +1,6 @@
 //! The bench: the nominal engine, its model, and everything that is drawn for one seed.
 
-use fd_core::Heap;
+use fd_core::{Heap, Limits};
 use fd_jetengine::{
     EngineModel,
     engine17::{Engine17, Health, HealthParameter, Parameters},
@@ -88,6 +88,7 @@ impl Benchmark {
             }
         }
         let ts = SampleTime::new(config.sample_time_s)?;
+        config.check_limits(&Limits::default())?;
         let (nominal, readings, engine) = nominal_engine(&config)?;
         Ok(Self { config, ts, nominal, engine, readings })
     }

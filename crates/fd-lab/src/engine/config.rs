@@ -4,10 +4,13 @@ use fd_compensate::{
     decide::{Debouncing, Sizing},
     detect::DEFAULT_MARGIN,
 };
+use fd_core::{LimitError, Limits, Resource};
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::uncertainty::MatrixPerturbation;
-use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec};
+use fdiag::spec::{
+    BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec, check_limits,
+};
 use serde::{Deserialize, Serialize};
 
 use super::excitation::{FreshRun, TrainingRun};
@@ -199,5 +202,33 @@ fn default_pipeline() -> PipelineSpec {
         // Two seconds: long against the noise, short against the rise of the fault.
         sizing: Sizing { memory: Some(40.0), ..Sizing::default() },
         ..PipelineSpec::default()
+    }
+}
+
+impl EngineConfig {
+    /// Compares the size of the benchmark and the numbers of its spec with limits.
+    ///
+    /// ```
+    /// use fd_core::Limits;
+    /// use fd_lab::engine::EngineConfig;
+    ///
+    /// let config = EngineConfig { seeds: u64::MAX, ..EngineConfig::default() };
+    /// let refused = config.check_limits(&Limits::default()).map_err(|error| error.to_string());
+    /// let words = "seeds: expected at most 100000 (limit `cases`), found 1.8446744073709552e19";
+    /// assert_eq!(refused, Err(words.to_owned()));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the first setting that is beyond its limit.
+    pub fn check_limits(&self, limits: &Limits) -> Result<(), LimitError> {
+        check_limits(self, limits)?;
+        for (what, duration) in [
+            ("training.duration_s / sample_time_s", self.training.duration_s),
+            ("fresh.duration_s / sample_time_s", self.fresh.duration_s),
+        ] {
+            limits.check(Resource::Samples, what, duration / self.sample_time_s)?;
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! What can stop the engine benchmark.
 
+use fd_core::LimitError;
 use fd_jetengine::EngineError;
 use fd_model::{ModelError, SimulationError};
 use fdiag::training::TrainingError;
@@ -31,6 +32,9 @@ pub enum EngineStudyError {
         /// Name of the setting.
         setting: &'static str,
     },
+    /// A setting is beyond a limit.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// There is no such sensor.
     #[error("faults.sensors: there is no output `{found}`; the outputs are {}", known.join(", "))]
     UnknownSensor {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, trial::Trial};
+use crate::Watcher;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;
@@ -89,7 +90,7 @@ impl Range {
 }
 
 impl Benchmark {
-    /// Runs all seeds on the threads of the current rayon pool and calls `done` after each.
+    /// Runs all seeds on the threads of the current rayon pool.
     ///
     /// The result does not depend on the number of threads: each seed draws from a generator of
     /// its own and the trials are kept in order.
@@ -98,7 +99,7 @@ impl Benchmark {
     ///
     /// Returns an error when the configuration asks for no runs, or when no seed at all could be
     /// trained. Single seeds that fail are listed in the result.
-    pub fn study(&self, done: impl Fn() + Sync) -> Result<Study, EngineStudyError> {
+    pub fn study(&self, watcher: &impl Watcher) -> Result<Study, EngineStudyError> {
         let config = self.config();
         for (setting, count) in [
             ("seeds", config.seeds),
@@ -110,13 +111,14 @@ impl Benchmark {
             }
         }
         self.fault_channels()?;
+        watcher.begin(config.seeds, 0);
         let results: Vec<(u64, Result<Trial, EngineStudyError>)> = (0..config.seeds)
             .into_par_iter()
             .map(|i| {
                 // After the largest seed comes 0.
                 let seed = config.first_seed.wrapping_add(i);
                 let trial = self.trial(seed);
-                done();
+                watcher.advance();
                 (seed, trial)
             })
             .collect();

@@ -6,11 +6,13 @@ mod model;
 mod model_error;
 mod model_parse;
 mod model_write;
+mod settings;
 
 pub use self::{
     atomic::write_atomically,
     model::{LinearModel, LinearSystem, ModelChannel},
     model_error::{FileAction, ModelFileError},
+    settings::{SettingsError, parse_settings, read_settings},
 };
 
 #[cfg(test)]

@@ -4,7 +4,10 @@ use std::{fmt, io};
 
 use thiserror::Error;
 
-use crate::error::ModelError;
+use crate::{
+    error::ModelError,
+    shown::{Shown, ShownMessage},
+};
 
 /// What was tried with a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +43,7 @@ pub enum ModelFileError {
         kind: io::ErrorKind,
     },
     /// The file is not TOML, or has wrong, unknown or missing keys.
-    #[error("{file}, line {line}, column {column}: {message}")]
+    #[error("{file}, line {line}, column {column}: {}", ShownMessage(message))]
     Syntax {
         /// Name of the file.
         file: String,
@@ -62,7 +65,7 @@ pub enum ModelFileError {
         found: i64,
     },
     /// The file describes another kind of model.
-    #[error("{file}: expected `kind = \"{expected}\"`, found `{found}`")]
+    #[error("{file}: expected `kind = \"{expected}\"`, found `{}`", Shown(found))]
     Kind {
         /// Name of the file.
         file: String,
@@ -124,7 +127,7 @@ pub enum ModelFileError {
         value: f64,
     },
     /// An operating point is not finite, or a scale is zero or not finite.
-    #[error("{file}: `{key}` of {role} `{channel}` must be {expected}, found {found}")]
+    #[error("{file}: `{key}` of {role} `{}` must be {expected}, found {found}", Shown(channel))]
     Channel {
         /// Name of the file.
         file: String,
@@ -139,8 +142,21 @@ pub enum ModelFileError {
         /// Value that was found.
         found: f64,
     },
+    /// A name or unit that a terminal or a page would not show as it is.
+    #[error(
+        "{file}: {what}: expected text without line breaks and control characters, found `{}`",
+        Shown(found)
+    )]
+    NotPlain {
+        /// Name of the file.
+        file: String,
+        /// Which text.
+        what: &'static str,
+        /// The text.
+        found: String,
+    },
     /// Two channels of one kind have the same name.
-    #[error("{file}: two {role}s are called `{channel}`")]
+    #[error("{file}: two {role}s are called `{}`", Shown(channel))]
     DuplicateChannel {
         /// Name of the file.
         file: String,

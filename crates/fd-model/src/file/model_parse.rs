@@ -15,6 +15,7 @@ use crate::{
         model_error::ModelFileError,
     },
     record::ChannelScale,
+    shown::is_plain,
     state_space::StateSpace,
 };
 
@@ -77,6 +78,23 @@ fn pure_number() -> String {
     "1".to_owned()
 }
 
+impl Document {
+    /// Names and units stand in reports and in headers of logs.
+    fn check_texts(&self, file: &str) -> Result<(), ModelFileError> {
+        let name = self.name.iter().map(|name| ("`name`", name));
+        let rooms = [&self.inputs, &self.states, &self.outputs];
+        let entries = rooms.into_iter().flatten();
+        let channels = entries.flat_map(|e| [("name of a channel", &e.name), ("unit", &e.unit)]);
+        match name.chain(channels).find(|(_, text)| !is_plain(text)) {
+            None => Ok(()),
+            Some((what, found)) => {
+                let (file, found) = (file.to_owned(), found.clone());
+                Err(ModelFileError::NotPlain { file, what, found })
+            }
+        }
+    }
+}
+
 impl From<ChannelEntry> for ModelChannel {
     fn from(entry: ChannelEntry) -> Self {
         let scale = ChannelScale { offset: entry.operating_point, scale: entry.scale };
@@ -95,6 +113,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<LinearModel, ModelFileErro
         return Err(ModelFileError::Kind { file: file.to_owned(), expected: KIND, found: kind });
     }
     let document: Document = toml::from_str(text).map_err(|e| place.syntax(&e))?;
+    document.check_texts(file)?;
 
     let Matrices { a, b, c, d } = document.matrices;
     let (nu, ny) = (document.inputs.len(), document.outputs.len());

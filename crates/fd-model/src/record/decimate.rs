@@ -46,6 +46,7 @@ impl Record {
             outputs: self.outputs.clone(),
             ts,
             start: self.start + 0.5 * (factor as f64 - 1.0) * self.ts.seconds(),
+            before: self.before / factor,
         })
     }
 }

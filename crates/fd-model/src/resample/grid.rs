@@ -1,11 +1,12 @@
 //! The even time base of a series, and where its times fall among the samples.
 
+use fd_core::Resource;
+
 use crate::{
     domain::SampleTime,
     resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport},
 };
 
-const MOST_SAMPLES: usize = 1 << 28;
 const BRIDGED_STEPS: f64 = 5.0;
 
 /// The samples that move time forward.
@@ -84,8 +85,17 @@ impl Grid {
         };
         let tolerance = policy.tolerance * step;
         let samples = ((span + tolerance) / step).floor() + 1.0;
-        if MOST_SAMPLES as f64 <= samples {
-            return Err(TimeBaseError::TooLong { span_s: span, step_s: step, most: MOST_SAMPLES });
+        let limit = policy.limits.check(Resource::Samples, "samples on an even time base", samples);
+        if let Err(limit) = limit {
+            let length = |pair: &&[usize]| t[pair[1]] - t[pair[0]];
+            let longest = kept.windows(2).max_by(|a, b| length(a).total_cmp(&length(b)));
+            return Err(TimeBaseError::TooLong {
+                span_s: span,
+                step_s: step,
+                longest_s: longest.as_ref().map_or(0.0, length),
+                longest_at_s: longest.map_or(start, |pair| t[pair[0]]),
+                limit,
+            });
         }
         let median = steps.get(steps.len() / 2).copied().unwrap_or(step);
         let bridged = policy.max_gap_s.unwrap_or(BRIDGED_STEPS * step.max(median));
@@ -95,7 +105,7 @@ impl Grid {
         Ok(Self {
             start,
             step: SampleTime::new(step)?,
-            // Checked against MOST_SAMPLES above.
+            // Checked against the limit above.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             samples: samples as usize,
             max_gap,

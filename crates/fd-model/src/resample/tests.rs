@@ -1,5 +1,6 @@
 //! Laws of resampling: the identity on even data, the stated policy on the rest.
 
+use fd_core::Limits;
 use proptest::prelude::*;
 
 use super::*;
@@ -123,7 +124,7 @@ fn impossible_series_are_errors() {
         "at least 2 samples are needed to find the sample time, got 0"
     );
     assert_eq!(error(&[0.0, f64::NAN], &default), "sample 1: the time must be finite, got NaN s");
-    assert!(error(&[0.0, 1.0, 2.0, 1e12], &default).contains("are more than"));
+    assert!(error(&[0.0, 1.0, 2.0, 1e12], &default).contains("limit `samples`"));
     let policy = ResamplePolicy { tolerance: 0.5, ..default.clone() };
     assert!(error(&[0.0, 1.0], &policy).starts_with("resampling: `tolerance` must be"));
     let short = TimeSeries { y: vec![1.0], ..series(&[0.0, 1.0], &[0.0, 1.0], &[]) };
@@ -131,4 +132,28 @@ fn impossible_series_are_errors() {
     // One sample is enough when the step is given.
     let policy = ResamplePolicy { sample_time: Some(1.0), ..default };
     assert_eq!(series(&[1.0], &[1.0], &[1.0]).resample(&policy).unwrap().0.len(), 1);
+}
+
+#[test]
+fn a_clock_that_jumps_and_a_grid_that_is_too_fine_are_refused_by_the_limit() {
+    let t = [0.0, 0.01, 0.02, 1e6, 1e6 + 0.01];
+    let y = [0.0; 5];
+    let error = series(&t, &y, &y).resample(&ResamplePolicy::default()).unwrap_err().to_string();
+    let words = "samples on an even time base: expected at most 10000000 samples (limit `samples`), \
+                 found 100000002; 1000000.01 s in steps of 0.01 s, the longest without a sample \
+                 999999.98 s after 0.02 s";
+    // The median step is 0.01 s but for rounding.
+    assert!(error.starts_with(&words[..80]) && error.ends_with("s after 0.02 s"), "{error}");
+
+    let t = [0.0, 1.0, 2.0, 3.0];
+    let policy = ResamplePolicy {
+        sample_time: Some(1e-2),
+        limits: Limits { samples: 300, ..Limits::default() },
+        ..ResamplePolicy::default()
+    };
+    let error = series(&t, &t, &t).resample(&policy).unwrap_err();
+    assert!(matches!(&error, TimeBaseError::TooLong { limit, .. } if limit.most == 300), "{error}");
+    let limits = Limits { samples: 301, ..Limits::default() };
+    let (record, _) = series(&t, &t, &t).resample(&ResamplePolicy { limits, ..policy }).unwrap();
+    assert_eq!(record.len(), 301);
 }

@@ -2,6 +2,7 @@
 
 use std::{fmt, ops::Range};
 
+use fd_model::Shown;
 use thiserror::Error;
 
 /// A range of bytes in the text of an expression.
@@ -32,13 +33,13 @@ pub enum SyntaxProblem {
         found: Found,
     },
     /// A character that is not part of the language.
-    #[error("unknown character `{0}`")]
+    #[error("unknown character `{}`", Shown(&.0.to_string()))]
     UnknownCharacter(char),
     /// A number that cannot be represented.
-    #[error("the number `{0}` is too large")]
+    #[error("the number `{}` is too large", Shown(.0))]
     NumberTooLarge(String),
     /// A function with the wrong number of arguments.
-    #[error("`{function}` takes {expected} argument(s), found {found}")]
+    #[error("`{}` takes {expected} argument(s), found {found}", Shown(function))]
     Arguments {
         /// Name of the function.
         function: String,
@@ -48,7 +49,7 @@ pub enum SyntaxProblem {
         found: usize,
     },
     /// A name of the language in the place of a name of the model.
-    #[error("`{0}` is a name of the language and cannot stand here")]
+    #[error("`{}` is a name of the language and cannot stand here", Shown(.0))]
     Reserved(String),
     /// Parentheses, calls or operators nested too deeply.
     #[error("nested more than {limit} levels deep: move a part to a definition of its own")]
@@ -76,7 +77,7 @@ impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::End => f.write_str("the end"),
-            Self::Token(token) => write!(f, "`{token}`"),
+            Self::Token(token) => write!(f, "`{}`", Shown(token)),
             Self::Number => f.write_str("a number"),
             Self::Condition => f.write_str("a condition (true or false)"),
         }
@@ -99,7 +100,12 @@ fn column(text: &str, at: usize) -> usize {
     text.get(line_start(text, at)..at).map_or(0, |before| before.chars().count()) + 1
 }
 
-/// The line of `text` that holds the start of `span`, with carets below.
+/// Most characters of a line that are shown, and of those before the place that is pointed at.
+const SHOWN: usize = 120;
+const BEFORE: usize = 60;
+
+/// The line of `text` that holds the start of `span`, with carets below; of a long line what is around
+/// the place.
 ///
 /// ```
 /// use fd_sim::equation::picture;
@@ -114,7 +120,14 @@ pub fn picture(text: &str, span: &Span) -> String {
         .get(span.start..span.end.min(start + line.len()))
         .map_or(1, |marked| marked.chars().count().max(1));
     let indent = column(text, span.start) - 1;
-    // A tab would shift the carets: show it as one blank.
-    let line = line.replace('\t', " ");
-    format!("    {line}\n    {}{}", " ".repeat(indent), "^".repeat(width))
+    let from = if indent + width <= SHOWN { 0 } else { indent.saturating_sub(BEFORE) };
+    let lead = if from == 0 { "" } else { "…" };
+    // What takes no room or another one would shift the carets: it is shown as a blank.
+    let shown = line.chars().skip(from).take(SHOWN);
+    let shown: String = shown.map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let cut = if from + SHOWN < line.chars().count() { "…" } else { "" };
+    let indent = indent - from + lead.chars().count();
+    let width =
+        width.min((lead.chars().count() + shown.chars().count()).saturating_sub(indent).max(1));
+    format!("    {lead}{shown}{cut}\n    {}{}", " ".repeat(indent), "^".repeat(width))
 }

@@ -1,6 +1,6 @@
 //! A product and the sum it goes into, as one instruction.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{
     compile::{Key, Place},
@@ -16,6 +16,7 @@ pub(super) fn fuse(instructions: Vec<(Key, Place)>, results: &[Place]) -> Vec<(K
         *uses.entry(*place).or_default() += 1;
     }
     let mut products: HashMap<Place, [Place; 2]> = HashMap::new();
+    let mut dropped: HashSet<Place> = HashSet::new();
     let mut kept: Vec<(Key, Place)> = Vec::with_capacity(instructions.len());
     for ((operation, operands), to) in instructions {
         let [a, b, _] = operands;
@@ -37,8 +38,9 @@ pub(super) fn fuse(instructions: Vec<(Key, Place)>, results: &[Place]) -> Vec<(K
             continue;
         };
         products.remove(&product);
-        kept.retain(|(_, to)| *to != product);
+        dropped.insert(product);
         kept.push(((operation, [x, y, other]), to));
     }
+    kept.retain(|(_, to)| !dropped.contains(to));
     kept
 }

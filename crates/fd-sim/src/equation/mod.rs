@@ -113,6 +113,7 @@
 //! ```
 
 mod compile;
+mod definitions;
 mod derivative_rules;
 mod differentiate;
 mod error;
@@ -134,6 +135,7 @@ mod walk;
 
 pub use self::{
     compile::{CompileError, Scope},
+    definitions::{Definitions, Size},
     error::{Found, Span, SyntaxError, SyntaxProblem, picture},
     evaluate::{EvaluationError, Values},
     expr::{Binary, Comparison, Cond, Expr, Lookup, Unary},
@@ -143,6 +145,7 @@ pub use self::{
     value::{Lanes, Value},
 };
 pub(crate) use self::{
+    definitions::Slopes,
     kernel::{Kernel, Work},
     order::in_order_of_use,
     parse::MAX_DEPTH,

@@ -1,6 +1,9 @@
 //! Walks over a tree: names, replacement, depth.
 
-use super::expr::{Cond, Expr};
+use super::{
+    definitions::Size,
+    expr::{Cond, Expr},
+};
 
 impl Expr {
     /// Calls `visit` for every name in the tree (not for tables), in the order of the text.
@@ -108,6 +111,26 @@ impl Expr {
         }
     }
 
+    /// Size of the tree when every name for which `of_name` answers has that size; a name without an
+    /// answer is a leaf.
+    pub(super) fn size_with(&self, of_name: &dyn Fn(&str) -> Option<Size>) -> Size {
+        let join = |parts: &mut dyn Iterator<Item = Size>| {
+            let nothing = Size { nodes: 0, levels: 0 };
+            parts.fold(nothing, Size::and).below_a_node()
+        };
+        match self {
+            Self::Number(_) => Size::LEAF,
+            Self::Name(name) => of_name(name).unwrap_or(Size::LEAF),
+            Self::Unary(_, x) | Self::Lookup(_, _, x) => x.size_with(of_name).below_a_node(),
+            Self::Binary(_, a, b) => join(&mut [a, b].into_iter().map(|x| x.size_with(of_name))),
+            Self::Clamp(arguments) => join(&mut arguments.iter().map(|x| x.size_with(of_name))),
+            Self::If(condition, value, otherwise) => {
+                let parts = [value, otherwise].into_iter().map(|x| x.size_with(of_name));
+                join(&mut parts.chain([condition.size_with(of_name)]))
+            }
+        }
+    }
+
     /// Rebuilds the tree; a node for which `replace` answers is replaced whole.
     fn map(&self, replace: &impl Fn(&Self) -> Option<Self>) -> Self {
         if let Some(replaced) = replace(self) {
@@ -156,6 +179,15 @@ impl Cond {
             Self::Or(a, b) => Self::Or(Box::new(a.map(replace)), Box::new(b.map(replace))),
             Self::Not(a) => Self::Not(Box::new(a.map(replace))),
         }
+    }
+
+    fn size_with(&self, of_name: &dyn Fn(&str) -> Option<Size>) -> Size {
+        let parts = match self {
+            Self::Compare(_, a, b) => a.size_with(of_name).and(b.size_with(of_name)),
+            Self::And(a, b) | Self::Or(a, b) => a.size_with(of_name).and(b.size_with(of_name)),
+            Self::Not(a) => a.size_with(of_name),
+        };
+        parts.below_a_node()
     }
 
     fn depth(&self) -> usize {

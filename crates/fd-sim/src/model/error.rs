@@ -2,6 +2,7 @@
 
 use std::{collections::HashMap, fmt, ops::Range};
 
+use fd_model::{Shown, ShownMessage};
 use thiserror::Error;
 
 use crate::equation::{Span, SyntaxProblem, TableError, locate, picture};
@@ -55,7 +56,7 @@ pub struct Place {
 #[non_exhaustive]
 pub enum Mistake {
     /// The text is not TOML or does not have the form of a model.
-    #[error("{0}")]
+    #[error("{}", ShownMessage(.0))]
     Toml(String),
     /// Another version of the format.
     #[error("this is format version {found}, this program reads version 1")]
@@ -64,7 +65,7 @@ pub enum Mistake {
         found: u32,
     },
     /// Another kind of model.
-    #[error("this is a model of kind `{found}`, expected `equations`")]
+    #[error("this is a model of kind `{}`, expected `equations`", Shown(found))]
     Kind {
         /// Kind of the file.
         found: String,
@@ -73,7 +74,7 @@ pub enum Mistake {
     #[error(transparent)]
     Syntax(SyntaxProblem),
     /// A name that is not defined, or not here.
-    #[error("`{name}` is not known here{}", hint(.nearest))]
+    #[error("`{}` is not known here{}", Shown(name), hint(.nearest))]
     UnknownName {
         /// The name.
         name: String,
@@ -81,7 +82,7 @@ pub enum Mistake {
         nearest: Vec<String>,
     },
     /// A name that means something but not in this place.
-    #[error("`{name}` is {what} and cannot be used here, only {allowed}")]
+    #[error("`{}` is {what} and cannot be used here, only {allowed}", Shown(name))]
     NotHere {
         /// The name.
         name: String,
@@ -91,7 +92,7 @@ pub enum Mistake {
         allowed: &'static str,
     },
     /// A function or table that does not exist.
-    #[error("there is no function or table `{name}`{}", hint(.nearest))]
+    #[error("there is no function or table `{}`{}", Shown(name), hint(.nearest))]
     UnknownFunction {
         /// The name.
         name: String,
@@ -99,10 +100,13 @@ pub enum Mistake {
         nearest: Vec<String>,
     },
     /// A name that cannot be given.
-    #[error("`{0}` cannot be a name: letters, digits and underscores, not a word of the language")]
+    #[error(
+        "`{}` cannot be a name: at most 256 letters, digits and underscores, not a word of the language",
+        Shown(.0)
+    )]
     BadName(String),
     /// A name given twice.
-    #[error("the name `{name}` is already given to {first}")]
+    #[error("the name `{}` is already given to {}", Shown(name), Shown(first))]
     Duplicate {
         /// The name.
         name: String,
@@ -110,8 +114,11 @@ pub enum Mistake {
         first: String,
     },
     /// Expressions that need themselves.
-    #[error("definitions go round in a circle: {}", .0.join(" → "))]
+    #[error("definitions go round in a circle: {}", round(.0))]
     Cycle(Vec<String>),
+    /// A name or unit that a terminal or a page would not show as it is.
+    #[error("expected text without line breaks and control characters, found `{}`", Shown(.0))]
+    NotPlain(String),
     /// No unit.
     #[error("a unit is needed, `1` for a pure number")]
     NoUnit,
@@ -143,6 +150,18 @@ pub enum Mistake {
         /// Deepest allowed nesting.
         limit: usize,
     },
+}
+
+/// The way round; of a long one the beginning and the end.
+fn round(path: &[String]) -> String {
+    const SHOWN: usize = 10;
+    let shown = |part: &[String]| {
+        part.iter().map(|name| Shown(name).to_string()).collect::<Vec<_>>().join(" → ")
+    };
+    match path.len() {
+        0..=SHOWN => shown(path),
+        n => format!("{} → … ({n} in all) → {}", shown(&path[..SHOWN - 1]), shown(&path[n - 1..])),
+    }
 }
 
 fn hint(nearest: &[String]) -> String {
@@ -215,7 +234,7 @@ impl fmt::Display for ModelError {
             write!(f, "{line}:{column}: ")?;
         }
         if !self.key.is_empty() {
-            write!(f, "{}: ", self.key)?;
+            write!(f, "{}: ", Shown(&self.key))?;
         }
         write!(f, "{}", self.mistake)?;
         if let Some((text, span)) = &self.expression {

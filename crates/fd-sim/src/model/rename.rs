@@ -1,5 +1,7 @@
 //! Changes that touch every expression or every name of a draft.
 
+use std::collections::HashSet;
+
 use super::draft::{Controller, Definition, Delay, Draft, Output, Site, State};
 use crate::equation::Expr;
 
@@ -45,6 +47,11 @@ impl Draft {
         let is_free = |name: &String| !taken.contains(&name.as_str());
         let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
         std::iter::once(wish.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
+    }
+
+    /// Every name.
+    pub(crate) fn names(mut self) -> HashSet<String> {
+        self.names_mut().into_iter().map(std::mem::take).collect()
     }
 
     /// Every name, where it is declared or stands as a key.

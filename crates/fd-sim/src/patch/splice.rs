@@ -120,6 +120,24 @@ impl Patch {
         Ok(())
     }
 
+    /// Lets the plant see `value`, under the name `applied`, wherever it saw the definition. In `value` the name
+    /// of the definition means what that says.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no such definition.
+    pub fn wrap_definition(
+        &mut self,
+        definition: &str,
+        applied: &str,
+        value: Expr,
+    ) -> Result<(), PatchError> {
+        let known = self.draft.definitions.iter().map(|known| known.name.as_str());
+        require("definition", definition, known)?;
+        self.wrap(definition, applied, value);
+        Ok(())
+    }
+
     fn wrap(&mut self, name: &str, applied: &str, value: Expr) {
         let logged = Expr::name(name);
         let logs: Vec<usize> = (0..self.draft.outputs.len())

@@ -25,7 +25,8 @@ pub enum SimulateError {
     },
     /// The step is so short that a simulation would take too long.
     #[error(
-        "{substeps} integration steps per sample of {ts} s are needed, at most {most} are allowed"
+        "{substeps} integration steps per sample of {ts} s are needed, at most {most} are allowed \
+         (limit `substeps`)"
     )]
     TooStiff {
         /// Steps needed.
@@ -33,7 +34,7 @@ pub enum SimulateError {
         /// Time between samples, in seconds.
         ts: f64,
         /// Most that are allowed.
-        most: usize,
+        most: u64,
     },
     /// The rates of controller and log do not fit.
     #[error(
@@ -87,6 +88,9 @@ pub enum SimulateError {
     /// A part of a model is not a correct model.
     #[error(transparent)]
     Model(#[from] crate::model::ModelError),
+    /// A part of the model is beyond a limit.
+    #[error(transparent)]
+    Limit(#[from] fd_core::LimitError),
     /// Numbers of values do not match the model.
     #[error("{what}: expected {expected} values, got {found}")]
     Length {

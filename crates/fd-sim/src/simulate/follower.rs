@@ -14,12 +14,13 @@
 //! *When not to use:* on plants that forget their start, or only integrate. There the free run says more: an effect that is
 //! slow is taken for a disturbance by a filter, and followed.
 
-use fd_model::{Channel, Continuous, Record, SampleTime, StateSpace, riccati};
+use fd_model::{Continuous, Record, SampleTime, StateSpace, riccati};
 
 use faer::{Mat, Scale, prelude::Solve};
 
 use super::{
-    Nominal, OperatingPoint, SimulateError, Simulator, linearize, logged_loop::without_holes,
+    Nominal, OperatingPoint, SimulateError, Simulator, linearize,
+    logged_outputs::with_logged_outputs,
 };
 use crate::{
     equation::Expr,
@@ -114,19 +115,7 @@ impl<'a> Follower<'a> {
     ///
     /// Never for a record of this model, which has values for all its channels.
     pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
-        let places = self.logged.iter().filter_map(|(output, name)| {
-            let place = record.output_index(output)?;
-            let channel = Channel::new(name, &record.outputs()[place].unit);
-            Some((channel, without_holes(record.output(place).collect())))
-        });
-        let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
-        let inputs = [record.inputs(), &channels].concat();
-        let row =
-            |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
-        let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
-        let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
-        let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
-        Ok(new.starting_at(record.time(0)))
+        with_logged_outputs(record, &self.logged)
     }
 
     /// The model with its corrections: a sampled controller of inputs that are added to the derivatives.
@@ -190,7 +179,8 @@ impl Nominal for Follower<'_> {
         let sites = model.sites.into_iter().zip(followed.sites).map(|(site, size)| {
             let velocity = site.velocity.and_then(|signal| both(signal, size.velocity));
             let position = site.position.and_then(|signal| both(signal, size.position));
-            let (acceleration, compliance) = (site.acceleration, site.compliance);
+            let (acceleration, compliance, helpers) =
+                (site.acceleration, site.compliance, site.helpers);
             let ForceScale { name, unit, force, mobility, kick, is_discrete, motion, .. } = size;
             ForceScale {
                 name,
@@ -202,6 +192,7 @@ impl Nominal for Follower<'_> {
                 motion,
                 acceleration,
                 compliance,
+                helpers,
                 velocity,
                 position,
             }

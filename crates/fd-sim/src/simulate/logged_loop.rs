@@ -15,9 +15,9 @@
 //! On plants that are unstable without their controller: then small errors grow without end. Both
 //! show in what the fit of the nominal model leaves.
 
-use fd_model::{Channel, Record, SampleTime};
+use fd_model::{Record, SampleTime};
 
-use super::{Nominal, SimulateError, Simulator};
+use super::{Nominal, SimulateError, Simulator, logged_outputs::with_logged_outputs};
 use crate::{
     model::{Model, ModelError, Reference},
     scales::ReplayScales,
@@ -91,19 +91,7 @@ impl<'a> LoggedLoop<'a> {
     ///
     /// Never for a record, which has values for all its channels.
     pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
-        let places = self.replaced.iter().filter_map(|(output, name)| {
-            let place = record.output_index(output)?;
-            let channel = Channel::new(name, &record.outputs()[place].unit);
-            Some((channel, without_holes(record.output(place).collect())))
-        });
-        let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
-        let inputs = [record.inputs(), &channels].concat();
-        let row =
-            |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
-        let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
-        let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
-        let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
-        Ok(new.starting_at(record.time(0)))
+        with_logged_outputs(record, &self.replaced)
     }
 
     /// The model with its controller on logged outputs.
@@ -143,24 +131,4 @@ impl Nominal for LoggedLoop<'_> {
     ) -> Result<ReplayScales, SimulateError> {
         self.nominal.scales(ts, u, samples)
     }
-}
-
-/// Missing values on straight lines between their neighbours; the ends are held, and a signal
-/// without any value is zero.
-pub(super) fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
-    let known: Vec<usize> = (0..signal.len()).filter(|k| signal[*k].is_finite()).collect();
-    let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
-        return vec![0.0; signal.len()];
-    };
-    let [begin, end] = [signal[first], signal[last]];
-    signal[..first].fill(begin);
-    signal[last..].fill(end);
-    for pair in known.windows(2) {
-        let [from, to] = [pair[0], pair[1]];
-        let (a, slope) = (signal[from], (signal[to] - signal[from]) / (to - from) as f64);
-        for (i, value) in signal[from..to].iter_mut().enumerate() {
-            *value = a + slope * i as f64;
-        }
-    }
-    signal
 }

@@ -29,8 +29,10 @@ mod error;
 mod flat;
 mod follower;
 mod jacobian;
+mod limits;
 mod linearize;
 mod logged_loop;
+mod logged_outputs;
 mod nominal;
 mod run;
 mod shell;
@@ -43,6 +45,7 @@ pub use self::{
     equations::EquationSimulator,
     error::SimulateError,
     follower::Follower,
+    limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     logged_loop::LoggedLoop,
     nominal::Nominal,

@@ -1,6 +1,7 @@
 //! How many integration steps a sample needs, and when a sampled controller acts.
 
 use faer::Mat;
+use fd_core::Limits;
 use fd_model::{Continuous, SampleTime, StateSpace};
 
 use super::{
@@ -12,8 +13,6 @@ use crate::model::{Law, Model};
 
 /// Largest `h |λ|`.
 const LARGEST_STEP: f64 = 0.3;
-/// Most integration steps per sample.
-const MOST_SUBSTEPS: usize = 10_000;
 /// Relative error of a ratio of two times that is meant to be whole.
 const ROUNDING: f64 = 1e-9;
 
@@ -32,6 +31,7 @@ impl Timing {
         model: &Model,
         flat: &Flat,
         ts: SampleTime,
+        limits: &Limits,
     ) -> Result<Self, SimulateError> {
         let ts = ts.seconds();
         let is_continuous = model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
@@ -42,11 +42,11 @@ impl Timing {
         };
         let needed = (ts / step * (1.0 - ROUNDING)).ceil().max(1.0);
         let period = model.controller.as_ref().and_then(|controller| controller.sample_time);
-        Self { ts, substeps: 1, control_period: 0 }.with(needed, period)
+        Self { ts, substeps: 1, control_period: 0 }.with(needed, period, limits.substeps)
     }
 
     /// At least `needed` steps per sample, such that the controller acts at the start of one.
-    fn with(mut self, needed: f64, period: Option<f64>) -> Result<Self, SimulateError> {
+    fn with(mut self, needed: f64, period: Option<f64>, most: u64) -> Result<Self, SimulateError> {
         let ts = self.ts;
         let per_sample = match period {
             None => 1.0,
@@ -55,8 +55,8 @@ impl Timing {
                 .ok_or(SimulateError::ControllerRate { controller: period, ts })?,
         };
         let substeps = (needed / per_sample).ceil() * per_sample;
-        if (MOST_SUBSTEPS as f64) < substeps {
-            return Err(SimulateError::TooStiff { substeps, ts, most: MOST_SUBSTEPS });
+        if (most as f64) < substeps {
+            return Err(SimulateError::TooStiff { substeps, ts, most });
         }
         #[expect(
             clippy::cast_possible_truncation,

@@ -14,4 +14,5 @@ mod linear;
 mod models;
 mod patch;
 mod sensitivity;
+mod sharing;
 mod simulate;

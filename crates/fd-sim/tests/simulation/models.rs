@@ -19,7 +19,7 @@ const EXAMPLES: [&str; 9] = [
     "two_spool_engine",
 ];
 
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 

@@ -8,14 +8,12 @@ use std::{
 
 use clap::{Args, Subcommand, ValueEnum};
 use fd_gap::diagnose::Settings;
-use fd_lab::blind::{
-    BlindError, CaseKind, Manner, Order, SealKey, Variant, make, progress, run, score,
-};
+use fd_lab::blind::{BlindError, CaseKind, Manner, Order, SealKey, Variant, make, run, score};
 use fd_model::Record;
 use fdiag::gap_study::automatic_settings;
 use fdiag::sim::model::Model;
 
-use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::bar};
+use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::Bar};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BlindCommand {
@@ -216,16 +214,15 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
         (CaseKind::Mismatch, args.mismatch),
     ];
     counts.extend(args.classes.counts());
-    let total: usize = counts.iter().map(|(_, n)| n).sum();
     let order =
         Order { seed: args.seed, counts, samples: args.samples, full_oracle: !args.quick_oracle };
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.out));
     let key = SealKey::random().map_err(refusal)?;
-    let progress = bar(total as u64, "cases");
+    let progress = Bar::new("cases");
     let made = pool(args.threads)?
-        .install(|| make(&order, &args.out, &truth, &key, || progress.inc(1)))
+        .install(|| make(&order, &args.out, &truth, &key, &progress))
         .map_err(refusal)?;
-    progress.finish_and_clear();
+    progress.finish();
     println!("{} cases in {}, their truth in {}", made.len(), args.out.display(), truth.display());
     Ok(ExitCode::SUCCESS)
 }
@@ -236,31 +233,28 @@ fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
         Form::KnownController => Variant::KnownController,
         Form::FromRest => Variant::FromRest,
     };
-    let before = progress(&args.directory, variant).map_err(refusal)?;
-    let bar = bar(before.cases as u64, "cases");
-    bar.inc(before.answered as u64);
+    let progress = Bar::new("cases");
     let settings = |model: &Model, logs: &[Record; 2]| match args.horizon {
         Span::Free => Ok(Settings::default()),
         Span::Auto => Ok(automatic_settings(model, logs)?),
     };
     let manner = Manner { variant, with_baselines: !args.no_baselines, settings: &settings };
-    pool(args.threads)?
-        .install(|| run(&args.directory, &manner, || bar.inc(1)))
+    let cases = pool(args.threads)?
+        .install(|| run(&args.directory, &manner, &progress))
         .map_err(refusal)?;
-    bar.finish_and_clear();
-    println!("{} cases are answered in {}", before.cases, args.directory.display());
+    progress.finish();
+    println!("{cases} cases are answered in {}", args.directory.display());
     Ok(ExitCode::SUCCESS)
 }
 
 fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?;
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.directory));
-    let before = progress(&args.directory, Variant::AsLogged).map_err(refusal)?;
-    let bar = bar(before.cases as u64, "cases");
+    let progress = Bar::new("cases");
     let score = pool(args.output.threads)?
-        .install(|| score(&args.directory, &truth, || bar.inc(1)))
+        .install(|| score(&args.directory, &truth, &progress))
         .map_err(refusal)?;
-    bar.finish_and_clear();
+    progress.finish();
     if let Some(file) = &args.markdown {
         fs::write(file, score.markdown()).map_err(|e| Failure::output(file, e))?;
     }

@@ -1,13 +1,12 @@
 //! `fdiag compare`: the tournament.
 
-use std::{fs, io::ErrorKind, process::ExitCode};
+use std::{fs, process::ExitCode};
 
-use fd_lab::compare::{CompareConfig, CompareError, Comparison, Watcher};
+use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
-use indicatif::ProgressBar;
 
 use super::{
-    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::Bar, toml_file,
 };
 
 /// Name of the file of finished engines.
@@ -24,18 +23,13 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?.compact();
     let journal = args.output.out.join(JOURNAL);
     if args.restart {
-        match fs::remove_file(&journal) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(Failure::output(&journal, error));
-            }
-            _ => {}
-        }
+        begin_anew(&journal).map_err(refused)?;
     }
     let pool = pool(args.output.threads)?;
-    let shown = Shown(bar(1, "engines"));
+    let shown = Bar::new("engines");
     let comparison =
         pool.install(|| Comparison::run(&config, Some(&journal), &shown)).map_err(refused)?;
-    shown.0.finish_and_clear();
+    shown.finish();
     let mut page = comparison.page().map_err(Failure::analysis)?;
     page.heading("Configuration");
     page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
@@ -51,21 +45,6 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
 fn command() -> String {
     let arguments = std::env::args().skip(1);
     ["fdiag".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
-}
-
-struct Shown(ProgressBar);
-
-impl Watcher for Shown {
-    fn begin(&self, engines: u64, done: u64) {
-        self.0.set_length(engines);
-        self.0.set_position(done);
-        // What was done before says nothing about the time that is left.
-        self.0.reset_eta();
-    }
-
-    fn advance(&self) {
-        self.0.inc(1);
-    }
 }
 
 fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
@@ -93,7 +72,10 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
 
 /// A setting that cannot be is the fault of the configuration file.
 fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
-    let setting = matches!(error, CompareError::Version { .. } | CompareError::Setting { .. });
+    let setting = matches!(
+        error,
+        CompareError::Version { .. } | CompareError::Setting { .. } | CompareError::Limit(_)
+    );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),
         _ if matches!(error, CompareError::Journal(_)) => Failure::of_input(error),

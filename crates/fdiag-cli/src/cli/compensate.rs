@@ -2,10 +2,10 @@
 
 use std::process::ExitCode;
 
-use fdiag::spec::PipelineSpec;
+use fdiag::{core::Limits, spec::PipelineSpec, training::TrainingError};
 use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
 
-use super::{args::CompensateArgs, failure::Failure, output::Output, progress::bar, toml_file};
+use super::{args::CompensateArgs, failure::Failure, output::Output, progress::Bar, toml_file};
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let spec = args.spec.as_deref().map(toml_file::read::<PipelineSpec>).transpose()?;
@@ -26,19 +26,25 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
         columns: args.columns.as_deref().map(toml_file::read).transpose()?,
         spec,
         share_to_learn: args.learn_share,
+        limits: Limits::default(),
     };
     let output = Output::prepare(&args.output)?;
-    let progress = bar((request.healthy.len() + request.logs.len()) as u64, "logs");
-    let (study, traces) = LogStudy::run(&request, || progress.inc(1)).map_err(|error| {
+    let progress = Bar::new("logs");
+    let studied = request.read().and_then(|material| LogStudy::run(&material, &progress));
+    let (study, traces) = studied.map_err(|error| {
         let reason = error.to_string();
         match error {
+            LogStudyError::Training(TrainingError::Limit(_)) => match &args.spec {
+                Some(spec) => Failure::input(spec, reason),
+                None => Failure::analysis(reason),
+            },
             LogStudyError::Training(_) | LogStudyError::Model(_) | LogStudyError::NoExcitation => {
                 Failure::analysis(reason)
             }
             _ => Failure::of_input(reason),
         }
     })?;
-    progress.finish_and_clear();
+    progress.finish();
     let mut page = study.page(&traces).map_err(Failure::analysis)?;
     page.heading("Settings");
     page.details("Show the spec", toml::to_string(&study.spec).map_err(Failure::analysis)?);

@@ -7,7 +7,7 @@ use fd_model::figure;
 use fd_report::Table;
 
 use super::{
-    args::EngineArgs, failure::Failure, output::Output, pool::pool, progress::bar, toml_file,
+    args::EngineArgs, failure::Failure, output::Output, pool::pool, progress::Bar, toml_file,
 };
 
 /// Size of the pictures that are written as files, in pixels.
@@ -24,9 +24,9 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
     let refused = |error| refusal(args, &error);
     let benchmark = Benchmark::new(config).map_err(refused)?;
     let begun = Instant::now();
-    let progress = bar(benchmark.config().seeds, "engines");
-    let study = pool.install(|| benchmark.study(|| progress.inc(1))).map_err(refused)?;
-    progress.finish_and_clear();
+    let progress = Bar::new("engines");
+    let study = pool.install(|| benchmark.study(&progress)).map_err(refused)?;
+    progress.finish();
     let seconds = begun.elapsed().as_secs_f64();
     let first = study.trials.first().map_or(benchmark.config().first_seed, |trial| trial.seed);
     let example = benchmark.example(first).map_err(Failure::analysis)?;
@@ -72,6 +72,7 @@ fn refusal(args: &EngineArgs, error: &EngineStudyError) -> Failure {
             | EngineStudyError::Setting { .. }
             | EngineStudyError::None { .. }
             | EngineStudyError::UnknownSensor { .. }
+            | EngineStudyError::Limit(_)
     );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),

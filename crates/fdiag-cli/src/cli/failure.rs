@@ -2,6 +2,8 @@
 
 use std::{fmt, path::PathBuf, process::ExitCode};
 
+use fdiag::model::ShownMessage;
+
 /// A failed command.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -43,12 +45,14 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Input { file: Some(file), reason } => write!(f, "{}: {reason}", file.display()),
-            Self::Input { file: None, reason } | Self::Analysis(reason) => f.write_str(reason),
+        let message = match self {
+            Self::Input { file: Some(file), reason } => format!("{}: {reason}", file.display()),
+            Self::Input { file: None, reason } | Self::Analysis(reason) => reason.clone(),
             Self::Output { file, reason } => {
-                write!(f, "cannot write {}: {reason}", file.display())
+                format!("cannot write {}: {reason}", file.display())
             }
-        }
+        };
+        // Whatever was in a file or on the command line, a terminal shows it and does not obey it.
+        write!(f, "{}", ShownMessage(&message))
     }
 }

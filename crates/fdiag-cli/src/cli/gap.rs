@@ -3,6 +3,7 @@
 use std::{process::ExitCode, time::Instant};
 
 use fdiag::{
+    core::{Limits, Resource},
     gap::fit::FitError,
     gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
     model::{Disorder, figure},
@@ -67,6 +68,10 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),
+        limits: Limits {
+            steps: if args.yes { u64::MAX } else { plain.limits.steps },
+            ..plain.limits
+        },
         ..plain
     })
 }
@@ -91,6 +96,7 @@ fn refusal(error: &GapError) -> Failure {
                 _ => Failure::of_input(reason),
             };
         }
+        GapError::Limit(limit) => limit.resource != Resource::Bytes,
         GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
         GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
         _ => false,

@@ -7,6 +7,7 @@ use std::{
     time::Duration,
 };
 
+use fd_lab::Watcher;
 use fdiag::gap::diagnose::{Monitor, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -15,20 +16,42 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Time between two drawings.
 const TICK: Duration = Duration::from_millis(200);
 
-/// A bar over `length` steps; invisible when standard error is not a terminal.
-pub(crate) fn bar(length: u64, what: &'static str) -> ProgressBar {
-    let target = if std::io::stderr().is_terminal() {
-        ProgressDrawTarget::stderr()
-    } else {
-        ProgressDrawTarget::hidden()
-    };
-    let bar = ProgressBar::with_draw_target(Some(length), target);
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left") {
-        bar.set_style(style);
+/// A bar over work of many alike pieces; invisible when standard error is not a terminal.
+pub(crate) struct Bar(ProgressBar);
+
+impl Bar {
+    pub(crate) fn new(what: &'static str) -> Self {
+        let target = if std::io::stderr().is_terminal() {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(1), target);
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left");
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        bar.set_message(what);
+        bar.enable_steady_tick(TICK);
+        Self(bar)
     }
-    bar.set_message(what);
-    bar.enable_steady_tick(TICK);
-    bar
+
+    pub(crate) fn finish(self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Watcher for Bar {
+    fn begin(&self, pieces: u64, done: u64) {
+        self.0.set_length(pieces);
+        self.0.set_position(done);
+        // What was done before says nothing about the time that is left.
+        self.0.reset_eta();
+    }
+
+    fn advance(&self) {
+        self.0.inc(1);
+    }
 }
 
 /// Progress of a diagnosis, one stage after another; shown once it takes long.

@@ -1,13 +1,13 @@
 //! Settings from TOML files.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
+use fdiag::model::file::read_settings;
 use serde::de::DeserializeOwned;
 
 use super::failure::Failure;
 
-/// Reads a file of settings; the message of a wrong one shows the line.
+/// Reads a file of settings; the message of a wrong one names its line and key.
 pub(crate) fn read<T: DeserializeOwned>(file: &Path) -> Result<T, Failure> {
-    let text = fs::read_to_string(file).map_err(|e| Failure::input(file, e))?;
-    toml::from_str(&text).map_err(|e| Failure::input(file, e))
+    read_settings(file).map_err(Failure::of_input)
 }

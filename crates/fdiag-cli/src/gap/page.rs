@@ -247,6 +247,9 @@ fn how_far(page: &mut Page, report: &Report) {
          that no fit has seen.",
     );
     page.table(tables::how_far(horizons, &report.inputs));
+    if let Some(whole) = &report.whole {
+        page.table(tables::all_rows(whole));
+    }
     if let Some(ceiling) = report.ceiling.as_ref().filter(|c| !c.statement.is_empty()) {
         page.text(format!("{}.", capital(&ceiling.statement)));
     }

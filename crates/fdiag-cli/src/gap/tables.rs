@@ -10,7 +10,7 @@ use fd_model::figure;
 use fd_report::Table;
 
 use fdiag::gap_study::{
-    Inputs, Report,
+    Inputs, Report, Whole, Window,
     words::{self, percent, probability, share},
 };
 
@@ -29,6 +29,7 @@ pub fn tables(report: &Report) -> Vec<Table> {
         if !report.diagnosis.held_out.is_empty() {
             tables.push(how_far(&report.diagnosis.held_out, &report.inputs));
         }
+        tables.extend(report.whole.as_ref().map(all_rows));
         tables.extend(against(report));
         tables.extend(next(report));
     }
@@ -93,6 +94,21 @@ fn pairs(report: &Report, table: &mut Table) {
             table.push([name, cause.law.to_owned(), strength, p, tied.to_owned()]);
         }
     }
+}
+
+/// What the stretches of long logs say of all rows.
+pub(super) fn all_rows(whole: &Whole) -> Table {
+    let header = ["rows", "refitted", "explained"];
+    let mut table =
+        Table::new("All rows, forecast in windows (errors in units of the noise)", &header);
+    let Whole { rows, fitted, window, windows, .. } = whole;
+    let all = format!("{rows} in {windows} windows of {window}; fitted: {fitted}");
+    table.push([all, figure(whole.refitted), figure(whole.explained)]);
+    for Window { file, rows: [from, to], refitted, explained, .. } in &whole.unlike {
+        let rows = format!("{from} to {to} of {file}: unlike the others");
+        table.push([rows, figure(*refitted), figure(*explained)]);
+    }
+    table
 }
 
 /// Gaps on held-out data.

@@ -1,12 +1,14 @@
 //! The road on a user's own model and logs: learn from the healthy ones, diagnose the others.
 
 mod error;
+mod material;
 mod named;
 mod report;
 mod study;
 
 pub use self::{
     error::LogStudyError,
+    material::{Material, Request, StudiedLog},
     named::NamedFault,
-    study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, Request, SignalUnit, Traces},
+    study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, SignalUnit, Traces},
 };

@@ -1,39 +1,25 @@
-//! From files to a trained diagnosis and what it says of each later log.
+//! From records to a trained diagnosis and what it says of each later log.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use fd_core::{DynPipeline, Event, stage::Stage};
-use fd_log::{LogMap, read_log};
-use fd_model::{Record, TimeBaseReport, file::LinearModel};
+use fd_lab::Watcher;
+use fd_model::{Record, TimeBaseReport};
 use fd_numeric::rms;
 use fdiag::{
     spec::PipelineSpec,
-    training::{Healthy, Trace, TrainingError, sensor_sizes, train},
+    training::{Healthy, Trace, TrainingError, sensor_sizes, train_within},
 };
 use serde::{Deserialize, Serialize};
 
-use super::{error::LogStudyError, named::NamedFault};
+use super::{
+    error::LogStudyError,
+    material::{Material, StudiedLog},
+    named::NamedFault,
+};
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;
-
-/// What is to be studied.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// Model file of the nominal plant.
-    pub model: PathBuf,
-    /// Logs of the healthy plant.
-    pub healthy: Vec<PathBuf>,
-    /// Logs to be diagnosed.
-    pub logs: Vec<PathBuf>,
-    /// Column map; none finds columns by channel name.
-    pub columns: Option<LogMap>,
-    /// The diagnosis.
-    pub spec: PipelineSpec,
-    /// Share of each healthy log, from its start, that the bias is learned from; the threshold is
-    /// taken from the rest.
-    pub share_to_learn: f64,
-}
 
 /// The result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,7 +106,7 @@ pub struct Traces {
 }
 
 impl LogStudy {
-    /// Reads, learns and diagnoses; calls `done` after each log.
+    /// Learns from the healthy logs and diagnoses all of them. Knows no files but by their names.
     ///
     /// ```no_run
     /// use fdiag::spec::PipelineSpec;
@@ -133,41 +119,36 @@ impl LogStudy {
     ///     columns: None,
     ///     spec: PipelineSpec::default(),
     ///     share_to_learn: 0.7,
+    ///     limits: fdiag::core::Limits::default(),
     /// };
-    /// let (study, _traces) = LogStudy::run(&request, || ())?;
+    /// let (study, _traces) = LogStudy::run(&request.read()?, &())?;
     /// println!("{}", study.headline());
     /// # Ok::<(), fdiag_cli::logs::LogStudyError>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// Returns the first file, row or step that is wrong.
-    pub fn run(request: &Request, done: impl Fn()) -> Result<(Self, Traces), LogStudyError> {
-        let file = LinearModel::read(&request.model)?;
-        let mut map = request.columns.clone().unwrap_or_else(|| LogMap::for_model(&file));
-        if let Some(ts) = file.system.sample_time() {
-            map.resample.sample_time.get_or_insert(ts.seconds());
-        }
-        let paths: Vec<&PathBuf> = request.healthy.iter().chain(&request.logs).collect();
-        let mut files = Vec::new();
-        for path in &paths {
-            let log = read(path, &file, &map)?;
-            // All logs are brought onto the time base of the first.
-            map.resample.sample_time.get_or_insert(log.0.ts().seconds());
-            files.push(log);
-        }
-        let Some((first, _)) = files.first() else {
+    /// Returns an error when there is no healthy log with inputs that move, or nothing can be learned.
+    pub fn run(
+        material: &Material,
+        watcher: &impl Watcher,
+    ) -> Result<(Self, Traces), LogStudyError> {
+        let Material { model: file, spec, .. } = material;
+        let Some(first) = material.logs.first() else {
             return Err(TrainingError::NoHealthyLog.into());
         };
-        let model = file.system.sampled(first.ts())?;
-        let healthy: Vec<Healthy<'_>> = files[..request.healthy.len()]
+        watcher.begin(material.logs.len() as u64, 0);
+        let model = file.system.sampled(first.record.ts())?;
+        let healthy: Vec<Healthy<'_>> = material
+            .logs
             .iter()
-            .map(|(record, _)| Healthy::split(record, request.share_to_learn))
+            .filter(|log| log.healthy)
+            .map(|log| Healthy::split(&log.record, material.share_to_learn))
             .collect();
         if !healthy.iter().any(|log| input_moves(log.record)) {
             return Err(LogStudyError::NoExcitation);
         }
-        let trained = train(&request.spec, &model, &healthy)?;
+        let trained = train_within(spec, &model, &healthy, &material.limits)?;
         let outputs: Vec<SignalUnit> = file
             .outputs
             .iter()
@@ -179,15 +160,15 @@ impl LogStudy {
             .collect();
         let (mut plain, mut compensated) = (trained.uncompensated()?, trained.compensated()?);
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
-        for (i, (path, (record, time_base))) in paths.iter().zip(&files).enumerate() {
+        for StudiedLog { file: path, record, time_base, healthy } in &material.logs {
             let run = |pipeline: &mut DynPipeline| {
                 pipeline.reset();
                 Trace::of(pipeline, record).map_err(TrainingError::from)
             };
             let (without, with) = (run(&mut plain)?, run(&mut compensated)?);
             logs.push(LogResult {
-                file: (*path).clone(),
-                healthy: i < request.healthy.len(),
+                file: path.clone(),
+                healthy: *healthy,
                 samples: record.len(),
                 time_base: time_base.clone(),
                 rms_primary: rms_per_channel(&with, &with.residual),
@@ -197,21 +178,21 @@ impl LogStudy {
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
                 sensor_sizes: sensor_sizes(&trained, &with)?
                     .map(|sizes| sizes.iter().zip(&outputs).map(|(s, o)| s * o.scale).collect()),
-                named: NamedFault::of(&with, &request.spec.isolation, &file.inputs, &file.outputs),
+                named: NamedFault::of(&with, &spec.isolation, &file.inputs, &file.outputs),
                 events: with.events.clone(),
                 refused: with.refused,
             });
             traces.push((without, with));
-            done();
+            watcher.advance();
         }
         let bias = trained.bias_model();
         let poles = bias.pole_radii().map_err(TrainingError::from)?;
         let study = Self {
             version: REPORT_VERSION,
-            model: file.name.clone().unwrap_or_else(|| request.model.display().to_string()),
-            residuals: residual_units(&request.spec, &outputs, trained.design().residual_len()),
+            model: material.name.clone(),
+            residuals: residual_units(spec, &outputs, trained.design().residual_len()),
             outputs,
-            spec: request.spec.clone(),
+            spec: spec.clone(),
             bias: BiasSummary {
                 orders: bias.orders(),
                 theta: bias.theta(),
@@ -223,19 +204,6 @@ impl LogStudy {
         };
         Ok((study, Traces { logs: traces }))
     }
-}
-
-fn read(
-    path: &Path,
-    model: &LinearModel,
-    map: &LogMap,
-) -> Result<(Record, TimeBaseReport), LogStudyError> {
-    let log = read_log(path, map)?;
-    let scaled = log.record.scaled(&model.scaling()).map_err(|source| LogStudyError::Record {
-        file: path.to_owned(),
-        source: Box::new(source),
-    })?;
-    Ok((scaled, log.time_base))
 }
 
 fn input_moves(record: &Record) -> bool {

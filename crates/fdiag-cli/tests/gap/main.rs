@@ -4,5 +4,7 @@
 mod answers;
 mod desk;
 mod engine;
+mod inside;
+mod long;
 mod refusals;
 mod schema;

@@ -2,7 +2,7 @@
 
 use fd_effect::EverySite;
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict, diagnose},
     fit::{FitError, Log},
     reading::{Mistake, Reading, Suspicion, suspect},
 };
@@ -42,6 +42,17 @@ impl<'a> Attempt<'a> {
         data: &'a Data,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
+        Self::at(Places::Around, request, subject, nominal, data, monitor)
+    }
+
+    fn at(
+        places: Places,
+        request: &Request,
+        subject: &'a Subject,
+        nominal: &'a dyn Nominal,
+        data: &'a Data,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GapError> {
         let model = subject.model();
         let ts = data.ts().ok_or(FitError::NoLog)?;
         let simulator = nominal.simulator(ts)?;
@@ -50,12 +61,40 @@ impl<'a> Attempt<'a> {
         let memory = Memory::of(&*simulator, &u, samples);
         check_length(request, data, memory, ts)?;
         let settings = settings(request, memory, &logs, ts);
-        let every = EverySite::new(subject.effects(), model, nominal.scales(ts, &u, samples)?);
+        let scales = nominal.scales(ts, &u, samples)?;
+        let scales = match places {
+            Places::Around => scales,
+            Places::Inside => scales.with_signals(model, ts, &u, samples)?,
+        };
+        let every = EverySite::new(subject.effects(), model, scales);
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let diagnosis = diagnose(&case, &settings, monitor)?;
         Ok(Self { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis })
     }
+}
+
+/// Where effects are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Places {
+    /// Inputs, states, sites, parameters and outputs.
+    Around,
+    /// These, and every signal inside the model.
+    Inside,
+}
+
+/// The diagnosis with effects on signals inside the model as well, if that names a cause which explains the logs
+/// down to the noise. `subject` has names for these signals.
+pub(super) fn inside<'a>(
+    request: &Request,
+    subject: &'a Subject,
+    outside: &Attempt<'a>,
+    monitor: &dyn Monitor,
+) -> Option<Attempt<'a>> {
+    let (nominal, data) = (subject.nominal(), outside.data);
+    let attempt = Attempt::at(Places::Inside, request, subject, nominal, data, monitor).ok()?;
+    let Diagnosis { verdict, .. } = attempt.diagnosis;
+    (verdict != Verdict::NoGap && attempt.diagnosis.is_explained()).then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.

@@ -17,6 +17,7 @@ use fd_sim::{
 use super::{
     error::GapError,
     findings::LogFinding,
+    long::Long,
     report::{LogPart, Pace, Role},
     request::{HeldOutChoice, Request},
     subject::Subject,
@@ -42,6 +43,8 @@ pub(super) struct Data {
     pub(super) pace: Pace,
     /// What was found while reading.
     pub(super) findings: Vec<LogFinding>,
+    /// All of it, where only stretches are fitted.
+    pub(super) long: Option<Long>,
 }
 
 impl Data {
@@ -59,6 +62,7 @@ impl Data {
             parts: Vec::new(),
             pace,
             findings: Vec::new(),
+            long: None,
         };
         let mut findings = Vec::new();
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
@@ -117,6 +121,7 @@ impl Data {
         data.findings = findings.into_iter().chain(same).collect();
         data.check_outputs()?;
         data.check_lengths(model)?;
+        data.shortened(subject.nominal())?;
         Ok(data)
     }
 
@@ -208,6 +213,7 @@ fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
         }
     }
     let policy = &mut map.resample;
+    policy.limits = request.limits;
     policy.sample_time = request.resample.sample_time.or(policy.sample_time);
     policy.max_gap_s = request.resample.longest_gap.or(policy.max_gap_s);
     if request.resample.disorder != Disorder::default() {

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use crate::engine_plant::EngineFileError;
+use fd_core::LimitError;
 use fd_gap::fit::FitError;
 use fd_log::LogError;
-use fd_model::{ModelError, file::ModelFileError};
+use fd_model::{ModelError, Shown, file::ModelFileError};
 use fd_sim::{model::LoadError, outside::OutsideError, simulate::SimulateError};
 use thiserror::Error;
 
@@ -34,7 +35,7 @@ pub enum GapError {
         trouble: Box<OutsideError>,
     },
     /// The model file is of a kind that cannot be diagnosed.
-    #[error("{}: a model of kind `{found}` cannot be diagnosed, expected {expected}", file.display())]
+    #[error("{}: a model of kind `{}` cannot be diagnosed, expected {expected}", file.display(), Shown(found))]
     Kind {
         /// The file.
         file: PathBuf,
@@ -44,7 +45,7 @@ pub enum GapError {
         expected: &'static str,
     },
     /// A setting names something that the model does not have.
-    #[error("{option}: the model has no {what} `{name}`, only {}", list(known))]
+    #[error("{option}: the model has no {what} `{}`, only {}", Shown(name), list(known))]
     Unknown {
         /// The option of the command line.
         option: &'static str,
@@ -56,7 +57,7 @@ pub enum GapError {
         known: Vec<String>,
     },
     /// A setting has a value that makes no sense.
-    #[error("{option}: expected {expected}, found `{found}`")]
+    #[error("{option}: expected {expected}, found `{}`", Shown(found))]
     Setting {
         /// The option of the command line.
         option: &'static str,
@@ -65,6 +66,9 @@ pub enum GapError {
         /// The value.
         found: String,
     },
+    /// A part of the request is beyond a limit.
+    #[error(transparent)]
+    Limit(Box<LimitError>),
     /// A log cannot be read.
     #[error(transparent)]
     Log(Box<LogError>),
@@ -141,7 +145,7 @@ macro_rules! boxed {
 }
 
 boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
-boxed!(EngineFileError => Engine, OutsideError => Simulator);
+boxed!(EngineFileError => Engine, LimitError => Limit, OutsideError => Simulator);
 boxed!(SimulateError => Simulate, ModelError => SampleTime);
 
 fn list(names: &[String]) -> String {

@@ -5,9 +5,12 @@ use fd_gap::{
     quality::robust_third_difference_floor,
 };
 use fd_model::Record;
-use fd_sim::simulate::{Follower, Nominal};
+use fd_sim::simulate::{Follower, Nominal, OperatingPoint, linearize};
 
 use super::memory::Memory;
+
+/// Growth of a distance along the log of what falls over.
+const FALLS_OVER: f64 = 100.0;
 
 /// The simulator of a model that runs away from its start, corrected by what was logged; `None` for one that does
 /// not, or that cannot be held so (one with a controller, a delay or states with update laws). Noise that the
@@ -44,7 +47,8 @@ pub fn follow<'a>(
     let simulator = nominal.simulator(longest.ts())?;
     let log = Log::new(longest, &*simulator, 1)?;
     let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
-    if !Memory::of(&*simulator, &u, log.samples()).runs_away {
+    let seconds = log.samples() as f64 * longest.ts().seconds();
+    if !falls_over(nominal, seconds) && !Memory::of(&*simulator, &u, log.samples()).runs_away {
         return Ok(None);
     }
     let width = simulator.inputs().len();
@@ -64,4 +68,51 @@ pub fn follow<'a>(
     });
     let noise: Vec<f64> = noise.map(|noise| noise.max(f64::MIN_POSITIVE.sqrt())).collect();
     Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
+}
+
+/// Whether a model leaves its initial state by itself within this time. A pole that falls over and swings below
+/// does not run away, but what it does there has nothing to do with the log.
+fn falls_over(nominal: &dyn Nominal, seconds: f64) -> bool {
+    let model = nominal.model();
+    let linear = linearize(model, &OperatingPoint::initial(model));
+    let pole = linear.ok().and_then(|linear| linear.worst_pole().ok().flatten());
+    pole.is_some_and(|pole| FALLS_OVER.ln() < pole.re * seconds)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+mod tests {
+    use fd_model::Channel;
+    use fd_sim::model::Model;
+
+    use super::*;
+
+    /// A rod that starts upright or hanging, held in a log of ten seconds; it swings when nobody holds it.
+    fn is_followed(angle: &str) -> bool {
+        let text = format!(
+            r#"
+            version = 1
+            kind = "equations"
+            name = "rod"
+            sample_time = 0.02
+            inputs = {{ u = {{ unit = "1/s^2" }} }}
+            outputs = {{ y = {{ unit = "rad", value = "q" }} }}
+            [states]
+            q = {{ unit = "rad", initial = {angle}, derivative = "w" }}
+            w = {{ unit = "rad/s", initial = 0.0, derivative = "9*sin(q) - 0.3*w + u" }}
+            "#
+        );
+        let model: Model = text.parse().unwrap();
+        let (u, y) = ([Channel::new("u", "1/s^2")], [Channel::new("y", "rad")]);
+        let row = |k: u32| ([(0.3 * f64::from(k)).sin()], [1e-3 * f64::from(k * 7919 % 13)]);
+        let ts = model.sample_time().unwrap();
+        let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
+        follow(&model, &[log]).unwrap().is_some()
+    }
+
+    #[test]
+    fn what_falls_over_and_swings_is_followed_and_what_hangs_is_not() {
+        assert!(is_followed("0.0"));
+        assert!(!is_followed("3.14159265"));
+    }
 }

@@ -1,5 +1,7 @@
 //! The law of the best explanation, along its simulation, and what the data say without it.
 
+use std::collections::{HashMap, HashSet};
+
 use fd_effect::SiteRef;
 use fd_gap::{
     diagnose::{Cause, Diagnosis},
@@ -21,6 +23,9 @@ use super::report::first_cause;
 const POINTS: usize = 400;
 /// Way up and down of a curve, in ranges, beyond which it is none.
 const CURVE: f64 = 3.0;
+
+/// The effect whose path over time is drawn.
+const WANDERS: &str = "parameter-wander";
 
 /// The law of the best explanation, along its simulation of the fitted logs.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -126,11 +131,11 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
             let (state, _) = site.enters.first()?;
             let law = patched.states.iter().find(|known| known.name == *state)?.law.expr();
             let force = added().find(|d| d.name.starts_with(name) && law.mentions(&d.name))?;
-            let whole = expanded(&force.value, patched, &is_new);
+            let used = names(&force.value, patched, &is_new);
             let (over, over_name) = [(&site.velocity, "velocity"), (&site.position, "position")]
                 .into_iter()
                 .filter_map(|(expr, what)| Some((expr.as_ref()?, what)))
-                .find(|(expr, _)| mentions_all(&whole, expr))
+                .find(|(expr, _)| mentions_only(expr, &used))
                 .map_or_else(
                     || (Expr::name(state), state.clone()),
                     |(expr, what)| (expr.clone(), format!("{what} {expr}")),
@@ -149,32 +154,53 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
                 adds: false,
             })
         }
+        SiteRef::Signal(..) => {
+            let applied = added().find(|d| d.name.starts_with(&format!("{name}_applied")))?;
+            Some(Axes {
+                value: Expr::name(&applied.name),
+                expression: format!("{} = {}", applied.name, applied.value),
+                over: Expr::name(name),
+                over_name: name.to_owned(),
+                over_unit: "1".to_owned(),
+                unit: "1".to_owned(),
+                adds: true,
+            })
+        }
+        SiteRef::Parameter(i, _) if cause.label == WANDERS => {
+            let real = added().find(|d| d.name.starts_with(&format!("{name}_real")))?;
+            Some(Axes {
+                value: Expr::name(&real.name),
+                expression: format!("{} = {}", real.name, real.value),
+                over: Expr::name("t"),
+                over_name: "time".to_owned(),
+                over_unit: "s".to_owned(),
+                unit: nominal.parameters.get(*i)?.unit.clone(),
+                adds: false,
+            })
+        }
         SiteRef::State(..) | SiteRef::Parameter(..) | SiteRef::WholeModel => None,
     }
 }
 
-/// An expression with the added definitions put in.
-fn expanded(expr: &Expr, model: &Model, is_new: &dyn Fn(&str) -> bool) -> Expr {
-    let mut expr = expr.clone();
-    for _ in 0..model.definitions.len() {
-        let mut changed = false;
-        for definition in model.definitions.iter().filter(|d| is_new(&d.name)) {
-            if expr.mentions(&definition.name) {
-                let put = |name: &str| (name == definition.name).then(|| definition.value.clone());
-                expr = expr.substitute(&put);
-                changed = true;
+/// Names in an expression and in the added definitions that it uses.
+fn names<'a>(expr: &'a Expr, model: &'a Model, is_new: &dyn Fn(&str) -> bool) -> HashSet<&'a str> {
+    let added: HashMap<&str, &Expr> =
+        (model.definitions.iter().filter(|d| is_new(&d.name)).map(|d| (d.name.as_str(), &d.value)))
+            .collect();
+    let (mut names, mut open) = (HashSet::new(), vec![expr]);
+    while let Some(expr) = open.pop() {
+        expr.visit_names(&mut |name| {
+            if names.insert(name) {
+                open.extend(added.get(name));
             }
-        }
-        if !changed {
-            break;
-        }
+        });
     }
-    expr
+    names
 }
 
-fn mentions_all(expr: &Expr, of: &Expr) -> bool {
+fn mentions_only(expr: &Expr, names: &HashSet<&str>) -> bool {
     let mut all = true;
-    of.visit_names(&mut |name| all &= expr.mentions(name));
+    expr.visit_names(&mut |name| all &= names.contains(name));
     all
 }
 

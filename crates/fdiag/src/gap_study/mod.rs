@@ -11,6 +11,7 @@ mod findings;
 mod follow;
 mod headline;
 mod law;
+mod long;
 mod memory;
 mod only;
 mod patched;
@@ -19,6 +20,7 @@ mod request;
 mod study;
 mod subject;
 mod traces;
+mod whole;
 pub mod words;
 
 pub use self::{
@@ -36,4 +38,5 @@ pub use self::{
     study::{GapStudy, automatic_settings},
     subject::Subject,
     traces::{Signals, Trace},
+    whole::{Whole, Window},
 };

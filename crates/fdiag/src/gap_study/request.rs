@@ -6,6 +6,7 @@ use std::{
     str::FromStr,
 };
 
+use fd_core::Limits;
 use fd_log::LogMap;
 use fd_model::Disorder;
 use serde::{Serialize, Serializer};
@@ -44,6 +45,8 @@ pub struct Request {
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
     pub calibrate: Option<usize>,
+    /// How large logs and the parts of the model may be.
+    pub limits: Limits,
 }
 
 impl Request {
@@ -74,6 +77,7 @@ impl Request {
             as_read: false,
             seed: 1,
             calibrate: None,
+            limits: Limits::default(),
         }
     }
 }

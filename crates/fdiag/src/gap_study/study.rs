@@ -3,7 +3,7 @@
 use fd_gap::{
     calibrate::self_calibrate,
     ceiling::ceiling,
-    diagnose::{Case, Monitor, Settings, Verdict},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict},
     experiment::{Reach, next},
     fit::{FitError, Horizon, Log},
     locate::locate,
@@ -12,11 +12,11 @@ use fd_gap::{
 use fd_model::{Record, SampleTime};
 use fd_sim::{
     outside::{Counts, OutsideError},
-    simulate::Nominal,
+    simulate::{Follower, Nominal},
 };
 
 use super::{
-    attempt::{Attempt, confirmed, mended},
+    attempt::{Attempt, confirmed, inside, mended},
     data::Data,
     error::GapError,
     findings::findings,
@@ -25,10 +25,11 @@ use super::{
     law::law,
     memory::Memory,
     patched::patched_models,
-    report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
+    report::{Inputs, LogPart, REPORT_VERSION, Report, StudySettings, Timing},
     request::{HorizonChoice, Request},
     subject::Subject,
     traces::{Trace, trace},
+    whole::{Whole, judge},
     words,
 };
 
@@ -76,6 +77,7 @@ impl GapStudy {
 
     fn of(request: &Request, subject: &Subject, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let mut data = Data::read(request, subject, None)?;
+        subject.check_cost(&data, &request.limits)?;
         // Who states a horizon wants that, and no filter.
         let is_auto = request.horizon == HorizonChoice::Auto;
         let follower = if is_auto { follow(subject.nominal(), &data.fit)? } else { None };
@@ -86,7 +88,16 @@ impl GapStudy {
             }
             None => subject.nominal(),
         };
-        let as_read = Attempt::new(request, subject, nominal, &data, monitor);
+        let first = Attempt::new(request, subject, nominal, &data, monitor);
+        // Windows of a long log that are unlike its stretches are fitted, too.
+        let richer = match &first {
+            Ok(first) => with_unlike(first, follower.as_ref())?,
+            Err(_) => None,
+        };
+        let as_read = match &richer {
+            Some(data) => Attempt::new(request, subject, nominal, data, monitor),
+            None => first,
+        };
         // What follows a log makes up for many a mistake of reading.
         let mended = match follower {
             None => mended(request, subject, &data, &as_read),
@@ -97,8 +108,14 @@ impl GapStudy {
                 || as_read.map(|as_read| (as_read, None)),
                 |(attempt, reading)| Ok((attempt, Some(reading))),
             )?;
+        let is_unknown = reading.is_none() && !attempt.diagnosis.is_explained();
+        let inner = match follower {
+            None if is_unknown => attempt.subject.with_inner_places(),
+            _ => None,
+        };
+        let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
         let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis } =
-            attempt;
+            found.unwrap_or(attempt);
         let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let road = match request.most {
@@ -106,16 +123,14 @@ impl GapStudy {
             most => road(&case, &diagnosis, &settings, most, monitor)?,
         };
         let location = locate(&case, &diagnosis, monitor)?;
-        // With logged outputs among the inputs, a black box would explain each output by itself.
+        // With logged outputs among the inputs, a black box would explain each output by itself, and other
+        // inputs cannot be tried.
         let is_followed = follower.is_some();
-        let ceiling = match follower {
-            None => ceiling(&case, &diagnosis, &settings, monitor)?,
-            Some(_) => None,
-        };
+        let ceiling =
+            if is_followed { None } else { ceiling(&case, &diagnosis, &settings, monitor)? };
         let is_open = match diagnosis.verdict {
-            _ if is_followed => false,
-            Verdict::Tied | Verdict::Unclear => true,
-            Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
+            Verdict::Tied | Verdict::Unclear => !is_followed,
+            Verdict::Pair => !is_followed && 1 < diagnosis.tied_pairs.len(),
             _ => false,
         };
         let reach = Reach { seed: request.seed, ..Reach::default() };
@@ -125,6 +140,7 @@ impl GapStudy {
             .filter(|_| !is_followed)
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
+        let whole = judged_whole(nominal, &diagnosis, data, follower.as_ref())?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
         let models = patched_models(subject, &diagnosis, road.as_ref(), data);
         let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
@@ -139,6 +155,7 @@ impl GapStudy {
             advice,
             calibration,
             findings: findings(&diagnosis, data, model),
+            whole,
             inputs: Inputs::of(request, model, data, memory),
             settings: StudySettings::of(request, &settings, ts.seconds(), is_followed),
             models,
@@ -150,6 +167,45 @@ impl GapStudy {
         report.next = words::next_steps(&report);
         Ok(Self { report, trace, outside: None })
     }
+}
+
+/// All rows of long logs, judged by a diagnosis of their stretches.
+fn judged_whole(
+    nominal: &dyn Nominal,
+    diagnosis: &Diagnosis,
+    data: &Data,
+    follower: Option<&Follower<'_>>,
+) -> Result<Option<Whole>, GapError> {
+    let Some(long) = &data.long else { return Ok(None) };
+    let followed = |record: &Record| match follower {
+        // A record of this model can be followed.
+        Some(follower) => follower.record(record).unwrap_or_else(|_| record.clone()),
+        None => record.clone(),
+    };
+    let fitted = data.fit.iter().map(Record::len).sum();
+    Ok(judge(long, nominal, diagnosis, fitted, followed)?)
+}
+
+/// The data with windows that the answer does not fit as it does the others; `None` without any.
+fn with_unlike(
+    attempt: &Attempt<'_>,
+    follower: Option<&Follower<'_>>,
+) -> Result<Option<Data>, GapError> {
+    let Attempt { nominal, data, diagnosis, .. } = attempt;
+    let whole = judged_whole(*nominal, diagnosis, data, follower)?;
+    let (Some(whole), Some(long)) = (whole, &data.long) else { return Ok(None) };
+    let mut richer = (*data).clone();
+    for window in whole.to_fit(long) {
+        let (index, rows) = window.place;
+        let (part, record) = &long.parts[index];
+        let is_known = |known: &LogPart| known.path == part.path && known.samples == window.rows;
+        if data.parts.iter().any(is_known) {
+            continue;
+        }
+        let followed = follower.and_then(|follower| follower.record(record).ok());
+        richer.add(part, followed.as_ref().unwrap_or(record), rows);
+    }
+    Ok((data.fit.len() < richer.fit.len()).then_some(richer))
 }
 
 /// Inputs of the longest log, row by row, and its samples.
@@ -172,7 +228,7 @@ pub(super) fn check_length(
     let longest = data.fit.iter().zip(&data.parts).max_by_key(|(record, _)| record.len());
     let (Some((record, part)), Some(memory)) = (longest, memory.slowest) else { return Ok(()) };
     let (found, expected) = (record.len() as f64 * ts.seconds(), LEAST_OF_MEMORY * memory);
-    if request.horizon == HorizonChoice::Auto && found < expected {
+    if request.horizon == HorizonChoice::Auto && data.long.is_none() && found < expected {
         return Err(GapError::Short { file: part.path.clone(), found, memory, expected });
     }
     Ok(())

@@ -1,25 +1,31 @@
 //! The simulator of a model file, with what its user knows better than the file.
 
-use std::{fmt, fs, path::Path};
+use std::{fmt, fs, io, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
-use fd_effect::{Effect, library, with_default_sites};
+use fd_core::{Limits, Resource};
+use fd_effect::{Effect, library, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap, read_log};
-use fd_model::{Channel, SampleTime, file::LinearModel};
+use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     outside::{OUTSIDE_KINDS, OutsideFile, OutsideSimulator},
-    simulate::{Nominal, Simulator},
+    simulate::{EquationSimulator, Nominal, Simulator, check_limits},
 };
 
 use super::{
+    data::Data,
     error::GapError,
     request::{Named, Request},
 };
 
 /// Kinds of model files that can be diagnosed.
 const KINDS: &str = "`equations`, `state-space`, `process`, `fmu` or `engine17`";
+
+/// Milliseconds that a diagnosis takes for one integration step of its logs, all candidates and fits
+/// together, for a model of one state and for models of two or three with a cause that is hard to find.
+const STEP_MS: [f64; 2] = [1.0, 20.0];
 
 /// What is diagnosed: the simulator of a model file, with the tolerances and the noise of a request.
 ///
@@ -39,10 +45,16 @@ impl Subject {
     ///
     /// Returns what is wrong with the model file or a setting.
     pub fn of(request: &Request) -> Result<Self, GapError> {
+        if let Some(replicas) = request.calibrate {
+            request.limits.check(Resource::Models, "--calibrate", replicas as f64)?;
+        }
         let path = &request.model;
         let file = path.display().to_string();
-        let text = fs::read_to_string(path)
-            .map_err(|error| LoadError::Read { file: file.clone(), message: error.to_string() })?;
+        let unread =
+            |error: io::Error| LoadError::Read { file: file.clone(), message: error.to_string() };
+        let bytes = fs::metadata(path).map_err(unread)?.len();
+        request.limits.check(Resource::Bytes, Shown(&file).to_string(), bytes as f64)?;
+        let text = fs::read_to_string(path).map_err(unread)?;
         // What is no TOML at all is an error of the reader of equations, which says where.
         let kind = text.parse::<toml::Table>().ok();
         let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
@@ -71,6 +83,9 @@ impl Subject {
 
     fn of_equations(request: &Request, model: &Model) -> Result<Self, GapError> {
         let model = told(request, &with_default_sites(model))?;
+        let simulate = |error| GapError::Simulate(Box::new(error));
+        check_limits(&model, SampleTime::new(model.sample_time)?, &request.limits)
+            .map_err(simulate)?;
         Ok(Self { nominal: Box::new(model), engine: None, outside: None })
     }
 
@@ -101,6 +116,35 @@ impl Subject {
         let is_parameter = matches!(mistake, Mistake::Parameter { .. }) && is_text;
         let model = is_parameter.then(|| mistake.mended_model(self.model()))??;
         Some(Self { nominal: Box::new(model), engine: None, outside: None })
+    }
+
+    /// Compares the work for the fitted logs with the limit, before it is begun.
+    pub(super) fn check_cost(&self, data: &Data, limits: &Limits) -> Result<(), GapError> {
+        let is_text = self.engine.is_none() && self.outside.is_none();
+        let Some(ts) = data.fit.first().map(Record::ts).filter(|_| is_text) else {
+            return Ok(());
+        };
+        let simulate = |error| GapError::Simulate(Box::new(error));
+        let simulator = EquationSimulator::<f64>::at(self.model(), ts).map_err(simulate)?;
+        let samples: usize = data.fit.iter().map(Record::len).sum();
+        let steps = samples as f64 * simulator.substeps() as f64;
+        let [least, most] = STEP_MS.map(|ms| ms * steps / 3.6e6);
+        let what = format!(
+            "{samples} samples of {} integration steps each, {} to {} hours on one thread (fewer samples \
+             or a longer `step` in the model take less; --yes begins it all the same)",
+            simulator.substeps(),
+            figure(least),
+            figure(most),
+        );
+        Ok(limits.check(Resource::Steps, what, steps)?)
+    }
+
+    /// The same subject with names for the terms of its sums, which are places for effects; `None` for the engine.
+    pub(super) fn with_inner_places(&self) -> Option<Self> {
+        let model = with_inner_places(self.model());
+        let is_text = self.engine.is_none() && self.outside.is_none();
+        let is_open = is_text && !model.definitions.is_empty();
+        is_open.then(|| Self { nominal: Box::new(model), engine: None, outside: None })
     }
 
     /// The simulator.
@@ -227,6 +271,7 @@ fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
     if let Some(columns) = &request.columns {
         complete(&mut map, columns);
     }
+    map.resample.limits = request.limits;
     let first = request.logs.first().ok_or(FitError::NoLog)?;
     Ok(read_log(first, &map)?.record.ts())
 }

@@ -9,6 +9,7 @@ mod bias;
 mod detector;
 mod generator;
 mod isolation;
+mod limits;
 mod signature;
 #[cfg(feature = "testing")]
 pub mod testing;
@@ -28,6 +29,7 @@ pub use self::{
         DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, SignatureSpec,
     },
     isolation::{IsolationSpec, IsolationSpecError},
+    limits::check_limits,
     signature::FaultSites,
 };
 

@@ -1,7 +1,7 @@
 //! What can stop a run.
 
 use fd_compensate::{RowsError, decide::RuleError, residual_compensation::CompensationError};
-use fd_core::{BuildError, FrameError};
+use fd_core::{BuildError, FrameError, LimitError};
 use fd_ident::IdentError;
 use fd_model::ModelError;
 use fd_residual::DesignError;
@@ -86,6 +86,9 @@ pub enum TrainingError {
         /// Largest magnitude of a pole.
         radius: f64,
     },
+    /// A setting is beyond a limit.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// The model itself.
     #[error("model: {0}")]
     Model(#[from] ModelError),

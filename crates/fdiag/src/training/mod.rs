@@ -27,5 +27,5 @@ pub use self::{
     running::RunningBias,
     size::{sensor_signatures, sensor_sizes},
     trace::Trace,
-    train::{Healthy, Trained, train, train_on},
+    train::{Healthy, Trained, train, train_on, train_within},
 };

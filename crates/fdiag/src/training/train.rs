@@ -8,7 +8,7 @@ use fd_compensate::{
     residual_compensation::{PreFitted, ResidualCompensator},
 };
 use fd_core::{
-    DynPipeline, DynStages, Event, MissingSamples, Pipeline,
+    DynPipeline, DynStages, Event, Limits, MissingSamples, Pipeline,
     stage::{Compensator, DecisionRule, Detector, Uncompensated},
 };
 use fd_ident::order::OrderTable;
@@ -94,12 +94,28 @@ pub struct Trained {
 ///
 /// # Errors
 ///
-/// Returns the first step that the model or the logs do not allow.
+/// Returns a setting that is beyond the default [`Limits`], or the first step that the model or the logs
+/// do not allow.
 pub fn train(
     spec: &PipelineSpec,
     model: &StateSpace<Discrete>,
     healthy: &[Healthy<'_>],
 ) -> Result<Trained, TrainingError> {
+    train_within(spec, model, healthy, &Limits::default())
+}
+
+/// As [`train`], with limits of one's own.
+///
+/// # Errors
+///
+/// As [`train`].
+pub fn train_within(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+    healthy: &[Healthy<'_>],
+    limits: &Limits,
+) -> Result<Trained, TrainingError> {
+    spec.check_limits(limits)?;
     let to_learn = healthy.iter().filter(|log| !log.learn.is_empty());
     let learned_from: Vec<Record> =
         to_learn.clone().map(|log| log.record.slice(log.learn.start, log.learn.end)).collect();

@@ -47,8 +47,9 @@ pub(crate) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, Fit
     let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
     let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
     let stated: Vec<Option<f64>> = said.collect();
-    let null = weighted_null_fit(&plan, &*simulator, &stated)?;
-    let grids = (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
+    let grids: Vec<Option<f64>> =
+        (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
+    let null = weighted_null_fit(&plan, &*simulator, &stated, &grids)?;
     let sigma = null.problem.weights().sigma.clone();
     Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma } })
 }
@@ -73,6 +74,7 @@ fn weighted_null_fit(
     plan: &Arc<Plan>,
     nominal: &dyn Simulator,
     stated: &[Option<f64>],
+    grids: &[Option<f64>],
 ) -> Result<NullFit, FitError> {
     let guess = |c: usize| {
         let signal = measured(plan, c);
@@ -81,8 +83,7 @@ fn weighted_null_fit(
         let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);
         robust_third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
     };
-    let rounding: Vec<f64> =
-        (0..stated.len()).map(|c| grid_step(&measured(plan, c)).map_or(0.0, of_rounding)).collect();
+    let rounding: Vec<f64> = grids.iter().map(|grid| grid.map_or(0.0, of_rounding)).collect();
     // What rounding adds to a noise that does not hide the grid.
     let rounded = |sigma: f64, c: usize| {
         if sigma < rounding[c] { sigma.hypot(rounding[c]) } else { sigma }

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use super::{Prepared, weighted_null_fit};
+use super::{Prepared, noise::KnownNoise, weighted_null_fit};
 use crate::{
     diagnose::case::Case,
     fit::{FitError, Horizon, NullFit, Plan},
@@ -33,8 +33,8 @@ pub(in crate::diagnose) fn in_motion(
     let logs = prepared.null.problem.plan().logs.iter().map(|log| log.clone().in_motion());
     // Too short for so many unknowns, or lost from everywhere: then the log begins where it is said to.
     let Ok(plan) = Plan::of_logs(&*simulator, logs.collect(), horizon) else { return Ok(None) };
-    let stated = &prepared.noise.stated;
-    let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated) else {
+    let KnownNoise { stated, grids, .. } = &prepared.noise;
+    let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated, grids) else {
         return Ok(None);
     };
     if !begins_in_motion(&prepared.null, &null) {

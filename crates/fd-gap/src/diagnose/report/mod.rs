@@ -11,7 +11,7 @@ use fd_sim::model::Model;
 use self::{
     findings::findings,
     held_out::{Noise, held_out_gaps},
-    objections::{Claim, doubt, objections, verdict_with},
+    objections::{Claim, doubt, objections},
     reported_floor::{around_the_loop, reported_floor},
 };
 use super::{
@@ -90,10 +90,12 @@ pub(super) fn report(
     let logs = &base.plan().logs;
     let claim = Claim { causes: &named, answer: &answer, held_out: &held_out, noise: known, logs };
     let objections = if named.is_empty() { Vec::new() } else { objections(claim) };
-    if objections.iter().any(Objection::forbids) {
+    let verdict = if objections.iter().any(Objection::forbids) {
         doubt(&mut probabilities, &mut causes, &mut pairs);
-    }
-    let verdict = verdict_with(verdict, &objections);
+        Verdict::Unclear
+    } else {
+        verdict
+    };
     Ok(Diagnosis {
         verdict,
         regime,

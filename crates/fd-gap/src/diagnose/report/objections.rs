@@ -1,7 +1,7 @@
 //! What speaks against an answer, whatever its probability: what an engineer would say at first sight.
 //!
 //! An objection that [forbids](Objection::forbids) an answer takes its name away: half of what was believed of it
-//! is doubt then, and the verdict is [`Verdict::Unclear`]. The others are said beside it.
+//! is doubt then, and the verdict is [`Verdict::Unclear`](crate::diagnose::Verdict::Unclear). The others are said beside it.
 
 use fd_effect::SiteRef;
 
@@ -10,7 +10,7 @@ use crate::{
     diagnose::{
         judge::Probabilities,
         objection::Objection,
-        result::{Cause, Estimate, HeldOut, Pair, Verdict},
+        result::{Cause, HeldOut, Pair},
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -60,12 +60,6 @@ pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
     all
 }
 
-/// The verdict that is left when something forbids it.
-pub(super) fn verdict_with(verdict: Verdict, objections: &[Objection]) -> Verdict {
-    let is_forbidden = objections.iter().any(Objection::forbids);
-    if is_forbidden { Verdict::Unclear } else { verdict }
-}
-
 /// Half of what was believed of causes and pairs is doubt.
 pub(super) fn doubt(others: &mut Probabilities, causes: &mut [Cause], pairs: &mut [Pair]) {
     let left = 1.0 - others.no_gap;
@@ -87,9 +81,7 @@ fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
     if held_out.iter().any(is_shown) {
         return None;
     }
-    let strengths = cause.parameters.iter().filter(|p| p.is_strength);
-    let of = |p: &Estimate| p.value.abs() / p.standard_error;
-    let largest = strengths.map(of).filter(|ratio| ratio.is_finite()).reduce(f64::max)?;
+    let largest = cause.significance()?;
     (largest < FAINT).then(|| Objection::FaintStrength {
         cause: cause.label.to_owned(),
         errors: largest,

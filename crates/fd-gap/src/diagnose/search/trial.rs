@@ -223,6 +223,15 @@ impl<'a> Trial<'a> {
         self.cost() < before
     }
 
+    /// The same from other nuisances as well, which may have moved far with these values.
+    pub(in crate::diagnose) fn warm_start_at(&mut self, nuisances: &[f64], values: &[f64]) -> bool {
+        let before = self.cost();
+        let place = self.problem.place(nuisances, values);
+        let minimum = minimise(&mut self.problem, &place, None, AGAIN);
+        self.keep(minimum);
+        self.cost() < before
+    }
+
     pub(in crate::diagnose) fn cost(&self) -> f64 {
         self.best.as_ref().map_or(f64::INFINITY, |best| best.cost)
     }

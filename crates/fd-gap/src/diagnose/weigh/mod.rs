@@ -112,8 +112,9 @@ fn pairs_then_colour<'a>(
 
 /// Second causes are tried beside first ones, and single causes learn from them.
 fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed<'a>, FitError> {
-    let pairs = seek_pairs(&singles, context);
+    let mut pairs = seek_pairs(&singles, context);
     let singles = taught_by(&pairs, singles, context)?;
+    pairs.retain(FittedPair::are_both_there);
     Ok(Weighed::of(singles, pairs, context.settings))
 }
 

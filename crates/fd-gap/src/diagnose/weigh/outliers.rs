@@ -15,7 +15,7 @@ use fd_numeric::{median, robust_deviation};
 use super::gaussian::{count, gaussian};
 use crate::{
     evidence::{DECADES, NoisePrior},
-    quality::{OUTLIER_WIDTHS, outlier_mixture},
+    quality::{OUTLIER_WIDTHS, neighbours, outlier_mixture},
 };
 
 /// Deviations from the neighbours, in their robust spread, from which a sample is off by itself.
@@ -128,12 +128,7 @@ impl Outliers {
 
 /// Samples minus the median of their neighbours; NaN where there are none.
 fn from_neighbours(signal: &[f64]) -> Vec<f64> {
-    let deviation = |k: usize| {
-        let (from, to) = (k.saturating_sub(NEIGHBOURS), (k + NEIGHBOURS).min(signal.len() - 1));
-        let mut near: Vec<f64> =
-            (from..=to).filter(|i| *i != k).map(|i| signal[i]).filter(|v| v.is_finite()).collect();
-        signal[k] - median(&mut near)
-    };
+    let deviation = |k: usize| signal[k] - median(&mut neighbours(signal, k, NEIGHBOURS));
     (0..signal.len()).map(deviation).collect()
 }
 

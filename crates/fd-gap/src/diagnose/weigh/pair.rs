@@ -21,6 +21,9 @@ use crate::{
     shrink::gap,
 };
 
+/// Standard errors from which a strength is one.
+const THERE: f64 = 1.0;
+
 /// Two causes, fitted together.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct FittedPair {
@@ -37,6 +40,8 @@ pub(in crate::diagnose) struct FittedPair {
 pub(super) struct Member<'a> {
     pub(super) candidate: &'a Candidate,
     pub(super) values: Vec<f64>,
+    /// Those of the pair.
+    pub(super) nuisances: Vec<f64>,
 }
 
 impl FittedPair {
@@ -91,12 +96,22 @@ impl FittedPair {
         is_same_cause(a, c) && is_same_cause(b, d) || is_same_cause(a, d) && is_same_cause(b, c)
     }
 
+    /// Whether each of them is there: a strength below its standard error beside the other cause is none, and
+    /// what the pair explains more than the other alone is due to a rough sum of squares.
+    pub(super) fn are_both_there(&self) -> bool {
+        let is_there = |cause: &Cause| cause.significance().is_none_or(|ratio| THERE <= ratio);
+        self.pair.causes.iter().all(is_there)
+    }
+
     /// Both causes.
     pub(super) fn members(&self) -> [Member<'_>; 2] {
         let [first, second] = &self.members;
-        let mut values = self.fit.problem.effect_values(&self.fit.minimum.z);
+        let Fit { problem, minimum } = &self.fit;
+        let mut values = problem.effect_values(&minimum.z);
         let of_second = values.split_off(first.parameters.len());
-        [Member { candidate: first, values }, Member { candidate: second, values: of_second }]
+        let nuisances = problem.nuisances(&minimum.z);
+        let member = |candidate, values| Member { candidate, values, nuisances: nuisances.clone() };
+        [member(first, values), member(second, of_second)]
     }
 
     /// The answer that it gives; `None` when it diverges.

@@ -34,7 +34,7 @@ pub(super) fn taught_by<'a>(
             .iter()
             .filter(|member| is_same_cause(member.candidate, trial.candidate))
             .filter(|member| member.candidate.law == trial.candidate.law)
-            .filter(|member| trial.warm_start(&null, &member.values))
+            .filter(|member| trial.warm_start_at(&member.nuisances, &member.values))
             .count();
         if 0 < is_better {
             trial.full_fit(&null);

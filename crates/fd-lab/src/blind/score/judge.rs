@@ -131,17 +131,44 @@ fn is_one_group(first: &Named, other: &Named) -> bool {
     first.site == other.site && is_one_mechanism
 }
 
+/// What a diagnosis calls an effect: on a signal inside the model it has the name that it has at inputs.
+fn said_of(effect: &Effect) -> &str {
+    match effect.label.as_str() {
+        "inner-gain" => "input-gain",
+        "inner-offset" => "input-offset",
+        "inner-saturation" => "input-saturation",
+        "inner-dead-zone" => "input-dead-zone",
+        "inner-curve" => "input-map",
+        "inner-delay" => "input-delay",
+        "inner-lag" => "input-lag",
+        "wandering-parameter" => "parameter-wander",
+        label => label,
+    }
+}
+
+/// The same of a mechanism.
+fn mechanism_of(effect: &Effect) -> &str {
+    match effect.family.as_str() {
+        "inner-gain" => "actuator-gain",
+        "inner-offset" => "actuator-offset",
+        "inner-nonlinearity" => "actuator-nonlinearity",
+        "inner-dynamics" => "actuator-dynamics",
+        family => family,
+    }
+}
+
 pub(super) fn is_exact(effect: &Effect, label: &str, site: &str, partner: Option<&str>) -> bool {
     let is_partner = match (effect.partner.as_deref(), partner) {
         (Some(a), Some(b)) => a == b,
         _ => true,
     };
-    effect.label == label && effect.site == site && is_partner
+    said_of(effect) == label && effect.site == site && is_partner
 }
 
 fn is_group(effect: &Effect, named: &Named) -> bool {
     let map = families_of_map(named);
-    let is_mechanism = effect.family == named.family || map.contains(&effect.family.as_str());
+    let mechanism = mechanism_of(effect);
+    let is_mechanism = mechanism == named.family || map.contains(&mechanism);
     effect.site == named.site && is_mechanism
 }
 

@@ -27,6 +27,7 @@ use super::{
     seal::SealKey,
     truth::Truth,
 };
+use crate::Watcher;
 
 /// Share of wrong abstentions at which "none of these" is counted.
 const FALSE_ABSTENTION: f64 = 0.03;
@@ -125,13 +126,12 @@ pub struct BySquares {
     pub rates: [Rate; 2],
 }
 
-/// Opens all truths, checks that they are those that were committed to, and scores the answers;
-/// `done` is called after each case.
+/// Opens all truths, checks that they are those that were committed to, and scores the answers.
 ///
 /// # Errors
 ///
 /// Returns an error when a file cannot be read or a truth does not match its commitment.
-pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<Score, BlindError> {
+pub fn score(directory: &Path, truths: &Path, watcher: &impl Watcher) -> Result<Score, BlindError> {
     let file = truths.join(KEY);
     let key = fs::read_to_string(&file).map_err(BlindError::file(&file))?;
     let key = SealKey::parse(&key)
@@ -147,6 +147,7 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
         })
         .collect();
     let all: Vec<(&Case, Truth)> = cases.iter().zip(truths?).collect();
+    watcher.begin(all.len() as u64, 0);
     let judged = |variant: Variant| -> Result<Vec<Option<Verdict>>, BlindError> {
         let answers = read_answers(&directory.join(variant.answers()))?;
         all.par_iter()
@@ -156,7 +157,7 @@ pub fn score(directory: &Path, truths: &Path, done: impl Fn() + Sync) -> Result<
                 let judged = answer.map(|answer| judge(Some((case, variant)), truth, answer));
                 let verdict = judged.transpose().map_err(of_case)?;
                 if variant == Variant::AsLogged {
-                    done();
+                    watcher.advance();
                 }
                 Ok(verdict)
             })

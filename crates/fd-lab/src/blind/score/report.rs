@@ -238,16 +238,7 @@ impl Score {
         let mut tables = self.tables();
         tables.push(self.mistakes());
         for table in tables {
-            let cells = |row: &[String]| -> String {
-                let cells = row.iter().map(|cell| cell.replace('|', "\\|"));
-                format!("| {} |", cells.collect::<Vec<_>>().join(" | "))
-            };
-            let rule = vec!["---".to_owned(); table.header.len()];
-            let _ = writeln!(text, "\n## {}\n\n{}", table.title, cells(&table.header));
-            let _ = writeln!(text, "{}", cells(&rule));
-            for row in &table.rows {
-                let _ = writeln!(text, "{}", cells(row));
-            }
+            let _ = write!(text, "\n## {}\n\n{}", table.title, table.to_markdown());
         }
         text
     }

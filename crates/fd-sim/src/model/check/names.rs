@@ -8,6 +8,9 @@ use super::super::{
 };
 use crate::equation::is_name;
 
+/// Most characters of a name.
+const LONGEST_NAME: usize = 256;
+
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
@@ -49,7 +52,7 @@ pub(super) fn collect(draft: &Draft) -> Result<HashMap<&str, (Meaning, String)>,
     let mut names: HashMap<&str, (Meaning, String)> = HashMap::new();
     for (name, meaning, room) in all(draft) {
         let key = format!("{room}.{name}");
-        if !is_name(name) {
+        if !is_name(name) || LONGEST_NAME < name.len() {
             return Err(ModelError::new(key, Mistake::BadName(name.to_owned())));
         }
         if let Some((_, first)) = names.get(name) {

@@ -1,5 +1,7 @@
 //! Numbers, units and laws of a model.
 
+use fd_model::is_plain;
+
 use super::{
     super::{
         draft::{Draft, Law, State},
@@ -45,7 +47,27 @@ pub(super) fn check(draft: &Draft) -> Checked {
             return Err(ModelError::new(key, Mistake::Empty("enters")));
         }
     }
+    for delay in &draft.delays {
+        let nominal =
+            |name: &str| draft.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+        // Names that are not known are told elsewhere.
+        if let Ok(seconds) = delay.time.evaluate::<f64>(&nominal) {
+            let key = format!("delays.{}.time", delay.name);
+            finite(key, "the delay in seconds, at nominal parameters,", seconds)?;
+        }
+    }
+    plain("name", &draft.name)?;
+    plain("description", &draft.description.replace(['\n', '\r', '\t'], " "))?;
     check_controller(draft)
+}
+
+/// Names and units stand in reports and in headers of logs.
+fn plain(key: &str, text: &str) -> Checked {
+    if is_plain(text) {
+        Ok(())
+    } else {
+        Err(ModelError::new(key, Mistake::NotPlain(text.to_owned())))
+    }
 }
 
 fn check_controller(draft: &Draft) -> Checked {
@@ -78,6 +100,7 @@ fn check_state(room: &str, state: &State) -> Checked {
 }
 
 fn unit(key: String, unit: &str) -> Checked {
+    plain(&key, unit)?;
     if unit.trim().is_empty() { Err(ModelError::new(key, Mistake::NoUnit)) } else { Ok(()) }
 }
 

@@ -1,10 +1,12 @@
 //! The compiled parts of a model that all its simulators share.
 
+use fd_core::Limits;
 use fd_model::{Channel, SampleTime};
 
 use super::super::{
     error::SimulateError,
     flat::{SampledControl, flatten},
+    limits::check_delays,
     simulator::{Initial, Port},
     timing::Timing,
 };
@@ -60,7 +62,9 @@ impl System {
     ) -> Result<Self, SimulateError> {
         let names: Vec<String> = ports.iter().map(|(input, _)| input.clone()).collect();
         let flat = flatten(model, &names);
-        let timing = Timing::choose(model, &flat, ts)?;
+        let limits = Limits::default();
+        let timing = Timing::choose(model, &flat, ts, &limits)?;
+        check_delays(model, timing, &limits)?;
         let (updated, updates): (Vec<usize>, Vec<Expr>) = flat.updates.into_iter().unzip();
         let (delayed, times): (Vec<Expr>, Vec<Expr>) = flat.delays.into_iter().unzip();
         let delays = delayed.into_iter().map(|expr| Program::compile(&flat.scope, &[expr]));

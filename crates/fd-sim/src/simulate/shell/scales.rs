@@ -51,6 +51,7 @@ pub(super) fn measure(
     });
     let sites = sites.collect();
     ReplayScales {
+        signals: Vec::new(),
         ts: ts.seconds(),
         duration: samples as f64 * ts.seconds(),
         step: shell.inside.ts().seconds(),
@@ -145,6 +146,7 @@ impl Replay<'_> {
             motion,
             acceleration: Expr::Number(0.0),
             compliance: Expr::Number(mean),
+            helpers: Vec::new(),
             velocity: of(&site.velocity, velocity),
             position: of(&site.position, position),
         }

@@ -133,6 +133,7 @@ fn report(verdict: Verdict) -> Report {
         diagnosis: diagnosis(verdict),
         location: Location { channels, sides, places, spectra: vec![spectrum()], regions, times },
         road: None,
+        whole: None,
         next: Vec::new(),
         law: None,
         ceiling: None,

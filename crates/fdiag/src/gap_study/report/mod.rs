@@ -24,7 +24,7 @@ pub use self::{
     schema::schema,
     settings::{HorizonKind, HorizonSource, StudySettings},
 };
-use super::{findings::LogFinding, law::Law, patched::PatchedModel};
+use super::{findings::LogFinding, law::Law, patched::PatchedModel, whole::Whole};
 
 /// The version of the schema; it rises when a key changes its meaning or disappears.
 pub const REPORT_VERSION: u32 = 2;
@@ -60,6 +60,8 @@ pub struct Report {
     pub calibration: Option<Confusion>,
     /// What is wrong with the logs, the worst first.
     pub findings: Vec<LogFinding>,
+    /// How the answer does on all rows of long logs, of which only stretches were fitted; `null` elsewhere.
+    pub whole: Option<Whole>,
     /// What was diagnosed.
     pub inputs: Inputs,
     /// How it was made.

@@ -1,6 +1,6 @@
 //! Causes, with their places and strengths.
 
-use fd_effect::Side;
+use fd_effect::{Side, SiteRef};
 use fd_gap::diagnose::{Cause, Estimate, Group, Pair};
 
 use super::{
@@ -21,6 +21,11 @@ pub fn cause(cause: &Cause) -> String {
     let mut name = effect(cause);
     if let Some(partner) = &cause.partner {
         name = format!("{name} with {}", site(partner));
+    }
+    if let SiteRef::Signal(i, signal) = &cause.site
+        && let Some(known) = cause.model.definitions.get(*i).filter(|known| known.name == *signal)
+    {
+        name = format!("{name} = {}", known.value);
     }
     name.trim_end().to_owned()
 }

@@ -3,7 +3,7 @@
 use fd_effect::SiteRef;
 
 /// Labels of the library and of the engine that are more than their dashes turned to spaces.
-const LABELS: [(&str, &str); 18] = [
+const LABELS: [(&str, &str); 19] = [
     ("coulomb-friction", "Coulomb friction"),
     ("drag", "quadratic drag"),
     ("linear-stiffness", "linear stiffness"),
@@ -13,6 +13,7 @@ const LABELS: [(&str, &str); 18] = [
     ("input-gain", "gain error"),
     ("sensor-scale", "scale error of the sensor"),
     ("parameter-error", "error"),
+    ("parameter-wander", "wandering"),
     ("input-map", "unknown curve"),
     ("force-map", "unknown force"),
     ("sensor-map", "unknown curve of the sensor"),
@@ -54,6 +55,7 @@ pub fn at(site: &SiteRef) -> String {
         SiteRef::Force(_, name) => format!("at {name}"),
         SiteRef::State(_, name) => format!("in the equation of {name}"),
         SiteRef::Output(_, name) => format!("on output {name}"),
+        SiteRef::Signal(_, name) => format!("on {name}"),
         SiteRef::Parameter(_, name) => format!("of parameter {name}"),
         SiteRef::WholeModel => String::new(),
     }
@@ -67,6 +69,7 @@ pub fn site(site: &SiteRef) -> String {
         SiteRef::Force(_, name) => name.clone(),
         SiteRef::State(_, name) => format!("state {name}"),
         SiteRef::Output(_, name) => format!("output {name}"),
+        SiteRef::Signal(_, name) => format!("signal {name}"),
         SiteRef::Parameter(_, name) => format!("parameter {name}"),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }

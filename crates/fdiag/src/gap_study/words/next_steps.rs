@@ -6,7 +6,8 @@ use super::{
     further::advice,
     labels::{capital, list},
 };
-use crate::gap_study::report::Report;
+use crate::gap_study::{report::Report, whole::Whole};
+use fd_model::figure;
 
 /// Reasons of refusals that a line of the model file lifts.
 const LIFTABLE: &str = "position";
@@ -21,6 +22,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let said = report.advice.as_ref().map(|found| advice(found, diagnosis));
     steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
     steps.extend(diagnosis.objections.iter().filter_map(cure));
+    steps.extend(report.whole.as_ref().and_then(unlike));
     let is_open =
         matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
     if diagnosis.verdict == Verdict::NoneOfThese {
@@ -67,6 +69,21 @@ fn cure(objection: &Objection) -> Option<String> {
     }
 }
 
+/// Windows of a long log that are unlike the others.
+fn unlike(whole: &Whole) -> Option<String> {
+    let worst = whole.unlike.first()?;
+    let (of, count) = (whole.windows, whole.unlike_count);
+    Some(format!(
+        "Look at what happened in rows {} to {} of {}: the forecast there misses by {} times the noise, \
+         {} in the median of all windows ({count} of {of} are unlike the others).",
+        worst.rows[0],
+        worst.rows[1],
+        worst.file,
+        figure(worst.explained),
+        figure(whole.explained),
+    ))
+}
+
 /// Effects that were refused for want of something that the user can say.
 fn liftable(report: &Report) -> Option<String> {
     let refused = report.diagnosis.not_tested.iter();
@@ -99,15 +116,8 @@ fn of_what_is_left(report: &Report) -> String {
     let best = best.fold(0.0, f64::max);
     let ceiling = report.ceiling.as_ref().and_then(fd_gap::ceiling::Ceiling::share);
     let is_known = ceiling.is_some_and(|closed| 0.0 < closed.interval[0]);
-    let places: Vec<String> = report
-        .location
-        .places
-        .iter()
-        .filter(|place| !place.statement.is_empty())
-        .take(1)
-        .map(|place| capital(&place.statement))
-        .collect();
-    let place = places.first().map_or_else(String::new, |place| format!(" {place}."));
+    let place = report.location.places.iter().find(|place| !place.statement.is_empty());
+    let place = place.map_or_else(String::new, |place| format!(" {}.", capital(&place.statement)));
     if is_known || COHERENT < best {
         format!(
             "What is left follows from the logged inputs, so it is a law that the library lacks: write it \

@@ -1,0 +1,43 @@
+//! Logged outputs among the inputs of a record.
+
+use fd_model::{Channel, ModelError, Record};
+
+/// A record with logged outputs among its inputs, under names of their own (`logged`: name of the output, name of
+/// the input), interpolated where they are missing. Outputs that it does not have are left out.
+pub(super) fn with_logged_outputs(
+    record: &Record,
+    logged: &[(String, String)],
+) -> Result<Record, ModelError> {
+    let places = logged.iter().filter_map(|(output, name)| {
+        let place = record.output_index(output)?;
+        let channel = Channel::new(name, &record.outputs()[place].unit);
+        Some((channel, without_holes(record.output(place).collect())))
+    });
+    let (channels, columns): (Vec<Channel>, Vec<Vec<f64>>) = places.unzip();
+    let inputs = [record.inputs(), &channels].concat();
+    let row = |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
+    let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
+    let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
+    let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
+    Ok(new.at_the_place_of(record))
+}
+
+/// Missing values on straight lines between their neighbours; the ends are held, and a signal
+/// without any value is zero.
+fn without_holes(mut signal: Vec<f64>) -> Vec<f64> {
+    let known: Vec<usize> = (0..signal.len()).filter(|k| signal[*k].is_finite()).collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+        return vec![0.0; signal.len()];
+    };
+    let [begin, end] = [signal[first], signal[last]];
+    signal[..first].fill(begin);
+    signal[last..].fill(end);
+    for pair in known.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let (a, slope) = (signal[from], (signal[to] - signal[from]) / (to - from) as f64);
+        for (i, value) in signal[from..to].iter_mut().enumerate() {
+            *value = a + slope * i as f64;
+        }
+    }
+    signal
+}
