@@ -55,14 +55,13 @@ mod gramian;
 mod hankel;
 mod linalg;
 pub mod lyapunov;
-mod natural_units;
 mod norms;
 pub mod reduce;
 pub mod riccati;
 pub mod uncertainty;
 mod zeros;
 
-pub use crate::{natural_units::NaturalUnits, norms::PeakGain};
+pub use crate::norms::PeakGain;
 
 // Signals, faults, records and files.
 mod clock;
