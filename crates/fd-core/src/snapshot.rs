@@ -55,6 +55,11 @@ pub trait StateVisitor<T> {
     /// Visits real numbers.
     fn reals(&mut self, name: &'static str, values: &mut [T]);
 
+    /// Visits real numbers of which some are NaN where nothing is known yet, or nobody is.
+    fn reals_with_holes(&mut self, name: &'static str, values: &mut [T]) {
+        self.reals(name, values);
+    }
+
     /// Visits counters, flags and other integers.
     fn counts(&mut self, name: &'static str, values: &mut [u64]);
 }
@@ -236,6 +241,10 @@ impl<T> StateVisitor<T> for Check<'_> {
         self.field(name, values.len(), |bits| {
             f64::from_bits(bits).is_nan().then(|| ("a number", "NaN".to_owned()))
         });
+    }
+
+    fn reals_with_holes(&mut self, name: &'static str, values: &mut [T]) {
+        self.field(name, values.len(), |_| None);
     }
 
     fn counts(&mut self, name: &'static str, values: &mut [u64]) {

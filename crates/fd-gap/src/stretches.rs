@@ -33,8 +33,8 @@ const BEFORE: f64 = 1e-3;
 /// ```
 #[must_use]
 pub fn stretches(record: &Record, length: usize, count: usize) -> Vec<std::ops::Range<usize>> {
-    let (n, length) = (record.len(), length.max(1));
-    if n <= length * count.max(1) {
+    let (n, length, count) = (record.len(), length.max(1), count.max(1));
+    if n <= length * count {
         return std::iter::once(0..n).collect();
     }
     let features = Features::of(record);

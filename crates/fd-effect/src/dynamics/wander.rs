@@ -42,6 +42,8 @@ impl Effect for ParameterWander {
         let offers = nominal.parameters.iter().enumerate().flat_map(|(i, parameter)| {
             let wanders = |law| {
                 Sketch::of_parameter(self, law, nominal, scales, i)
+                    // A black box takes its parameters when it starts.
+                    .require(!scales.states.is_empty(), Reason::Missing("state"))
                     .require(parameter.tolerance > 0.0, Reason::Exact)
                     .require(is_used(nominal, parameter), Reason::Unused)
             };

@@ -366,7 +366,7 @@ impl<T: LaneScalar> Stage<T> for BatchRls<T> {
         for tile in self.tiles.chunks_exact_mut(self.layout.rows()) {
             visitor.reals("silence", tile[Layout::SILENCE].as_mut());
             for row in &mut tile[Layout::TRACE_BOUND..] {
-                visitor.reals("trace bound, D, estimate, U, past", row.as_mut());
+                visitor.reals_with_holes("trace bound, D, estimate, U, past", row.as_mut());
             }
         }
         for lane in &mut self.lanes {

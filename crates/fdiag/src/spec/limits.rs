@@ -64,7 +64,7 @@ fn check(path: &mut String, key: &str, value: &Value, limits: &Limits) -> Result
 /// What a whole number under this key makes large; a seed makes nothing large.
 fn resource(key: &str) -> Option<Resource> {
     Some(match key {
-        "seed" => return None,
+        "seed" | "first_seed" => return None,
         "window" | "out_of" | "raise" | "horizon" | "delay" | "lag" => Resource::Window,
         "na" | "nb" | "nc" | "nd" | "most" | "order" | "degree" | "segments" | "states"
         | "regions" | "rank" | "whitening" | "tones" => Resource::Order,

@@ -127,14 +127,14 @@ fn a_cut_goes_on_exactly_and_a_log_in_motion_is_a_part_of_a_run() {
     let whole = Truth { samples: 2 * SAMPLES, conditions: Conditions::default(), ..truth.clone() };
     let whole = Scene::new(&whole, &model).unwrap().log(0, true).unwrap().unwrap();
     assert_eq!(first, whole.slice(0, SAMPLES));
-    assert_eq!(second, whole.slice(SAMPLES, 2 * SAMPLES));
+    assert_eq!(second, whole.slice(SAMPLES, 2 * SAMPLES).as_its_own_run());
 
     let conditions = Conditions { before: 100, ..Conditions::default() };
     let later = Truth { samples: SAMPLES - 100, conditions, ..truth.clone() };
     let later = Scene::new(&later, &model).unwrap().log_of(0, Part::First, true).unwrap().unwrap();
     let plain = Truth { conditions: Conditions::default(), ..truth.clone() };
     let plain = Scene::new(&plain, &model).unwrap().log(0, true).unwrap().unwrap();
-    assert_eq!(later.record, plain.slice(100, SAMPLES).starting_at(0.0));
+    assert_eq!(later.record, plain.slice(100, SAMPLES).starting_at(0.0).as_its_own_run());
     assert_eq!(later.is_kept.len(), SAMPLES - 100);
 }
 
