@@ -1,6 +1,8 @@
 //! The pipeline: data flow, missing samples, events, and continuing from a snapshot.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod altered;
+
 use fd_core::{
     BuildError, EventKind, Frame, FrameError, IoDims, MissingSamples, Pipeline, Snapshot,
     SnapshotError, Stages, StateVisitor,
@@ -11,7 +13,6 @@ use fd_core::{
     testing::{memory, nonsense},
 };
 use proptest::prelude::*;
-use serde_json::Value;
 
 /// `r = y − a·(previous y) − u`: the smallest generator with a memory.
 #[derive(Clone, Debug)]
@@ -339,37 +340,6 @@ proptest! {
     }
 }
 
-/// Every copy of a JSON value in which one number is another.
-fn with_one_number_altered(value: &Value) -> Vec<Value> {
-    match value {
-        Value::Number(number) => {
-            let number = number.as_u64().unwrap();
-            let others = [number ^ 1, number ^ (1 << 31), number ^ (1 << 63), !number, 0, 1];
-            others.into_iter().filter(|other| *other != number).map(Value::from).collect()
-        }
-        Value::Array(items) => (0..items.len())
-            .flat_map(|i| {
-                with_one_number_altered(&items[i]).into_iter().map(move |item| {
-                    let mut copy = items.clone();
-                    copy[i] = item;
-                    Value::Array(copy)
-                })
-            })
-            .collect(),
-        Value::Object(entries) => entries
-            .iter()
-            .flat_map(|(key, item)| {
-                with_one_number_altered(item).into_iter().map(move |item| {
-                    let mut copy = entries.clone();
-                    copy.insert(key.clone(), item);
-                    Value::Object(copy)
-                })
-            })
-            .collect(),
-        _ => Vec::new(),
-    }
-}
-
 #[test]
 fn a_snapshot_of_which_one_number_was_altered_is_refused() {
     let mut original = pipeline();
@@ -377,11 +347,11 @@ fn a_snapshot_of_which_one_number_was_altered_is_refused() {
         original.step(&[0.1], &[f64::from(k)]).unwrap();
     }
     let saved = serde_json::to_value(Snapshot::of(&mut original)).unwrap();
-    let altered = with_one_number_altered(&saved);
-    assert!(50 < altered.len(), "{}", altered.len());
+    let changed = altered::with_one_number_altered(&saved);
+    assert!(50 < changed.len(), "{}", changed.len());
     let mut restored = pipeline();
     let before = Snapshot::of(&mut restored);
-    for value in altered {
+    for value in changed {
         let Ok(snapshot) = serde_json::from_value::<Snapshot>(value.clone()) else { continue };
         let error = snapshot.restore(&mut restored).unwrap_err();
         assert!(

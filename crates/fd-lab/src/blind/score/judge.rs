@@ -1,10 +1,12 @@
 //! One answer next to its truth.
 
 mod closer;
+mod said;
 
 use fd_effect::Candidate;
 use serde::{Deserialize, Serialize};
 
+use self::said::{mechanism_of, said_of};
 use crate::blind::{
     answer::{Answer, Named, Reading},
     error::BlindError,
@@ -129,32 +131,6 @@ fn is_one_group(first: &Named, other: &Named) -> bool {
         || a.contains(&other.family.as_str())
         || b.contains(&first.family.as_str());
     first.site == other.site && is_one_mechanism
-}
-
-/// What a diagnosis calls an effect: on a signal inside the model it has the name that it has at inputs.
-fn said_of(effect: &Effect) -> &str {
-    match effect.label.as_str() {
-        "inner-gain" => "input-gain",
-        "inner-offset" => "input-offset",
-        "inner-saturation" => "input-saturation",
-        "inner-dead-zone" => "input-dead-zone",
-        "inner-curve" => "input-map",
-        "inner-delay" => "input-delay",
-        "inner-lag" => "input-lag",
-        "wandering-parameter" => "parameter-wander",
-        label => label,
-    }
-}
-
-/// The same of a mechanism.
-fn mechanism_of(effect: &Effect) -> &str {
-    match effect.family.as_str() {
-        "inner-gain" => "actuator-gain",
-        "inner-offset" => "actuator-offset",
-        "inner-nonlinearity" => "actuator-nonlinearity",
-        "inner-dynamics" => "actuator-dynamics",
-        family => family,
-    }
 }
 
 pub(super) fn is_exact(effect: &Effect, label: &str, site: &str, partner: Option<&str>) -> bool {
