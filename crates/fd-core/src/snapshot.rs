@@ -220,8 +220,8 @@ impl Check<'_> {
         }
         let field = self.fields.get(index);
         if let Some(f) = field.filter(|f| f.name == expected && f.bits.len() == expected_len) {
-            let values = f.bits.iter().enumerate();
-            let wrong = values.filter_map(|(i, bits)| Some((i + 1, wrong(*bits)?))).next();
+            let mut values = f.bits.iter().enumerate();
+            let wrong = values.find_map(|(i, bits)| Some((i + 1, wrong(*bits)?)));
             self.error = wrong.map(|(place, (expected, found))| {
                 let field = f.name.clone();
                 SnapshotError::Value { field, place, expected, found }

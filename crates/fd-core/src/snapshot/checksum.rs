@@ -27,7 +27,9 @@ impl Checksum {
             add(name.len() as u64);
             name.bytes().for_each(|byte| add(u64::from(byte)));
             add(bits.len() as u64);
-            bits.iter().for_each(|word| add(*word));
+            for word in bits {
+                add(*word);
+            }
         }
         Self(sum)
     }

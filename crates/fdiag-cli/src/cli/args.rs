@@ -170,6 +170,7 @@ pub(crate) struct CompensateArgs {
 }
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub(crate) struct GapArgs {
     /// Model file of the simulator (TOML)
     #[arg(long, value_name = "FILE")]

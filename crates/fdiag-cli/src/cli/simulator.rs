@@ -1,6 +1,7 @@
 //! `fdiag simulator`: simulators of users, checked; models, served.
 
 use std::{
+    fmt::Write as _,
     io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
@@ -109,7 +110,7 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let mut text = describe(&contract);
     text += &findings(&contract, &found);
     if let Some(trouble) = trouble {
-        text += &format!("BROKEN: {trouble}\n");
+        let _ = writeln!(text, "BROKEN: {trouble}");
     }
     if found.run.is_finite() {
         text += &cost(&found, workers);
@@ -145,7 +146,7 @@ fn describe(contract: &Contract) -> String {
         (powers.states, "shows its states"),
     ];
     let can: Vec<&str> = can.into_iter().filter(|(can, _)| *can).map(|(_, what)| what).collect();
-    text += &format!("Powers: {}\n", can.join(", "));
+    let _ = writeln!(text, "Powers: {}", can.join(", "));
     let mut table = Table::new("Contract", &["what", "name", "unit", "value", "known to"]);
     let mut row = |what: &str, name: &str, unit: &str, value: String, known: String| {
         table.push([what.to_owned(), name.to_owned(), unit.to_owned(), value, known]);
@@ -172,7 +173,7 @@ fn describe(contract: &Contract) -> String {
             if moves.is_empty() { String::new() } else { format!("moves {}", moves.join(", ")) };
         row("port", &port.channel.name, &port.channel.unit, String::new(), moves);
     }
-    text += &format!("\n{}\n\n", table.to_text(100));
+    let _ = writeln!(text, "\n{}\n", table.to_text(100));
     text
 }
 
@@ -184,7 +185,7 @@ fn findings(contract: &Contract, found: &Conformance) -> String {
             Grade::Doubt => "DOUBT",
             Grade::Broken => "BROKEN",
         };
-        text += &format!("{grade:6}  {what}: {finding}\n");
+        let _ = writeln!(text, "{grade:6}  {what}: {finding}");
     };
     for finding in &found.findings {
         say(finding.grade, finding.what, &finding.text);
@@ -238,7 +239,7 @@ fn cost(found: &Conformance, workers: usize) -> String {
             s if s < 7200.0 => format!("{} min", figure(s / 60.0)),
             s => format!("{} h", figure(s / 3600.0)),
         };
-        text += &format!("  {time} for {runs} runs ({what})\n");
+        let _ = writeln!(text, "  {time} for {runs} runs ({what})");
     }
     text
 }
