@@ -201,10 +201,12 @@ pub(super) fn curve<'a>(
     range: [f64; 2],
 ) -> Sketch<'a> {
     let hats = curve_of(HATS, sketch, unit, scale, of, range);
-    (0..HATS).fold(hats, |sketch, i| {
-        let hat = |j| if i == j { START } else { 0.0 };
-        sketch.start(&(0..HATS).map(hat).collect::<Vec<f64>>())
-    })
+    (0..HATS).fold(hats, |sketch, i| sketch.start(&one_hat(HATS, i)))
+}
+
+/// A start with one of so many hats.
+pub(super) fn one_hat(hats: u8, which: u8) -> Vec<f64> {
+    (0..hats).map(|i| if i == which { START } else { 0.0 }).collect()
 }
 
 /// The same with so many hats, and without any start.

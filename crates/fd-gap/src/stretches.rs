@@ -43,8 +43,15 @@ pub fn stretches(record: &Record, length: usize, count: usize) -> Vec<std::ops::
     let p = features.count();
     let mut known = vec![0.0; p * p];
     (0..p).for_each(|i| known[i * p + i] = BEFORE);
+    // Where a run starts is chosen already.
+    let mut next = Some(0);
     let mut chosen: Vec<usize> = Vec::with_capacity(count);
-    while chosen.len() < count {
+    while let Some(block) = next.take() {
+        known.iter_mut().zip(&blocks[block]).for_each(|(known, own)| *known += own);
+        chosen.push(block);
+        if chosen.len() == count {
+            break;
+        }
         let known_with = |block: &[f64]| {
             let sum: Vec<f64> = known.iter().zip(block).map(|(a, b)| a + b).collect();
             Cholesky::new(&sum, p).map_or(f64::NEG_INFINITY, |factor| factor.log_determinant())
@@ -53,11 +60,7 @@ pub fn stretches(record: &Record, length: usize, count: usize) -> Vec<std::ops::
         let gains = left.map(|block| (block, known_with(&blocks[block])));
         // The first of equals, so that the choice is the same every time.
         let best = gains.reduce(|best, new| if best.1 < new.1 { new } else { best });
-        let Some(next) = (if chosen.is_empty() { Some(0) } else { best.map(|(b, _)| b) }) else {
-            break;
-        };
-        known.iter_mut().zip(&blocks[next]).for_each(|(known, own)| *known += own);
-        chosen.push(next);
+        next = best.map(|(block, _)| block);
     }
     chosen.sort_unstable();
     chosen.into_iter().map(|b| b * length..(b + 1) * length).collect()

@@ -171,23 +171,9 @@ impl ReplayScales {
             }
         }
         let probed = Model::try_from(probe.draft)?;
-        let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
-        let ny = probed.outputs.len();
-        let mut y = vec![0.0; samples * ny];
-        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
-
-        let mut columns = (0..ny).map(|column| {
-            let values = y.iter().skip(column).step_by(ny).copied();
-            move |name: &str, unit: &str| {
-                SignalScale::of(name, unit, values.clone().take_while(|x| x.is_finite()))
-            }
-        });
-        let mut next = |name: &str, unit: &str| {
-            columns.next().map_or_else(
-                || SignalScale::of(name, unit, std::iter::empty()),
-                |column| column(name, unit),
-            )
-        };
+        let replay = Replay::of(&probed, ts, u, samples)?;
+        let mut columns = 0..probed.outputs.len();
+        let mut next = |name: &str, unit: &str| replay.scale(columns.next(), name, unit);
         let outputs = model.outputs.iter().map(|o| next(&o.name, &o.unit)).collect();
         let inputs = model.inputs.iter().map(|i| next(&i.name, &i.unit)).collect();
         let states = model.states.iter().map(|s| next(&s.name, &s.unit)).collect();
@@ -257,17 +243,11 @@ impl ReplayScales {
     ) -> Result<Self, SimulateError> {
         let mut probe = Probe { draft: model.clone().into_draft(), count: 0 };
         model.definitions.iter().for_each(|definition| probe.show(&Expr::name(&definition.name)));
-        let (first, ny) = (model.outputs.len(), probe.draft.outputs.len());
-        // Probes use names of the model as its own equations do.
-        let Ok(probed) = Model::try_from(probe.draft) else { return Ok(self) };
-        let mut simulator = EquationSimulator::<f64>::at(&probed, ts)?;
-        let mut y = vec![0.0; samples * ny];
-        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
-        let signals = model.definitions.iter().enumerate().map(|(column, definition)| {
-            let values = y.iter().skip(first + column).step_by(ny).copied();
-            SignalScale::of(&definition.name, "1", values.take_while(|x| x.is_finite()))
-        });
-        Ok(Self { signals: signals.collect(), ..self })
+        let replay = Replay::of(&Model::try_from(probe.draft)?, ts, u, samples)?;
+        let names = model.definitions.iter().map(|definition| &definition.name);
+        let columns = (model.outputs.len()..).zip(names);
+        let signals = columns.map(|(column, name)| replay.scale(Some(column), name, "1")).collect();
+        Ok(Self { signals, ..self })
     }
 
     /// The same for an integration step divided into `factor`, where the outputs of candidates
@@ -299,6 +279,29 @@ impl Probe {
     }
 }
 
+/// Outputs of a simulation with nominal parameters, row by row.
+struct Replay {
+    y: Vec<f64>,
+    ny: usize,
+}
+
+impl Replay {
+    fn of(model: &Model, ts: SampleTime, u: &[f64], samples: usize) -> Result<Self, SimulateError> {
+        let mut simulator = EquationSimulator::<f64>::at(model, ts)?;
+        let ny = model.outputs.len();
+        let mut y = vec![0.0; samples * ny];
+        Simulator::simulate(&mut simulator, &model.nominal(), &model.initial(), u, &mut y);
+        Ok(Self { y, ny })
+    }
+
+    /// Size of an output up to a divergence; of none, of nothing.
+    fn scale(&self, column: Option<usize>, name: &str, unit: &str) -> SignalScale {
+        let column = column.unwrap_or(self.y.len());
+        let values = self.y.iter().skip(column).step_by(self.ny.max(1)).copied();
+        SignalScale::of(name, unit, values.take_while(|x| x.is_finite()))
+    }
+}
+
 /// Whether a force at the site acts at the end of an integration step instead of during it.
 fn is_discrete(model: &Model, site: &Site) -> bool {
     let entered = |name: &str| site.enters.iter().any(|(state, _)| state == name);
@@ -310,6 +313,13 @@ impl ForceScale {
     #[must_use]
     pub fn has_equation(&self) -> bool {
         !matches!(self.acceleration, Expr::Number(_))
+    }
+
+    /// What fills or moves at the site: the position, else the velocity, which is the state that is entered where
+    /// the site names neither.
+    #[must_use]
+    pub fn level(&self) -> Option<&(Expr, SignalScale)> {
+        self.position.as_ref().or(self.velocity.as_ref())
     }
 
     /// `force` with the sign that makes it work against a motion or displacement to which it is

@@ -1,9 +1,6 @@
 //! A store that the model lacks, behind one that it has.
 
-use fd_sim::{
-    model::Model,
-    scales::{ReplayScales, SignalScale},
-};
+use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::{each_site, moving, unit_of};
 use crate::{Effect, Offers, Reason, units::per};
@@ -35,8 +32,8 @@ impl Effect for HiddenStore {
             [2.0 * scales.step / scales.ts, 0.5 * scales.duration / scales.ts];
         each_site(self, nominal, scales, |sketch, at| {
             let site = at.site;
-            let level = site.position.as_ref().or(site.velocity.as_ref());
-            let size = moving(level).map_or(f64::NAN, |signal: &SignalScale| signal.std);
+            let level = site.level();
+            let size = moving(level).map_or(f64::NAN, |signal| signal.std);
             let mut sketch =
                 sketch("exchange").require(size > 0.0, Reason::Missing("level that moves"));
             if let Some((level, _)) = level {

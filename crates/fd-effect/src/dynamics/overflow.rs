@@ -60,9 +60,7 @@ fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usi
     let Some(store) = store(nominal, i) else {
         return sketch.require(false, Reason::Missing("level"));
     };
-    // A site that names neither works on the state it enters.
-    let level = site.position.as_ref().or(site.velocity.as_ref());
-    let (low, high) = level.map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
+    let (low, high) = site.level().map_or((0.0, 0.0), |(_, s)| (s.low, s.high));
     let range = high - low;
     let zone = (0.01 * range).max(2.0 * scales.step * site.motion.peak());
     sketch

@@ -5,7 +5,7 @@ use fd_sim::{model::Model, scales::ReplayScales};
 use super::parameter::is_used;
 use crate::{
     Effect, Offers, Reason, Sketch,
-    map::{curve, curve_of},
+    map::{curve, curve_of, one_hat},
 };
 
 /// Knots of the finer way.
@@ -48,8 +48,7 @@ impl Effect for ParameterWander {
                     .require(is_used(nominal, parameter), Reason::Unused)
             };
             // Finer where the first way is not enough: one bump is all that is looked for before the fit.
-            let mut bump = [0.0; FINE as usize];
-            bump[usize::from(FINE) / 2] = 0.1;
+            let bump = one_hat(FINE, FINE / 2);
             [
                 curve(wanders("six-pieces"), "1", SCALE, "t", range),
                 curve_of(FINE, wanders("sixteen-pieces"), "1", SCALE, "t", range).start(&bump),

@@ -91,9 +91,14 @@ impl Diagnosis {
     /// worth trying.
     #[must_use]
     pub fn is_explained(&self) -> bool {
+        self.verdict == Verdict::NoGap || self.names_all()
+    }
+
+    /// Whether what is named explains the gap down to the noise.
+    #[must_use]
+    pub fn names_all(&self) -> bool {
         let is_named = matches!(self.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
-        let is_all = self.regime != Regime::AboveTheFloor && !self.is_unexplained;
-        self.verdict == Verdict::NoGap || is_named && is_all
+        is_named && self.regime != Regime::AboveTheFloor && !self.is_unexplained
     }
 }
 

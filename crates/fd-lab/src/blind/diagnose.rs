@@ -135,9 +135,7 @@ fn diagnosed(
         let suspects = EverySite::new(library(), &inner, scales);
         let case = diagnose::Case { nominal: &inner, suspects: &suspects, logs, held_out };
         let inside = diagnose(&case, settings, &());
-        let is_better =
-            |inside: &Diagnosis| inside.verdict != Verdict::NoGap && inside.is_explained();
-        if let Some(diagnosis) = inside.ok().filter(is_better) {
+        if let Some(diagnosis) = inside.ok().filter(Diagnosis::names_all) {
             let candidates = suspects.alone().iter().flatten().count();
             return Ok(Diagnosed { diagnosis, road: None, candidates });
         }

@@ -20,6 +20,7 @@ use std::{ops::Deref, path::Path, str::FromStr};
 use fd_model::{Channel, SampleTime};
 
 pub(crate) use self::file::Ordered;
+pub(crate) use self::rename::FreshNames;
 pub use self::{
     draft::{
         Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Hold, Input, Law, NamedTable,

@@ -5,6 +5,32 @@ use std::collections::HashSet;
 use super::draft::{Controller, Definition, Delay, Draft, Output, Site, State};
 use crate::equation::Expr;
 
+/// Names that a model does not have, given out once each.
+pub(crate) struct FreshNames {
+    taken: HashSet<String>,
+}
+
+impl FreshNames {
+    pub(crate) fn of(mut draft: Draft) -> Self {
+        Self { taken: draft.names_mut().into_iter().map(std::mem::take).collect() }
+    }
+
+    /// These are taken as well.
+    pub(crate) fn besides(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        self.taken.extend(names);
+        self
+    }
+
+    /// `wish`, or `wish_2`, `wish_3`, …
+    pub(crate) fn take(&mut self, wish: &str) -> String {
+        let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
+        let mut all = std::iter::once(wish.to_owned()).chain(numbered);
+        let name = all.find(|name| !self.taken.contains(name)).unwrap_or_default();
+        self.taken.insert(name.clone());
+        name
+    }
+}
+
 impl Draft {
     /// The expressions of the plant: laws, outputs, definitions, sites and what is delayed.
     pub fn plant_expressions_mut(&mut self) -> Vec<&mut Expr> {
@@ -42,16 +68,7 @@ impl Draft {
     /// A name that nothing in the model has: `wish`, or `wish_2`, `wish_3`, …
     #[must_use]
     pub fn fresh_name(&self, wish: &str) -> String {
-        let mut copy = self.clone();
-        let taken: Vec<&str> = copy.names_mut().into_iter().map(|name| &**name).collect();
-        let is_free = |name: &String| !taken.contains(&name.as_str());
-        let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
-        std::iter::once(wish.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
-    }
-
-    /// Every name.
-    pub(crate) fn names(mut self) -> HashSet<String> {
-        self.names_mut().into_iter().map(std::mem::take).collect()
+        FreshNames::of(self.clone()).take(wish)
     }
 
     /// Every name, where it is declared or stands as a key.

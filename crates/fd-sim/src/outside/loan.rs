@@ -2,13 +2,14 @@
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard},
     time::Instant,
 };
 
 use super::{
     contract::Contract,
     error::OutsideError,
+    lock::open,
     memory::{Memory, Past},
     pool::{Lease, Pool},
     source::{Instance, Lost, Source},
@@ -133,8 +134,8 @@ impl Shared {
         }
     }
 
-    fn fate(&self) -> std::sync::MutexGuard<'_, Fate> {
-        self.fate.lock().unwrap_or_else(PoisonError::into_inner)
+    fn fate(&self) -> MutexGuard<'_, Fate> {
+        open(&self.fate)
     }
 
     fn is_hopeless(&self, origin: Past) -> bool {

@@ -1,9 +1,8 @@
 //! What was simulated before need not be simulated again.
 
-use std::{
-    collections::HashMap,
-    sync::{Mutex, PoisonError},
-};
+use std::{collections::HashMap, sync::Mutex};
+
+use super::lock::open;
 
 /// Most numbers that are kept, overheads among them: 64 MB.
 const MOST: usize = 8 << 20;
@@ -68,7 +67,7 @@ impl Generations {
 impl Memory {
     /// Writes the values of a past one after another into these parts, if they are known.
     pub(super) fn recall(&self, past: Past, parts: [&mut [f64]; 2]) -> bool {
-        let mut generations = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut generations = open(&self.0);
         if !generations.young.contains_key(&past) {
             match generations.old.remove(&past) {
                 Some(values) => generations.put(past, values),
@@ -88,7 +87,7 @@ impl Memory {
 
     pub(super) fn keep(&self, past: Past, parts: [&[f64]; 2]) {
         let values = parts.concat().into_boxed_slice();
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).put(past, values);
+        open(&self.0).put(past, values);
     }
 }
 

@@ -20,6 +20,7 @@ mod file;
 #[cfg(feature = "fmu")]
 mod fmu;
 mod loan;
+mod lock;
 mod memory;
 mod pool;
 #[cfg(unix)]

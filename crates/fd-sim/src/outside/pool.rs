@@ -2,7 +2,7 @@
 
 use std::{
     sync::{
-        Condvar, Mutex, MutexGuard, PoisonError, TryLockError,
+        Condvar, Mutex, MutexGuard, TryLockError,
         atomic::{
             AtomicU64,
             Ordering::{Acquire, Relaxed, Release},
@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::source::Instance;
+use super::{lock::open, source::Instance};
 
 /// A simulator that was not asked for so long may be taken from who has it: whoever steps asks every few
 /// microseconds, and a run that is over is often just left. Who is robbed repeats its run, so this is a matter
@@ -52,10 +52,6 @@ pub(super) struct Slot {
 pub(super) struct Lease {
     slot: usize,
     number: u64,
-}
-
-fn open<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Pool {

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     model::Parameter,
-    simulate::{Initial, Outcome, Port, Run, Simulator, Tape, rows},
+    simulate::{Initial, Outcome, Port, Run, Simulator, Tape, as_tapes},
 };
 
 /// What distinguishes a measurement from a step in the past of a run, and a whole run from both.
@@ -344,23 +344,7 @@ impl Simulator for OutsideSimulator {
     }
 
     fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
-        let (nu, nf) = (self.inputs().len(), self.ports().len());
-        let ny = self.outputs().len();
-        let inputs = rows(u, nu);
-        let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
-        let u: Vec<f64> = (0..samples).flat_map(|k| inputs(k)[0]).copied().collect();
-        let f = vec![0.0; samples * nf];
-        let mut tapes: Vec<Tape<'_>> = runs
-            .iter_mut()
-            .map(|run| {
-                let n = run.y.len() / ny;
-                let again = Run::new(run.theta, run.x0, &mut *run.y);
-                Tape { run: again, u: &u[..n * nu], f: &f[..n * nf] }
-            })
-            .collect();
-        self.replay(first, &mut tapes);
-        let outcomes: Vec<Outcome> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
-        runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
+        as_tapes(self, u, runs, |simulator, tapes| simulator.replay(first, tapes));
     }
 
     fn replay(&mut self, first: u64, tapes: &mut [Tape<'_>]) {

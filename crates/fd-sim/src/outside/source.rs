@@ -63,31 +63,31 @@ pub trait Instance: Debug + Send {
         y: &mut [f64],
         x: &mut [f64],
     ) -> Result<(), Lost> {
-        self.reset(start)?;
-        by_steps(self, rows, samples, y, x)
+        by_steps(self, start, rows, samples, y, x)
     }
 }
 
-/// A run that has begun, step by step; after a divergence the rest is NaN.
+/// A whole run, step by step; after a divergence the rest is NaN.
 pub(super) fn by_steps<I: Instance + ?Sized>(
     instance: &mut I,
+    start: Start<'_>,
     rows: &[f64],
     samples: usize,
     y: &mut [f64],
     x: &mut [f64],
 ) -> Result<(), Lost> {
+    instance.reset(start)?;
     let (width, ny) = (rows.len() / samples.max(1), y.len() / samples.max(1));
     for k in 0..samples {
         let outputs = &mut y[k * ny..(k + 1) * ny];
-        let stepped = instance.step(&rows[k * width..(k + 1) * width], outputs, x);
-        if stepped == Err(Lost::Refused) {
+        let is_finite = match instance.step(&rows[k * width..(k + 1) * width], outputs, x) {
+            Ok(()) => outputs.iter().all(|value| value.is_finite()),
+            Err(Lost::Refused) => false,
+            Err(lost) => return Err(lost),
+        };
+        if !is_finite {
             y[k * ny..].fill(f64::NAN);
-            return Ok(());
-        }
-        stepped?;
-        if y[k * ny..(k + 1) * ny].iter().any(|value| !value.is_finite()) {
-            y[k * ny..].fill(f64::NAN);
-            return Ok(());
+            break;
         }
     }
     Ok(())

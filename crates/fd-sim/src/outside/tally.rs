@@ -2,13 +2,13 @@
 
 use std::{
     sync::{
-        Mutex, PoisonError,
+        Mutex,
         atomic::{AtomicU64, Ordering::Relaxed},
     },
     time::Duration,
 };
 
-use super::error::OutsideError;
+use super::{error::OutsideError, lock::open};
 
 /// Counts of what was asked of a simulator, for all its copies together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,11 +57,11 @@ impl Tally {
 
     /// Keeps what went wrong last.
     pub(super) fn note(&self, trouble: OutsideError) {
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(trouble);
+        *open(&self.last) = Some(trouble);
     }
 
     pub(super) fn trouble(&self) -> Option<OutsideError> {
-        self.last.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        open(&self.last).clone()
     }
 
     pub(super) fn counts(&self) -> Counts {

@@ -1,11 +1,11 @@
 //! What moves a site, as expressions of the model.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::ForceScale;
 use crate::{
     equation::{Definitions, Expr, MAX_DEPTH, Size, Slopes},
-    model::{Definition, Draft, Law, Model, Site},
+    model::{Definition, Draft, FreshNames, Law, Model, Site},
 };
 
 /// Largest expression that definitions are written out in. What is larger goes through the names of
@@ -25,7 +25,7 @@ pub(super) struct SiteProbe {
 
 impl SiteProbe {
     pub(super) fn of_all(model: &Model) -> Vec<Self> {
-        let mut names = FreshNames::of(model);
+        let mut names = FreshNames::of(Draft::clone(model));
         model.sites.iter().map(|site| Self::of(model, site, &mut names)).collect()
     }
 
@@ -109,8 +109,8 @@ impl ForceScale {
         }
         let own = self.helpers.iter().map(|helper| (helper.name.as_str(), &helper.value));
         let all = Definitions::new(pairs(model).chain(own));
-        let mut names = FreshNames::of(model);
-        names.taken.extend(self.helpers.iter().map(|helper| helper.name.clone()));
+        let known = self.helpers.iter().map(|helper| helper.name.clone());
+        let mut names = FreshNames::of(Draft::clone(model)).besides(known);
         let mut unforced: HashMap<&str, String> = HashMap::new();
         let mut helpers = Vec::new();
         let replace = |unforced: &HashMap<&str, String>, expr: &Expr| {
@@ -134,25 +134,6 @@ fn pairs(model: &Model) -> impl Iterator<Item = (&str, &Expr)> {
 
 fn definitions(model: &Model) -> Definitions<'_> {
     Definitions::new(pairs(model))
-}
-
-/// Names that a model does not have, given out once each.
-struct FreshNames {
-    taken: HashSet<String>,
-}
-
-impl FreshNames {
-    fn of(model: &Model) -> Self {
-        Self { taken: Draft::clone(model).names() }
-    }
-
-    fn take(&mut self, wish: &str) -> String {
-        let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
-        let mut all = std::iter::once(wish.to_owned()).chain(numbered);
-        let name = all.find(|name| !self.taken.contains(name)).unwrap_or_default();
-        self.taken.insert(name.clone());
-        name
-    }
 }
 
 #[cfg(test)]
@@ -203,11 +184,11 @@ mod tests {
     fn written_out_and_through_names_are_the_same_numbers() {
         let model: Model = SWING.parse().unwrap();
         let site = &model.sites[0];
-        let written = SiteProbe::of(&model, site, &mut FreshNames::of(&model));
+        let written = SiteProbe::of(&model, site, &mut FreshNames::of(Draft::clone(&model)));
         assert!(written.helpers.is_empty());
         let moved = site.velocity.clone().unwrap();
         let (acceleration, compliance, helpers) =
-            through_names(&model, site, &moved, &mut FreshNames::of(&model));
+            through_names(&model, site, &moved, &mut FreshNames::of(Draft::clone(&model)));
         assert!(!helpers.is_empty());
         for (short, named) in
             [(&written.acceleration, &acceleration), (&written.compliance, &compliance)]

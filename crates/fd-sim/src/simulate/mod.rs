@@ -39,7 +39,7 @@ mod shell;
 mod simulator;
 mod timing;
 
-pub(crate) use self::run::rows;
+pub(crate) use self::run::as_tapes;
 pub use self::{
     black_box::BlackBox,
     equations::EquationSimulator,

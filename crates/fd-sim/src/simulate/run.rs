@@ -58,6 +58,17 @@ impl<'a> Run<'a> {
         self.outcome == Outcome::Complete
     }
 
+    /// Steps through all samples, of `ny` outputs each, until one is not finite; what is left is NaN then.
+    pub(super) fn make(&mut self, ny: usize, mut step: impl FnMut(usize, &mut [f64])) {
+        for k in 0..self.y.len() / ny {
+            step(k, &mut self.y[k * ny..(k + 1) * ny]);
+            if !self.check(k, ny) {
+                break;
+            }
+        }
+        self.finish(ny);
+    }
+
     /// Makes the outputs NaN from the divergence on.
     pub(crate) fn finish(&mut self, ny: usize) {
         if let Outcome::Diverged { sample } = self.outcome {
@@ -83,16 +94,38 @@ pub(super) fn one_by_one<S: Simulator + ?Sized>(
     let inputs = rows(u, nu);
     for run in runs {
         simulator.start(run.theta, run.x0, first);
-        for k in 0..run.y.len() / ny {
+        run.make(ny, |k, y| {
             let [now, next] = inputs(k);
-            simulator.step(now, next, &[], &mut run.y[k * ny..(k + 1) * ny]);
-            if !run.check(k, ny) {
-                break;
-            }
-        }
-        run.finish(ny);
+            simulator.step(now, next, &[], y);
+        });
         simulator.rest();
     }
+}
+
+/// Runs through the same inputs, `u` row by row, as tapes without forces; `replay` makes these.
+pub(crate) fn as_tapes<S: Simulator>(
+    simulator: &mut S,
+    u: &[f64],
+    runs: &mut [Run<'_>],
+    replay: impl FnOnce(&mut S, &mut [Tape<'_>]),
+) {
+    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
+    let ny = simulator.outputs().len();
+    let inputs = rows(u, nu);
+    let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
+    let u: Vec<f64> = (0..samples).flat_map(|k| inputs(k)[0]).copied().collect();
+    let f = vec![0.0; samples * nf];
+    let mut tapes: Vec<Tape<'_>> = runs
+        .iter_mut()
+        .map(|run| {
+            let n = run.y.len() / ny;
+            let again = Run::new(run.theta, run.x0, &mut *run.y);
+            Tape { run: again, u: &u[..n * nu], f: &f[..n * nf] }
+        })
+        .collect();
+    replay(simulator, &mut tapes);
+    let outcomes: Vec<Outcome> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
+    runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
 }
 
 /// Steps through all samples, until one is not finite.

@@ -278,14 +278,10 @@ pub trait Simulator: Debug + Send + Sync {
         let (nu, nf, ny) = (self.inputs().len(), self.ports().len(), self.outputs().len());
         for Tape { run, u, f } in tapes {
             self.start(run.theta, run.x0, first);
-            for k in 0..run.y.len() / ny {
+            run.make(ny, |k, y| {
                 let (u, f) = (&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
-                self.step(u, u, f, &mut run.y[k * ny..(k + 1) * ny]);
-                if !run.check(k, ny) {
-                    break;
-                }
-            }
-            run.finish(ny);
+                self.step(u, u, f, y);
+            });
             self.rest();
         }
     }

@@ -79,18 +79,22 @@ impl<'a> Output<'a> {
         } else {
             print_tables(&mut out, headline, tables)
         };
-        // A reader that has seen enough, such as `head`, is no failure.
-        match printed {
-            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-                return Err(Failure::output("standard output", e));
-            }
-            _ => {}
-        }
+        said(printed)?;
         if std::io::stderr().is_terminal() {
             let report = self.directory.join("report.html");
             eprintln!("Report: {}", report.display());
         }
         Ok(())
+    }
+}
+
+/// What came of printing: a reader that has seen enough, such as `head`, is no failure.
+pub(crate) fn said(printed: std::io::Result<()>) -> Result<(), Failure> {
+    match printed {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::output("standard output", e))
+        }
+        _ => Ok(()),
     }
 }
 

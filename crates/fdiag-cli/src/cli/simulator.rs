@@ -23,7 +23,7 @@ use fdiag::{
     },
 };
 
-use super::failure::Failure;
+use super::{failure::Failure, output::said};
 
 /// Numbers of runs that are reckoned with: a single cause, pairs, everything.
 const DIAGNOSES: [(u32, &str); 3] =
@@ -268,10 +268,5 @@ fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
 }
 
 fn say(text: &str) -> Result<(), Failure> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::output("standard output", e))
-        }
-        _ => Ok(()),
-    }
+    said(std::io::stdout().lock().write_all(text.as_bytes()))
 }

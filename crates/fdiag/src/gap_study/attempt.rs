@@ -2,7 +2,7 @@
 
 use fd_effect::EverySite;
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict, diagnose},
+    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
     fit::{FitError, Log},
     reading::{Mistake, Reading, Suspicion, suspect},
 };
@@ -93,8 +93,7 @@ pub(super) fn inside<'a>(
 ) -> Option<Attempt<'a>> {
     let (nominal, data) = (subject.nominal(), outside.data);
     let attempt = Attempt::at(Places::Inside, request, subject, nominal, data, monitor).ok()?;
-    let Diagnosis { verdict, .. } = attempt.diagnosis;
-    (verdict != Verdict::NoGap && attempt.diagnosis.is_explained()).then_some(attempt)
+    attempt.diagnosis.names_all().then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.

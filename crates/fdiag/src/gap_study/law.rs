@@ -99,9 +99,11 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
     let added = || patched.definitions.iter().filter(|d| is_new(&d.name));
     let name = cause.site.name()?;
     match &cause.site {
-        SiteRef::Input(i, _) => {
+        SiteRef::Input(..) | SiteRef::Signal(..) => {
             let applied = added().find(|d| d.name.starts_with(&format!("{name}_applied")))?;
-            let unit = nominal.inputs[*i].unit.clone();
+            // Nobody states the unit of a signal inside.
+            let input = nominal.inputs.iter().find(|input| input.name == name);
+            let unit = input.map_or_else(|| "1".to_owned(), |input| input.unit.clone());
             Some(Axes {
                 value: Expr::name(&applied.name),
                 expression: format!("{} = {}", applied.name, applied.value),
@@ -152,18 +154,6 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
                 over_name,
                 unit: site.unit.clone(),
                 adds: false,
-            })
-        }
-        SiteRef::Signal(..) => {
-            let applied = added().find(|d| d.name.starts_with(&format!("{name}_applied")))?;
-            Some(Axes {
-                value: Expr::name(&applied.name),
-                expression: format!("{} = {}", applied.name, applied.value),
-                over: Expr::name(name),
-                over_name: name.to_owned(),
-                over_unit: "1".to_owned(),
-                unit: "1".to_owned(),
-                adds: true,
             })
         }
         SiteRef::Parameter(i, _) if cause.label == WANDERS => {

@@ -17,6 +17,7 @@ mod only;
 mod patched;
 mod report;
 mod request;
+mod said;
 mod study;
 mod subject;
 mod traces;

@@ -90,10 +90,13 @@ impl GapStudy {
         };
         let first = Attempt::new(request, subject, nominal, &data, monitor);
         // Windows of a long log that are unlike its stretches are fitted, too.
-        let richer = match &first {
-            Ok(first) => with_unlike(first, follower.as_ref())?,
+        let whole = match &first {
+            Ok(Attempt { diagnosis, .. }) => {
+                judged_whole(nominal, diagnosis, &data, follower.as_ref())?
+            }
             Err(_) => None,
         };
+        let richer = whole.as_ref().and_then(|whole| with_unlike(&data, whole, follower.as_ref()));
         let as_read = match &richer {
             Some(data) => Attempt::new(request, subject, nominal, data, monitor),
             None => first,
@@ -114,8 +117,14 @@ impl GapStudy {
             _ => None,
         };
         let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
+        let is_first = richer.is_none() && reading.is_none() && found.is_none();
         let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis } =
             found.unwrap_or(attempt);
+        let whole = if is_first {
+            whole
+        } else {
+            judged_whole(nominal, &diagnosis, data, follower.as_ref())?
+        };
         let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let road = match request.most {
@@ -140,7 +149,6 @@ impl GapStudy {
             .filter(|_| !is_followed)
             .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
             .transpose()?;
-        let whole = judged_whole(nominal, &diagnosis, data, follower.as_ref())?;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
         let models = patched_models(subject, &diagnosis, road.as_ref(), data);
         let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
@@ -187,14 +195,9 @@ fn judged_whole(
 }
 
 /// The data with windows that the answer does not fit as it does the others; `None` without any.
-fn with_unlike(
-    attempt: &Attempt<'_>,
-    follower: Option<&Follower<'_>>,
-) -> Result<Option<Data>, GapError> {
-    let Attempt { nominal, data, diagnosis, .. } = attempt;
-    let whole = judged_whole(*nominal, diagnosis, data, follower)?;
-    let (Some(whole), Some(long)) = (whole, &data.long) else { return Ok(None) };
-    let mut richer = (*data).clone();
+fn with_unlike(data: &Data, whole: &Whole, follower: Option<&Follower<'_>>) -> Option<Data> {
+    let long = data.long.as_ref()?;
+    let mut richer = data.clone();
     for window in whole.to_fit(long) {
         let (index, rows) = window.place;
         let (part, record) = &long.parts[index];
@@ -205,7 +208,7 @@ fn with_unlike(
         let followed = follower.and_then(|follower| follower.record(record).ok());
         richer.add(part, followed.as_ref().unwrap_or(record), rows);
     }
-    Ok((data.fit.len() < richer.fit.len()).then_some(richer))
+    (data.fit.len() < richer.fit.len()).then_some(richer)
 }
 
 /// Inputs of the longest log, row by row, and its samples.

@@ -3,7 +3,6 @@
 use fd_gap::{
     diagnose::Diagnosis,
     fit::{FitError, Horizon, Log},
-    shrink::{Settled, forecast_errors},
 };
 use fd_model::SampleTime;
 use fd_sim::simulate::Nominal;
@@ -11,6 +10,7 @@ use fd_sim::simulate::Nominal;
 use super::{
     data::Data,
     report::{LogPart, Role},
+    said::Said,
 };
 
 /// Signals of one run, or of a part of one.
@@ -50,19 +50,11 @@ pub(super) fn trace(
     ts: SampleTime,
 ) -> Result<Option<Trace>, FitError> {
     if let Some(log) = held_out.first() {
-        let before = nominal.simulator(ts)?;
-        let after = nominal.patched(&diagnosis.best.model, ts)?;
-        let refitted: Vec<(String, f64)> = diagnosis
-            .best
-            .nuisances
-            .iter()
-            .map(|nuisance| (nuisance.name.clone(), nuisance.value))
-            .collect();
-        let run = |simulator, nuisances: &[(String, f64)]| {
-            let settled = Settled { simulator, nuisances, effects: &[] };
-            forecast_errors(&*before, settled, std::slice::from_ref(log), horizon, &diagnosis.sigma)
-        };
-        if let (Some(before), Some(after)) = (run(&*before, &[])?, run(&*after, &refitted)?) {
+        let plain = nominal.simulator(ts)?;
+        let errors = |said: Said| said.errors(&*plain, log, horizon, &diagnosis.sigma);
+        let before = errors(Said::nothing(nominal, ts)?)?;
+        let after = errors(Said::of(nominal, &diagnosis.best, ts)?)?;
+        if let (Some(before), Some(after)) = (before, after) {
             let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
             let simulated = |errors: &[Vec<Vec<f64>>], c: usize| -> Vec<f64> {
                 let errors = errors[c].iter().flatten().enumerate();

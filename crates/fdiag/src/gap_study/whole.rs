@@ -1,17 +1,16 @@
 //! All rows of long logs, judged by what their stretches have taught.
 
 use fd_gap::{
-    diagnose::{Diagnosis, Explanation},
+    diagnose::Diagnosis,
     fit::{FitError, Horizon, Log},
-    shrink::{Settled, forecast_errors},
 };
-use fd_model::{Record, SampleTime};
+use fd_model::Record;
 use fd_numeric::{median, rms};
 use fd_sim::simulate::{Nominal, Simulator};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{long::Long, report::Role};
+use super::{long::Long, report::Role, said::Said};
 
 /// Rows that are simulated at a time: their slopes must fit into memory.
 const AT_A_TIME: usize = 20_000;
@@ -68,16 +67,15 @@ pub(super) fn judge(
 ) -> Result<Option<Whole>, FitError> {
     let Some(ts) = long.parts.first().map(|(_, record)| record.ts()) else { return Ok(None) };
     let plain = nominal.simulator(ts)?;
-    let models = [&diagnosis.refit, &diagnosis.best].map(|said| Said::of(nominal, said, ts));
-    let [refit, best] = models;
-    let (refit, best) = (refit?, best?);
+    let refit = Said::of(nominal, &diagnosis.refit, ts)?;
+    let best = Said::of(nominal, &diagnosis.best, ts)?;
     let mut windows = Vec::new();
     let piece = AT_A_TIME.next_multiple_of(long.length);
     for (index, (part, record)) in long.parts.iter().enumerate() {
         for from in (0..record.len()).step_by(piece) {
             let slice = followed(&record.slice(from, from + piece));
             let log = Log::new(&slice, &*plain, index + 1)?;
-            let errors = |said: &Said| said.errors(&*plain, &log, long.length, &diagnosis.sigma);
+            let errors = |said| by_window(said, &*plain, &log, long.length, &diagnosis.sigma);
             let (refitted, explained) = (errors(&refit)?, errors(&best)?);
             for (w, (refitted, explained)) in refitted.into_iter().zip(explained).enumerate() {
                 let start = from + w * long.length;
@@ -117,38 +115,21 @@ impl Whole {
     }
 }
 
-/// A model with its parameters settled.
-struct Said {
-    simulator: Box<dyn Simulator>,
-    nuisances: Vec<(String, f64)>,
-}
-
-impl Said {
-    fn of(nominal: &dyn Nominal, said: &Explanation, ts: SampleTime) -> Result<Self, FitError> {
-        let nuisances = said.nuisances.iter().map(|n| (n.name.clone(), n.value)).collect();
-        Ok(Self { simulator: nominal.patched(&said.model, ts)?, nuisances })
-    }
-
-    /// Errors of forecasts, window by window, in units of the noise; infinite where a simulation diverges.
-    fn errors(
-        &self,
-        plain: &dyn Simulator,
-        log: &Log,
-        samples: usize,
-        sigma: &[f64],
-    ) -> Result<Vec<f64>, FitError> {
-        let settled =
-            Settled { simulator: &*self.simulator, nuisances: &self.nuisances, effects: &[] };
-        let horizon = Horizon::Windows { samples };
-        let logs = std::slice::from_ref(log);
-        let Some(errors) = forecast_errors(plain, settled, logs, horizon, sigma)? else {
-            return Ok(vec![f64::INFINITY; log.samples().div_ceil(samples)]);
-        };
-        let count = errors.first().map_or(0, Vec::len);
-        let window = |w: usize| {
-            let all = errors.iter().flat_map(|signals| signals[w].iter().copied());
-            rms(all.filter(|error| error.is_finite()))
-        };
-        Ok((0..count).map(window).collect())
-    }
+/// Errors of forecasts, window by window, in units of the noise; infinite where a simulation diverges.
+fn by_window(
+    said: &Said,
+    plain: &dyn Simulator,
+    log: &Log,
+    samples: usize,
+    sigma: &[f64],
+) -> Result<Vec<f64>, FitError> {
+    let Some(errors) = said.errors(plain, log, Horizon::Windows { samples }, sigma)? else {
+        return Ok(vec![f64::INFINITY; log.samples().div_ceil(samples)]);
+    };
+    let count = errors.first().map_or(0, Vec::len);
+    let window = |w: usize| {
+        let all = errors.iter().flat_map(|signals| signals[w].iter().copied());
+        rms(all.filter(|error| error.is_finite()))
+    };
+    Ok((0..count).map(window).collect())
 }

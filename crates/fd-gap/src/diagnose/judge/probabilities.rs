@@ -66,9 +66,12 @@ pub(super) fn bounded(believed: Believed, left: &LackOfFit, doubt: f64) -> Belie
     // What is named, as it is: of 1 less all others only rounding may be left.
     let of_causes = causes.iter().map(|ranked| ranked.cause.probability);
     let named: f64 = of_causes.chain(pairs.iter().map(|pair| pair.probability)).sum();
-    // With nothing to name, nothing can be taken from doubt.
-    let none_of_these = if 0.0 < named { none_of_these.max(low).min(high) } else { none_of_these };
-    let factor = if 0.0 < named { (1.0 - no_gap - none_of_these).max(0.0) / named } else { 1.0 };
+    if named <= 0.0 {
+        // With nothing to name, nothing can be taken from doubt.
+        return Believed { others: Probabilities { no_gap, none_of_these }, causes, pairs };
+    }
+    let none_of_these = none_of_these.max(low).min(high);
+    let factor = (1.0 - no_gap - none_of_these).max(0.0) / named;
     for ranked in &mut causes {
         ranked.cause.probability *= factor;
     }

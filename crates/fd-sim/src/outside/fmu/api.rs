@@ -24,10 +24,12 @@ use std::{
     ffi::{CStr, CString, c_char, c_int, c_uint, c_void},
     path::Path,
     ptr,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex},
 };
 
 use libloading::Library;
+
+use super::super::lock::open;
 
 type Handle = *mut c_void;
 type Instantiate = unsafe extern "C" fn(
@@ -89,7 +91,7 @@ extern "C" fn log(
         let last = &*environment.cast::<Mutex<String>>();
         (last, CStr::from_ptr(message).to_string_lossy().into_owned())
     };
-    *last.lock().unwrap_or_else(PoisonError::into_inner) = text;
+    *open(last) = text;
 }
 
 /// How a call ended.
@@ -193,7 +195,7 @@ impl Component {
         let handle =
             unsafe { (api.instantiate)(name, 1, guid, resources, &raw const *callbacks, 0, 0) };
         if handle.is_null() {
-            let last = last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let last = open(&last).clone();
             return Err(if last.is_empty() { "no instance".to_owned() } else { last });
         }
         let api = Arc::clone(api);
@@ -211,7 +213,7 @@ impl Component {
             5 => "pending",
             _ => "no status",
         };
-        let last = std::mem::take(&mut *self.last.lock().unwrap_or_else(PoisonError::into_inner));
+        let last = std::mem::take(&mut *open(&self.last));
         let text = format!("{what}: {name} ({status}) {last}");
         if matches!(status, 2 | 3) {
             return Err(Failure::Run(text));

@@ -6,7 +6,7 @@ use std::{
     os::{fd::AsFd, unix::process::CommandExt},
     path::{Path, PathBuf},
     process::{self, ChildStderr, ChildStdin, ChildStdout, Command, Stdio},
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Condvar, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -16,7 +16,10 @@ use rustix::{
     process::{Pid, Signal, kill_process_group},
 };
 
-use super::{super::error::OutsideError, Process};
+use super::{
+    super::{error::OutsideError, lock::open},
+    Process,
+};
 
 /// Longest line of a hello, in bytes.
 const LONGEST_LINE: usize = 1 << 20;
@@ -46,10 +49,6 @@ struct Words {
     last: Mutex<(VecDeque<u8>, bool)>,
     /// Rung when standard error has ended.
     ended: Condvar,
-}
-
-fn open<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Words {

@@ -97,8 +97,7 @@ impl Instance for ProcessInstance {
             let head = [start.first as f64, samples as f64];
             return self.ask(Op::Rollout, &[&head, start.theta, start.x0, rows], [y, x]);
         }
-        self.reset(start)?;
-        by_steps(self, rows, samples, y, x)
+        by_steps(self, start, rows, samples, y, x)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{
     model::{Model, Parameter},
     simulate::{
         EquationSimulator, Initial, Outcome, Port, Run, SimulateError, Simulator, Tape,
-        run::one_by_one,
+        run::{as_tapes, one_by_one},
     },
 };
 
@@ -355,16 +355,7 @@ impl Simulator for ShellSimulator {
             one_by_one(self, first, u, runs);
             return;
         }
-        let ny = self.raw.len();
-        let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
-        let f = vec![0.0; samples * self.pushed.len()];
-        let mut tapes: Vec<Tape<'_>> = runs
-            .iter_mut()
-            .map(|run| Tape { run: Run::new(run.theta, run.x0, &mut *run.y), u, f: &f })
-            .collect();
-        self.in_one_go(first, &mut tapes);
-        let outcomes: Vec<_> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
-        runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
+        as_tapes(self, u, runs, |shell, tapes| shell.in_one_go(first, tapes));
     }
 
     fn rest(&mut self) {
