@@ -8,6 +8,7 @@
 //! | [`evidence`] | how strongly a log speaks for a cause |
 //! | [`shrink`] | how far a gap shrinks on data that the fit has not seen |
 //! | [`diagnose`](mod@diagnose) | all of it, from a model, candidates and logs to an answer |
+//! | [`few_runs`] | the same for a simulator of which a run is dear |
 //! | [`reading`] | is the log read as it is meant? |
 //! | [`locate`](mod@locate) | where the gap lies: output, side, equation, frequency, region, time |
 //! | [`experiment`] | the experiment that would separate what this log cannot |
@@ -61,6 +62,7 @@ pub mod ceiling;
 pub mod diagnose;
 pub mod evidence;
 pub mod experiment;
+pub mod few_runs;
 pub mod fit;
 pub mod locate;
 pub mod quality;

@@ -77,7 +77,7 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     run(&out, &Manner::default(), &()).unwrap();
     assert_eq!(fs::read(out.join("answers.jsonl")).unwrap(), before, "nothing is left to do");
 
-    let result = score(&out, &truth, &()).unwrap();
+    let result = score(&out, &truth, Variant::AsLogged, &()).unwrap();
     assert_eq!((result.cases, result.unanswered, result.failed), (4, 0, 0));
     assert_eq!(result.invisible.of, 2);
     assert!(result.markdown().contains("| two effects: exact pair |"));
@@ -87,7 +87,7 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     let last = sealed.len() - 1;
     sealed[last] ^= 1;
     fs::write(&file, sealed).unwrap();
-    let broken = score(&out, &truth, &());
+    let broken = score(&out, &truth, Variant::AsLogged, &());
     assert!(matches!(broken, Err(BlindError::Broken { case }) if case == "case-0001"));
 }
 
@@ -230,7 +230,7 @@ fn a_known_controller_and_runs_from_rest_have_answers_of_their_own() {
         (answers("answers_known_controller.jsonl"), answers("answers_from_rest.jsonl"));
     assert_eq!((known.len(), rest.len()), (1, 2));
     assert!(known.iter().chain(&rest).all(|answer| answer.error.is_none()), "{known:?}");
-    let result = score(&out, &truth, &()).unwrap();
+    let result = score(&out, &truth, Variant::AsLogged, &()).unwrap();
     let names: Vec<&str> = result.classes.iter().map(|class| class.name.as_str()).collect();
     assert_eq!(names, ["loop", "cut"]);
     assert_eq!(result.classes[1].comparison.as_ref().unwrap().blamed.of, 1);

@@ -6,6 +6,7 @@
 //! | [`model`] | model files made of such expressions |
 //! | [`simulate`] | the contract of a simulator, and those that fulfil it |
 //! | [`outside`] | simulators that are programs of their own |
+//! | [`stand_in`] | linear models of simulators of which a run is dear |
 //! | [`scales`] | sizes of all signals in a simulation |
 //! | [`patch`] | effects spliced into a model, which stays a model |
 //!
@@ -56,3 +57,4 @@ pub mod outside;
 pub mod patch;
 pub mod scales;
 pub mod simulate;
+pub mod stand_in;

@@ -21,6 +21,8 @@ pub struct Settings {
     pub temperature: f64,
     /// Causes within this Bayes factor of the best are its rivals.
     pub bayes_factor: f64,
+    /// Single causes that the probabilities before the data are shared among; `None` for those that are tried.
+    pub causes: Option<usize>,
     /// Replicas of the bootstrap.
     pub replicas: usize,
     /// Seed of the bootstrap.
@@ -38,6 +40,7 @@ impl Default for Settings {
             two: 0.1,
             temperature: 1.5,
             bayes_factor: 20.0,
+            causes: None,
             replicas: 400,
             seed: 1,
         }

@@ -13,14 +13,17 @@ pub const SEPARATED: f64 = 9.0;
 ///
 /// Infinite when a simulation diverges.
 #[must_use]
-pub fn distance(truth: &mut Problem, at: &Minimum, rival: &Problem, rival_at: &Minimum) -> f64 {
+pub fn distance(truth: &Problem, at: &Minimum, rival: &Problem, rival_at: &Minimum) -> f64 {
+    // Whether two models can be told apart is no question to a simulator of which runs are dear.
+    let mut truth = truth.clone().on_stand_in();
     let Some(logs) = truth.simulated(&at.z) else { return f64::INFINITY };
     let plan = Arc::new(truth.plan().moved(logs, &truth.nuisance_values(&at.z)));
     let weights = truth.weights().clone();
     let (simulator, effects) = (rival.simulator().boxed(), rival.effects().to_vec());
-    let Ok(mut refit) = Problem::new(plan, simulator, effects, weights) else {
+    let Ok(refit) = Problem::new(plan, simulator, effects, weights) else {
         return f64::INFINITY;
     };
+    let mut refit = refit.on_stand_in();
     // From the rival's own fit, and from the truth's nuisances with the rival's effect.
     let effects = rival.effect_values(&rival_at.z);
     let origin = vec![0.0; rival.nuisances(&rival_at.z).len()];

@@ -111,8 +111,16 @@ impl<'a> Arena<'a> {
         let initial: Vec<f64> = self.leader.initial().iter().map(|state| state.value).collect();
         let x0 = x0.filter(|x0| x0.len() == initial.len()).unwrap_or(&initial);
         let theta = settled(&*self.leader);
-        let mut log =
-            Log { u, y: vec![0.0; samples * ny], nu, ny, samples, first: 0, is_in_motion: false };
+        let mut log = Log {
+            u,
+            y: vec![0.0; samples * ny],
+            nu,
+            ny,
+            samples,
+            first: 0,
+            is_in_motion: false,
+            row: None,
+        };
         let mut states = Vec::with_capacity(samples * x0.len());
         self.leader.start(&theta, x0, 0);
         for k in 0..samples {

@@ -91,18 +91,6 @@ pub trait LeastSquares {
     /// Writes the residuals; returns `false` when they are not finite.
     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool;
 
-    /// Residuals at several places; `None` where they are not finite. A problem that can look at
-    /// several places at once overrides this.
-    fn residuals_of_all(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        let rows = self.layout().residuals();
-        let mut all = Vec::with_capacity(places.len());
-        for z in places {
-            let mut r = vec![0.0; rows];
-            all.push(self.residuals(z, &mut r).then_some(r));
-        }
-        all
-    }
-
     /// Writes the slopes of the residuals `r` at `z`: one column per shared unknown from
     /// `columns.start` on, then one per own unknown, in which each segment has its own slope.
     /// Column numbers run over both kinds.

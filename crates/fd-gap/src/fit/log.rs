@@ -21,6 +21,8 @@ pub struct Log {
     pub(crate) first: usize,
     /// Whether the log begins in motion: its states are not where the model says they start.
     pub(crate) is_in_motion: bool,
+    /// Number of the first sample in all logs that are fitted, one after the other; `None` for others.
+    pub(crate) row: Option<usize>,
 }
 
 impl Log {
@@ -109,6 +111,7 @@ impl Log {
             samples: record.len(),
             first,
             is_in_motion: 0 < first,
+            row: None,
         })
     }
 
@@ -119,8 +122,11 @@ impl Log {
         simulator: &dyn Simulator,
         earlier: &[Record],
     ) -> Result<Vec<Self>, FitError> {
+        let mut next = 0;
         let each = records.iter().enumerate().map(|(i, record)| {
-            Ok(Self::new(record, simulator, i + 1)?.continuing(record, earlier))
+            let row = Some(next);
+            next += record.len();
+            Ok(Self { row, ..Self::new(record, simulator, i + 1)?.continuing(record, earlier) })
         });
         each.collect()
     }
@@ -137,6 +143,7 @@ impl Log {
         let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion && log.first == 0);
         for log in &mut logs {
             log.is_in_motion |= is_in_motion;
+            log.row = None;
         }
         Ok(logs)
     }

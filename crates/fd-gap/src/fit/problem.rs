@@ -15,11 +15,23 @@ use super::{
     weights::Weights,
 };
 
+/// Who simulates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    Simulator,
+    /// What stands in for it where slopes are asked for.
+    StandIn,
+}
+
 /// The weighted error of a simulation, as a function of nuisances and parameters of an effect.
 #[derive(Clone, Debug)]
 pub struct Problem {
     plan: Arc<Plan>,
     simulator: Box<dyn Simulator>,
+    /// What gives the slopes instead, where runs are dear.
+    stand_in: Option<Box<dyn Simulator>>,
+    /// Whether it gives everything else as well.
+    is_stood_in: bool,
     weights: Weights,
     effects: Vec<Variable>,
     layout: Layout,
@@ -74,7 +86,12 @@ impl Problem {
         let layout = Layout { shared: shared.len(), own: own_places.len(), segments };
         let variables = || shared.iter().chain(plan.own.iter().flatten());
         let initial: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+        // It knows the fitted logs and no others.
+        let stand_in =
+            simulator.stand_in().filter(|_| plan.logs.iter().all(|log| log.row.is_some()));
         Ok(Self {
+            stand_in,
+            is_stood_in: false,
             bounds: variables().map(Variable::range).collect(),
             prior: variables().map(|variable| [0.0, variable.precision()]).collect(),
             theta: simulator.parameters().iter().map(|p| p.value).collect(),
@@ -167,7 +184,7 @@ impl Problem {
 
     /// Simulates a segment at several places side by side, and says of each whether its outputs
     /// are finite.
-    fn simulate(&mut self, s: usize, places: &[&[f64]], y: &mut [Vec<f64>]) -> Vec<bool> {
+    fn simulate(&mut self, by: By, s: usize, places: &[&[f64]], y: &mut [Vec<f64>]) -> Vec<bool> {
         let Segment { log, from, to } = self.plan.segments[s];
         let log = &self.plan.logs[log];
         let settings: Vec<_> =
@@ -177,8 +194,20 @@ impl Problem {
             .map(|([theta, x0], y)| Run::new(theta, x0, &mut y[..(to - from) * log.ny]))
             .collect();
         // The input after the segment, for simulators that interpolate.
-        let u = &log.u[from * log.nu..(to + 1).min(log.samples) * log.nu];
-        self.simulator.simulate_many((log.first + from) as u64, u, &mut runs);
+        let rows = from..(to + 1).min(log.samples);
+        let first = (log.first + from) as u64;
+        match &mut self.stand_in {
+            Some(stand_in) if by == By::StandIn || self.is_stood_in => {
+                let begin = log.row.unwrap_or_default();
+                let row = |k: usize| log.input(k).iter().copied().chain([(begin + k) as f64]);
+                let u: Vec<f64> = rows.flat_map(row).collect();
+                stand_in.simulate_many(first, &u, &mut runs);
+            }
+            _ => {
+                let u = &log.u[rows.start * log.nu..rows.end * log.nu];
+                self.simulator.simulate_many(first, u, &mut runs);
+            }
+        }
         runs.iter().map(|run| run.outcome == Outcome::Complete).collect()
     }
 
@@ -212,8 +241,10 @@ impl Problem {
 
     /// Weighted residuals at several places, simulated side by side; `None` where they are not
     /// finite.
-    fn compare(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        self.simulations += places.len();
+    fn compare(&mut self, by: By, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        if by == By::Simulator && !self.is_stood_in {
+            self.simulations += places.len();
+        }
         let ny = self.weights.sigma.len();
         let mut y = vec![vec![0.0; self.longest * ny]; places.len()];
         let mut all = vec![Some(vec![0.0; self.layout.residuals()]); places.len()];
@@ -221,7 +252,7 @@ impl Problem {
             let is_finite = |i: &usize| all[*i].is_some();
             let left: Vec<usize> = (0..places.len()).filter(is_finite).collect();
             let now: Vec<&[f64]> = left.iter().map(|&i| places[i].as_slice()).collect();
-            let complete = self.simulate(s, &now, &mut y[..left.len()]);
+            let complete = self.simulate(by, s, &now, &mut y[..left.len()]);
             for ((i, is_complete), y) in left.into_iter().zip(complete).zip(&y) {
                 match &mut all[i] {
                     Some(r) if is_complete => self.weigh(s, y, r, None),
@@ -233,6 +264,32 @@ impl Problem {
             r.take_if(|r| !r.iter().all(|value| value.is_finite()));
         }
         all
+    }
+
+    /// Residuals at several places, beside one where they are known (`z`, `r`): where runs are dear, as far as
+    /// they change on the stand-in. `None` where they are not finite.
+    pub(crate) fn residuals_beside(
+        &mut self,
+        [z, r]: [&[f64]; 2],
+        places: &[Vec<f64>],
+    ) -> Vec<Option<Vec<f64>>> {
+        if self.stand_in.is_none() {
+            return self.compare(By::Simulator, places);
+        }
+        let mut found = self.compare(By::StandIn, &[&[z.to_vec()], places].concat()).into_iter();
+        let Some(Some(here)) = found.next() else { return vec![None; places.len()] };
+        let change = |there: Vec<f64>| -> Vec<f64> {
+            there.iter().zip(&here).zip(r).map(|((there, here), r)| r + there - here).collect()
+        };
+        found.map(|there| there.map(change)).collect()
+    }
+
+    /// The same problem, simulated by the stand-in alone where there is one: for questions about models, not
+    /// about the log.
+    #[must_use]
+    pub(crate) fn on_stand_in(mut self) -> Self {
+        self.is_stood_in = self.stand_in.is_some();
+        self
     }
 
     /// Errors (simulated less measured) in units of sigma, not whitened, NaN where nothing was
@@ -317,7 +374,7 @@ impl Problem {
     /// Simulated outputs of a segment; `None` when it diverges.
     fn segment_outputs(&mut self, s: usize, z: &[f64]) -> Option<Vec<f64>> {
         let mut y = [vec![0.0; self.layout.segments[s].len()]];
-        self.simulate(s, &[z], &mut y)[0].then(|| std::mem::take(&mut y[0]))
+        self.simulate(By::Simulator, s, &[z], &mut y)[0].then(|| std::mem::take(&mut y[0]))
     }
 
     /// The state at the start of a segment, in the order of the simulator.

@@ -54,6 +54,9 @@ pub struct Answer {
     pub seconds: f64,
     /// Number of candidates that were tried.
     pub candidates: usize,
+    /// Runs of a black box through the log that is fitted, where it was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub runs: Option<f64>,
     /// What simpler methods say.
     pub baselines: Option<Baselines>,
 }

@@ -7,6 +7,7 @@ use fd_effect::{
 };
 use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
+    few_runs::with_few_runs,
     fit::Horizon,
     reading::{self as gap, Mistake, suspect},
     road::{Road, road},
@@ -17,6 +18,7 @@ use fdiag::gap_study::follow;
 
 use super::{
     answer::{Answer, Named, Reading, Share, Together, UNCLEAR},
+    black_box::BlackBox,
     error::BlindError,
 };
 
@@ -66,12 +68,64 @@ pub(super) fn answer(
         None => (Vec::new(), as_read?),
     };
     let seconds = begun.elapsed().as_secs_f64();
+    Ok(Answer { reading, seconds, candidates, ..told(name, &diagnosis, road.as_ref()) })
+}
 
+/// How often a black box may be run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Runs {
+    AsNeeded,
+    Few,
+}
+
+/// Diagnoses a case of which the plant is a black box.
+pub(super) fn as_black_box(
+    name: &str,
+    model: &Model,
+    logs: &[Record; 2],
+    settings: &Settings,
+    runs: Runs,
+) -> Result<Answer, BlindError> {
+    let begun = Instant::now();
+    let [train, held_out] = logs;
+    let ts = train.ts();
+    let black_box = BlackBox::of(&with_default_sites(model), ts)?;
+    let shell = &black_box.shell;
+    let (samples, u) = (train.len(), inputs(train));
+    let scales = shell.scales(ts, &u, samples)?;
+    let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();
+    let suspects = EverySite::new(library(), shell.model(), scales);
+    let candidates = suspects.alone().iter().flatten().count();
+    let logs = std::slice::from_ref(train);
+    let held_out = std::slice::from_ref(held_out);
+    let case = diagnose::Case { nominal: shell, suspects: &suspects, logs, held_out };
+    let few = match runs {
+        Runs::AsNeeded => None,
+        Runs::Few => with_few_runs(shell, &forces, &case, settings, &())?,
+    };
+    let diagnosis = match few {
+        Some(few) => few.diagnosis,
+        None => diagnose(&case, settings, &())?,
+    };
+    let seconds = begun.elapsed().as_secs_f64();
+    let runs = Some(black_box.runs(samples));
+    // A shell is no file that could be simulated.
+    let told = told(name, &diagnosis, None);
+    Ok(Answer { seconds, candidates, runs, patched: None, closed: None, ..told })
+}
+
+/// The inputs of a record, row by row.
+fn inputs(record: &Record) -> Vec<f64> {
+    (0..record.len()).flat_map(|k| record.u(k).to_vec()).collect()
+}
+
+/// A diagnosis as an answer.
+fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
     let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
-    let together = match (&road, diagnosis.verdict, diagnosis.pairs.first()) {
+    let together = match (road, diagnosis.verdict, diagnosis.pairs.first()) {
         (Some(road), ..) if 1 < road.causes.len() => {
             road.causes.iter().map(|milestone| named(&milestone.cause)).collect()
         }
@@ -80,9 +134,8 @@ pub(super) fn answer(
     };
     let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));
     let closed = diagnosis.held_out.first().and_then(|held_out| held_out.closed_of_refit);
-    Ok(Answer {
+    Answer {
         case: name.to_owned(),
-        error: None,
         verdict: verdict(diagnosis.verdict).to_owned(),
         no_gap: diagnosis.no_gap,
         // Its probability; what is left above the floor breaks ties.
@@ -95,14 +148,11 @@ pub(super) fn answer(
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
             .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
-        reading,
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: refit.collect(),
         patched: Some(diagnosis.best.model.to_string()),
-        seconds,
-        candidates,
-        baselines: None,
-    })
+        ..Answer::default()
+    }
 }
 
 /// A diagnosis with several causes and the number of its candidates.
@@ -122,7 +172,7 @@ fn diagnosed(
     is_followed: bool,
 ) -> Result<Diagnosed, BlindError> {
     let Some(train) = logs.first() else { return Err(fd_gap::fit::FitError::NoLog.into()) };
-    let u: Vec<f64> = (0..train.len()).flat_map(|k| train.u(k).to_vec()).collect();
+    let u = inputs(train);
     let scales = nominal.scales(train.ts(), &u, train.len())?;
     let suspects = EverySite::new(library(), model, scales);
     let candidates = suspects.alone().iter().flatten().count();

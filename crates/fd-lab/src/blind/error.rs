@@ -31,6 +31,9 @@ pub enum BlindError {
     /// A model cannot be simulated.
     #[error(transparent)]
     Simulate(Box<SimulateError>),
+    /// A black box cannot be started.
+    #[error(transparent)]
+    Outside(#[from] fd_sim::outside::OutsideError),
     /// A model cannot be fitted.
     #[error(transparent)]
     Fit(Box<FitError>),

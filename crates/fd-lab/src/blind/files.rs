@@ -30,6 +30,10 @@ pub enum Variant {
     KnownController,
     /// From separate runs that begin at rest, where it was not.
     FromRest,
+    /// As it was logged, with the plant as a black box.
+    BlackBox,
+    /// The same with few runs of the plant.
+    FewRuns,
 }
 
 /// The model, and that with the controller in it.
@@ -52,6 +56,8 @@ impl Variant {
             Self::AsLogged => "answers.jsonl",
             Self::KnownController => "answers_known_controller.jsonl",
             Self::FromRest => "answers_from_rest.jsonl",
+            Self::BlackBox => "answers_black_box.jsonl",
+            Self::FewRuns => "answers_few_runs.jsonl",
         }
     }
 

@@ -8,6 +8,7 @@
 
 mod answer;
 mod baselines;
+mod black_box;
 mod conditions;
 mod controller;
 mod diagnose;

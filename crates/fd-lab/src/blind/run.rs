@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{
     answer::{Answer, read_answers},
     baselines,
-    diagnose::answer,
+    diagnose::{Runs, answer, as_black_box},
     error::BlindError,
     files::{Case, Variant},
     make::{CASES, COMMITMENT},
@@ -60,7 +60,11 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
     let (model, logs) = case.read(manner.variant)?;
     let settings = (manner.settings)(&model, &logs)?;
     let [train, held_out] = &logs;
-    let mut answer = answer(&case.name, &model, train, held_out, &settings)?;
+    let mut answer = match manner.variant {
+        Variant::BlackBox => as_black_box(&case.name, &model, &logs, &settings, Runs::AsNeeded)?,
+        Variant::FewRuns => as_black_box(&case.name, &model, &logs, &settings, Runs::Few)?,
+        _ => answer(&case.name, &model, train, held_out, &settings)?,
+    };
     if manner.with_baselines {
         // Simpler methods are not made for holes; what they cannot do is no fault of the diagnosis.
         answer.baselines = baselines::all(&model, train, held_out).ok();

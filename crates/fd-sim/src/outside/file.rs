@@ -253,16 +253,11 @@ impl OutsideFile {
     /// Returns an error when the file's sample time is no multiple of the simulator's, or its equations are not
     /// those of this shell.
     pub fn shell(&self, simulator: &OutsideSimulator) -> Result<Shell, SimulateError> {
-        let contract = simulator.contract();
-        let mut shell = Shell::new(&contract.name, simulator.boxed())?.with_noise(&contract.noise);
+        let shell = simulator.shell()?;
         if let Some(text) = &self.equations {
             return shell.with_model(text.parse::<Model>()?);
         }
-        for (port, motion) in contract.ports.iter().zip(&contract.motion) {
-            let [position, velocity] = [&motion.position, &motion.velocity].map(Option::as_deref);
-            shell = shell.with_motion(&port.channel.name, position, velocity)?;
-        }
-        let (own, ts) = (contract.ts.seconds(), self.stated.sample_time);
+        let (own, ts) = (simulator.ts().seconds(), self.stated.sample_time);
         let ts = ts.unwrap_or(own);
         let ratio = ts / own;
         if ratio.round() < 1.0 || 1e-9 * ratio < (ratio - ratio.round()).abs() {

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     model::Parameter,
-    simulate::{Initial, Outcome, Port, Run, Simulator, Tape, as_tapes},
+    simulate::{Initial, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape, as_tapes},
 };
 
 /// What distinguishes a measurement from a step in the past of a run, and a whole run from both.
@@ -114,6 +114,21 @@ impl OutsideSimulator {
             has_diverged: false,
             was_made: false,
         }
+    }
+
+    /// The shell around it, with the noise and the motion that its contract tells of.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the contract has no outputs, a value out of order, or a motion that is no output.
+    pub fn shell(&self) -> Result<Shell, SimulateError> {
+        let contract = self.contract();
+        let mut shell = Shell::new(&contract.name, self.boxed())?.with_noise(&contract.noise);
+        for (port, motion) in contract.ports.iter().zip(&contract.motion) {
+            let [position, velocity] = [&motion.position, &motion.velocity].map(Option::as_deref);
+            shell = shell.with_motion(&port.channel.name, position, velocity)?;
+        }
+        Ok(shell)
     }
 
     /// What the simulator is.

@@ -69,6 +69,13 @@ pub trait Nominal: std::fmt::Debug + Send + Sync {
         self.patched(self.model(), ts)
     }
 
+    /// Whether it integrates with steps of its own, so that [`Model::step`] changes nothing.
+    ///
+    /// [`Model::step`]: crate::model::Model::step
+    fn keeps_step(&self) -> bool {
+        false
+    }
+
     /// Sizes of all signals of the model in a simulation without any effect.
     ///
     /// # Errors

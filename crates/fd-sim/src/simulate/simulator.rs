@@ -289,6 +289,13 @@ pub trait Simulator: Debug + Send + Sync {
     /// Says that the run is over, so that what it holds (a process, a licence) is free for others. The next
     /// thing it is asked is [`start`](Self::start), if anything. Nothing has to be told: it only saves time.
     fn rest(&mut self) {}
+
+    /// A cheaper simulator whose slopes may stand for those of this one, where this one is dear. It has one
+    /// input more, the last: the number of the sample in all logs of a case, one after the other, counted from
+    /// 0. See [`StandIn`](crate::stand_in::StandIn).
+    fn stand_in(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
 }
 
 impl Clone for Box<dyn Simulator> {

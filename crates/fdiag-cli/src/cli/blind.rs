@@ -151,6 +151,22 @@ enum Form {
     KnownController,
     /// From separate runs that begin at rest, where it was not
     FromRest,
+    /// As it was logged, with the plant as a black box that only steps
+    BlackBox,
+    /// The same with few runs of the plant
+    FewRuns,
+}
+
+impl Form {
+    fn variant(self) -> Variant {
+        match self {
+            Self::AsLogged => Variant::AsLogged,
+            Self::KnownController => Variant::KnownController,
+            Self::FromRest => Variant::FromRest,
+            Self::BlackBox => Variant::BlackBox,
+            Self::FewRuns => Variant::FewRuns,
+        }
+    }
 }
 
 /// How long simulations run without seeing the outputs.
@@ -190,6 +206,9 @@ pub(crate) struct ScoreArgs {
     /// Directory of the truth [default: the one of the cases with `-truth` added]
     #[arg(long, value_name = "DIR")]
     truth: Option<PathBuf>,
+    /// The form of which the answers are scored
+    #[arg(long, value_name = "FORM", value_enum, default_value_t)]
+    form: Form,
     /// Write the tables as Markdown, too
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
@@ -228,11 +247,7 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
 }
 
 fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
-    let variant = match args.form {
-        Form::AsLogged => Variant::AsLogged,
-        Form::KnownController => Variant::KnownController,
-        Form::FromRest => Variant::FromRest,
-    };
+    let variant = args.form.variant();
     let progress = Bar::new("cases");
     let settings = |model: &Model, logs: &[Record; 2]| match args.horizon {
         Span::Free => Ok(Settings::default()),
@@ -252,7 +267,7 @@ fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.directory));
     let progress = Bar::new("cases");
     let score = pool(args.output.threads)?
-        .install(|| score(&args.directory, &truth, &progress))
+        .install(|| score(&args.directory, &truth, args.form.variant(), &progress))
         .map_err(refusal)?;
     progress.finish();
     if let Some(file) = &args.markdown {

@@ -26,15 +26,14 @@ pub(super) fn ties(causes: &[RankedCause], searched: &Searched<'_>, settings: &S
         }
         Basis::Measurement(_) => None,
     };
-    let Some((problem, at)) = fitted(first) else { return ties };
-    let mut truth = problem.clone();
+    let Some((truth, at)) = fitted(first) else { return ties };
     let near = causes.iter().enumerate().skip(1).take_while(|(_, ranked)| {
         first.cause.log_evidence - ranked.cause.log_evidence < settings.bayes_factor.ln()
     });
     for (place, ranked) in near.take(MOST_RIVALS) {
         let Some((problem, rival_at)) = fitted(ranked) else { continue };
         let cause = CauseId(place);
-        let distance = distance(&mut truth, at, problem, rival_at);
+        let distance = distance(truth, at, problem, rival_at);
         if distance < SEPARATED {
             ties.tied.push(cause);
         } else {

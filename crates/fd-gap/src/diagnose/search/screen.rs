@@ -6,7 +6,7 @@ use super::{
     command::Command,
     trial::{ScoredStart, Trial},
 };
-use crate::fit::{LeastSquares, NullFit, Projection};
+use crate::fit::{NullFit, Projection};
 
 /// Largest amplitude that a score test may ask for: laws are not linear.
 const AMPLITUDE: f64 = 4.0;
@@ -60,10 +60,13 @@ impl Trial<'_> {
 
     /// Scores starts, and sorts all by what they could explain.
     fn score(&mut self, null: &NullFit, projection: &Projection<'_>, starts: &[Vec<f64>]) {
+        let neutral = self.problem.place(&null.minimum.z, &self.neutral());
         for starts in starts.chunks(AT_A_TIME) {
             let place = |start: &Vec<f64>| self.problem.place(&null.minimum.z, start);
             let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
-            for (start, r) in starts.iter().zip(self.problem.residuals_of_all(&places)) {
+            let known = [neutral.as_slice(), null.minimum.r.as_slice()];
+            let found = self.problem.residuals_beside(known, &places);
+            for (start, r) in starts.iter().zip(found) {
                 if let Some(r) = r {
                     let score = projection.score(&r, self.amplitudes(start));
                     self.scored.push(ScoredStart { values: start.clone(), score });

@@ -22,7 +22,7 @@ const CHECKED: usize = 5;
 
 /// The same search with a shorter integration step: it is halved, and the finalists and the model
 /// without any effect are fitted again, until the outputs of the best do not depend on it by more
-/// than a fifth of the noise. A model that is sampled itself stays as it is.
+/// than a fifth of the noise. A model that is sampled itself, or a simulator with a step of its own, stays as it is.
 pub(super) fn with_short_steps<'a>(
     nominal: &dyn Nominal,
     searched: Searched<'a>,
@@ -30,7 +30,7 @@ pub(super) fn with_short_steps<'a>(
     let Searched { mut model, mut null, mut trials, .. } = searched;
     // A model that is sampled itself has no step that could be halved: that of a sample is its law.
     let is_sampled = !model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
-    for _ in 0..if is_sampled { 0 } else { MOST_HALVINGS } {
+    for _ in 0..if is_sampled || nominal.keeps_step() { 0 } else { MOST_HALVINGS } {
         let Some(step) = model.step.map(|step| 0.5 * step) else { break };
         let mut best: Vec<&Trial<'_>> = trials.iter().filter(|trial| trial.is_final).collect();
         best.sort_by(|a, b| a.cost().total_cmp(&b.cost()));

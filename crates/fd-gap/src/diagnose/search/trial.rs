@@ -171,7 +171,7 @@ impl<'a> Trial<'a> {
     }
 
     /// The effect is absent.
-    fn neutral(&self) -> Vec<f64> {
+    pub(super) fn neutral(&self) -> Vec<f64> {
         self.candidate.parameters.iter().map(|p| p.neutral.clamp(p.low, p.high)).collect()
     }
 

@@ -13,9 +13,10 @@ pub(in crate::diagnose) struct Priors {
 }
 
 impl Priors {
-    /// With so many single causes.
+    /// With so many single causes, unless the settings say otherwise.
     pub(in crate::diagnose) fn of(settings: &Settings, causes: usize) -> Self {
         let Settings { no_gap, unknown, two, .. } = *settings;
+        let causes = settings.causes.unwrap_or(causes);
         let share = |all: f64, n: usize| all / n.max(1) as f64;
         Self {
             no_gap,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{
     super::layout::{Layout, LeastSquares, Linearization},
-    Problem,
+    By, Problem,
 };
 
 /// Step of a forward difference in a nuisance, in scales. Rounding errors of a simulation are
@@ -30,6 +30,50 @@ impl Problem {
         (0..count).map(move |s| column + s * own)
     }
 
+    /// Residuals and slopes by differences.
+    fn differences(
+        &mut self,
+        by: By,
+        places: &[Vec<f64>],
+        columns: Range<usize>,
+    ) -> Vec<Option<Linearization>> {
+        let steps: Vec<Vec<f64>> =
+            places.iter().map(|z| columns.clone().map(|c| self.step(z, c)).collect()).collect();
+        let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
+        for (z, steps) in places.iter().zip(&steps) {
+            batch.push(z.clone());
+            batch.extend(columns.clone().zip(steps).map(|(c, step)| self.moved(z, c, *step)));
+        }
+        let mut found = self.compare(by, &batch).into_iter();
+        let mut all = Vec::with_capacity(places.len());
+        // Where the simulator does not like this direction, the other one is tried.
+        let mut again: Vec<(usize, usize)> = Vec::new();
+        for (p, steps) in steps.iter().enumerate() {
+            let r = found.next().flatten();
+            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
+            all.push(r.map(|r| {
+                let slope = |(i, trial): (usize, Option<Vec<f64>>)| {
+                    let Some(trial) = trial else {
+                        again.push((p, i));
+                        return vec![0.0; r.len()];
+                    };
+                    difference(trial, &r, steps[i])
+                };
+                let slopes = trials.into_iter().enumerate().map(slope).collect();
+                Linearization { r, slopes }
+            }));
+        }
+        let back =
+            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
+        let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
+        for ((p, i), trial) in again.into_iter().zip(self.compare(by, &batch)) {
+            if let (Some(there), Some(trial)) = (&mut all[p], trial) {
+                there.slopes[i] = difference(trial, &there.r, -steps[p][i]);
+            }
+        }
+        all
+    }
+
     fn moved(&self, z: &[f64], column: usize, step: f64) -> Vec<f64> {
         let mut moved = z.to_vec();
         for i in self.unknowns(column) {
@@ -53,15 +97,11 @@ impl LeastSquares for Problem {
     }
 
     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
-        let found = self.compare(&[z.to_vec()]).pop().flatten();
+        let found = self.compare(By::Simulator, &[z.to_vec()]).pop().flatten();
         if let Some(found) = &found {
             r.copy_from_slice(found);
         }
         found.is_some()
-    }
-
-    fn residuals_of_all(&mut self, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        self.compare(places)
     }
 
     fn slopes(&mut self, z: &[f64], _r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
@@ -76,41 +116,13 @@ impl LeastSquares for Problem {
         places: &[Vec<f64>],
         columns: Range<usize>,
     ) -> Vec<Option<Linearization>> {
-        let steps: Vec<Vec<f64>> =
-            places.iter().map(|z| columns.clone().map(|c| self.step(z, c)).collect()).collect();
-        let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
-        for (z, steps) in places.iter().zip(&steps) {
-            batch.push(z.clone());
-            batch.extend(columns.clone().zip(steps).map(|(c, step)| self.moved(z, c, *step)));
+        if self.stand_in.is_none() {
+            return self.differences(By::Simulator, places, columns);
         }
-        let mut found = self.compare(&batch).into_iter();
-        let mut all = Vec::with_capacity(places.len());
-        // Where the simulator does not like this direction, the other one is tried.
-        let mut again: Vec<(usize, usize)> = Vec::new();
-        for (p, steps) in steps.iter().enumerate() {
-            let r = found.next().flatten();
-            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
-            all.push(r.map(|r| {
-                let slope = |(i, trial): (usize, Option<Vec<f64>>)| {
-                    let Some(trial) = trial else {
-                        again.push((p, i));
-                        return vec![0.0; r.len()];
-                    };
-                    difference(trial, &r, steps[i])
-                };
-                let slopes = trials.into_iter().enumerate().map(slope).collect();
-                Linearization { r, slopes }
-            }));
-        }
-        let back =
-            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
-        let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
-        for ((p, i), trial) in again.into_iter().zip(self.compare(&batch)) {
-            if let (Some(there), Some(trial)) = (&mut all[p], trial) {
-                there.slopes[i] = difference(trial, &there.r, -steps[p][i]);
-            }
-        }
-        all
+        let here = self.compare(By::Simulator, places);
+        let stood_in = self.differences(By::StandIn, places, columns);
+        let both = here.into_iter().zip(stood_in);
+        both.map(|(r, there)| Some(Linearization { r: r?, slopes: there?.slopes })).collect()
     }
 }
 

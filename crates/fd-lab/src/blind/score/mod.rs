@@ -126,12 +126,18 @@ pub struct BySquares {
     pub rates: [Rate; 2],
 }
 
-/// Opens all truths, checks that they are those that were committed to, and scores the answers.
+/// Opens all truths, checks that they are those that were committed to, and scores the answers to cases of this
+/// form; those of the other forms stand beside them in the table of classes.
 ///
 /// # Errors
 ///
 /// Returns an error when a file cannot be read or a truth does not match its commitment.
-pub fn score(directory: &Path, truths: &Path, watcher: &impl Watcher) -> Result<Score, BlindError> {
+pub fn score(
+    directory: &Path,
+    truths: &Path,
+    form: Variant,
+    watcher: &impl Watcher,
+) -> Result<Score, BlindError> {
     let file = truths.join(KEY);
     let key = fs::read_to_string(&file).map_err(BlindError::file(&file))?;
     let key = SealKey::parse(&key)
@@ -156,16 +162,16 @@ pub fn score(directory: &Path, truths: &Path, watcher: &impl Watcher) -> Result<
                 let of_case = |e| BlindError::Case { case: case.name.clone(), error: Box::new(e) };
                 let judged = answer.map(|answer| judge(Some((case, variant)), truth, answer));
                 let verdict = judged.transpose().map_err(of_case)?;
-                if variant == Variant::AsLogged {
+                if variant == form {
                     watcher.advance();
                 }
                 Ok(verdict)
             })
             .collect()
     };
-    let as_logged = judged(Variant::AsLogged)?;
-    let unanswered = as_logged.iter().filter(|verdict| verdict.is_none()).count();
-    let verdicts: Vec<Verdict> = as_logged.into_iter().flatten().collect();
+    let of_form = judged(form)?;
+    let unanswered = of_form.iter().filter(|verdict| verdict.is_none()).count();
+    let verdicts: Vec<Verdict> = of_form.into_iter().flatten().collect();
     let [known, from_rest] = [Variant::KnownController, Variant::FromRest].map(judged);
     let others = [known?, from_rest?].map(|all| all.into_iter().flatten().collect::<Vec<_>>());
     let classes = classes::all(&verdicts, &others);

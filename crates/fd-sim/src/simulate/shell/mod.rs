@@ -24,9 +24,12 @@
 
 mod build;
 mod prune;
+mod row;
 mod run;
 mod scales;
 mod wiring;
+
+use std::sync::Arc;
 
 use fd_model::{SampleTime, nearest};
 
@@ -72,6 +75,8 @@ pub struct Shell {
     inside: Box<dyn Simulator>,
     model: Model,
     names: Names,
+    /// What lends its slopes to fits of the simulator.
+    stand_in: Option<Arc<Shell>>,
 }
 
 /// Names of the model of a shell, in the order of the simulator inside.
@@ -97,7 +102,7 @@ impl Shell {
     /// or bounds that are not in order.
     pub fn new(name: &str, inside: Box<dyn Simulator>) -> Result<Self, ModelError> {
         let (model, names) = build(name, &*inside)?;
-        Ok(Self { inside, model, names })
+        Ok(Self { inside, model, names, stand_in: None })
     }
 
     /// States the standard deviation of the noise of each output, in its unit. Outputs beyond the
@@ -152,6 +157,17 @@ impl Shell {
         Ok(self)
     }
 
+    /// Lends fits of the simulator the slopes of a stand-in, a shell that is told the row of a log.
+    #[must_use]
+    pub(crate) fn with_stand_in(self, stand_in: Self) -> Self {
+        Self { stand_in: Some(Arc::new(stand_in)), ..self }
+    }
+
+    /// Steps of the simulator inside per sample.
+    pub(crate) fn steps(&self, ts: SampleTime) -> Result<usize, SimulateError> {
+        run::steps(self.inside.ts(), ts)
+    }
+
     /// The simulator inside.
     #[must_use]
     pub fn inside(&self) -> &dyn Simulator {
@@ -173,7 +189,13 @@ impl Nominal for Shell {
 
     fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
         let wiring = Wiring::new(model, &self.names)?;
-        Ok(Box::new(ShellSimulator::new(self.inside.boxed(), model, &wiring, ts)?))
+        let simulator = ShellSimulator::new(self.inside.boxed(), model, &wiring, ts)?;
+        let stand_in = self.stand_in.as_ref().map(|shell| shell.patched_with_row(model, ts));
+        Ok(Box::new(simulator.with_stand_in(stand_in.transpose()?)))
+    }
+
+    fn keeps_step(&self) -> bool {
+        true
     }
 
     fn scales(

@@ -45,6 +45,7 @@ pub struct ShellSimulator {
     /// Outputs between two samples.
     between: Vec<f64>,
     has_diverged: bool,
+    stand_in: Option<Box<dyn Simulator>>,
 }
 
 /// Where the mean of a signal over a step comes from, by place.
@@ -97,6 +98,21 @@ impl Part {
     }
 }
 
+/// Steps of a simulator with samples `own` apart, per sample `ts`.
+pub(super) fn steps(own: SampleTime, ts: SampleTime) -> Result<usize, SimulateError> {
+    let ratio = ts.seconds() / own.seconds();
+    if ratio.round() < 1.0 || ROUNDING * ratio < (ratio - ratio.round()).abs() {
+        return Err(SimulateError::Rate { own: own.seconds(), ts: ts.seconds() });
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "whole and at least 1"
+    )]
+    let steps = ratio.round() as usize;
+    Ok(steps)
+}
+
 impl ShellSimulator {
     pub(super) fn new(
         inside: Box<dyn Simulator>,
@@ -105,16 +121,7 @@ impl ShellSimulator {
         ts: SampleTime,
     ) -> Result<Self, SimulateError> {
         let own = inside.ts();
-        let ratio = ts.seconds() / own.seconds();
-        if ratio.round() < 1.0 || ROUNDING * ratio < (ratio - ratio.round()).abs() {
-            return Err(SimulateError::Rate { own: own.seconds(), ts: ts.seconds() });
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "whole and at least 1"
-        )]
-        let steps = ratio.round() as usize;
+        let steps = steps(own, ts)?;
         let part = |model: &Option<Model>| model.as_ref().map(|m| Part::new(m, own)).transpose();
         let before = part(&wiring.before)?;
         let place = |source: &Source| match source {
@@ -151,8 +158,14 @@ impl ShellSimulator {
             row: zeros(nu + ny),
             between: zeros(ny),
             has_diverged: false,
+            stand_in: None,
             inside,
         })
+    }
+
+    /// The same simulator with the slopes of another one.
+    pub(super) fn with_stand_in(self, stand_in: Option<Box<dyn Simulator>>) -> Self {
+        Self { stand_in, ..self }
     }
 
     /// One step of the simulator inside; `false` when it diverges.
@@ -360,5 +373,9 @@ impl Simulator for ShellSimulator {
 
     fn rest(&mut self) {
         self.inside.rest();
+    }
+
+    fn stand_in(&self) -> Option<Box<dyn Simulator>> {
+        self.stand_in.clone()
     }
 }

@@ -1,0 +1,78 @@
+//! A diagnosis of a simulator of which a run is dear.
+//!
+//! The same diagnosis is made twice. First on a [`StandIn`], the simulator linearised along the logs, with every
+//! candidate, which costs no run at all. Then on the simulator itself, with those causes and pairs that came out
+//! best, each from the values that were found; a step of a fit costs one run then, since the slopes are those of the
+//! stand-in. What is said comes from the second: the first only proposes.
+//!
+//! *When not to use:* for equations, where [`diagnose()`](crate::diagnose::diagnose()) takes a second. Where the stand-in
+//! foretells little ([`FewRuns::explains`]), what it proposes is worth little as well, and the first diagnosis
+//! has to be made on the simulator.
+
+mod proposals;
+
+use fd_sim::{
+    simulate::{Nominal, Shell},
+    stand_in::{Replay, StandIn},
+};
+
+use self::proposals::Proposals;
+use crate::{
+    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
+    fit::{FitError, Log},
+};
+
+/// Share of a disturbance that a stand-in has to foretell before it may propose.
+const FORETOLD: f64 = 0.5;
+
+/// A diagnosis with few runs of the simulator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FewRuns {
+    /// What the simulator says of the causes that were proposed.
+    pub diagnosis: Diagnosis,
+    /// What the stand-in says of all causes.
+    pub proposed: Diagnosis,
+    /// Share of a disturbance that the stand-in foretells.
+    pub explains: f64,
+    /// Runs of all logs that the stand-in was made of.
+    pub runs: usize,
+}
+
+/// Diagnoses a simulator in its shell with few runs; `suspects` are those of the shell, and `forces` typical forces at
+/// its ports. `None` where there is no stand-in for the simulator, or one that foretells too little: then
+/// [`diagnose()`](crate::diagnose::diagnose()) is the way.
+///
+/// # Errors
+///
+/// As [`diagnose()`](crate::diagnose::diagnose()).
+pub fn with_few_runs(
+    shell: &Shell,
+    forces: &[f64],
+    case: &Case<'_>,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Option<FewRuns>, FitError> {
+    let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
+    let simulator = shell.simulator(ts)?;
+    let logs = Log::all(case.logs, &*simulator, &[])?;
+    let replays: Vec<Replay<'_>> = logs
+        .iter()
+        .map(|log| Replay { u: &log.u, samples: log.samples, first: log.first as u64 })
+        .collect();
+    let Some(stand_in) = StandIn::of(shell, ts, &replays, forces)? else { return Ok(None) };
+    if stand_in.explains() < FORETOLD {
+        return Ok(None);
+    }
+    let records = case.logs.iter().enumerate().map(|(i, record)| stand_in.record(i, record));
+    // A log with a channel of that name has no stand-in.
+    let Ok(records) = records.collect::<Result<Vec<_>, _>>() else { return Ok(None) };
+    let proposing = Case { nominal: &stand_in, logs: &records, held_out: &[], ..*case };
+    let proposed = diagnose(&proposing, settings, monitor)?;
+    let proposals = Proposals::of(&proposed, case.suspects);
+    let lent = stand_in.lent();
+    let confirming = Case { nominal: &lent, suspects: &proposals, ..*case };
+    let settings = Settings { causes: Some(proposed.causes.len()), ..settings.clone() };
+    let diagnosis = diagnose(&confirming, &settings, monitor)?;
+    let (explains, runs) = (stand_in.explains(), stand_in.runs());
+    Ok(Some(FewRuns { diagnosis, proposed, explains, runs }))
+}

@@ -1,0 +1,109 @@
+//! What a stand-in proposes.
+
+use fd_effect::{Candidate, EffectParameter, Kind, Offers, SiteRef, Suspects};
+use fd_sim::model::Model;
+
+use crate::diagnose::{Cause, Diagnosis};
+
+/// Causes that are tried on the simulator.
+const CAUSES: usize = 8;
+/// Pairs that are.
+const PAIRS: usize = 3;
+
+/// The best causes and pairs of a diagnosis, each with one law and the values that were found.
+#[derive(Debug)]
+pub(super) struct Proposals<'a> {
+    suspects: &'a dyn Suspects,
+    singles: Vec<Proposal>,
+    pairs: Vec<[Proposal; 2]>,
+}
+
+/// A law of a cause, with the model in which its parameters have the values that were found.
+#[derive(Debug)]
+struct Proposal {
+    label: &'static str,
+    law: &'static str,
+    site: SiteRef,
+    partner: Option<SiteRef>,
+    model: Model,
+}
+
+impl Proposal {
+    fn of(cause: &Cause) -> Self {
+        let Cause { label, law, site, partner, model, .. } = cause.clone();
+        Self { label, law, site, partner, model }
+    }
+
+    fn is_of(&self, candidate: &Candidate) -> bool {
+        candidate.identity() == (self.label, &self.site, self.partner.as_ref())
+            && candidate.law == self.law
+    }
+
+    /// The candidate, started from the values that were found and nowhere else.
+    fn started(&self, candidate: Candidate) -> Candidate {
+        let found = |p: &EffectParameter| {
+            let known = self.model.parameters.iter().find(|known| known.name == p.name);
+            known.map_or(p.neutral, |known| known.value).clamp(p.low, p.high)
+        };
+        let starts = vec![candidate.parameters.iter().map(found).collect()];
+        Candidate { starts, spectral: None, ..candidate }
+    }
+}
+
+impl<'a> Proposals<'a> {
+    /// The proposals of a diagnosis of these suspects.
+    pub(super) fn of(diagnosis: &Diagnosis, suspects: &'a dyn Suspects) -> Self {
+        let pairs: Vec<[Proposal; 2]> = diagnosis
+            .pairs
+            .iter()
+            .take(PAIRS)
+            .map(|pair| pair.causes.each_ref().map(Proposal::of))
+            .collect();
+        // Halves of pairs are singles, too, for a pair is tried beside one.
+        let is_half = |cause: &Cause| {
+            pairs.iter().flatten().any(|half| {
+                (half.label, &half.site, &half.partner)
+                    == (cause.label, &cause.site, &cause.partner)
+            })
+        };
+        let causes = diagnosis.causes.iter().enumerate();
+        let chosen = causes.filter(|(place, cause)| *place < CAUSES || is_half(cause));
+        let singles = chosen.map(|(_, cause)| Proposal::of(cause)).collect();
+        Self { suspects, singles, pairs }
+    }
+}
+
+impl Suspects for Proposals<'_> {
+    fn alone(&self) -> Offers {
+        let offers = self.suspects.alone().into_iter();
+        let each = offers.filter_map(|offer| match offer {
+            // A distribution costs no run.
+            Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
+            Ok(candidate) => {
+                let proposal = self.singles.iter().find(|proposal| proposal.is_of(&candidate));
+                proposal.map(|proposal| Ok(proposal.started(candidate)))
+            }
+            Err(refused) => Some(Err(refused)),
+        });
+        each.collect()
+    }
+
+    fn beside(&self, first: &Candidate) -> Offers {
+        let others: Vec<&Proposal> = self
+            .pairs
+            .iter()
+            .flat_map(|[a, b]| [[a, b], [b, a]])
+            .filter(|[one, _]| one.is_of(first))
+            .map(|[_, other]| other)
+            .collect();
+        if others.is_empty() {
+            return Vec::new();
+        }
+        let offers = self.suspects.beside(first).into_iter().flatten();
+        let each = offers.filter_map(|candidate| {
+            let proposal = others.iter().find(|proposal| proposal.is_of(&candidate))?;
+            Some(Ok(proposal.started(candidate)))
+        });
+        each.collect()
+    }
+}

@@ -1,0 +1,82 @@
+//! How well a linear model foretells a run of the simulator.
+
+use super::{affine::Affine, replay::Replay};
+use crate::simulate::Simulator;
+
+/// How far inputs and forces are disturbed, as a part of their size …
+const DISTURBED: f64 = 0.1;
+/// … and for how many steps into one direction.
+const HOLD: usize = 16;
+
+/// Share of the change of the outputs by a disturbance of inputs, forces and parameters that is foretold, from 0
+/// to 1; 0 when a run diverges.
+pub(super) fn explained(
+    simulator: &dyn Simulator,
+    affine: &Affine,
+    replays: &[Replay<'_>],
+    steps: usize,
+    forces: &[f64],
+) -> f64 {
+    let parameters = simulator.parameters().iter().enumerate();
+    let theta: Vec<f64> = parameters
+        .map(|(i, p)| {
+            let moved = p.value * (1.0 + 0.5 * p.tolerance * sign(i, 0));
+            p.bounds.map_or(moved, |[low, high]| moved.clamp(low, high))
+        })
+        .collect();
+    let (mut real, mut linear) = (simulator.boxed(), affine.boxed());
+    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let size = |i: usize| {
+        let column = replays.iter().flat_map(|r| r.u.iter().skip(i).step_by(nu));
+        column.fold(0.0_f64, |most, u| most.max(u.abs()))
+    };
+    let sizes: Vec<f64> = (0..nu).map(size).collect();
+    // Sums of squares per output: of what is not foretold, and of the change.
+    let mut squares = vec![[0.0; 2]; ny];
+    let mut begin = 0;
+    for replay in replays {
+        real.start(&theta, &x0, replay.begin(steps));
+        linear.start(&theta, &x0, replay.begin(steps));
+        let mut still = affine.clone();
+        still.start(&nominal, &x0, replay.begin(steps));
+        let [mut y, mut foretold, mut undisturbed] = [(); 3].map(|()| vec![0.0; ny]);
+        for k in 0..replay.samples * steps {
+            let plain = replay.input(k, steps, nu);
+            let row = (begin + k / steps) as f64;
+            let disturbed =
+                |(i, u): (usize, &f64)| u + DISTURBED * sizes[i] * sign(i, 1 + k / HOLD);
+            let u: Vec<f64> = plain.iter().enumerate().map(disturbed).collect();
+            let force = |(i, f): (usize, &f64)| DISTURBED * f * sign(nu + i, 1 + k / HOLD);
+            let mut f: Vec<f64> = forces.iter().enumerate().map(force).collect();
+            f.resize(simulator.ports().len(), 0.0);
+            let with_row = |u: &[f64]| [u, &[row]].concat();
+            real.step(&u, &u, &f, &mut y);
+            linear.step(&with_row(&u), &with_row(&u), &f, &mut foretold);
+            still.step(&with_row(plain), &with_row(plain), &[], &mut undisturbed);
+            for (c, squares) in squares.iter_mut().enumerate() {
+                squares[0] += (y[c] - foretold[c]).powi(2);
+                squares[1] += (y[c] - undisturbed[c]).powi(2);
+            }
+        }
+        real.rest();
+        begin += replay.samples;
+    }
+    let shares = squares.iter().filter(|[_, all]| 0.0 < *all).map(|[left, all]| 1.0 - left / all);
+    let least = shares.fold(f64::INFINITY, f64::min);
+    // What nothing moves says nothing; what diverges is not foretold.
+    if squares.iter().flatten().all(|s| s.is_finite()) && least.is_finite() {
+        least.max(0.0)
+    } else {
+        0.0
+    }
+}
+
+/// A sign by chance, the same in every run: a hash of two numbers (the finaliser of `SplitMix64`).
+fn sign(i: usize, k: usize) -> f64 {
+    let mut h = ((i as u64) << 32 | k as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    h = (h ^ (h >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    h = (h ^ (h >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    if (h ^ (h >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+}

@@ -1,0 +1,162 @@
+//! From runs of a simulator to its slopes along replays.
+
+use super::{replay::Replay, slopes::Slopes};
+use crate::simulate::Simulator;
+
+/// Step of a difference, as a part of what a signal usually does: outputs may be rounded to seven digits, and
+/// plants bend.
+const STEP: f64 = 1e-3;
+
+/// Runs through the replays, once as they are, and once more for everything that can be moved, in each step from
+/// the state that the replay has there. `None` when that is not possible, or a run diverges.
+pub(super) fn linearise(
+    simulator: &dyn Simulator,
+    replays: &[Replay<'_>],
+    steps: usize,
+    forces: &[f64],
+) -> Option<Slopes> {
+    let mut simulator = simulator.boxed();
+    let nu = simulator.inputs().len();
+    let nx = simulator.initial().len();
+    let nf = simulator.ports().len();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let ny = simulator.outputs().len();
+    let widths = [nx, nu, nf, theta.len()];
+    let mut found = Slopes {
+        widths,
+        ny,
+        theta: theta.clone(),
+        u: vec![],
+        x: vec![],
+        result: vec![],
+        slopes: vec![],
+    };
+    let still = Moved { x: None, u: None, f: None, theta };
+    (found.x, found.result) = walk(&mut *simulator, replays, steps, &still, None)?;
+    if !shows_its_states(&found.x, nx) {
+        return None;
+    }
+    for replay in replays {
+        (0..replay.samples * steps).for_each(|k| found.u.extend(replay.input(k, steps, nu)));
+    }
+    let columns: usize = widths.iter().sum();
+    found.slopes = vec![0.0; found.result.len() * columns];
+    let (rows, results) = (found.rows(), found.results());
+    for (column, (moved, step)) in all_moved(&*simulator, &found, forces).into_iter().enumerate() {
+        let (_, result) = walk(&mut *simulator, replays, steps, &moved, Some(&found.x))?;
+        for row in 0..rows {
+            let to = &mut found.slopes[(row * columns + column) * results..][..results];
+            let [new, old] =
+                [&result, &found.result].map(|r| &r[row * results..(row + 1) * results]);
+            to.iter_mut()
+                .zip(new.iter().zip(old))
+                .for_each(|(to, (new, old))| *to = (new - old) / step);
+        }
+    }
+    Some(found)
+}
+
+/// Whether the states are those of the motion, and not just those that a run has begun with.
+fn shows_its_states(x: &[f64], nx: usize) -> bool {
+    x.chunks_exact(nx.max(1)).any(|row| row != &x[..nx])
+}
+
+/// What is moved in a run: one state, input or force in each step, or a parameter all along.
+struct Moved {
+    x: Option<(usize, f64)>,
+    u: Option<(usize, f64)>,
+    f: Option<(usize, f64)>,
+    theta: Vec<f64>,
+}
+
+/// Everything that can be moved, and how far.
+fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(Moved, f64)> {
+    let [nx, nu, nf, _] = found.widths;
+    let theta = &found.theta;
+    let plain = || Moved { x: None, u: None, f: None, theta: theta.clone() };
+    let states = (0..nx).map(|i| {
+        let tolerance = simulator.initial()[i].tolerance;
+        let step = step(&found.x, nx, i, tolerance);
+        (Moved { x: Some((i, step)), ..plain() }, step)
+    });
+    let inputs = (0..nu).map(|i| {
+        let step = step(&found.u, nu, i, None);
+        (Moved { u: Some((i, step)), ..plain() }, step)
+    });
+    let ports = (0..nf).map(|i| {
+        let usual = forces.get(i).copied().filter(|f| f.is_finite() && 0.0 < *f);
+        let step = STEP * usual.unwrap_or(1.0);
+        (Moved { f: Some((i, step)), ..plain() }, step)
+    });
+    let parameters = simulator.parameters().iter().enumerate().map(|(i, parameter)| {
+        let size = parameter.value.abs().max(parameter.tolerance.abs() * parameter.value.abs());
+        let step = STEP * if 0.0 < size { size } else { 1.0 };
+        // Inside of what is allowed.
+        let is_inside = |[_, high]: [f64; 2]| parameter.value + step <= high;
+        let step = if parameter.bounds.is_none_or(is_inside) { step } else { -step };
+        let mut theta = theta.clone();
+        theta[i] += step;
+        (Moved { theta, ..plain() }, step)
+    });
+    states.chain(inputs).chain(ports).chain(parameters).collect()
+}
+
+/// How far column `i` of signals is moved: a part of its range, or of its tolerance or size where it rests.
+fn step(rows: &[f64], width: usize, i: usize, tolerance: Option<f64>) -> f64 {
+    let column = || rows.iter().skip(i).step_by(width).copied();
+    let (low, high) =
+        (column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max));
+    let size = low.abs().max(high.abs());
+    let range = (high - low).max(tolerance.unwrap_or(0.0)).max(STEP * size);
+    STEP * if 0.0 < range && range.is_finite() { range } else { 1.0 }
+}
+
+/// States before the steps, and outputs and states after each of them.
+type Walked = (Vec<f64>, Vec<f64>);
+
+/// Steps through the replays with something moved; from the states of `along` in each step, if these are given.
+fn walk(
+    simulator: &mut dyn Simulator,
+    replays: &[Replay<'_>],
+    steps: usize,
+    moved: &Moved,
+    along: Option<&[f64]>,
+) -> Option<Walked> {
+    let (nx, nu, ny) =
+        (simulator.initial().len(), simulator.inputs().len(), simulator.outputs().len());
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let mut f = vec![0.0; simulator.ports().len()];
+    if let Some((i, step)) = moved.f {
+        f[i] = step;
+    }
+    let (mut states, mut results) = (Vec::new(), Vec::new());
+    let mut y = vec![0.0; ny];
+    let mut u = vec![0.0; nu];
+    let mut row = 0;
+    for replay in replays {
+        simulator.start(&moved.theta, &x0, replay.begin(steps));
+        for k in 0..replay.samples * steps {
+            u.copy_from_slice(replay.input(k, steps, nu));
+            if let Some((i, step)) = moved.u {
+                u[i] += step;
+            }
+            if let Some(along) = along {
+                let mut x = along[row * nx..(row + 1) * nx].to_vec();
+                if let Some((i, step)) = moved.x {
+                    x[i] += step;
+                }
+                // What cannot be moved in mid-run is started there.
+                if !simulator.go_on_from(&x) {
+                    simulator.start(&moved.theta, &x, replay.begin(steps) + k as u64);
+                }
+            }
+            states.extend_from_slice(simulator.state());
+            simulator.step(&u, &u, &f, &mut y);
+            results.extend_from_slice(&y);
+            results.extend_from_slice(simulator.state());
+            row += 1;
+        }
+        simulator.rest();
+    }
+    results.iter().all(|value| value.is_finite()).then_some((states, results))
+}

@@ -1,0 +1,172 @@
+//! Stand-ins for simulators of which a run is dear.
+//!
+//! A diagnosis tries some hundred candidates, and each costs some dozen runs. Nearly all of these runs only say
+//! that a candidate is hopeless, or how the outputs change with a parameter; for both a linear model is good
+//! enough. A [`StandIn`] is that model: the simulator, linearised along replays of the logs. At each sample it is
+//! set to the state of the replay, one state, input, force or parameter is moved a little, and one step is made:
+//! `1 + states + inputs + ports + parameters` runs in all. Effects are spliced around a stand-in as around the
+//! simulator, so friction still depends on the motion that it changes; only the plant is linear.
+//!
+//! A stand-in proposes, and lends its slopes to fits of the simulator ([`Shell::with_stand_in`]); what is believed
+//! comes from the simulator alone.
+//!
+//! *When not to use:* on equations, of which thousands of runs take a second. It is not possible where a simulator
+//! cannot be set to a state ([`Simulator::go_on_from`]), and of little use where contacts or chaos make slopes
+//! worthless: [`StandIn::explains`] says how well it foretells a run of the simulator.
+//!
+//! [`Shell::with_stand_in`]: crate::simulate::Shell::with_stand_in
+//! [`Simulator::go_on_from`]: crate::simulate::Simulator::go_on_from
+
+mod affine;
+mod check;
+mod linearise;
+mod replay;
+mod slopes;
+
+use fd_model::{Channel, ModelError, Record, SampleTime};
+
+pub use self::replay::Replay;
+use self::{affine::Affine, check::explained, linearise::linearise};
+use crate::{
+    model::Model,
+    scales::ReplayScales,
+    simulate::{Nominal, Shell, SimulateError, Simulator},
+};
+
+/// The input by which a stand-in knows which sample of which log it is at.
+pub(crate) const ROW: &str = "replayed_row";
+
+/// A simulator in its shell, linearised along replays of logs.
+///
+/// Records have to bring the rows of the replay as one more input: [`record`](Self::record).
+#[derive(Clone, Debug)]
+pub struct StandIn {
+    /// The shell of the simulator: effects are spliced into its model.
+    shell: Shell,
+    /// The same shell around the linear model.
+    inside: Shell,
+    /// Where each replay begins among the rows of all.
+    begins: Vec<usize>,
+    explains: f64,
+    runs: usize,
+}
+
+impl StandIn {
+    /// Linearises the simulator of a shell along replays, with its nominal parameters. `forces` are typical
+    /// forces at its ports. `None` when it cannot be set to a state, or diverges.
+    ///
+    /// ```
+    /// use fd_sim::{
+    ///     model::Model,
+    ///     simulate::{EquationSimulator, Nominal, Shell},
+    ///     stand_in::{Replay, StandIn},
+    /// };
+    ///
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "pendulum"
+    /// sample_time = 0.05
+    /// parameters = { l = { unit = "m", value = 0.5, tolerance = 0.05 } }
+    /// inputs = { u = { unit = "1/s^2" } }
+    /// outputs = { angle = { unit = "rad", value = "q" } }
+    /// [states]
+    /// q = { unit = "rad", initial = 0.0, derivative = "w" }
+    /// w = { unit = "rad/s", initial = 0.0, derivative = "u - 9.81/l*sin(q) - 0.3*w" }
+    /// "#.parse()?;
+    /// let ts = model.sample_time()?;
+    /// // As of a simulator of which nothing is known but that it steps.
+    /// let shell = Shell::new("pendulum", Box::new(EquationSimulator::<f64>::at(&model, ts)?))?;
+    /// let u: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
+    /// let replay = Replay { u: &u, samples: 200, first: 0 };
+    /// let stand_in = StandIn::of(&shell, ts, &[replay], &[])?.ok_or("states can be set")?;
+    /// // Itself, two states, an input and a parameter, and one run to see how good that is.
+    /// assert_eq!(stand_in.runs(), 6);
+    /// assert!(0.95 < stand_in.explains());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the shell cannot be simulated with samples `ts` apart.
+    pub fn of(
+        shell: &Shell,
+        ts: SampleTime,
+        replays: &[Replay<'_>],
+        forces: &[f64],
+    ) -> Result<Option<Self>, SimulateError> {
+        let steps = shell.steps(ts)?;
+        let simulator = shell.inside();
+        let Some(slopes) = linearise(simulator, replays, steps, forces) else { return Ok(None) };
+        let columns = slopes.widths.iter().sum::<usize>();
+        let affine = Affine::new(simulator, slopes, steps);
+        let explains = explained(simulator, &affine, replays, steps, forces);
+        let begins = replays.iter().scan(0, |begin, replay| {
+            *begin += replay.samples;
+            Some(*begin - replay.samples)
+        });
+        Ok(Some(Self {
+            inside: shell.with_row(Box::new(affine))?,
+            shell: shell.clone(),
+            begins: begins.collect(),
+            explains,
+            runs: 2 + columns,
+        }))
+    }
+
+    /// The shell of the simulator itself, to whose fits the stand-in lends its slopes.
+    #[must_use]
+    pub fn lent(&self) -> Shell {
+        self.shell.clone().with_stand_in(self.inside.clone())
+    }
+
+    /// The record of replay `number`, from 0, with its rows among its inputs.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when it has such an input already.
+    pub fn record(&self, number: usize, record: &Record) -> Result<Record, ModelError> {
+        let begin = self.begins.get(number).copied().unwrap_or_default();
+        let inputs = [record.inputs(), &[Channel::new(ROW, "1")]].concat();
+        let rows = (0..record.len())
+            .map(|k| ([record.u(k), &[(begin + k) as f64]].concat(), record.y(k).to_vec()));
+        let new = Record::from_rows(inputs, record.outputs().to_vec(), rows, record.ts())?;
+        Ok(new.at_the_place_of(record))
+    }
+
+    /// Share of the change of the outputs by a disturbance of everything that the stand-in foretells, from 0
+    /// to 1.
+    #[must_use]
+    pub fn explains(&self) -> f64 {
+        self.explains
+    }
+
+    /// Runs of the simulator that were made for it, each through all replays.
+    #[must_use]
+    pub fn runs(&self) -> usize {
+        self.runs
+    }
+}
+
+impl Nominal for StandIn {
+    fn model(&self) -> &Model {
+        self.shell.model()
+    }
+
+    fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
+        self.inside.patched_with_row(model, ts)
+    }
+
+    fn keeps_step(&self) -> bool {
+        true
+    }
+
+    fn scales(
+        &self,
+        ts: SampleTime,
+        u: &[f64],
+        samples: usize,
+    ) -> Result<ReplayScales, SimulateError> {
+        self.inside.scales(ts, u, samples)
+    }
+}

@@ -1,0 +1,25 @@
+//! What is replayed.
+
+/// The inputs of a log, in the order and the units of the simulator.
+#[derive(Clone, Copy, Debug)]
+pub struct Replay<'a> {
+    /// Inputs, row by row.
+    pub u: &'a [f64],
+    /// Number of samples.
+    pub samples: usize,
+    /// Number of the first sample since the clock of the model was started.
+    pub first: u64,
+}
+
+impl Replay<'_> {
+    /// Inputs of a step, of which there are several per sample.
+    pub(super) fn input(&self, step: usize, steps: usize, nu: usize) -> &[f64] {
+        let k = step / steps;
+        &self.u[k * nu..(k + 1) * nu]
+    }
+
+    /// Number of the first step.
+    pub(super) fn begin(&self, steps: usize) -> u64 {
+        self.first * steps as u64
+    }
+}
