@@ -7,11 +7,16 @@ pub trait Monitor: Sync {
 
     /// A piece of it is done.
     fn advance(&self);
+
+    /// What is going to be done, where that takes long, in a sentence.
+    fn plan(&self, _text: &str) {}
 }
 
 /// A stage of a diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// A simulator is linearised along the logs.
+    StandIn,
     /// Every candidate is scored.
     Screen,
     /// Promising candidates are fitted.

@@ -18,15 +18,30 @@ use fd_sim::{
 
 use self::proposals::Proposals;
 use crate::{
-    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Stage, diagnose},
     fit::{FitError, Log},
 };
 
 /// Share of a disturbance that a stand-in has to foretell before it may propose.
 const FORETOLD: f64 = 0.5;
 
+/// How much is confirmed on the simulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Most single causes, halves of pairs not counted.
+    pub causes: usize,
+    /// Most pairs of causes.
+    pub pairs: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { causes: 8, pairs: 3 }
+    }
+}
+
 /// A diagnosis with few runs of the simulator.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FewRuns {
     /// What the simulator says of the causes that were proposed.
     pub diagnosis: Diagnosis,
@@ -36,6 +51,8 @@ pub struct FewRuns {
     pub explains: f64,
     /// Runs of all logs that the stand-in was made of.
     pub runs: usize,
+    /// The simulator in its shell, with the slopes of the stand-in: for whatever is asked of these logs next.
+    pub lent: Shell,
 }
 
 /// Diagnoses a simulator in its shell with few runs; `suspects` are those of the shell, and `forces` typical forces at
@@ -50,6 +67,7 @@ pub fn with_few_runs(
     forces: &[f64],
     case: &Case<'_>,
     settings: &Settings,
+    effort: Effort,
     monitor: &dyn Monitor,
 ) -> Result<Option<FewRuns>, FitError> {
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
@@ -59,7 +77,9 @@ pub fn with_few_runs(
         .iter()
         .map(|log| Replay { u: &log.u, samples: log.samples, first: log.first as u64 })
         .collect();
+    monitor.begin(Stage::StandIn, 1);
     let Some(stand_in) = StandIn::of(shell, ts, &replays, forces)? else { return Ok(None) };
+    monitor.advance();
     if stand_in.explains() < FORETOLD {
         return Ok(None);
     }
@@ -68,11 +88,11 @@ pub fn with_few_runs(
     let Ok(records) = records.collect::<Result<Vec<_>, _>>() else { return Ok(None) };
     let proposing = Case { nominal: &stand_in, logs: &records, held_out: &[], ..*case };
     let proposed = diagnose(&proposing, settings, monitor)?;
-    let proposals = Proposals::of(&proposed, case.suspects);
+    let proposals = Proposals::of(&proposed, case.suspects, effort);
     let lent = stand_in.lent();
     let confirming = Case { nominal: &lent, suspects: &proposals, ..*case };
     let settings = Settings { causes: Some(proposed.causes.len()), ..settings.clone() };
     let diagnosis = diagnose(&confirming, &settings, monitor)?;
     let (explains, runs) = (stand_in.explains(), stand_in.runs());
-    Ok(Some(FewRuns { diagnosis, proposed, explains, runs }))
+    Ok(Some(FewRuns { diagnosis, proposed, explains, runs, lent }))
 }

@@ -3,12 +3,8 @@
 use fd_effect::{Candidate, EffectParameter, Kind, Offers, SiteRef, Suspects};
 use fd_sim::model::Model;
 
+use super::Effort;
 use crate::diagnose::{Cause, Diagnosis};
-
-/// Causes that are tried on the simulator.
-const CAUSES: usize = 8;
-/// Pairs that are.
-const PAIRS: usize = 3;
 
 /// The best causes and pairs of a diagnosis, each with one law and the values that were found.
 #[derive(Debug)]
@@ -52,11 +48,11 @@ impl Proposal {
 
 impl<'a> Proposals<'a> {
     /// The proposals of a diagnosis of these suspects.
-    pub(super) fn of(diagnosis: &Diagnosis, suspects: &'a dyn Suspects) -> Self {
+    pub(super) fn of(diagnosis: &Diagnosis, suspects: &'a dyn Suspects, effort: Effort) -> Self {
         let pairs: Vec<[Proposal; 2]> = diagnosis
             .pairs
             .iter()
-            .take(PAIRS)
+            .take(effort.pairs)
             .map(|pair| pair.causes.each_ref().map(Proposal::of))
             .collect();
         // Halves of pairs are singles, too, for a pair is tried beside one.
@@ -67,7 +63,7 @@ impl<'a> Proposals<'a> {
             })
         };
         let causes = diagnosis.causes.iter().enumerate();
-        let chosen = causes.filter(|(place, cause)| *place < CAUSES || is_half(cause));
+        let chosen = causes.filter(|(place, cause)| *place < effort.causes || is_half(cause));
         let singles = chosen.map(|(_, cause)| Proposal::of(cause)).collect();
         Self { suspects, singles, pairs }
     }

@@ -23,11 +23,38 @@ pub struct Search {
     pub frozen: usize,
     /// The shared unknowns stay where they are.
     pub own_only: bool,
+    /// Damping at which it gives up; it grows tenfold with each step that leads up.
+    pub give_up: f64,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { iterations: 30, absolute: 1e-3, relative: 1e-7, frozen: 0, own_only: false }
+        Self::PLAIN
+    }
+}
+
+impl Search {
+    /// To a minimum that a further step would not change by a thousandth.
+    pub const PLAIN: Self = Self {
+        iterations: 30,
+        absolute: 1e-3,
+        relative: 1e-7,
+        frozen: 0,
+        own_only: false,
+        give_up: 1e8,
+    };
+
+    /// The same where a step is a run that is dear, and slopes are so rough that the end comes slowly: it ends a
+    /// twentieth of a nat before, and does not insist.
+    #[must_use]
+    pub fn of_dear_runs(self) -> Self {
+        Self {
+            iterations: self.iterations.min(8),
+            absolute: self.absolute.max(0.1),
+            relative: self.relative.max(1e-5),
+            give_up: 10.0,
+            ..self
+        }
     }
 }
 
@@ -35,8 +62,6 @@ impl Default for Search {
 const DAMPING: f64 = 1e-3;
 /// Damping that is as good as none.
 const LOWEST_DAMPING: f64 = 1e-9;
-/// Damping at which a search gives up.
-const HIGHEST_DAMPING: f64 = 1e8;
 /// Part of the way to the edge of the box that counts as being there.
 const EDGE: f64 = 1e-9;
 
@@ -189,8 +214,9 @@ impl<'a> Descent<'a> {
 
     /// Where to look next; `None` at the end.
     fn next_place(&mut self) -> Option<Vec<f64>> {
-        let is_over = self.at.converged || self.iterations == self.setting.search.iterations;
-        if is_over || HIGHEST_DAMPING <= self.damping {
+        let Search { iterations, give_up, .. } = self.setting.search;
+        let is_over = self.at.converged || self.iterations == iterations;
+        if is_over || give_up <= self.damping {
             return None;
         }
         let equations = match self.equations.take() {
@@ -198,7 +224,7 @@ impl<'a> Descent<'a> {
             None => self.linear_equations(),
         };
         let mut next = None;
-        while next.is_none() && self.damping < HIGHEST_DAMPING {
+        while next.is_none() && self.damping < give_up {
             let mut damped = equations.clone();
             for i in 0..self.at.z.len() {
                 *damped.diagonal_mut(i) *= 1.0 + self.damping;

@@ -1,5 +1,7 @@
 //! A record, in the order and the units of a simulator.
 
+use std::ops::Range;
+
 use fd_model::{Channel, Record};
 use fd_sim::simulate::Simulator;
 
@@ -184,6 +186,17 @@ impl Log {
     pub fn input(&self, sample: usize) -> &[f64] {
         let sample = sample.min(self.samples - 1);
         &self.u[sample * self.nu..(sample + 1) * self.nu]
+    }
+
+    /// Inputs with the number of the sample in all fitted logs, row by row, as a stand-in wants them.
+    pub(crate) fn with_rows(&self) -> Vec<f64> {
+        self.rows(0..self.samples).collect()
+    }
+
+    /// The same of some samples.
+    pub(crate) fn rows(&self, samples: Range<usize>) -> impl Iterator<Item = f64> {
+        let begin = self.row.unwrap_or_default();
+        samples.flat_map(move |k| self.input(k).iter().copied().chain([(begin + k) as f64]))
     }
 
     /// Measured outputs of a sample, in the order and the units of the simulator; NaN where there

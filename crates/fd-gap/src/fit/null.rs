@@ -7,7 +7,7 @@ use fd_sim::simulate::Simulator;
 use super::{
     error::FitError,
     layout::LeastSquares,
-    levenberg::{Minimum, Search, minimise},
+    levenberg::{Minimum, minimise},
     plan::{Horizon, Plan},
     problem::Problem,
     weights::Weights,
@@ -42,7 +42,10 @@ pub fn null_fit(
     let build = |plan: Arc<Plan>| Problem::new(plan, simulator.boxed(), vec![], weights.clone());
     let mut problem = build(plan.clone())?;
     let origin = vec![0.0; problem.layout().unknowns()];
-    let fit = |problem: &mut Problem, z: &[f64]| minimise(problem, z, None, Search::default());
+    let fit = |problem: &mut Problem, z: &[f64]| {
+        let search = problem.search();
+        minimise(problem, z, None, search)
+    };
     let mut best = fit(&mut problem, &origin).ok_or(FitError::Diverged)?;
     let is_free_run = plan.segments.len() == plan.logs.len();
     if is_free_run && FAR * (plan.measured() as f64) < best.cost {

@@ -9,7 +9,7 @@ use fd_sim::simulate::{Outcome, Run, Simulator};
 use super::{
     error::FitError,
     layout::Layout,
-    levenberg::Minimum,
+    levenberg::{Minimum, Search},
     plan::{Plan, Segment},
     variable::Variable,
     weights::Weights,
@@ -198,9 +198,7 @@ impl Problem {
         let first = (log.first + from) as u64;
         match &mut self.stand_in {
             Some(stand_in) if by == By::StandIn || self.is_stood_in => {
-                let begin = log.row.unwrap_or_default();
-                let row = |k: usize| log.input(k).iter().copied().chain([(begin + k) as f64]);
-                let u: Vec<f64> = rows.flat_map(row).collect();
+                let u: Vec<f64> = log.rows(rows).collect();
                 stand_in.simulate_many(first, &u, &mut runs);
             }
             _ => {
@@ -282,6 +280,17 @@ impl Problem {
             there.iter().zip(&here).zip(r).map(|((there, here), r)| r + there - here).collect()
         };
         found.map(|there| there.map(change)).collect()
+    }
+
+    /// Whether runs are so dear that a stand-in gives the slopes.
+    pub(crate) fn is_dear(&self) -> bool {
+        self.stand_in.is_some()
+    }
+
+    /// How to look for its minimum.
+    pub(crate) fn search(&self) -> Search {
+        let plain = Search::default();
+        if self.is_dear() { plain.of_dear_runs() } else { plain }
     }
 
     /// The same problem, simulated by the stand-in alone where there is one: for questions about models, not

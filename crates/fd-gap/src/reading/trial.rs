@@ -98,30 +98,19 @@ impl<'a> Trial<'a> {
     /// A plain simulation with everything at its nominal value.
     pub(super) fn simulated(&mut self) -> Option<Vec<Vec<f64>>> {
         let theta: Vec<f64> = self.simulator.parameters().iter().map(|p| p.value).collect();
-        self.simulated_with(&[theta]).pop()?
+        match self.simulator.stand_in() {
+            // A mistake is only suspected here: that needs no run of a simulator that is dear.
+            Some(mut stand_in) => {
+                let with_rows = |log: &Log| log.with_rows();
+                runs(&mut *stand_in, &self.logs, with_rows, &[theta]).pop()?
+            }
+            None => self.simulated_with(&[theta]).pop()?,
+        }
     }
 
     /// The same with several sets of parameters; `None` where one diverges.
     pub(super) fn simulated_with(&mut self, sets: &[Vec<f64>]) -> Vec<Option<Vec<Vec<f64>>>> {
-        let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
-        let mut all: Vec<Option<Vec<Vec<f64>>>> = vec![Some(Vec::new()); sets.len()];
-        for log in &self.logs {
-            for (sets, found) in sets.chunks(LANES).zip(all.chunks_mut(LANES)) {
-                let mut outputs = vec![vec![0.0; log.y.len()]; sets.len()];
-                let pairs = sets.iter().zip(&mut outputs);
-                let mut runs: Vec<Run<'_>> =
-                    pairs.map(|(theta, y)| Run::new(theta, &x0, y)).collect();
-                self.simulator.simulate_many(0, &log.u, &mut runs);
-                for (y, found) in outputs.into_iter().zip(found) {
-                    let is_finite = y.iter().all(|value| value.is_finite());
-                    match found {
-                        Some(logs) if is_finite => logs.push(y),
-                        diverged => *diverged = None,
-                    }
-                }
-            }
-        }
-        all
+        runs(&mut *self.simulator, &self.logs, |log| log.u.clone(), sets)
     }
 
     /// What is left once parameters and starts have done what they can.
@@ -131,12 +120,41 @@ impl<'a> Trial<'a> {
         let plan = Plan::of_logs(&*self.simulator, logs, horizon).ok()?;
         let weights = Weights::white(self.floors.clone());
         let problem = Problem::new(Arc::new(plan), self.simulator.boxed(), vec![], weights);
-        let mut problem = problem.ok()?;
+        let mut problem = problem.ok()?.on_stand_in();
         let origin = vec![0.0; crate::fit::LeastSquares::layout(&problem).unknowns()];
         let search = Search { iterations: STEPS, ..Search::default() };
         let minimum = minimise(&mut problem, &origin, None, search)?;
         self.misfit(&problem.outputs(&minimum.z)?, Look::Close)
     }
+}
+
+/// Runs through logs, of which `inputs` gives the inputs, with several sets of parameters; `None` where one
+/// diverges.
+fn runs(
+    simulator: &mut dyn Simulator,
+    logs: &[Log],
+    inputs: impl Fn(&Log) -> Vec<f64>,
+    sets: &[Vec<f64>],
+) -> Vec<Option<Vec<Vec<f64>>>> {
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let mut all: Vec<Option<Vec<Vec<f64>>>> = vec![Some(Vec::new()); sets.len()];
+    for log in logs {
+        let u = inputs(log);
+        for (sets, found) in sets.chunks(LANES).zip(all.chunks_mut(LANES)) {
+            let mut outputs = vec![vec![0.0; log.y.len()]; sets.len()];
+            let pairs = sets.iter().zip(&mut outputs);
+            let mut runs: Vec<Run<'_>> = pairs.map(|(theta, y)| Run::new(theta, &x0, y)).collect();
+            simulator.simulate_many(0, &u, &mut runs);
+            for (y, found) in outputs.into_iter().zip(found) {
+                let is_finite = y.iter().all(|value| value.is_finite());
+                match found {
+                    Some(logs) if is_finite => logs.push(y),
+                    diverged => *diverged = None,
+                }
+            }
+        }
+    }
+    all
 }
 
 /// The least noise of an output that is believed: what is stated, and the grid of its values; where

@@ -89,8 +89,7 @@ impl LeastSquares for Linear {
     }
 }
 
-const EXACT: Search =
-    Search { iterations: 60, absolute: 0.0, relative: 1e-15, frozen: 0, own_only: false };
+const EXACT: Search = Search { iterations: 60, absolute: 0.0, relative: 1e-15, ..Search::PLAIN };
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]

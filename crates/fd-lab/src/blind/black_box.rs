@@ -11,9 +11,21 @@ use fd_sim::{
 
 use super::error::BlindError;
 
+/// How much of a plant can be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sight {
+    /// Outputs and states, as they are.
+    States,
+    /// Outputs alone, in single precision.
+    Outputs,
+}
+
 /// What starts copies of a plant.
 #[derive(Clone, Debug)]
-struct Plant(Box<dyn Simulator>);
+struct Plant {
+    simulator: Box<dyn Simulator>,
+    sight: Sight,
+}
 
 impl Source for Plant {
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
@@ -24,26 +36,41 @@ impl Source for Plant {
 impl Plant {
     /// Inputs and forces of a row.
     fn split<'a>(&self, row: &'a [f64]) -> (&'a [f64], &'a [f64]) {
-        row.split_at(self.0.inputs().len())
+        row.split_at(self.simulator.inputs().len())
     }
 }
 
 impl Instance for Plant {
     fn reset(&mut self, start: Start<'_>) -> Result<(), Lost> {
-        self.0.start(start.theta, start.x0, start.first);
+        self.simulator.start(start.theta, start.x0, start.first);
         Ok(())
     }
 
     fn measure(&mut self, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
-        if self.0.measure(u, y) { Ok(()) } else { Err(Lost::Refused) }
+        if !self.simulator.measure(u, y) {
+            return Err(Lost::Refused);
+        }
+        if self.sight == Sight::Outputs {
+            y.iter_mut().for_each(|y| *y = single(*y));
+        }
+        Ok(())
     }
 
     fn step(&mut self, row: &[f64], y: &mut [f64], x: &mut [f64]) -> Result<(), Lost> {
         let (u, f) = self.split(row);
-        self.0.step(u, u, f, y);
-        x.copy_from_slice(self.0.state());
+        self.simulator.step(u, u, f, y);
+        match self.sight {
+            Sight::States => x.copy_from_slice(self.simulator.state()),
+            Sight::Outputs => y.iter_mut().for_each(|y| *y = single(*y)),
+        }
         Ok(())
     }
+}
+
+/// A value as single precision has it.
+#[expect(clippy::cast_possible_truncation, reason = "that is the point")]
+fn single(value: f64) -> f64 {
+    f64::from(value as f32)
 }
 
 /// A plant as a black box in its shell. It tells what a force at a port moves where that is one of its outputs.
@@ -53,7 +80,7 @@ pub(super) struct BlackBox {
 }
 
 impl BlackBox {
-    pub(super) fn of(model: &Model, ts: SampleTime) -> Result<Self, BlindError> {
+    pub(super) fn of(model: &Model, ts: SampleTime, sight: Sight) -> Result<Self, BlindError> {
         let plant = EquationSimulator::<f64>::with_ports(model, ts)?;
         // With delays or a sampled controller it cannot be looked at before it moves on.
         let mut still = vec![0.0; plant.outputs().len()];
@@ -76,10 +103,13 @@ impl BlackBox {
             initial: plant.initial().to_vec(),
             ports: plant.ports().to_vec(),
             motion: motion.collect(),
-            powers: Powers { measure, states: true, ..Powers::default() },
+            powers: Powers { measure, states: sight == Sight::States, ..Powers::default() },
         };
-        let simulator =
-            OutsideSimulator::new(contract, Plant(plant.boxed()), rayon::current_num_threads())?;
+        let simulator = OutsideSimulator::new(
+            contract,
+            Plant { simulator: plant.boxed(), sight },
+            rayon::current_num_threads(),
+        )?;
         let shell = simulator.shell()?;
         Ok(Self { shell, simulator })
     }

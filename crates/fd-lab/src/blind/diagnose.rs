@@ -7,7 +7,7 @@ use fd_effect::{
 };
 use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
-    few_runs::with_few_runs,
+    few_runs::{Effort, with_few_runs},
     fit::Horizon,
     reading::{self as gap, Mistake, suspect},
     road::{Road, road},
@@ -18,7 +18,7 @@ use fdiag::gap_study::follow;
 
 use super::{
     answer::{Answer, Named, Reading, Share, Together, UNCLEAR},
-    black_box::BlackBox,
+    black_box::{BlackBox, Sight},
     error::BlindError,
 };
 
@@ -71,11 +71,13 @@ pub(super) fn answer(
     Ok(Answer { reading, seconds, candidates, ..told(name, &diagnosis, road.as_ref()) })
 }
 
-/// How often a black box may be run.
+/// How a plant is diagnosed as a black box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Runs {
-    AsNeeded,
-    Few,
+pub(super) enum Manner {
+    /// With as many runs as equations are.
+    Thorough,
+    /// With few runs.
+    Sparing(Sight),
 }
 
 /// Diagnoses a case of which the plant is a black box.
@@ -84,12 +86,16 @@ pub(super) fn as_black_box(
     model: &Model,
     logs: &[Record; 2],
     settings: &Settings,
-    runs: Runs,
+    manner: Manner,
 ) -> Result<Answer, BlindError> {
     let begun = Instant::now();
     let [train, held_out] = logs;
     let ts = train.ts();
-    let black_box = BlackBox::of(&with_default_sites(model), ts)?;
+    let sight = match manner {
+        Manner::Thorough => Sight::States,
+        Manner::Sparing(sight) => sight,
+    };
+    let black_box = BlackBox::of(&with_default_sites(model), ts, sight)?;
     let shell = &black_box.shell;
     let (samples, u) = (train.len(), inputs(train));
     let scales = shell.scales(ts, &u, samples)?;
@@ -99,9 +105,11 @@ pub(super) fn as_black_box(
     let logs = std::slice::from_ref(train);
     let held_out = std::slice::from_ref(held_out);
     let case = diagnose::Case { nominal: shell, suspects: &suspects, logs, held_out };
-    let few = match runs {
-        Runs::AsNeeded => None,
-        Runs::Few => with_few_runs(shell, &forces, &case, settings, &())?,
+    let few = match manner {
+        Manner::Thorough => None,
+        Manner::Sparing(_) => {
+            with_few_runs(shell, &forces, &case, settings, Effort::default(), &())?
+        }
     };
     let diagnosis = match few {
         Some(few) => few.diagnosis,

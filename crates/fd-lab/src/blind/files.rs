@@ -34,6 +34,8 @@ pub enum Variant {
     BlackBox,
     /// The same with few runs of the plant.
     FewRuns,
+    /// The same where nothing of the plant can be seen but its outputs, in single precision.
+    FewRunsOfOutputs,
 }
 
 /// The model, and that with the controller in it.
@@ -58,6 +60,7 @@ impl Variant {
             Self::FromRest => "answers_from_rest.jsonl",
             Self::BlackBox => "answers_black_box.jsonl",
             Self::FewRuns => "answers_few_runs.jsonl",
+            Self::FewRunsOfOutputs => "answers_few_runs_of_outputs.jsonl",
         }
     }
 

@@ -29,7 +29,7 @@ const STARTS: usize = 2;
 const FINALISTS: usize = 12;
 /// A first look at a law.
 const SHORT: Search =
-    Search { iterations: 4, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, own_only: false };
+    Search { iterations: 4, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
 
 /// A model and a noise-free log, as a diagnosis would look at them: where the noise goes round the
 /// loop, with the controller on the logged outputs.

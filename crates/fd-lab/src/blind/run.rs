@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::{
     answer::{Answer, read_answers},
     baselines,
-    diagnose::{Runs, answer, as_black_box},
+    black_box::Sight,
+    diagnose::{Manner as How, answer, as_black_box},
     error::BlindError,
     files::{Case, Variant},
     make::{CASES, COMMITMENT},
@@ -60,9 +61,11 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
     let (model, logs) = case.read(manner.variant)?;
     let settings = (manner.settings)(&model, &logs)?;
     let [train, held_out] = &logs;
+    let black_box = |how| as_black_box(&case.name, &model, &logs, &settings, how);
     let mut answer = match manner.variant {
-        Variant::BlackBox => as_black_box(&case.name, &model, &logs, &settings, Runs::AsNeeded)?,
-        Variant::FewRuns => as_black_box(&case.name, &model, &logs, &settings, Runs::Few)?,
+        Variant::BlackBox => black_box(How::Thorough)?,
+        Variant::FewRuns => black_box(How::Sparing(Sight::States))?,
+        Variant::FewRunsOfOutputs => black_box(How::Sparing(Sight::Outputs))?,
         _ => answer(&case.name, &model, train, held_out, &settings)?,
     };
     if manner.with_baselines {

@@ -9,6 +9,7 @@ use std::{
 use super::{
     contract::Contract,
     error::OutsideError,
+    grain::Grain,
     lock::open,
     memory::{Memory, Past},
     pool::{Lease, Pool},
@@ -32,6 +33,7 @@ pub(super) struct Shared {
     /// What was simulated before; none where everything is to be simulated.
     pub(super) memory: Option<Memory>,
     pub(super) tally: Tally,
+    pub(super) grain: Grain,
     /// Deaths by parameters and initial states; and whether all is given up.
     pub(super) fate: Mutex<Fate>,
 }
@@ -129,6 +131,7 @@ impl Shared {
 
     /// Remembers the results of a past, unless the work was lost.
     pub(super) fn keep(&self, past: Past, parts: [&[f64]; 2], work: Work) {
+        self.grain.look(parts[0]);
         if let Some(memory) = self.memory.as_ref().filter(|_| work != Work::Lost) {
             memory.keep(past, parts);
         }

@@ -19,6 +19,7 @@ mod error;
 mod file;
 #[cfg(feature = "fmu")]
 mod fmu;
+mod grain;
 mod loan;
 mod lock;
 mod memory;

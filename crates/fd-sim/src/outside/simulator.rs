@@ -7,6 +7,7 @@ use fd_model::{Channel, SampleTime};
 use super::{
     contract::Contract,
     error::OutsideError,
+    grain::Grain,
     loan::{Fate, Loan, Shared, Work},
     memory::{Memory, Past},
     pool::Pool,
@@ -82,6 +83,7 @@ impl OutsideSimulator {
             pool: Pool::new(workers),
             memory: Some(Memory::default()),
             tally,
+            grain: Grain::default(),
             fate: Fate::default().into(),
         };
         shared.pool.fill(first);
@@ -378,6 +380,11 @@ impl Simulator for OutsideSimulator {
             run.finish(ny);
         }
         self.rest();
+    }
+
+    /// What it says, or what its outputs look like.
+    fn precision(&self) -> f64 {
+        self.shared.contract.powers.precision.unwrap_or_else(|| self.shared.grain.precision())
     }
 
     fn rest(&mut self) {

@@ -290,6 +290,11 @@ pub trait Simulator: Debug + Send + Sync {
     /// thing it is asked is [`start`](Self::start), if anything. Nothing has to be told: it only saves time.
     fn rest(&mut self) {}
 
+    /// Relative error of its outputs by rounding: differences are taken of runs that are further apart.
+    fn precision(&self) -> f64 {
+        f64::EPSILON
+    }
+
     /// A cheaper simulator whose slopes may stand for those of this one, where this one is dear. It has one
     /// input more, the last: the number of the sample in all logs of a case, one after the other, counted from
     /// 0. See [`StandIn`](crate::stand_in::StandIn).

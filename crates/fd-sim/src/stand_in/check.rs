@@ -1,6 +1,6 @@
 //! How well a linear model foretells a run of the simulator.
 
-use super::{affine::Affine, replay::Replay};
+use super::replay::Replay;
 use crate::simulate::Simulator;
 
 /// How far inputs and forces are disturbed, as a part of their size …
@@ -12,7 +12,7 @@ const HOLD: usize = 16;
 /// to 1; 0 when a run diverges.
 pub(super) fn explained(
     simulator: &dyn Simulator,
-    affine: &Affine,
+    linear: &dyn Simulator,
     replays: &[Replay<'_>],
     steps: usize,
     forces: &[f64],
@@ -24,7 +24,8 @@ pub(super) fn explained(
             p.bounds.map_or(moved, |[low, high]| moved.clamp(low, high))
         })
         .collect();
-    let (mut real, mut linear) = (simulator.boxed(), affine.boxed());
+    let (mut real, mut still) = (simulator.boxed(), linear.boxed());
+    let mut linear = linear.boxed();
     let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
     let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
     let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
@@ -39,7 +40,6 @@ pub(super) fn explained(
     for replay in replays {
         real.start(&theta, &x0, replay.begin(steps));
         linear.start(&theta, &x0, replay.begin(steps));
-        let mut still = affine.clone();
         still.start(&nominal, &x0, replay.begin(steps));
         let [mut y, mut foretold, mut undisturbed] = [(); 3].map(|()| vec![0.0; ny]);
         for k in 0..replay.samples * steps {

@@ -19,14 +19,21 @@
 
 mod affine;
 mod check;
+mod difference;
 mod linearise;
 mod replay;
+mod replayed;
+mod respond;
+mod responses;
 mod slopes;
 
 use fd_model::{Channel, ModelError, Record, SampleTime};
 
 pub use self::replay::Replay;
-use self::{affine::Affine, check::explained, linearise::linearise};
+use self::{
+    affine::Affine, check::explained, linearise::linearise, replayed::Replayed, respond::respond,
+    responses::Responses,
+};
 use crate::{
     model::Model,
     scales::ReplayScales,
@@ -97,20 +104,28 @@ impl StandIn {
     ) -> Result<Option<Self>, SimulateError> {
         let steps = shell.steps(ts)?;
         let simulator = shell.inside();
-        let Some(slopes) = linearise(simulator, replays, steps, forces) else { return Ok(None) };
-        let columns = slopes.widths.iter().sum::<usize>();
-        let affine = Affine::new(simulator, slopes, steps);
-        let explains = explained(simulator, &affine, replays, steps, forces);
+        let moved = simulator.initial().len()
+            + simulator.inputs().len()
+            + simulator.ports().len()
+            + simulator.parameters().len();
+        let linear: Box<dyn Simulator> = match linearise(simulator, replays, steps, forces) {
+            Some(slopes) => Box::new(Replayed::new(simulator, Affine::new(slopes), steps)),
+            None => match respond(simulator, replays, steps, forces) {
+                Some(known) => Box::new(Replayed::new(simulator, Responses::new(known), steps)),
+                None => return Ok(None),
+            },
+        };
+        let explains = explained(simulator, &*linear, replays, steps, forces);
         let begins = replays.iter().scan(0, |begin, replay| {
             *begin += replay.samples;
             Some(*begin - replay.samples)
         });
         Ok(Some(Self {
-            inside: shell.with_row(Box::new(affine))?,
+            inside: shell.with_row(linear)?,
             shell: shell.clone(),
             begins: begins.collect(),
             explains,
-            runs: 2 + columns,
+            runs: 2 + moved,
         }))
     }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use fdiag::gap_study::{HorizonChoice, Named};
+use fdiag::gap_study::{Budget, HorizonChoice, Named};
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
@@ -226,6 +226,13 @@ pub(crate) struct GapArgs {
     /// more. Without it the search goes on while held-out forecasts improve (8 at most)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) most: Option<u32>,
+    /// What a diagnosis of a simulator of your own may cost, as time in it (`10min`, `90s`, `2h`) or as
+    /// runs through the logs (`300runs`); what is left out for it is reported
+    #[arg(long, value_name = "COST")]
+    pub(crate) budget: Option<Budget>,
+    /// Search a simulator of your own with thousands of runs, as equations are, instead of with few
+    #[arg(long)]
+    pub(crate) thorough: bool,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -155,6 +155,8 @@ enum Form {
     BlackBox,
     /// The same with few runs of the plant
     FewRuns,
+    /// The same where nothing of the plant can be seen but its outputs, in single precision
+    FewRunsOfOutputs,
 }
 
 impl Form {
@@ -165,6 +167,7 @@ impl Form {
             Self::FromRest => Variant::FromRest,
             Self::BlackBox => Variant::BlackBox,
             Self::FewRuns => Variant::FewRuns,
+            Self::FewRunsOfOutputs => Variant::FewRunsOfOutputs,
         }
     }
 }

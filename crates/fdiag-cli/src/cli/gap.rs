@@ -68,6 +68,8 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),
+        budget: args.budget,
+        thorough: args.thorough,
         limits: Limits {
             steps: if args.yes { u64::MAX } else { plain.limits.steps },
             ..plain.limits
@@ -97,7 +99,10 @@ fn refusal(error: &GapError) -> Failure {
             };
         }
         GapError::Limit(limit) => limit.resource != Resource::Bytes,
-        GapError::Simulate(_) | GapError::Fit(_) | GapError::Short { .. } => true,
+        GapError::Budget { .. }
+        | GapError::Simulate(_)
+        | GapError::Fit(_)
+        | GapError::Short { .. } => true,
         GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
         _ => false,
     };

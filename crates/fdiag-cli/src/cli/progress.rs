@@ -97,6 +97,7 @@ impl Monitor for Stages {
         self.bar.set_length(pieces as u64);
         self.bar.set_position(0);
         self.bar.set_message(match stage {
+            Stage::StandIn => "linearising the simulator",
             Stage::Screen => "trying effects",
             Stage::Fit => "fitting",
             Stage::Pairs => "trying pairs",
@@ -110,5 +111,9 @@ impl Monitor for Stages {
 
     fn advance(&self) {
         self.bar.inc(1);
+    }
+
+    fn plan(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("{text}"));
     }
 }

@@ -2,12 +2,12 @@
 
 use fd_effect::EverySite;
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Monitor, Settings, diagnose},
+    diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
     reading::{Mistake, Reading, Suspicion, suspect},
 };
 use fd_model::SampleTime;
-use fd_sim::simulate::Nominal;
+use fd_sim::simulate::{Nominal, Shell};
 
 use super::{
     data::Data,
@@ -15,6 +15,7 @@ use super::{
     memory::Memory,
     only::Chosen,
     request::Request,
+    sparing::{Spared, Sparing, diagnose_sparing},
     study::{check_length, longest, settings},
     subject::Subject,
 };
@@ -31,6 +32,8 @@ pub(super) struct Attempt<'a> {
     pub(super) settings: Settings,
     pub(super) ts: SampleTime,
     pub(super) diagnosis: Diagnosis,
+    /// How a simulator outside was diagnosed with few runs, and what answers further questions.
+    pub(super) sparing: Option<(Sparing, Shell)>,
 }
 
 impl<'a> Attempt<'a> {
@@ -66,11 +69,23 @@ impl<'a> Attempt<'a> {
             Places::Around => scales,
             Places::Inside => scales.with_signals(model, ts, &u, samples)?,
         };
-        let every = EverySite::new(subject.effects(), model, scales);
+        let every = EverySite::new(subject.effects(), model, scales.clone());
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let diagnosis = diagnose(&case, &settings, monitor)?;
-        Ok(Self { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis })
+        let Spared { diagnosis, sparing } =
+            diagnose_sparing(request, subject, &scales, &case, &settings, monitor)?;
+        Ok(Self {
+            subject,
+            nominal,
+            data,
+            suspects,
+            logs,
+            memory,
+            settings,
+            ts,
+            diagnosis,
+            sparing,
+        })
     }
 }
 
@@ -121,7 +136,9 @@ pub(super) fn mended(
     }
     // No cause is tried here.
     let none: Vec<fd_effect::Candidate> = Vec::new();
-    let (nominal, logs) = (subject.nominal(), &data.fit[..]);
+    let lent = as_read.as_ref().ok().and_then(|attempt| attempt.sparing.as_ref());
+    let nominal: &dyn Nominal = lent.map_or(subject.nominal(), |(_, lent)| lent);
+    let logs = &data.fit[..];
     let case = Case { nominal, suspects: &none, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
     let suspicion = suspect(&case, horizon, diagnosis).ok()??;

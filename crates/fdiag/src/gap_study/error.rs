@@ -69,6 +69,19 @@ pub enum GapError {
     /// A part of the request is beyond a limit.
     #[error(transparent)]
     Limit(Box<LimitError>),
+    /// The budget does not allow a diagnosis.
+    #[error(
+        "--budget: expected at least {needed} runs of the simulator through the logs, which take about {seconds} s; \
+         found {found}"
+    )]
+    Budget {
+        /// Runs that are needed.
+        needed: u64,
+        /// Their time, in seconds.
+        seconds: String,
+        /// What was allowed.
+        found: String,
+    },
     /// A log cannot be read.
     #[error(transparent)]
     Log(Box<LogError>),

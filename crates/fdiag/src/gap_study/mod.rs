@@ -5,6 +5,7 @@
 //! [`words`] says in plain language what the types do not say themselves.
 
 mod attempt;
+mod budget;
 mod data;
 mod error;
 mod findings;
@@ -18,6 +19,7 @@ mod patched;
 mod report;
 mod request;
 mod said;
+mod sparing;
 mod study;
 mod subject;
 mod traces;
@@ -25,6 +27,7 @@ mod whole;
 pub mod words;
 
 pub use self::{
+    budget::Budget,
     error::GapError,
     findings::{LogDefect, LogFinding, TimeBaseDefect},
     follow::follow,
@@ -36,6 +39,7 @@ pub use self::{
         StudySettings, Timing, schema,
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
+    sparing::Sparing,
     study::{GapStudy, automatic_settings},
     subject::Subject,
     traces::{Signals, Trace},

@@ -11,6 +11,8 @@ use fd_log::LogMap;
 use fd_model::Disorder;
 use serde::{Serialize, Serializer};
 
+use super::budget::Budget;
+
 /// Most causes that are sought without another wish: forecasts end the road long before.
 const MOST: usize = 8;
 
@@ -45,6 +47,10 @@ pub struct Request {
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
     pub calibrate: Option<usize>,
+    /// What a diagnosis of a simulator outside of this program may cost; none for what it needs.
+    pub budget: Option<Budget>,
+    /// Whether such a simulator is searched with as many runs as equations are, instead of few.
+    pub thorough: bool,
     /// How large logs and the parts of the model may be.
     pub limits: Limits,
 }
@@ -77,6 +83,8 @@ impl Request {
             as_read: false,
             seed: 1,
             calibrate: None,
+            budget: None,
+            thorough: false,
             limits: Limits::default(),
         }
     }

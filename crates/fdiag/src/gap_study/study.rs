@@ -118,8 +118,11 @@ impl GapStudy {
         };
         let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
         let is_first = richer.is_none() && reading.is_none() && found.is_none();
-        let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis } =
-            found.unwrap_or(attempt);
+        let attempt = found.unwrap_or(attempt);
+        let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, .. } = attempt;
+        let (diagnosis, sparing) = (attempt.diagnosis, attempt.sparing);
+        // What knows the slopes of these logs answers further questions with fewer runs.
+        let nominal: &dyn Nominal = sparing.as_ref().map_or(nominal, |(_, lent)| lent);
         let whole = if is_first {
             whole
         } else {
@@ -164,6 +167,7 @@ impl GapStudy {
             calibration,
             findings: findings(&diagnosis, data, model),
             whole,
+            sparing: sparing.as_ref().map(|(sparing, _)| sparing.clone()),
             inputs: Inputs::of(request, model, data, memory),
             settings: StudySettings::of(request, &settings, ts.seconds(), is_followed),
             models,

@@ -11,7 +11,7 @@ use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     outside::{OUTSIDE_KINDS, OutsideFile, OutsideSimulator},
-    simulate::{EquationSimulator, Nominal, Simulator, check_limits},
+    simulate::{EquationSimulator, Nominal, Shell, Simulator, check_limits},
 };
 
 use super::{
@@ -35,7 +35,15 @@ const STEP_MS: [f64; 2] = [1.0, 20.0];
 pub struct Subject {
     nominal: Box<dyn Nominal>,
     engine: Option<EngineFile>,
-    outside: Option<(OutsideFile, OutsideSimulator)>,
+    outside: Option<Outside>,
+}
+
+/// A simulator outside of this program, with the file that it was told of by and the shell that it is diagnosed in.
+#[derive(Debug)]
+struct Outside {
+    file: OutsideFile,
+    simulator: OutsideSimulator,
+    shell: Shell,
 }
 
 impl Subject {
@@ -93,8 +101,9 @@ impl Subject {
         let simulator = file.open()?;
         let shell = file.shell(&simulator)?;
         let model = told(request, shell.model())?;
-        let nominal = Box::new(shell.with_model(model)?);
-        Ok(Self { nominal, engine: None, outside: Some((file, simulator)) })
+        let shell = shell.with_model(model)?;
+        let nominal = Box::new(shell.clone());
+        Ok(Self { nominal, engine: None, outside: Some(Outside { file, simulator, shell }) })
     }
 
     fn of_engine(request: &Request, engine: EngineFile) -> Result<Self, GapError> {
@@ -156,7 +165,12 @@ impl Subject {
     /// The simulator outside of this program that it is, if it is one.
     #[must_use]
     pub fn outside(&self) -> Option<&OutsideSimulator> {
-        self.outside.as_ref().map(|(_, simulator)| simulator)
+        self.outside.as_ref().map(|outside| &outside.simulator)
+    }
+
+    /// The same with the shell that it is diagnosed in.
+    pub(super) fn black_box(&self) -> Option<(&OutsideSimulator, &Shell)> {
+        self.outside.as_ref().map(|Outside { simulator, shell, .. }| (simulator, shell))
     }
 
     /// An error of a study, with what went wrong last with a simulator outside of this program, which may be why.
@@ -180,7 +194,7 @@ impl Subject {
     pub fn text(&self, patched: &Model) -> String {
         match (&self.engine, &self.outside) {
             (Some(engine), _) => engine.text(patched),
-            (_, Some((file, _))) => file.text(patched),
+            (_, Some(Outside { file, .. })) => file.text(patched),
             _ => patched.to_string(),
         }
     }
@@ -193,7 +207,7 @@ impl Subject {
     /// Channels of logs: inputs, then outputs.
     pub(super) fn channels(&self) -> [Vec<Channel>; 2] {
         let model = self.model();
-        if let Some((_, simulator)) = &self.outside {
+        if let Some(Outside { simulator, .. }) = &self.outside {
             return [simulator.inputs().to_vec(), simulator.outputs().to_vec()];
         }
         self.engine.as_ref().map_or_else(

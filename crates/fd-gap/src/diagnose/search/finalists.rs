@@ -10,9 +10,11 @@ use crate::{diagnose::candidates::is_same_cause, fit::NullFit};
 pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, finalists: usize) {
     let mut by_cost: Vec<&Trial<'_>> = trials.iter().collect();
     by_cost.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+    let best = by_cost.first().map_or(f64::INFINITY, |trial| trial.cost());
     let mut chosen: Vec<&Candidate> = Vec::new();
     for trial in by_cost {
-        if chosen.len() < finalists && !is_among(&chosen, trial) {
+        let is_worth_it = !trial.is_not_worth_a_run(best);
+        if chosen.len() < finalists && is_worth_it && !is_among(&chosen, trial) {
             chosen.push(trial.candidate);
         }
     }

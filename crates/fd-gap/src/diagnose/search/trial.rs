@@ -17,10 +17,9 @@ use crate::{
 const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
 const SHORT: Search =
-    Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, own_only: false };
+    Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
 /// A fit to the end: what is left is a hundredth of a nat.
-const FULL: Search =
-    Search { iterations: 30, absolute: 1e-2, relative: 1e-6, frozen: 0, own_only: false };
+const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-6, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -138,9 +137,15 @@ impl<'a> Trial<'a> {
         slopes.splice(shared..shared, new);
         let search = Search { frozen: shared, ..search };
         let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
+        let search = self.patient(search);
         for minimum in minimise_all(&mut self.problem, &places, known, search) {
             self.keep(minimum);
         }
+    }
+
+    /// A search that is not more patient than runs are cheap.
+    fn patient(&self, search: Search) -> Search {
+        if self.problem.is_dear() { search.of_dear_runs() } else { search }
     }
 
     fn keep(&mut self, minimum: Option<Minimum>) {
@@ -156,7 +161,8 @@ impl<'a> Trial<'a> {
         self.is_final = true;
         if let Some(best) = self.best.take() {
             // From the same place, so never worse, and with all slopes.
-            let minimum = minimise(&mut self.problem, &best.z, None, FULL);
+            let search = self.patient(FULL);
+            let minimum = minimise(&mut self.problem, &best.z, None, search);
             self.best = minimum.or(Some(best));
         }
         self.fall_back(null);
@@ -182,6 +188,7 @@ impl<'a> Trial<'a> {
         self.problem.set_weights(weights.clone());
         let Some(best) = self.best.take() else { return };
         let search = Search { iterations, ..AGAIN };
+        let search = self.patient(search);
         let minimum = minimise(&mut self.problem, &best.z, None, search);
         self.keep(minimum);
         self.fall_back(null);
@@ -227,9 +234,16 @@ impl<'a> Trial<'a> {
     pub(in crate::diagnose) fn warm_start_at(&mut self, nuisances: &[f64], values: &[f64]) -> bool {
         let before = self.cost();
         let place = self.problem.place(nuisances, values);
-        let minimum = minimise(&mut self.problem, &place, None, AGAIN);
+        let search = self.patient(AGAIN);
+        let minimum = minimise(&mut self.problem, &place, None, search);
         self.keep(minimum);
         self.cost() < before
+    }
+
+    /// Whether it is out of reach of the `best` sum of squares, and runs are too dear to see how far.
+    pub(super) fn is_not_worth_a_run(&self, best: f64) -> bool {
+        let is_far = OUT_OF_REACH * best < self.cost() && best + FAR_BELOW < self.cost();
+        self.problem.is_dear() && is_far
     }
 
     pub(in crate::diagnose) fn cost(&self) -> f64 {

@@ -12,12 +12,18 @@ use super::{
 const NUISANCE_STEP: f64 = 1e-5;
 /// Step of a forward difference in a parameter of an effect, in scales: such laws have kinks.
 const EFFECT_STEP: f64 = 1e-4;
+/// Where outputs are rounded to `p`, a step is at least this many times `√p`.
+const OF_ROOT: f64 = 10.0;
+/// Outputs that are no rougher are as smooth as those of equations.
+const SMOOTH: f64 = 1e-12;
 
 impl Problem {
     /// The step of a difference: forward, unless that leaves the box.
     fn step(&self, z: &[f64], column: usize) -> f64 {
         let is_effect = (self.plan.shared.len()..self.layout.shared).contains(&column);
         let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
+        let precision = self.simulator.precision();
+        let size = if precision < SMOOTH { size } else { size.max(OF_ROOT * precision.sqrt()) };
         let is_inside = |i: usize| z[i] + size <= self.bounds[i][1];
         if self.unknowns(column).all(is_inside) { size } else { -size }
     }

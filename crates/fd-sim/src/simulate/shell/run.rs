@@ -375,6 +375,10 @@ impl Simulator for ShellSimulator {
         self.inside.rest();
     }
 
+    fn precision(&self) -> f64 {
+        self.inside.precision()
+    }
+
     fn stand_in(&self) -> Option<Box<dyn Simulator>> {
         self.stand_in.clone()
     }

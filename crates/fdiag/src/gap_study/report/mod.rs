@@ -24,7 +24,9 @@ pub use self::{
     schema::schema,
     settings::{HorizonKind, HorizonSource, StudySettings},
 };
-use super::{findings::LogFinding, law::Law, patched::PatchedModel, whole::Whole};
+use super::{
+    findings::LogFinding, law::Law, patched::PatchedModel, sparing::Sparing, whole::Whole,
+};
 
 /// The version of the schema; it rises when a key changes its meaning or disappears.
 pub const REPORT_VERSION: u32 = 2;
@@ -62,6 +64,8 @@ pub struct Report {
     pub findings: Vec<LogFinding>,
     /// How the answer does on all rows of long logs, of which only stretches were fitted; `null` elsewhere.
     pub whole: Option<Whole>,
+    /// How a simulator outside of this program was diagnosed with few runs; `null` elsewhere.
+    pub sparing: Option<Sparing>,
     /// What was diagnosed.
     pub inputs: Inputs,
     /// How it was made.

@@ -1,0 +1,153 @@
+//! A linear model as a simulator that is told the row of the replays it is at.
+
+use std::{fmt::Debug, sync::Arc};
+
+use fd_model::{Channel, SampleTime};
+
+use super::ROW;
+use crate::{
+    model::Parameter,
+    simulate::{Initial, Port, Simulator},
+};
+
+/// A model that is linear around replays, of which rows are steps of the simulator, those of all replays one after
+/// the other.
+pub(super) trait Linear: Clone + Debug + Send + Sync + 'static {
+    /// Steps of all replays.
+    fn rows(&self) -> usize;
+
+    /// Starts a run with these parameters and states.
+    fn start(&mut self, theta: &[f64], x0: &[f64]);
+
+    /// Writes the outputs of a row.
+    fn measure(&mut self, row: usize, u: &[f64], f: &[f64], y: &mut [f64]);
+
+    /// The same, and moves on to the next one.
+    fn step(&mut self, row: usize, u: &[f64], f: &[f64], y: &mut [f64]);
+
+    /// The states, or those that the run has begun with.
+    fn state(&self) -> &[f64];
+
+    /// Replaces the states, if they can be.
+    fn go_on_from(&mut self, x: &[f64]) -> bool;
+}
+
+/// What it has in common with the simulator that it stands for.
+#[derive(Debug)]
+struct Contract {
+    ts: SampleTime,
+    inputs: Vec<Channel>,
+    outputs: Vec<Channel>,
+    parameters: Vec<Parameter>,
+    initial: Vec<Initial>,
+    ports: Vec<Port>,
+    /// Steps per sample.
+    steps: usize,
+}
+
+/// A linear model with the contract of the simulator. Its last input is the row that a step is at, counted in
+/// samples; where there is no such row it diverges.
+#[derive(Clone, Debug)]
+pub(super) struct Replayed<L> {
+    contract: Arc<Contract>,
+    model: L,
+    /// The row of the step before, and which of its steps that was.
+    last: Option<(f64, usize)>,
+    no_force: Vec<f64>,
+}
+
+impl<L: Linear> Replayed<L> {
+    pub(super) fn new(simulator: &dyn Simulator, model: L, steps: usize) -> Self {
+        let row = Channel::new(ROW, "1");
+        let contract = Contract {
+            ts: simulator.ts(),
+            inputs: [simulator.inputs(), &[row]].concat(),
+            outputs: simulator.outputs().to_vec(),
+            parameters: simulator.parameters().to_vec(),
+            initial: simulator.initial().to_vec(),
+            ports: simulator.ports().to_vec(),
+            steps,
+        };
+        let no_force = vec![0.0; contract.ports.len()];
+        Self { contract: Arc::new(contract), model, last: None, no_force }
+    }
+
+    /// The step that comes next at a row of samples: its row, and which step of the sample it is.
+    fn next(&self, row: f64) -> Option<(usize, usize)> {
+        let steps = self.contract.steps;
+        let step = match self.last {
+            Some((last, step)) if last == row => (step + 1) % steps,
+            _ => 0,
+        };
+        if !(0.0..(self.model.rows() / steps) as f64).contains(&row) {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row")]
+        let row = row as usize;
+        Some((row * steps + step, step))
+    }
+}
+
+impl<L: Linear> Simulator for Replayed<L> {
+    fn ts(&self) -> SampleTime {
+        self.contract.ts
+    }
+
+    fn inputs(&self) -> &[Channel] {
+        &self.contract.inputs
+    }
+
+    fn outputs(&self) -> &[Channel] {
+        &self.contract.outputs
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.contract.parameters
+    }
+
+    fn initial(&self) -> &[Initial] {
+        &self.contract.initial
+    }
+
+    fn ports(&self) -> &[Port] {
+        &self.contract.ports
+    }
+
+    fn start(&mut self, theta: &[f64], x0: &[f64], _first: u64) {
+        self.model.start(theta, x0);
+        self.last = None;
+    }
+
+    fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+        let (u, at) = u.split_at(self.contract.inputs.len() - 1);
+        let f = if f.is_empty() { &self.no_force } else { f };
+        match self.next(at[0]) {
+            Some((row, step)) => {
+                self.model.step(row, u, f, y);
+                self.last = Some((at[0], step));
+            }
+            None => y.fill(f64::NAN),
+        }
+    }
+
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        let (u, at) = u.split_at(self.contract.inputs.len() - 1);
+        match self.next(at[0]) {
+            Some((row, _)) => self.model.measure(row, u, &self.no_force, y),
+            None => y.fill(f64::NAN),
+        }
+        true
+    }
+
+    fn state(&self) -> &[f64] {
+        self.model.state()
+    }
+
+    fn go_on_from(&mut self, x: &[f64]) -> bool {
+        self.model.go_on_from(x)
+    }
+
+    fn boxed(&self) -> Box<dyn Simulator> {
+        Box::new(self.clone())
+    }
+}
