@@ -10,13 +10,15 @@
 //! has to be made on the simulator.
 
 mod proposals;
+mod refit;
 
+use fd_model::SampleTime;
 use fd_sim::{
     simulate::{Nominal, Shell},
     stand_in::{Replay, StandIn},
 };
 
-use self::proposals::Proposals;
+use self::{proposals::Proposals, refit::Refit};
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Settings, Stage, diagnose},
     fit::{FitError, Log},
@@ -71,18 +73,20 @@ pub fn with_few_runs(
     monitor: &dyn Monitor,
 ) -> Result<Option<FewRuns>, FitError> {
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
-    let simulator = shell.simulator(ts)?;
-    let logs = Log::all(case.logs, &*simulator, &[])?;
-    let replays: Vec<Replay<'_>> = logs
-        .iter()
-        .map(|log| Replay { u: &log.u, samples: log.samples, first: log.first as u64 })
-        .collect();
-    monitor.begin(Stage::StandIn, 1);
-    let Some(stand_in) = StandIn::of(shell, ts, &replays, forces)? else { return Ok(None) };
+    monitor.begin(Stage::StandIn, 2);
+    let Some(nominal) = stand_in(shell, ts, case, forces, None)? else { return Ok(None) };
     monitor.advance();
-    if stand_in.explains() < FORETOLD {
+    if nominal.explains() < FORETOLD {
         return Ok(None);
     }
+    let refit = Refit::of(&Case { nominal: &nominal.lent(), ..*case }, settings)?;
+    let again = match refit {
+        Some(refit) => stand_in(shell, ts, case, forces, Some(&refit))?,
+        None => None,
+    };
+    let runs = nominal.runs() + again.as_ref().map_or(0, StandIn::runs);
+    let stand_in = again.unwrap_or(nominal);
+    monitor.advance();
     let records = case.logs.iter().enumerate().map(|(i, record)| stand_in.record(i, record));
     // A log with a channel of that name has no stand-in.
     let Ok(records) = records.collect::<Result<Vec<_>, _>>() else { return Ok(None) };
@@ -93,6 +97,24 @@ pub fn with_few_runs(
     let confirming = Case { nominal: &lent, suspects: &proposals, ..*case };
     let settings = Settings { causes: Some(proposed.causes.len()), ..settings.clone() };
     let diagnosis = diagnose(&confirming, &settings, monitor)?;
-    let (explains, runs) = (stand_in.explains(), stand_in.runs());
+    let explains = stand_in.explains();
     Ok(Some(FewRuns { diagnosis, proposed, explains, runs, lent }))
+}
+
+/// The simulator, linearised along the logs of a case.
+fn stand_in(
+    shell: &Shell,
+    ts: SampleTime,
+    case: &Case<'_>,
+    forces: &[f64],
+    refit: Option<&Refit>,
+) -> Result<Option<StandIn>, FitError> {
+    let logs = Log::all(case.logs, &*shell.simulator(ts)?, &[])?;
+    let mut replays = Vec::with_capacity(logs.len());
+    for (i, log) in logs.iter().enumerate() {
+        let x0 = refit.map(|refit| refit.starts[i].as_slice());
+        replays.push(Replay { u: &log.u, samples: log.samples, first: log.first as u64, x0 });
+    }
+    let theta = refit.map(|refit| refit.theta.as_slice());
+    Ok(StandIn::of(shell, ts, &replays, forces, theta)?)
 }

@@ -6,7 +6,16 @@ use fd_sim::model::Model;
 use super::Effort;
 use crate::diagnose::{Cause, Diagnosis};
 
-/// The best causes and pairs of a diagnosis, each with one law and the values that were found.
+/// Causes within this much evidence of the best one are confirmed beyond the usual number …
+const NEAR: f64 = 4.0;
+/// … up to so many times that.
+const AS_MANY: usize = 2;
+
+/// Best causes of which all laws are tried: one may be right where another only comes near.
+const ALL_LAWS: usize = 3;
+
+/// The best causes and pairs of a diagnosis, each with its best law and the values that were found; the first few
+/// with their other laws as well.
 #[derive(Debug)]
 pub(super) struct Proposals<'a> {
     suspects: &'a dyn Suspects,
@@ -32,16 +41,23 @@ impl Proposal {
 
     fn is_of(&self, candidate: &Candidate) -> bool {
         candidate.identity() == (self.label, &self.site, self.partner.as_ref())
-            && candidate.law == self.law
     }
 
-    /// The candidate, started from the values that were found and nowhere else.
+    fn is_of_law(&self, candidate: &Candidate) -> bool {
+        self.is_of(candidate) && candidate.law == self.law
+    }
+
+    /// The candidate, started from the values that were found; of another law, from its own starts as well.
     fn started(&self, candidate: Candidate) -> Candidate {
         let found = |p: &EffectParameter| {
             let known = self.model.parameters.iter().find(|known| known.name == p.name);
             known.map_or(p.neutral, |known| known.value).clamp(p.low, p.high)
         };
-        let starts = vec![candidate.parameters.iter().map(found).collect()];
+        let mut starts = vec![candidate.parameters.iter().map(found).collect()];
+        if !self.is_of_law(&candidate) {
+            starts.extend(candidate.starts);
+            return Candidate { starts, ..candidate };
+        }
         Candidate { starts, spectral: None, ..candidate }
     }
 }
@@ -62,8 +78,14 @@ impl<'a> Proposals<'a> {
                     == (cause.label, &cause.site, &cause.partner)
             })
         };
+        let best = diagnosis.causes.first().map_or(0.0, |first| first.log_evidence.max(0.0));
+        let is_near = |cause: &Cause| best - NEAR < cause.log_evidence;
         let causes = diagnosis.causes.iter().enumerate();
-        let chosen = causes.filter(|(place, cause)| *place < effort.causes || is_half(cause));
+        let chosen = causes.filter(|(place, cause)| {
+            *place < effort.causes
+                || *place < AS_MANY * effort.causes && is_near(cause)
+                || is_half(cause)
+        });
         let singles = chosen.map(|(_, cause)| Proposal::of(cause)).collect();
         Self { suspects, singles, pairs }
     }
@@ -76,7 +98,11 @@ impl Suspects for Proposals<'_> {
             // A distribution costs no run.
             Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
             Ok(candidate) => {
-                let proposal = self.singles.iter().find(|proposal| proposal.is_of(&candidate));
+                let proposal = self.singles.iter().enumerate().find(|(place, proposal)| {
+                    proposal.is_of_law(&candidate)
+                        || *place < ALL_LAWS && proposal.is_of(&candidate)
+                });
+                let proposal = proposal.map(|(_, proposal)| proposal);
                 proposal.map(|proposal| Ok(proposal.started(candidate)))
             }
             Err(refused) => Some(Err(refused)),
@@ -97,7 +123,7 @@ impl Suspects for Proposals<'_> {
         }
         let offers = self.suspects.beside(first).into_iter().flatten();
         let each = offers.filter_map(|candidate| {
-            let proposal = others.iter().find(|proposal| proposal.is_of(&candidate))?;
+            let proposal = others.iter().find(|proposal| proposal.is_of_law(&candidate))?;
             Some(Ok(proposal.started(candidate)))
         });
         each.collect()

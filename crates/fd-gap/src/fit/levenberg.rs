@@ -45,14 +45,14 @@ impl Search {
     };
 
     /// The same where a step is a run that is dear, and slopes are so rough that the end comes slowly: it ends a
-    /// twentieth of a nat before, and does not insist.
+    /// fiftieth of a nat before, and does not insist.
     #[must_use]
     pub fn of_dear_runs(self) -> Self {
         Self {
-            iterations: self.iterations.min(8),
-            absolute: self.absolute.max(0.1),
+            iterations: self.iterations.min(15),
+            absolute: self.absolute.max(0.04),
             relative: self.relative.max(1e-5),
-            give_up: 10.0,
+            give_up: 1e3,
             ..self
         }
     }

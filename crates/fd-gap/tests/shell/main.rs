@@ -9,5 +9,6 @@
 
 mod allocation;
 mod diagnosis;
+mod few_runs;
 mod laws;
 mod pendulum;

@@ -27,7 +27,7 @@ pub(crate) struct Pendulum {
     parameters: Vec<Parameter>,
     initial: Vec<Initial>,
     ports: Vec<Port>,
-    ts: f64,
+    pub(crate) ts: f64,
     theta: [f64; 3],
     x: [f64; 2],
     /// Whether outputs can be had without a step.
@@ -35,6 +35,10 @@ pub(crate) struct Pendulum {
     /// Below this inertia it does not run, and how often that was tried.
     least_inertia: f64,
     refused: Arc<AtomicUsize>,
+    /// Whether its states can be seen.
+    shows: bool,
+    /// Steps of this and all its copies.
+    steps: Arc<AtomicUsize>,
 }
 
 impl Pendulum {
@@ -62,7 +66,20 @@ impl Pendulum {
             measures: true,
             least_inertia: f64::NEG_INFINITY,
             refused: Arc::default(),
+            shows: true,
+            steps: Arc::default(),
         }
+    }
+
+    /// The same with outputs that are rounded to single precision, and no states to be seen.
+    pub(crate) fn in_the_dark(mut self) -> Self {
+        self.shows = false;
+        self
+    }
+
+    /// Counts the steps of this and all its copies.
+    pub(crate) fn steps(&self) -> Arc<AtomicUsize> {
+        Arc::clone(&self.steps)
     }
 
     pub(crate) fn without_measuring(mut self) -> Self {
@@ -77,6 +94,12 @@ impl Pendulum {
         self.parameters[0].bounds = Some([-1.0, 1.0]);
         self.least_inertia = least;
         Arc::clone(&self.refused)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "rounds to single precision")]
+    fn look(&self, y: &mut [f64]) {
+        let round = |x: f64| if self.shows { x } else { f64::from(x as f32) };
+        y.iter_mut().zip(self.x).for_each(|(y, x)| *y = round(x));
     }
 
     fn rates(&self, x: [f64; 2], torque: f64) -> [f64; 2] {
@@ -120,7 +143,8 @@ impl Simulator for Pendulum {
     }
 
     fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(&self.x);
+        self.steps.fetch_add(1, Ordering::Relaxed);
+        self.look(y);
         let torque = u[0] + f.first().unwrap_or(&0.0);
         self.x = runge_kutta(self.x, self.ts, |x| self.rates(x, torque));
         if self.x.iter().any(|x| x.abs() > 50.0) {
@@ -130,13 +154,17 @@ impl Simulator for Pendulum {
 
     fn measure(&mut self, _u: &[f64], y: &mut [f64]) -> bool {
         if self.measures {
-            y.copy_from_slice(&self.x);
+            self.look(y);
         }
         self.measures
     }
 
     fn state(&self) -> &[f64] {
-        &self.x
+        if self.shows { &self.x } else { &[0.0; 2] }
+    }
+
+    fn precision(&self) -> f64 {
+        if self.shows { f64::EPSILON } else { f64::from(f32::EPSILON) }
     }
 
     fn boxed(&self) -> Box<dyn Simulator> {
@@ -156,8 +184,12 @@ fn runge_kutta(x: [f64; 2], h: f64, rates: impl Fn([f64; 2]) -> [f64; 2]) -> [f6
 
 /// The shell of the pendulum that steps every `ts` seconds.
 pub(crate) fn shell(ts: f64) -> Shell {
+    shell_of(Pendulum::new(ts))
+}
+
+pub(crate) fn shell_of(pendulum: Pendulum) -> Shell {
     let noise = NOISE.map(Some);
-    let shell = Shell::new("black-box pendulum", Box::new(Pendulum::new(ts))).unwrap();
+    let shell = Shell::new("black-box pendulum", Box::new(pendulum)).unwrap();
     shell.with_noise(&noise).with_motion("pivot", Some("angle"), Some("rate")).unwrap()
 }
 

@@ -16,19 +16,18 @@ pub(super) fn explained(
     replays: &[Replay<'_>],
     steps: usize,
     forces: &[f64],
+    nominal: &[f64],
 ) -> f64 {
     let parameters = simulator.parameters().iter().enumerate();
     let theta: Vec<f64> = parameters
         .map(|(i, p)| {
-            let moved = p.value * (1.0 + 0.5 * p.tolerance * sign(i, 0));
+            let moved = nominal[i] * (1.0 + 0.5 * p.tolerance * sign(i, 0));
             p.bounds.map_or(moved, |[low, high]| moved.clamp(low, high))
         })
         .collect();
     let (mut real, mut still) = (simulator.boxed(), linear.boxed());
     let mut linear = linear.boxed();
     let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
-    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
-    let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
     let size = |i: usize| {
         let column = replays.iter().flat_map(|r| r.u.iter().skip(i).step_by(nu));
         column.fold(0.0_f64, |most, u| most.max(u.abs()))
@@ -38,9 +37,10 @@ pub(super) fn explained(
     let mut squares = vec![[0.0; 2]; ny];
     let mut begin = 0;
     for replay in replays {
+        let x0 = replay.start(simulator);
         real.start(&theta, &x0, replay.begin(steps));
         linear.start(&theta, &x0, replay.begin(steps));
-        still.start(&nominal, &x0, replay.begin(steps));
+        still.start(nominal, &x0, replay.begin(steps));
         let [mut y, mut foretold, mut undisturbed] = [(); 3].map(|()| vec![0.0; ny]);
         for k in 0..replay.samples * steps {
             let plain = replay.input(k, steps, nu);

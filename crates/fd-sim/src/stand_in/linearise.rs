@@ -14,12 +14,13 @@ pub(super) fn linearise(
     replays: &[Replay<'_>],
     steps: usize,
     forces: &[f64],
+    theta: &[f64],
 ) -> Option<Slopes> {
     let mut simulator = simulator.boxed();
     let nu = simulator.inputs().len();
     let nx = simulator.initial().len();
     let nf = simulator.ports().len();
-    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let theta = theta.to_vec();
     let ny = simulator.outputs().len();
     let widths = [nx, nu, nf, theta.len()];
     let mut found = Slopes {
@@ -89,10 +90,10 @@ fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(
         (Moved { f: Some((i, step)), ..plain() }, step)
     });
     let parameters = simulator.parameters().iter().enumerate().map(|(i, parameter)| {
-        let size = parameter.value.abs().max(parameter.tolerance.abs() * parameter.value.abs());
+        let size = theta[i].abs();
         let step = STEP * if 0.0 < size { size } else { 1.0 };
         // Inside of what is allowed.
-        let is_inside = |[_, high]: [f64; 2]| parameter.value + step <= high;
+        let is_inside = |[_, high]: [f64; 2]| theta[i] + step <= high;
         let step = if parameter.bounds.is_none_or(is_inside) { step } else { -step };
         let mut theta = theta.clone();
         theta[i] += step;
@@ -124,7 +125,6 @@ fn walk(
 ) -> Option<Walked> {
     let (nx, nu, ny) =
         (simulator.initial().len(), simulator.inputs().len(), simulator.outputs().len());
-    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
     let mut f = vec![0.0; simulator.ports().len()];
     if let Some((i, step)) = moved.f {
         f[i] = step;
@@ -134,7 +134,7 @@ fn walk(
     let mut u = vec![0.0; nu];
     let mut row = 0;
     for replay in replays {
-        simulator.start(&moved.theta, &x0, replay.begin(steps));
+        simulator.start(&moved.theta, &replay.start(simulator), replay.begin(steps));
         for k in 0..replay.samples * steps {
             u.copy_from_slice(replay.input(k, steps, nu));
             if let Some((i, step)) = moved.u {

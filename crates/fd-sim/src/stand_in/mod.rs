@@ -59,8 +59,8 @@ pub struct StandIn {
 }
 
 impl StandIn {
-    /// Linearises the simulator of a shell along replays, with its nominal parameters. `forces` are typical
-    /// forces at its ports. `None` when it cannot be set to a state, or diverges.
+    /// Linearises the simulator of a shell along replays, with the parameters `theta` of the shell (none for the
+    /// nominal ones). `forces` are typical forces at its ports. `None` when it cannot be set to a state, or diverges.
     ///
     /// ```
     /// use fd_sim::{
@@ -85,8 +85,8 @@ impl StandIn {
     /// // As of a simulator of which nothing is known but that it steps.
     /// let shell = Shell::new("pendulum", Box::new(EquationSimulator::<f64>::at(&model, ts)?))?;
     /// let u: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
-    /// let replay = Replay { u: &u, samples: 200, first: 0 };
-    /// let stand_in = StandIn::of(&shell, ts, &[replay], &[])?.ok_or("states can be set")?;
+    /// let replay = Replay { u: &u, samples: 200, first: 0, x0: None };
+    /// let stand_in = StandIn::of(&shell, ts, &[replay], &[], None)?.ok_or("states can be set")?;
     /// // Itself, two states, an input and a parameter, and one run to see how good that is.
     /// assert_eq!(stand_in.runs(), 6);
     /// assert!(0.95 < stand_in.explains());
@@ -101,21 +101,25 @@ impl StandIn {
         ts: SampleTime,
         replays: &[Replay<'_>],
         forces: &[f64],
+        theta: Option<&[f64]>,
     ) -> Result<Option<Self>, SimulateError> {
         let steps = shell.steps(ts)?;
         let simulator = shell.inside();
+        // A shell without effects hands its parameters on as they are.
+        let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        let theta = theta.unwrap_or(&nominal);
         let moved = simulator.initial().len()
             + simulator.inputs().len()
             + simulator.ports().len()
             + simulator.parameters().len();
-        let linear: Box<dyn Simulator> = match linearise(simulator, replays, steps, forces) {
+        let linear: Box<dyn Simulator> = match linearise(simulator, replays, steps, forces, theta) {
             Some(slopes) => Box::new(Replayed::new(simulator, Affine::new(slopes), steps)),
-            None => match respond(simulator, replays, steps, forces) {
+            None => match respond(simulator, replays, steps, forces, theta) {
                 Some(known) => Box::new(Replayed::new(simulator, Responses::new(known), steps)),
                 None => return Ok(None),
             },
         };
-        let explains = explained(simulator, &*linear, replays, steps, forces);
+        let explains = explained(simulator, &*linear, replays, steps, forces, theta);
         let begins = replays.iter().scan(0, |begin, replay| {
             *begin += replay.samples;
             Some(*begin - replay.samples)

@@ -21,12 +21,13 @@ pub(super) fn respond(
     replays: &[Replay<'_>],
     steps: usize,
     forces: &[f64],
+    theta: &[f64],
 ) -> Option<Known> {
     let mut simulator = simulator.boxed();
     let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
     let parameters = simulator.parameters().to_vec();
     let initial = simulator.initial().to_vec();
-    let theta: Vec<f64> = parameters.iter().map(|p| p.value).collect();
+    let theta = theta.to_vec();
     let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
     let mut begins = Vec::new();
     let mut u = Vec::new();
@@ -50,9 +51,9 @@ pub(super) fn respond(
     }
     let mut runs = Vec::new();
     for (i, parameter) in parameters.iter().enumerate() {
-        let step = STEP * if parameter.value == 0.0 { 1.0 } else { parameter.value.abs() };
+        let step = STEP * if theta[i] == 0.0 { 1.0 } else { theta[i].abs() };
         // Inside of what is allowed.
-        let is_inside = |[_, high]: [f64; 2]| parameter.value + step <= high;
+        let is_inside = |[_, high]: [f64; 2]| theta[i] + step <= high;
         let step = if parameter.bounds.is_none_or(is_inside) { step } else { -step };
         let mut moved = theta.clone();
         moved[i] += step;

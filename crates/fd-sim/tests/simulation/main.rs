@@ -16,3 +16,4 @@ mod patch;
 mod sensitivity;
 mod sharing;
 mod simulate;
+mod stand_in;

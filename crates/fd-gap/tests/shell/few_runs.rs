@@ -1,0 +1,98 @@
+//! Few runs of a black box say what many say.
+
+use std::sync::atomic::Ordering;
+
+use fd_effect::{EverySite, library};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, Verdict},
+    few_runs::{Effort, with_few_runs},
+};
+use fd_model::SampleTime;
+use fd_sim::simulate::Nominal;
+
+use super::pendulum::{Cause, Pendulum, TS, log, shell_of};
+
+const SAMPLES: usize = 600;
+/// As many runs as a diagnosis may make of a simulator that remembers none of them; many are several thousand.
+const FEW: f64 = 400.0;
+
+fn run(pendulum: Pendulum, cause: Cause, effort: Effort) -> (Diagnosis, f64) {
+    let (steps, own) = (pendulum.steps(), pendulum.ts);
+    let shell = shell_of(pendulum);
+    let record = log(cause, SAMPLES, 11);
+    let ts = SampleTime::new(TS).unwrap();
+    let u: Vec<f64> = record.samples().flat_map(|(u, _)| u.to_vec()).collect();
+    let scales = shell.scales(ts, &u, SAMPLES).unwrap();
+    let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();
+    let suspects = EverySite::new(library(), shell.model(), scales);
+    let logs = [record];
+    let case = Case { nominal: &shell, suspects: &suspects, logs: &logs, held_out: &[] };
+    let few = with_few_runs(&shell, &forces, &case, &Settings::default(), effort, &());
+    let few = few.unwrap().expect("a stand-in");
+    let runs = steps.load(Ordering::Relaxed) as f64 * own / TS / SAMPLES as f64;
+    let (foretold, made_of) = (few.explains, few.runs);
+    println!(
+        "{cause:?}: {:?}, {runs:.0} runs, {foretold:.4} foretold by {made_of}",
+        few.diagnosis.verdict
+    );
+    // One run as it is, one to check, two states, an input, a port and three parameters.
+    assert_eq!(made_of, 9);
+    assert!(runs < FEW, "{runs}");
+    (few.diagnosis, runs)
+}
+
+/// Names the cause as many runs do, with states to be seen and without.
+fn assert_named(ts: f64, cause: Cause, label: &str, site: &str, strength: f64, within: f64) {
+    for pendulum in [Pendulum::new(ts), Pendulum::new(ts).in_the_dark()] {
+        let (diagnosis, _) = run(pendulum, cause, Effort::default());
+        let first = &diagnosis.causes[0];
+        assert_eq!((first.label, first.site.name()), (label, Some(site)));
+        assert_eq!(diagnosis.verdict, Verdict::Cause);
+        let found = &first.parameters[0];
+        let error = (found.value - strength).abs();
+        // Three standard errors, and what the black box makes of held means.
+        assert!(error < 3.0 * found.standard_error + within * strength.abs(), "{found:?}");
+    }
+}
+
+#[test]
+fn dead_zone_of_the_motor() {
+    assert_named(TS, Cause::DeadZone(0.15), "input-dead-zone", "motor_torque", 0.15, 0.0);
+}
+
+#[test]
+fn delay_of_the_motor() {
+    assert_named(TS, Cause::Delay(96), "input-delay", "motor_torque", 2.4 * TS, 0.0);
+}
+
+#[test]
+fn bias_of_the_angle() {
+    assert_named(TS, Cause::AngleBias(0.02), "sensor-bias", "angle", 0.02, 0.0);
+}
+
+#[test]
+fn dry_friction_through_the_port() {
+    let cause = Cause::Coulomb(0.12);
+    assert_named(TS / 4.0, cause, "coulomb-friction", "pivot", 0.12, 0.05);
+}
+
+#[test]
+fn wrong_inertia() {
+    assert_named(TS, Cause::Inertia(0.3), "parameter-error", "J", 0.3, 0.3);
+}
+
+#[test]
+fn nothing_is_nothing() {
+    let (diagnosis, _) = run(Pendulum::new(TS), Cause::Nothing, Effort::default());
+    assert_eq!(diagnosis.verdict, Verdict::NoGap);
+}
+
+#[test]
+fn less_effort_costs_fewer_runs_and_finds_the_same() {
+    let cause = Cause::DeadZone(0.15);
+    let (all, many) = run(Pendulum::new(TS), cause, Effort::default());
+    let (some, few) = run(Pendulum::new(TS), cause, Effort { causes: 2, pairs: 0 });
+    assert!(few < many, "{few} {many}");
+    assert_eq!(all.causes[0].label, some.causes[0].label);
+    assert!(some.causes.len() < all.causes.len());
+}
