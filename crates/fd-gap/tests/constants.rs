@@ -7,7 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-const ROOMS: [&str; 7] = ["diagnose", "evidence", "quality", "shrink", "fit", "reading", "road"];
+const ROOMS: [&str; 8] =
+    ["diagnose", "evidence", "quality", "shrink", "fit", "few_runs", "reading", "road"];
 
 /// A row of the table without its last column, which only people know: how the value was set.
 fn row(file: &str, name: &str, value: &str, what: &str) -> String {

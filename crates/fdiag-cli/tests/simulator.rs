@@ -122,3 +122,43 @@ fn the_example_in_python_is_in_order() {
     assert!(output.status.success(), "{said}");
     assert!(said.contains("\nIn order.\n"), "{said}");
 }
+
+/// A budget bounds the runs, says what it left out, and is refused with what is needed where it is too small.
+#[test]
+fn a_budget_is_kept_or_refused() {
+    let model = example("process/cart.toml").display().to_string();
+    let log = example("gap/quick-start/monday.csv").display().to_string();
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("report").display().to_string();
+    let gap = |budget: &str| {
+        fdiag(&[
+            "gap",
+            "--model",
+            &model,
+            "--log",
+            &log,
+            "--out",
+            &out,
+            "--budget",
+            budget,
+            "--as-read",
+        ])
+    };
+    let refused = gap("10runs");
+    assert_eq!(refused.status.code(), Some(4));
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(message.contains("--budget: expected at least 67 runs"), "{message}");
+    assert!(message.contains("found 10 runs"), "{message}");
+    assert_eq!(gap("10").status.code(), Some(2));
+
+    assert!(gap("80runs").status.success());
+    let report = std::fs::read_to_string(Path::new(&out).join("report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["diagnosis"]["causes"][0]["label"], "coulomb-friction");
+    let sparing = &report["sparing"];
+    println!("{sparing}");
+    assert_eq!(sparing["budget"], "80 runs");
+    let number = |key: &str| sparing[key].as_u64().unwrap();
+    assert!(number("confirmed") < number("proposed"));
+    assert!(!sparing["left_out"].as_array().unwrap().is_empty());
+}

@@ -14,7 +14,7 @@ use super::pendulum::{Cause, Pendulum, TS, log, shell_of};
 
 const SAMPLES: usize = 600;
 /// As many runs as a diagnosis may make of a simulator that remembers none of them; many are several thousand.
-const FEW: f64 = 400.0;
+const FEW: f64 = 600.0;
 
 fn run(pendulum: Pendulum, cause: Cause, effort: Effort) -> (Diagnosis, f64) {
     let (steps, own) = (pendulum.steps(), pendulum.ts);
@@ -28,15 +28,16 @@ fn run(pendulum: Pendulum, cause: Cause, effort: Effort) -> (Diagnosis, f64) {
     let logs = [record];
     let case = Case { nominal: &shell, suspects: &suspects, logs: &logs, held_out: &[] };
     let few = with_few_runs(&shell, &forces, &case, &Settings::default(), effort, &());
-    let few = few.unwrap().expect("a stand-in");
+    let few = few.unwrap().unwrap();
     let runs = steps.load(Ordering::Relaxed) as f64 * own / TS / SAMPLES as f64;
     let (foretold, made_of) = (few.explains, few.runs);
     println!(
         "{cause:?}: {:?}, {runs:.0} runs, {foretold:.4} foretold by {made_of}",
         few.diagnosis.verdict
     );
-    // One run as it is, one to check, two states, an input, a port and three parameters.
-    assert_eq!(made_of, 9);
+    // One run as it is, one to check, two states, an input, a port and three parameters; and where the parameters
+    // move far, all that again along the refitted run.
+    assert!(made_of == 9 || made_of == 18, "{made_of}");
     assert!(runs < FEW, "{runs}");
     (few.diagnosis, runs)
 }
@@ -47,7 +48,9 @@ fn assert_named(ts: f64, cause: Cause, label: &str, site: &str, strength: f64, w
         let (diagnosis, _) = run(pendulum, cause, Effort::default());
         let first = &diagnosis.causes[0];
         assert_eq!((first.label, first.site.name()), (label, Some(site)));
-        assert_eq!(diagnosis.verdict, Verdict::Cause);
+        // The law of friction is not that of the library: it may take a second effect to draw the difference.
+        let is_law_of_others = 0.0 < within && diagnosis.verdict == Verdict::Pair;
+        assert!(diagnosis.verdict == Verdict::Cause || is_law_of_others, "{:?}", diagnosis.verdict);
         let found = &first.parameters[0];
         let error = (found.value - strength).abs();
         // Three standard errors, and what the black box makes of held means.

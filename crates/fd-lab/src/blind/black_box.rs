@@ -51,7 +51,9 @@ impl Instance for Plant {
             return Err(Lost::Refused);
         }
         if self.sight == Sight::Outputs {
-            y.iter_mut().for_each(|y| *y = single(*y));
+            for y in y {
+                *y = single(*y);
+            }
         }
         Ok(())
     }

@@ -30,7 +30,7 @@ pub(super) fn linearise(
         u: vec![],
         x: vec![],
         result: vec![],
-        slopes: vec![],
+        columns: vec![],
     };
     let still = Moved { x: None, u: None, f: None, theta };
     (found.x, found.result) = walk(&mut *simulator, replays, steps, &still, None)?;
@@ -41,12 +41,12 @@ pub(super) fn linearise(
         (0..replay.samples * steps).for_each(|k| found.u.extend(replay.input(k, steps, nu)));
     }
     let columns: usize = widths.iter().sum();
-    found.slopes = vec![0.0; found.result.len() * columns];
+    found.columns = vec![0.0; found.result.len() * columns];
     let (rows, results) = (found.rows(), found.results());
     for (column, (moved, step)) in all_moved(&*simulator, &found, forces).into_iter().enumerate() {
         let (_, result) = walk(&mut *simulator, replays, steps, &moved, Some(&found.x))?;
         for row in 0..rows {
-            let to = &mut found.slopes[(row * columns + column) * results..][..results];
+            let to = &mut found.columns[(row * columns + column) * results..][..results];
             let [new, old] =
                 [&result, &found.result].map(|r| &r[row * results..(row + 1) * results]);
             to.iter_mut()

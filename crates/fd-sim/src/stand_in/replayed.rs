@@ -43,6 +43,16 @@ struct Contract {
     ports: Vec<Port>,
     /// Steps per sample.
     steps: usize,
+    /// Whether outputs can be looked at before a step: a force sees those of the step before otherwise, as with
+    /// the simulator.
+    measures: bool,
+}
+
+/// A step of the simulator: the sample that it belongs to, and which of its steps it is.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    sample: usize,
+    number: usize,
 }
 
 /// A linear model with the contract of the simulator. Its last input is the row that a step is at, counted in
@@ -51,8 +61,8 @@ struct Contract {
 pub(super) struct Replayed<L> {
     contract: Arc<Contract>,
     model: L,
-    /// The row of the step before, and which of its steps that was.
-    last: Option<(f64, usize)>,
+    /// The step before.
+    last: Option<Step>,
     no_force: Vec<f64>,
 }
 
@@ -67,24 +77,29 @@ impl<L: Linear> Replayed<L> {
             initial: simulator.initial().to_vec(),
             ports: simulator.ports().to_vec(),
             steps,
+            measures: measures(simulator),
         };
         let no_force = vec![0.0; contract.ports.len()];
         Self { contract: Arc::new(contract), model, last: None, no_force }
     }
 
-    /// The step that comes next at a row of samples: its row, and which step of the sample it is.
-    fn next(&self, row: f64) -> Option<(usize, usize)> {
+    /// The step that comes next at a sample.
+    fn next(&self, sample: f64) -> Option<Step> {
         let steps = self.contract.steps;
-        let step = match self.last {
-            Some((last, step)) if last == row => (step + 1) % steps,
-            _ => 0,
-        };
-        if !(0.0..(self.model.rows() / steps) as f64).contains(&row) {
+        if !(0.0..(self.model.rows() / steps) as f64).contains(&sample) {
             return None;
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row")]
-        let row = row as usize;
-        Some((row * steps + step, step))
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+        let sample = sample as usize;
+        let number = match self.last {
+            Some(last) if last.sample == sample => (last.number + 1) % steps,
+            _ => 0,
+        };
+        Some(Step { sample, number })
+    }
+
+    fn row(&self, step: Step) -> usize {
+        step.sample * self.contract.steps + step.number
     }
 }
 
@@ -122,18 +137,21 @@ impl<L: Linear> Simulator for Replayed<L> {
         let (u, at) = u.split_at(self.contract.inputs.len() - 1);
         let f = if f.is_empty() { &self.no_force } else { f };
         match self.next(at[0]) {
-            Some((row, step)) => {
-                self.model.step(row, u, f, y);
-                self.last = Some((at[0], step));
+            Some(step) => {
+                self.model.step(self.row(step), u, f, y);
+                self.last = Some(step);
             }
             None => y.fill(f64::NAN),
         }
     }
 
     fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
+        if !self.contract.measures {
+            return false;
+        }
         let (u, at) = u.split_at(self.contract.inputs.len() - 1);
         match self.next(at[0]) {
-            Some((row, _)) => self.model.measure(row, u, &self.no_force, y),
+            Some(step) => self.model.measure(self.row(step), u, &self.no_force, y),
             None => y.fill(f64::NAN),
         }
         true
@@ -150,4 +168,16 @@ impl<L: Linear> Simulator for Replayed<L> {
     fn boxed(&self) -> Box<dyn Simulator> {
         Box::new(self.clone())
     }
+}
+
+/// Whether a simulator can show its outputs without moving on.
+fn measures(simulator: &dyn Simulator) -> bool {
+    let mut probe = simulator.boxed();
+    let theta: Vec<f64> = probe.parameters().iter().map(|p| p.value).collect();
+    let x0: Vec<f64> = probe.initial().iter().map(|state| state.value).collect();
+    let (u, mut y) = (vec![0.0; probe.inputs().len()], vec![0.0; probe.outputs().len()]);
+    probe.start(&theta, &x0, 0);
+    let measures = probe.measure(&u, &mut y);
+    probe.rest();
+    measures
 }

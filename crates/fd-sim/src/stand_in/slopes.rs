@@ -16,7 +16,7 @@ pub(super) struct Slopes {
     /// Outputs and then the states after each step, row by row.
     pub(super) result: Vec<f64>,
     /// Slopes of the results, row by row and in a row column by column.
-    pub(super) slopes: Vec<f64>,
+    pub(super) columns: Vec<f64>,
 }
 
 impl Slopes {
@@ -33,6 +33,6 @@ impl Slopes {
     /// The slopes of a row, column by column.
     pub(super) fn of_row(&self, row: usize) -> &[f64] {
         let size = self.results() * self.widths.iter().sum::<usize>();
-        &self.slopes[row * size..(row + 1) * size]
+        &self.columns[row * size..(row + 1) * size]
     }
 }

@@ -93,6 +93,7 @@ Examples:
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
   fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
   fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
+  fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
 
 #[derive(Debug, Default, Args)]

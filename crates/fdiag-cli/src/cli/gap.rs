@@ -83,8 +83,8 @@ fn work(counts: &Counts) -> String {
     let Counts { asked, made, repeated, steps, deaths, lost, inside, .. } = counts;
     let inside = figure(inside.as_secs_f64());
     format!(
-        "Simulator: {asked} runs asked for, {made} made and {repeated} made again, {steps} steps, \
-         {inside} s inside; {deaths} deaths, {lost} runs lost"
+        "Simulator: {asked} runs asked for (those of one step among them), {made} made and {repeated} made again, \
+         {steps} steps, {inside} s inside; {deaths} deaths, {lost} runs lost"
     )
 }
 

@@ -359,6 +359,14 @@ fn basis(page: &mut Page, report: &Report) {
         let summary = format!("{} candidates could not be tested here", not_tested.len());
         page.details(summary, not_tested.join("\n"));
     }
+    if let Some(sparing) = report.sparing.as_ref().filter(|sparing| !sparing.left_out.is_empty()) {
+        let left_out = &sparing.left_out;
+        let summary = format!(
+            "{} causes were tried on a linear model of the simulator alone",
+            left_out.len()
+        );
+        page.details(summary, left_out.join("\n"));
+    }
     if let Ok(settings) = serde_json::to_string_pretty(&report.settings) {
         page.details("Settings", settings);
     }

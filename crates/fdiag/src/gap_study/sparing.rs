@@ -70,7 +70,7 @@ pub(super) fn diagnose_sparing(
         let effort = work.effort(request)?;
         work.tell(effort, monitor);
         let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();
-        if let Some(few) = with_few_runs(shell, &forces, case, settings, effort, &Dbg(simulator))? {
+        if let Some(few) = with_few_runs(shell, &forces, case, settings, effort, monitor)? {
             let (sparing, FewRuns { diagnosis, lent, .. }) =
                 (Sparing::of(&few, effort, request), few);
             return Ok(Spared { diagnosis, sparing: Some((sparing, lent)) });
@@ -184,15 +184,5 @@ impl Sparing {
             left_out: causes.chain(pairs).collect(),
             budget: request.budget.map(|budget| budget.to_string()),
         }
-    }
-}
-
-struct Dbg<'a>(&'a OutsideSimulator);
-impl Monitor for Dbg<'_> {
-    fn begin(&self, stage: fd_gap::diagnose::Stage, _p: usize) {
-        eprintln!("  {stage:?} {}", self.0.counts().steps);
-    }
-    fn advance(&self) {
-        eprintln!("  . {}", self.0.counts().steps);
     }
 }

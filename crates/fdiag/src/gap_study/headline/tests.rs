@@ -134,6 +134,7 @@ fn report(verdict: Verdict) -> Report {
         location: Location { channels, sides, places, spectra: vec![spectrum()], regions, times },
         road: None,
         whole: None,
+        sparing: None,
         next: Vec::new(),
         law: None,
         ceiling: None,
