@@ -137,7 +137,9 @@ impl Board {
         cards.truncate(PICTURED);
         let cards: Vec<Card> = cards.into_iter().map(|(_, card)| card).collect();
         inner.history.retain(|unit, _| cards.iter().any(|card| card.unit == *unit));
-        for card in cards.iter().filter(|card| 0.0 < card.threshold) {
+        // What is not judged yet has no place in a picture of judgements.
+        let is_judged = |card: &&Card| card.doing == "watched" || card.doing == "alarmed";
+        for card in cards.iter().filter(is_judged) {
             let points = inner.history.entry(card.unit.clone()).or_default();
             if points.back().is_none_or(|last| last[0] < card.time) {
                 points.push_back([card.time, card.statistic, card.threshold]);

@@ -205,6 +205,7 @@ impl Monitor {
     }
 
     /// All units, in the order in which they came.
+    #[must_use]
     pub fn units(&self) -> impl ExactSizeIterator<Item = UnitStatus<'_>> {
         self.units.iter().map(|unit| UnitStatus {
             name: &unit.name,

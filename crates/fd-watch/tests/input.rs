@@ -1,5 +1,5 @@
 //! Lines of all kinds: what is read, and what is said of the rest.
-#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 mod common;
 

@@ -1,5 +1,11 @@
 //! What is saved comes back to the bit, and what is not one's own is refused.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a failure here is a failed test; bytes by random numbers"
+)]
 
 mod common;
 

@@ -19,7 +19,7 @@ const WATCH: &str = "watch --model model.toml --spec spec.toml --healthy healthy
 #[test]
 fn messages_have_the_documented_shape() {
     let plant = Plant::new();
-    let output = plant.run(&format!("{WATCH} --unit rig"), &plant.stream(400));
+    let output = plant.run(&format!("{WATCH} --unit rig"), &Plant::stream(400));
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(output.stderr.is_empty(), "nobody is looking: {}", text(&output.stderr));
     let mut shapes: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -61,7 +61,7 @@ fn messages_have_the_documented_shape() {
 #[test]
 fn a_followed_file_is_watched_as_a_stream_is() {
     let plant = Plant::new();
-    let stream = plant.stream(300);
+    let stream = Plant::stream(300);
     let line = format!("{WATCH} --unit rig");
     let mut expected = BTreeMap::new();
     promised(&text(&plant.run(&line, &stream).stdout), &mut expected).unwrap();
@@ -131,7 +131,7 @@ fn wrong_requests_are_refused_with_a_reason() {
 #[test]
 fn a_full_disk_loses_no_alarm() {
     let plant = Plant::new();
-    let stream = plant.stream(600);
+    let stream = Plant::stream(600);
     let line = format!("{WATCH} --unit rig");
     let mut expected = BTreeMap::new();
     promised(&text(&plant.run(&line, &stream).stdout), &mut expected).unwrap();
@@ -173,7 +173,7 @@ fn the_examples_of_the_help_text_run() {
     for example in examples {
         let _ = fs::remove_dir_all(plant.path("state"));
         let line = example.split(" < ").next().unwrap();
-        let stdin = if line.contains("--format csv") { csv.to_owned() } else { plant.stream(20) };
+        let stdin = if line.contains("--format csv") { csv.to_owned() } else { Plant::stream(20) };
         let output = if line.contains("--follow") {
             let child = plant.spawn(&format!("watch {line} --state state"));
             while !plant.path("state/journal.ndjson").exists() {

@@ -50,7 +50,7 @@ fn whoever_looks_sees_how_it_goes() {
     let mut live = BufReader::new(live).lines().map(Result::unwrap);
     assert_eq!(live.next().unwrap(), "event: all");
     let mut stdin = child.stdin.take().unwrap();
-    stdin.write_all(plant.stream(140).as_bytes()).unwrap();
+    stdin.write_all(Plant::stream(140).as_bytes()).unwrap();
     let alarm = live.find(|line| line.starts_with("data: {\"type\":\"alarm\"")).unwrap();
     assert!(alarm.contains("\"unit\":\"u"), "{alarm}");
     let look = live.find(|line| line.contains("\"doing\":\"alarmed\"")).unwrap();

@@ -15,7 +15,7 @@ const WATCH: &str = "watch --model model.toml --spec spec.toml --healthy healthy
 /// Returns how many of the runs had said something, and how many messages were said more than once.
 fn survives(kills: u32, seed: u64) -> (u32, usize) {
     let plant = Plant::new();
-    let stream = plant.stream(1000);
+    let stream = Plant::stream(1000);
     let undisturbed = plant.run(WATCH, &stream);
     assert!(undisturbed.status.success(), "{}", text(&undisturbed.stderr));
     let mut expected = BTreeMap::new();

@@ -65,7 +65,7 @@ pub enum ColumnsError {
         second: String,
     },
     /// The header of a CSV lacks a column.
-    #[error("the header has no column for {what}{}", also(.nearest))]
+    #[error("the header has no column for {what}{}", also(.nearest.as_deref()))]
     Missing {
         /// What is missing.
         what: String,
@@ -74,8 +74,8 @@ pub enum ColumnsError {
     },
 }
 
-fn also(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+fn also(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 impl InputMap {
@@ -155,7 +155,7 @@ impl InputMap {
     }
 
     /// The wanted column that an unknown one may have been meant for.
-    fn nearest(&self, column: &str) -> Option<String> {
+    pub(super) fn nearest(&self, column: &str) -> Option<String> {
         let time = self.map.time.column.as_deref().unwrap_or("time");
         let wanted = (0..self.channels()).map(|i| self.wanted(i));
         let wanted = wanted.chain([time]).chain(self.unit.as_deref());
@@ -176,13 +176,10 @@ impl Columns {
         Self { map, known: HashMap::new(), unknown: 0 }
     }
 
-    /// What a name stands for, and whether it is new and unknown, with the name that may have been meant.
-    pub(super) fn find(
-        &mut self,
-        name: &str,
-    ) -> Result<(Bound, Option<Option<String>>), ColumnsError> {
+    /// What a name stands for, and whether it is an unknown one that is new.
+    pub(super) fn find(&mut self, name: &str) -> Result<(Bound, bool), ColumnsError> {
         if let Some(bound) = self.known.get(name) {
-            return Ok((*bound, None));
+            return Ok((*bound, false));
         }
         let bound = self.map.bind(name)?;
         if !matches!(bound, Bound::Unknown) {
@@ -201,13 +198,13 @@ impl Columns {
                 return Err(ColumnsError::Twice { what, first, second });
             }
             self.known.insert(name.to_owned(), bound);
-            return Ok((bound, None));
+            return Ok((bound, false));
         }
         if self.unknown == MOST_UNKNOWN {
-            return Ok((bound, None));
+            return Ok((bound, false));
         }
         self.unknown += 1;
         self.known.insert(name.to_owned(), bound);
-        Ok((bound, Some(self.map.nearest(name))))
+        Ok((bound, true))
     }
 }

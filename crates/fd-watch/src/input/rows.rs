@@ -223,9 +223,9 @@ impl Draft {
     }
 
     pub(super) fn find(&mut self, name: &str) -> Result<Bound, ColumnsError> {
-        let (bound, unknown) = self.columns.find(name)?;
-        if let Some(nearest) = unknown {
-            let column = Shown(name).to_string();
+        let (bound, is_new) = self.columns.find(name)?;
+        if is_new {
+            let (column, nearest) = (Shown(name).to_string(), self.columns.map.nearest(name));
             self.events.push(What::UnknownColumn { column, nearest });
         }
         Ok(bound)

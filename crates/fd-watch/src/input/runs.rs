@@ -3,7 +3,7 @@
 /// Whether the `count`-th of a row is told: the first, the tenth, the hundredth and so on.
 fn is_told(count: u64) -> bool {
     let mut rest = count;
-    while 10 <= rest && rest % 10 == 0 {
+    while 10 <= rest && rest.is_multiple_of(10) {
         rest /= 10;
     }
     rest == 1

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    fmt::Write as _,
     fs::{self, File, TryLockError},
     io,
     path::{Path, PathBuf},
@@ -114,7 +115,7 @@ pub enum StateError {
         /// Its file.
         path: PathBuf,
         /// Why.
-        source: MemoryError,
+        source: Box<MemoryError>,
     },
 }
 
@@ -164,7 +165,7 @@ impl StateFolder {
             let learned: Option<LearnedRows> =
                 memory.needs_learned().then(|| read(&rows, &identity)).transpose()?;
             times.insert(memory.unit().to_owned(), memory.time());
-            let source = |source| StateError::Memory { path, source };
+            let source = |source| StateError::Memory { path, source: Box::new(source) };
             monitor.restore(memory, learned).map_err(source)?;
         }
         let path = folder.join("journal.ndjson");
@@ -287,7 +288,8 @@ fn file_name(unit: &str) -> String {
         if byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_' {
             name.push(char::from(byte));
         } else {
-            name.push_str(&format!("%{byte:02X}"));
+            // Writing to a text does not fail.
+            let _ = write!(name, "%{byte:02X}");
         }
     }
     if name.len() <= LONGEST_NAME {

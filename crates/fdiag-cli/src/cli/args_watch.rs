@@ -43,7 +43,7 @@ pub(crate) struct WatchArgs {
     /// Column that tells units apart; without it there is one, called `plant`
     #[arg(long, value_name = "COLUMN")]
     pub(crate) unit: Option<String>,
-    /// Column of time; without it one called time, t or time_s
+    /// Column of time; without it one called `time`, `t` or `time_s`
     #[arg(long, value_name = "COLUMN")]
     pub(crate) time: Option<String>,
     /// How samples are written

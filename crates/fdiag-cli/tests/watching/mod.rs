@@ -70,7 +70,7 @@ impl Plant {
     }
 
     /// Three units, each with a fault of its own every 15 s or so, and a stream that is not always well.
-    pub fn stream(&self, samples: usize) -> String {
+    pub fn stream(samples: usize) -> String {
         let mut runs: Vec<Record> = (0..3).map(|unit| record(samples, 10 + unit)).collect();
         for (unit, run) in runs.iter_mut().enumerate() {
             for k in (0..samples).filter(|k| (k + 40 * unit) % 150 > 110) {
@@ -91,8 +91,7 @@ impl Plant {
                 };
                 match (k + 7 * unit) % 331 {
                     // A hole that is bridged, one that is not, a doubled and a late sample, a wrong clock.
-                    100 => {}
-                    200..215 => {}
+                    100 | 200..215 => {}
                     250 => lines.push_str(&row(k).repeat(2)),
                     260 => lines.push_str(&(row(k) + &row(k.saturating_sub(2)))),
                     270 => lines.push_str(&(row(k + 100_000) + &row(k))),

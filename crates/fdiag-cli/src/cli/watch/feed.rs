@@ -62,18 +62,14 @@ fn read_lines(mut from: impl Read, sender: &SyncSender<Chunk>) {
             let Some(end) = new.iter().position(|byte| *byte == b'\n') else { continue };
             (new, skipping) = (&new[end + 1..], false);
         }
-        let sent = match new.iter().rposition(|byte| *byte == b'\n') {
-            Some(end) => {
-                let mut lines = std::mem::take(&mut rest);
-                lines.extend_from_slice(&new[..=end]);
-                rest.extend_from_slice(&new[end + 1..]);
-                sender.send(Chunk::Lines(lines, Instant::now()))
-            }
-            None => {
-                rest.extend_from_slice(new);
-                Ok(())
-            }
-        };
+        let mut sent = Ok(());
+        if let Some(end) = new.iter().rposition(|byte| *byte == b'\n') {
+            let mut lines = std::mem::take(&mut rest);
+            lines.extend_from_slice(&new[..=end]);
+            new = &new[end + 1..];
+            sent = sender.send(Chunk::Lines(lines, Instant::now()));
+        }
+        rest.extend_from_slice(new);
         // Whoever received has stopped.
         if sent.is_err() {
             return;
