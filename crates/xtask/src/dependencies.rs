@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 17] = [
+const ALLOWED: [(&str, &[&[&str]]); 18] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -19,8 +19,9 @@ const ALLOWED: [(&str, &[&[&str]]); 17] = [
     ("fd-effect", &[MODELS, &["fd-sim"]]),
     ("fd-gap", &[MODELS, &["fd-sim", "fd-effect", "fd-residual", "fd-ident", "fd-compensate"]]),
     ("fdiag", &[MODELS, METHODS]),
+    ("fd-watch", &[MODELS, &["fd-log", "fdiag"]]),
     ("fd-lab", &[MODELS, METHODS, &["fd-report", "fdiag"]]),
-    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-lab"]]),
+    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-lab", "fd-watch"]]),
     ("fdiag-benches", &[MODELS, METHODS, &["fdiag", "fd-lab"]]),
     ("xtask", &[]),
 ];

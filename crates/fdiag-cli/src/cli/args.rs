@@ -20,6 +20,7 @@ const AFTER_HELP: &str = "\
 Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
   fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag watch       does that on line, next to the plant, for months
   fdiag simulator   says whether a simulator of your own is fit for fdiag gap
   fdiag engine      shows on a simulated jet engine what compensation gains
   fdiag compare     says which residual, compensation and detector find the smallest faults there
@@ -57,6 +58,14 @@ pub(crate) enum Command {
     /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
     /// both. The healthy logs are for training and for the alarm threshold.
     Compensate(CompensateArgs),
+    /// Watch plants on line: samples in, alarms out, a state that survives a kill
+    ///
+    /// Reads samples as they come (NDJSON or CSV on standard input, or a file that grows), compares them with a
+    /// linear model as `fdiag compensate` does, and writes alarms and events as NDJSON to standard output. With
+    /// --state an alarm is on the disk before it is printed, and a monitor that was killed goes on where it was.
+    /// docs/watch.md describes input, output and state.
+    #[command(after_help = super::args_watch::WATCH_HELP)]
+    Watch(Box<super::args_watch::WatchArgs>),
     /// Say which unmodelled effect separates a simulator from logs of the real system
     ///
     /// Reads a model with equations as text (docs/model-equations.md), a linear one, a simulator of your
@@ -267,7 +276,7 @@ impl Default for OutputArgs {
 }
 
 /// A part of a whole that leaves something of it.
-fn share(text: &str) -> Result<f64, String> {
+pub(super) fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
         Ok(_) => Err("expected a number between 0 and 1, both excluded".to_owned()),
@@ -276,7 +285,7 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 /// A number above zero.
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if 0.0 < number && number.is_finite() => Ok(number),
         _ => Err("expected a number above 0".to_owned()),

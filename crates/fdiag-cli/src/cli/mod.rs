@@ -1,6 +1,7 @@
 //! The commands of `fdiag`.
 
 mod args;
+mod args_watch;
 mod blind;
 mod compare;
 mod compensate;
@@ -12,6 +13,7 @@ mod pool;
 mod progress;
 mod simulator;
 mod toml_file;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -28,6 +30,7 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
         Some(Command::Simulator { command }) => simulator::run(&command),
+        Some(Command::Watch(args)) => watch::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),
     };
     match result {

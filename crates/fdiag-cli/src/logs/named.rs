@@ -24,13 +24,6 @@ pub struct NamedFault {
     pub unit: String,
 }
 
-/// A place that may be faulty.
-struct Place {
-    name: String,
-    unit: String,
-    scale: f64,
-}
-
 impl NamedFault {
     /// From the last alarm of a trace; `None` without an alarm, or when the spec asks for no isolation.
     pub(super) fn of(
@@ -39,7 +32,7 @@ impl NamedFault {
         inputs: &[ModelChannel],
         outputs: &[ModelChannel],
     ) -> Option<Self> {
-        let places = places(isolation, inputs, outputs)?;
+        let places = isolation.places(inputs, outputs)?;
         let (k, fault) = trace.decision.iter().enumerate().rev().find_map(|(k, decision)| {
             if let Decision::Fault(fault) = decision { Some((k, *fault)) } else { None }
         })?;
@@ -73,24 +66,4 @@ impl NamedFault {
         ]);
         table
     }
-}
-
-/// The places in the order of the hypotheses; `None` when there are none.
-fn places(
-    isolation: &IsolationSpec,
-    inputs: &[ModelChannel],
-    outputs: &[ModelChannel],
-) -> Option<Vec<Place>> {
-    let (IsolationSpec::Nearest { faults } | IsolationSpec::Bayes { faults, .. }) = isolation
-    else {
-        return None;
-    };
-    let place = |what: &str, channel: &ModelChannel| Place {
-        name: format!("{what} {}", channel.channel.name),
-        unit: channel.channel.unit.clone(),
-        scale: channel.scale.scale.unwrap_or(1.0),
-    };
-    let sensors = outputs.iter().map(|channel| place("sensor", channel));
-    let actuators = inputs.iter().map(|channel| place("actuator", channel));
-    Some(faults.in_order(sensors, actuators).collect())
 }

@@ -10,6 +10,7 @@ mod detector;
 mod generator;
 mod isolation;
 mod limits;
+mod place;
 mod signature;
 #[cfg(feature = "testing")]
 pub mod testing;
@@ -30,6 +31,7 @@ pub use self::{
     },
     isolation::{IsolationSpec, IsolationSpecError},
     limits::check_limits,
+    place::FaultPlace,
     signature::FaultSites,
 };
 

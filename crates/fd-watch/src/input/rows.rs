@@ -1,0 +1,298 @@
+//! Rows from lines, whatever their format.
+
+use fd_model::Shown;
+
+use super::{
+    cells::{self, Cell},
+    columns::{Bound, Columns, ColumnsError, InputMap},
+    csv_line, ndjson,
+    runs::Runs,
+};
+use crate::message::What;
+
+/// Most characters of the name of a unit.
+const LONGEST_NAME: usize = 200;
+
+/// Name of a unit that is the only one.
+const ONLY_UNIT: &str = "plant";
+
+/// How samples are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// One JSON object per line.
+    #[default]
+    Ndjson,
+    /// A header and lines of cells.
+    Csv,
+}
+
+/// One sample as it arrived.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<'a> {
+    /// The unit; `plant` when there is only one.
+    pub unit: &'a str,
+    /// Time in s.
+    pub time: f64,
+    /// Inputs, then outputs, in the units of the channels; NaN where a value is missing.
+    pub values: &'a [f64],
+}
+
+/// A row while it is read.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    columns: Columns,
+    unit: String,
+    has_unit: bool,
+    time: Option<f64>,
+    values: Vec<f64>,
+    found: Vec<bool>,
+    missing: Vec<Runs>,
+    line: u64,
+    events: Vec<What>,
+}
+
+/// Turns lines into rows; what is wrong with a line becomes an event, never an end.
+///
+/// ```
+/// use fd_log::LogMap;
+/// use fd_model::Channel;
+/// use fd_watch::{Format, InputMap, RowReader};
+///
+/// let map = LogMap::for_channels(&[Channel::new("u", "V")], &[Channel::new("T", "K")]);
+/// let mut rows = RowReader::new(Format::Ndjson, InputMap::new(map).with_units("rig"));
+/// assert!(rows.read(br#"{"rig": "a", "t": 0.5, "u": 1, "T [degC]": 20}"#)?);
+/// let row = rows.row();
+/// assert_eq!((row.unit, row.time, row.values), ("a", 0.5, &[1.0, 293.15][..]));
+/// assert!(!rows.read(b"not JSON")?);
+/// assert_eq!(rows.take_events().len(), 1);
+/// # Ok::<(), fd_watch::ColumnsError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct RowReader {
+    format: Format,
+    header: Option<Header>,
+    draft: Draft,
+}
+
+/// The first line of a CSV.
+#[derive(Clone, Debug)]
+struct Header {
+    text: String,
+    delimiter: char,
+    bound: Vec<Bound>,
+}
+
+impl RowReader {
+    /// Reads lines of this format.
+    #[must_use]
+    pub fn new(format: Format, map: InputMap) -> Self {
+        let channels = map.channels();
+        let draft = Draft {
+            unit: String::new(),
+            has_unit: false,
+            time: None,
+            values: vec![f64::NAN; channels],
+            found: vec![false; channels],
+            missing: vec![Runs::default(); channels],
+            line: 0,
+            events: Vec::new(),
+            columns: Columns::new(map),
+        };
+        Self { format, header: None, draft }
+    }
+
+    /// Reads the next line, and says whether there is a row in it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the header of a CSV lacks columns or has them twice: no line after it could be
+    /// understood.
+    pub fn read(&mut self, line: &[u8]) -> Result<bool, ColumnsError> {
+        self.draft.begin();
+        let Ok(text) = std::str::from_utf8(line) else {
+            self.draft.is_unreadable("it is not UTF-8");
+            return Ok(false);
+        };
+        let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+        if text.trim().is_empty() {
+            return Ok(false);
+        }
+        let read = match self.format {
+            Format::Ndjson => ndjson::read(&mut self.draft, text.as_bytes()),
+            Format::Csv => match &self.header {
+                None => {
+                    self.header = Some(Header::read(text, &mut self.draft)?);
+                    return Ok(false);
+                }
+                // Files that were joined have it again.
+                Some(header) if header.text == text => return Ok(false),
+                Some(header) => header.cells(text, &mut self.draft),
+            },
+        };
+        if let Err(reason) = read {
+            self.draft.is_unreadable(&reason);
+            return Ok(false);
+        }
+        Ok(self.draft.finish())
+    }
+
+    /// A line that is longer than whoever read it cares for.
+    pub fn skip_long_line(&mut self, most: usize) {
+        self.draft.begin();
+        self.draft.is_unreadable(&format!("it is longer than {most} bytes"));
+    }
+
+    /// The row that was read last.
+    #[must_use]
+    pub fn row(&self) -> Row<'_> {
+        let Draft { unit, time, values, .. } = &self.draft;
+        let unit = if unit.is_empty() { ONLY_UNIT } else { unit };
+        Row { unit, time: time.unwrap_or(f64::NAN), values }
+    }
+
+    /// What was wrong with the lines so far; each is handed out once.
+    pub fn take_events(&mut self) -> Vec<What> {
+        std::mem::take(&mut self.draft.events)
+    }
+}
+
+impl Header {
+    fn read(text: &str, draft: &mut Draft) -> Result<Self, ColumnsError> {
+        let delimiter = draft.columns.map.delimiter().unwrap_or_else(|| csv_line::separator(text));
+        let missing = |what: &str, draft: &Draft| ColumnsError::Missing {
+            what: what.to_owned(),
+            nearest: draft.events.iter().find_map(|event| match event {
+                What::UnknownColumn { column, nearest: Some(wanted) } if wanted == what => {
+                    Some(column.clone())
+                }
+                _ => None,
+            }),
+        };
+        let Ok(cells) = csv_line::cells(text, delimiter) else {
+            return Err(missing("time", draft));
+        };
+        let mut bound = Vec::new();
+        for cell in &cells {
+            bound.push(draft.find(cell.trim())?);
+        }
+        if !bound.iter().any(|b| matches!(b, Bound::Time(_))) {
+            return Err(missing("time", draft));
+        }
+        if draft.columns.map.has_units() && !bound.iter().any(|b| matches!(b, Bound::Unit)) {
+            return Err(missing("the unit", draft));
+        }
+        for channel in 0..draft.columns.map.channels() {
+            if !bound.iter().any(|b| matches!(b, Bound::Channel(i, _) if *i == channel)) {
+                return Err(missing(draft.columns.map.wanted(channel), draft));
+            }
+        }
+        Ok(Self { text: text.to_owned(), delimiter, bound })
+    }
+
+    fn cells(&self, text: &str, draft: &mut Draft) -> Result<(), String> {
+        let cells = csv_line::cells(text, self.delimiter)?;
+        if cells.len() != self.bound.len() {
+            let (expected, found) = (self.bound.len(), cells.len());
+            return Err(format!("expected {expected} cells as in the header, found {found}"));
+        }
+        let decimal_comma = draft.columns.map.has_decimal_comma();
+        for (bound, cell) in self.bound.iter().zip(&cells) {
+            match bound {
+                Bound::Unknown => {}
+                Bound::Unit => draft.set_unit(cell.trim())?,
+                bound => draft.set(*bound, cells::read(cell, decimal_comma))?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Draft {
+    fn begin(&mut self) {
+        self.line += 1;
+        self.unit.clear();
+        self.has_unit = false;
+        self.time = None;
+        self.values.fill(f64::NAN);
+        self.found.fill(false);
+    }
+
+    fn is_unreadable(&mut self, reason: &str) {
+        let reason = Shown(reason).to_string();
+        self.events.push(What::Unreadable { line: self.line, reason });
+    }
+
+    pub(super) fn find(&mut self, name: &str) -> Result<Bound, ColumnsError> {
+        let (bound, is_new) = self.columns.find(name)?;
+        if is_new {
+            let (column, nearest) = (Shown(name).to_string(), self.columns.map.nearest(name));
+            self.events.push(What::UnknownColumn { column, nearest });
+        }
+        Ok(bound)
+    }
+
+    pub(super) fn set_unit(&mut self, name: &str) -> Result<(), String> {
+        if self.has_unit {
+            return Err("the unit is there twice".to_owned());
+        }
+        if name.is_empty() || LONGEST_NAME < name.chars().count() {
+            return Err(format!("the name of a unit has 1 to {LONGEST_NAME} characters"));
+        }
+        self.has_unit = true;
+        self.unit.push_str(name);
+        Ok(())
+    }
+
+    pub(super) fn set(&mut self, bound: Bound, cell: Cell) -> Result<(), String> {
+        match (bound, cell) {
+            // Names are read by `set_unit`, as they are.
+            (Bound::Unknown | Bound::Unit, _) => {}
+            (Bound::Time(_), _) if self.time.is_some() => {
+                return Err("the time is there twice".to_owned());
+            }
+            (Bound::Time(conversion), Cell::Number(number)) => {
+                self.time = Some(conversion.apply(number));
+            }
+            (Bound::Time(_), Cell::Missing) => return Err("it has no time".to_owned()),
+            (Bound::Time(_), Cell::Text(text)) => {
+                return Err(format!("the time is no number: `{}`", Shown(&text)));
+            }
+            (Bound::Channel(channel, conversion), cell) => {
+                if std::mem::replace(&mut self.found[channel], true) {
+                    return Err(format!("`{}` is there twice", self.columns.map.wanted(channel)));
+                }
+                match cell {
+                    Cell::Number(number) => self.values[channel] = conversion.apply(number),
+                    Cell::Missing => {}
+                    Cell::Text(text) => {
+                        let column = self.columns.map.wanted(channel).to_owned();
+                        let (line, text) = (self.line, Shown(&text).to_string());
+                        self.events.push(What::NotANumber { column, line, text });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what was found is a row.
+    fn finish(&mut self) -> bool {
+        if self.time.is_none() {
+            self.is_unreadable("it has no time");
+            return false;
+        }
+        if self.columns.map.has_units() && !self.has_unit {
+            self.is_unreadable("it names no unit");
+            return false;
+        }
+        for (channel, found) in self.found.iter().enumerate() {
+            if *found {
+                self.missing[channel] = Runs::default();
+            } else if self.missing[channel].more().is_some() {
+                let column = self.columns.map.wanted(channel).to_owned();
+                self.events.push(What::MissingColumn { column, line: self.line });
+            }
+        }
+        true
+    }
+}

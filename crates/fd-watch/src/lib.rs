@@ -1,0 +1,39 @@
+//! `fdiag watch` as a library: the on-line monitor.
+//!
+//! ```text
+//! line ──RowReader──▶ row ──Clock──▶ samples on an even time base ──Pipeline──▶ messages
+//!                      │                                                          │
+//!                      └── one Unit per key: clock, diagnosis, standing alarm     ├─▶ journal, synced
+//!                                                                                 ├─▶ published
+//!                                                                                 └─▶ memory of the unit, saved
+//! ```
+//!
+//! [`RowReader`] makes rows of lines, [`Monitor`] makes messages of rows, [`StateFolder`] keeps what must survive. None of
+//! them has a thread or a clock; `fdiag_cli::watch` runs them next to a plant. Everything that is wrong with a stream is a
+//! typed [`Event`]; no sample is left out silently, and none is judged at a time that it does not have.
+
+mod bits;
+mod board;
+mod clock;
+#[cfg(feature = "http")]
+mod http;
+mod input;
+mod memory;
+mod message;
+mod monitor;
+mod plan;
+mod state;
+mod unit;
+
+#[cfg(feature = "http")]
+pub use self::http::serve;
+pub use self::{
+    board::{Board, Health},
+    input::{ColumnsError, Format, InputMap, Row, RowReader},
+    memory::{LearnedRows, MemoryError, UnitMemory},
+    message::{Alarm, Cleared, Event, Message, What, Why},
+    monitor::{Counts, Monitor, UnitStatus},
+    plan::{Learning, Plan, PlanError, Request},
+    state::{Identity, StateError, StateFolder},
+    unit::{Doing, Latest},
+};

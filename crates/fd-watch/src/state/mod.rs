@@ -1,0 +1,19 @@
+//! The state folder: what must survive a `kill -9`, a power cut and a full disk.
+//!
+//! ```text
+//! DIR/state.json        whose state it is: version, model, spec, healthy samples
+//! DIR/lock              held while a monitor runs
+//! DIR/journal.ndjson    every alarm, synced before it is published
+//! DIR/units/NAME.unit   the memory of a unit, replaced as a whole
+//! DIR/units/NAME.rows   what a unit learned from, written once
+//! ```
+
+mod folder;
+mod identity;
+mod journal;
+mod sealed;
+
+pub use self::{
+    folder::{StateError, StateFolder},
+    identity::Identity,
+};

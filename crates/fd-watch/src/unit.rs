@@ -1,0 +1,324 @@
+//! One unit: its clock, its diagnosis, its standing alarm.
+
+use fd_core::{
+    DynPipeline, EventKind, FrameError, Step,
+    stage::{Decision, Fault, Phase as Compensation, Stage},
+};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    clock::{Clock, Tick},
+    input::Runs,
+    message::{Alarm, Cleared, Event, Message, What, Why},
+    plan::{Plan, PlanError},
+};
+
+/// What a unit is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// It learns what is normal from its own samples.
+    Learning {
+        /// Samples that it has.
+        samples: u64,
+    },
+    /// Its diagnosis settles: after its start, after a gap, or while the bias is learned again.
+    Settling,
+    /// Its samples are judged.
+    Watched,
+    /// It has a standing alarm.
+    Alarmed,
+}
+
+/// An alarm that stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Standing {
+    pub(crate) id: String,
+    pub(crate) hypothesis: Option<usize>,
+}
+
+pub(crate) enum Phase {
+    Learning { rows: Vec<f64> },
+    Watching(Box<DynPipeline>),
+}
+
+/// What a unit shows of itself after its latest sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Latest {
+    /// Time in s.
+    pub time: f64,
+    /// Test statistic.
+    pub statistic: f64,
+    /// What it is compared with.
+    pub threshold: f64,
+}
+
+pub(crate) struct Unit {
+    pub(crate) name: String,
+    pub(crate) clock: Clock,
+    pub(crate) phase: Phase,
+    pub(crate) standing: Option<Standing>,
+    /// Time of the last sample on the grid.
+    pub(crate) time: Option<f64>,
+    pub(crate) refused: Runs,
+    held: Runs,
+    settled: bool,
+    pub(crate) latest: Latest,
+    /// What it learned from, until that is saved.
+    pub(crate) learned: Option<Vec<f64>>,
+    /// Whether the diagnosis is the unit's own.
+    pub(crate) is_own: bool,
+    /// Whether something happened since it was saved.
+    pub(crate) is_dirty: bool,
+    channels: usize,
+    scaled: Vec<f64>,
+}
+
+impl Unit {
+    pub(crate) fn new(plan: &Plan, name: &str) -> Result<Self, PlanError> {
+        let phase = match plan.common()? {
+            Some(pipeline) => Phase::Watching(Box::new(pipeline)),
+            None => Phase::Learning { rows: Vec::new() },
+        };
+        Ok(Self {
+            name: name.to_owned(),
+            clock: Clock::default(),
+            is_own: matches!(phase, Phase::Learning { .. }),
+            phase,
+            standing: None,
+            time: None,
+            refused: Runs::default(),
+            held: Runs::default(),
+            settled: false,
+            latest: Latest::default(),
+            learned: None,
+            is_dirty: false,
+            channels: plan.channels().max(1),
+            scaled: Vec::new(),
+        })
+    }
+
+    pub(crate) fn doing(&self) -> Doing {
+        match &self.phase {
+            _ if self.standing.is_some() => Doing::Alarmed,
+            Phase::Learning { rows } => {
+                Doing::Learning { samples: (rows.len() / self.channels) as u64 }
+            }
+            Phase::Watching(_) if self.settled => Doing::Watched,
+            Phase::Watching(_) => Doing::Settling,
+        }
+    }
+
+    /// Takes a sample as it arrived.
+    pub(crate) fn take(
+        &mut self,
+        plan: &Plan,
+        time: f64,
+        values: &[f64],
+        messages: &mut Vec<Message>,
+    ) {
+        self.is_dirty = true;
+        // The clock is apart from the rest while it tells the rest what to do.
+        let mut clock = std::mem::take(&mut self.clock);
+        clock.take(&plan.clock, time, values, &mut |tick| match tick {
+            Tick::Sample { time, values } => self.sample(plan, time, values, messages),
+            Tick::Anew => self.anew(messages),
+            Tick::Told(time, what) => self.tell(time, what, messages),
+        });
+        self.clock = clock;
+    }
+
+    fn tell(&self, time: f64, what: What, messages: &mut Vec<Message>) {
+        let unit = Some(self.name.clone());
+        messages.push(Message::Event(Event { unit, time: Some(time), what }));
+    }
+
+    /// The next sample does not follow the last one.
+    fn anew(&mut self, messages: &mut Vec<Message>) {
+        let time = self.time.unwrap_or(0.0);
+        match &mut self.phase {
+            Phase::Learning { rows } => {
+                let samples = (rows.len() / self.channels) as u64;
+                rows.clear();
+                if 0 < samples {
+                    self.tell(time, What::LearningRestarted { samples }, messages);
+                }
+            }
+            Phase::Watching(pipeline) => pipeline.reset(),
+        }
+        self.settled = false;
+        self.refused = Runs::default();
+        self.held = Runs::default();
+        if let Some(Standing { id, .. }) = self.standing.take() {
+            let unit = self.name.clone();
+            messages.push(Message::Cleared(Cleared { id, unit, time, why: Why::Gap }));
+        }
+    }
+
+    /// Takes a sample on the grid.
+    fn sample(&mut self, plan: &Plan, time: f64, values: &[f64], messages: &mut Vec<Message>) {
+        let mut scaled = std::mem::take(&mut self.scaled);
+        plan.scale(values, &mut scaled);
+        match &mut self.phase {
+            Phase::Learning { rows } => {
+                let is_first = rows.is_empty();
+                rows.extend_from_slice(&scaled);
+                let samples = (rows.len() / self.channels) as u64;
+                if is_first {
+                    let what = What::LearningStarted { samples: plan.to_learn };
+                    self.tell(time, what, messages);
+                }
+                if plan.to_learn <= samples {
+                    self.learn(plan, time, messages);
+                }
+            }
+            Phase::Watching(_) => self.watch(plan, time, &scaled, messages),
+        }
+        self.scaled = scaled;
+        self.time = Some(time);
+    }
+
+    fn learn(&mut self, plan: &Plan, time: f64, messages: &mut Vec<Message>) {
+        let Phase::Learning { rows } = &mut self.phase else { return };
+        let rows = std::mem::take(rows);
+        let learned = plan.own(&rows).map(|mut pipeline| {
+            warm_up(plan, &mut pipeline, &rows);
+            pipeline
+        });
+        match learned {
+            Ok(pipeline) => {
+                self.phase = Phase::Watching(Box::new(pipeline));
+                self.learned = Some(rows);
+                self.tell(time, What::Learned { samples: plan.to_learn }, messages);
+            }
+            Err(error) => {
+                self.tell(time, What::LearningFailed { reason: error.to_string() }, messages);
+            }
+        }
+    }
+
+    fn watch(&mut self, plan: &Plan, time: f64, scaled: &[f64], messages: &mut Vec<Message>) {
+        let is_complete = scaled.iter().all(|v| v.is_finite());
+        if is_complete && 0 < self.refused.count {
+            let is_long = plan.clock.longest_gap < self.refused.count as f64 * plan.clock.step;
+            if let Some(count) = self.refused.end() {
+                self.tell(time, What::Refused { count, ended: true }, messages);
+            }
+            if is_long {
+                self.anew(messages);
+            }
+        }
+        let Phase::Watching(pipeline) = &mut self.phase else { return };
+        let (u, y) = scaled.split_at(plan.clock.inputs.min(scaled.len()));
+        match pipeline.step(u, y) {
+            Ok(step) => {
+                let Step { k, verdict, decision, events, phase, .. } = step;
+                self.settled = phase == Compensation::Compensating;
+                let (statistic, threshold) = (verdict.statistic, verdict.threshold);
+                self.latest = Latest { time, statistic, threshold };
+                let is_news = match (&self.standing, decision) {
+                    (None, Decision::Fault(_)) => true,
+                    (Some(standing), Decision::Fault(f)) => standing.hypothesis != f.hypothesis,
+                    _ => false,
+                };
+                let residual = if is_news { step.compensated.to_vec() } else { Vec::new() };
+                for what in events.iter() {
+                    match what {
+                        EventKind::SampleHeld => {
+                            if let Some(count) = self.held.more() {
+                                let what = What::Held { count, ended: false };
+                                self.tell(time, what, messages);
+                            }
+                        }
+                        // An alarm says more than this.
+                        EventKind::AlarmRaised | EventKind::AlarmCleared => {}
+                        what => self.tell(time, What::Diagnosis { what }, messages),
+                    }
+                }
+                if is_complete && let Some(count) = self.held.end() {
+                    self.tell(time, What::Held { count, ended: true }, messages);
+                }
+                self.judge(plan, time, k, decision, residual, messages);
+            }
+            Err(FrameError::NonFinite { .. }) => {
+                if let Some(count) = self.refused.more() {
+                    self.tell(time, What::Refused { count, ended: false }, messages);
+                }
+            }
+            // The rows have the channels of the model, as the pipeline has.
+            Err(FrameError::Length { .. } | _) => {}
+        }
+    }
+
+    fn judge(
+        &mut self,
+        plan: &Plan,
+        time: f64,
+        k: u64,
+        decision: Decision<f64>,
+        residual: Vec<f64>,
+        messages: &mut Vec<Message>,
+    ) {
+        let Decision::Fault(fault) = decision else {
+            if let Some(Standing { id, .. }) = self.standing.take() {
+                let (unit, why) = (self.name.clone(), Why::Normal);
+                messages.push(Message::Cleared(Cleared { id, unit, time, why }));
+            }
+            return;
+        };
+        let hypothesis = fault.hypothesis;
+        match &mut self.standing {
+            Some(standing) if standing.hypothesis == hypothesis => {}
+            Some(standing) => {
+                standing.hypothesis = hypothesis;
+                let id = standing.id.clone();
+                let alarm = self.alarm(plan, id, time, k, fault, residual);
+                messages.push(Message::Update(alarm));
+            }
+            None => {
+                let id = format!("{}/{}/{time}", self.name, plan.rule);
+                self.standing = Some(Standing { id: id.clone(), hypothesis });
+                let alarm = self.alarm(plan, id, time, k, fault, residual);
+                messages.push(Message::Alarm(alarm));
+            }
+        }
+    }
+
+    fn alarm(
+        &self,
+        plan: &Plan,
+        id: String,
+        time: f64,
+        k: u64,
+        fault: Fault<f64>,
+        residual: Vec<f64>,
+    ) -> Alarm {
+        let place = fault.hypothesis.and_then(|at| plan.places.get(at));
+        let scale = place.map_or(1.0, |place| place.scale);
+        Alarm {
+            id,
+            unit: self.name.clone(),
+            rule: plan.rule.clone(),
+            time,
+            since: time - k.saturating_sub(fault.since) as f64 * plan.clock.step,
+            fault: place.map(|place| place.name.clone()),
+            size: fault.size.map(|size| scale * size),
+            size_interval: fault.size_interval.map(|ends| ends.map(|end| scale * end)),
+            size_unit: place.map(|place| place.unit.clone()),
+            confidence: fault.confidence,
+            statistic: self.latest.statistic,
+            threshold: self.latest.threshold,
+            residual,
+        }
+    }
+}
+
+/// Lets a fresh diagnosis see what it learned from, so that it has settled when the next sample comes.
+fn warm_up(plan: &Plan, pipeline: &mut DynPipeline, rows: &[f64]) {
+    let channels = plan.channels().max(1);
+    for row in rows.chunks_exact(channels) {
+        let (u, y) = row.split_at(plan.clock.inputs.min(channels));
+        // A sample with missing values is left out, as it was in learning.
+        let _ = pipeline.step(u, y);
+    }
+}

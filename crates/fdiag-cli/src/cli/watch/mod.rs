@@ -1,0 +1,136 @@
+//! `fdiag watch`: next to the plant, for months.
+
+mod failures;
+mod feed;
+mod pulse;
+mod watching;
+
+use std::{
+    io::{BufWriter, IsTerminal},
+    process::ExitCode,
+    sync::{Arc, atomic::AtomicBool},
+    time::Duration,
+};
+
+use fd_log::{LogMap, read_log};
+use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
+use fdiag::{
+    model::{SampleTime, file::LinearModel},
+    spec::PipelineSpec,
+};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use self::{pulse::Pulse, watching::Watching};
+use super::{
+    args_watch::{StreamFormat, WatchArgs},
+    failure::Failure,
+    toml_file,
+};
+
+pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
+    let (plan, map) = plan(args)?;
+    let format = match args.format {
+        StreamFormat::Ndjson => Format::Ndjson,
+        StreamFormat::Csv => Format::Csv,
+    };
+    let mut input = InputMap::new(map);
+    if let Some(unit) = &args.unit {
+        input = input.with_units(unit);
+    }
+    let mut monitor = Monitor::new(plan);
+    let (state, unsure) = match &args.state {
+        Some(folder) => {
+            let opened = StateFolder::open(folder, &mut monitor);
+            let (state, unsure) = opened.map_err(failures::of_state)?;
+            (Some(state), unsure)
+        }
+        None => (None, Vec::new()),
+    };
+    // Before the input is touched: a signal that comes now must not lose what is read.
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGTERM, SIGINT] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| Failure::analysis(format!("signals cannot be heard: {error}")))?;
+    }
+    let feed = match &args.follow {
+        Some(path) => feed::follow(path).map_err(|error| Failure::input(path, error))?,
+        None => feed::stream(std::io::stdin()),
+    };
+    if std::io::stderr().is_terminal() {
+        let units = monitor.units().len();
+        eprintln!("watching; {units} units restored, {} alarms told again", unsure.len());
+    }
+    let mut watching = Watching {
+        monitor,
+        rows: RowReader::new(format, input),
+        format,
+        state,
+        out: BufWriter::new(std::io::stdout().lock()),
+        pulse: Pulse::new(board(args)?),
+        stop,
+        cannot_save: false,
+        save_every: Duration::from_secs_f64(args.save_every),
+    };
+    watching.say(&unsure)?;
+    watching.run(&feed)?;
+    if std::io::stderr().is_terminal() {
+        let (counts, units) = (watching.monitor.counts(), watching.monitor.units().len());
+        eprintln!("{} samples of {units} units, {} alarms", counts.rows, counts.alarms);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What whoever looks is shown, when an address for it was given.
+#[cfg(feature = "http")]
+fn board(args: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
+    let Some(address) = &args.http else { return Ok(None) };
+    let board = Arc::new(Board::default());
+    let found = fd_watch::serve(address.as_str(), Arc::clone(&board))
+        .map_err(|error| Failure::of_input(format!("--http {address}: {error}")))?;
+    // The port may have been left to the system.
+    eprintln!("live page: http://{found}/");
+    Ok(Some(board))
+}
+
+#[cfg(not(feature = "http"))]
+#[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
+fn board(_: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
+    Ok(None)
+}
+
+/// What is watched, and where it is found in the stream.
+fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
+    let spec = args.spec.as_deref().map(toml_file::read::<PipelineSpec>).transpose()?;
+    let model = LinearModel::read(&args.model).map_err(Failure::of_input)?;
+    let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
+    let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
+    if let Some(time) = &args.time {
+        map.time.column = Some(time.clone());
+    }
+    let stated = args.sample_time.map(SampleTime::new).transpose().map_err(Failure::of_input)?;
+    let mut step = stated.or(model.system.sample_time());
+    let mut logs = Vec::new();
+    for path in &args.healthy {
+        let mut reading = map.clone();
+        reading.resample.sample_time =
+            step.map(SampleTime::seconds).or(reading.resample.sample_time);
+        let log = read_log(path, &reading).map_err(Failure::of_input)?;
+        // All logs are brought onto the time base of the first.
+        step.get_or_insert(log.record.ts());
+        logs.push(log.record);
+    }
+    let learning = match args.learn {
+        Some(samples) => Learning::Stream { samples },
+        None => Learning::Logs(logs),
+    };
+    let longest_gap = args.longest_gap.or(map.resample.max_gap_s);
+    let request = Request {
+        spec: spec.unwrap_or_default(),
+        share_to_learn: args.learn_share,
+        sample_time: stated,
+        longest_gap,
+        most_units: args.most_units,
+        ..Request::new(model, learning)
+    };
+    Ok((request.plan().map_err(failures::of_plan)?, map))
+}
