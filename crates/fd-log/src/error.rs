@@ -151,6 +151,21 @@ pub enum LogError {
         /// Cells of the row.
         found: usize,
     },
+    /// Columns of a log in memory differ in length.
+    #[error(
+        "{file}: column `{}`: expected {expected} values, as in the others, found {found}",
+        Shown(column)
+    )]
+    Ragged {
+        /// Name of the log.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Values of the columns before.
+        expected: usize,
+        /// Values of this one.
+        found: usize,
+    },
     /// A cell is not a number.
     #[error(
         "column `{}` of {file}, row {row}: expected a finite number, found `{}`",

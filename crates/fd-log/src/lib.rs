@@ -4,6 +4,7 @@
 //! |------|------|-------|
 //! | record | [`read_log`] with a [`LogMap`] | [`write_log`] |
 //! | huge log, row by row | [`LogReader`] | |
+//! | log in memory | [`LogTable`] | |
 //!
 //! A format is one file that implements [`LogSource`], and an entry in the list of [`FORMATS`] beside it.
 //!
@@ -42,6 +43,7 @@ mod header;
 mod map;
 mod reader;
 mod source;
+mod table;
 mod writer;
 
 pub use self::{
@@ -51,6 +53,7 @@ pub use self::{
     map::{ColumnMap, LogMap, RowRule, TimeMap},
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
     source::LogSource,
+    table::LogTable,
     writer::{write_log, write_log_to},
 };
 

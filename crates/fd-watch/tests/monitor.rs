@@ -8,8 +8,11 @@ use fd_model::{ResamplePolicy, TimeSeries};
 use fd_watch::{Cleared, Event, Learning, Message, Monitor, Row, What, Why};
 use fdiag::training::{Healthy, Trace, train};
 
+/// Time and values of a sample.
+type Sample = (f64, Vec<f64>);
+
 /// The times at which a log raises alarms when it is studied as a whole.
-fn studied(rows: &[(f64, Vec<f64>)]) -> Vec<f64> {
+fn studied(rows: &[Sample]) -> Vec<f64> {
     let model = model();
     let series = TimeSeries {
         inputs: model.input_channels(),
@@ -112,13 +115,13 @@ fn what_is_wrong_with_times_is_told_and_left_out() {
         take(&mut m, "p", &good)
     };
     let odd = |time: f64| (time, vec![2.0, 9e9, 9e9]);
-    let with = |at: usize, odd: &[(f64, Vec<f64>)]| {
+    let with = |at: usize, odd: &[Sample]| {
         let mut rows = good.clone();
         rows.splice(at..at, odd.iter().cloned());
         rows
     };
     let newest = good[99].0;
-    let cases: Vec<(&str, Vec<(f64, Vec<f64>)>, Vec<What>)> = vec![
+    let cases: [(&str, Vec<Sample>, Vec<What>); 5] = [
         ("doubled", with(100, &[odd(newest)]), vec![What::Doubled { count: 1, ended: false }]),
         (
             "late",
@@ -165,12 +168,8 @@ fn a_long_gap_ends_an_alarm_and_begins_anew() {
 #[test]
 fn missing_values_are_held_then_refused() {
     let mut rows = rows(&record(600, 5));
-    for k in 100..102 {
-        rows[k].1[2] = f64::NAN;
-    }
-    for k in 200..230 {
-        rows[k].1[0] = f64::NAN;
-    }
+    rows[100..102].iter_mut().for_each(|row| row.1[2] = f64::NAN);
+    rows[200..230].iter_mut().for_each(|row| row.1[0] = f64::NAN);
     let mut monitor = Monitor::new(plan());
     let messages = take(&mut monitor, "p", &rows);
     let held = |count, ended| What::Held { count, ended };

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 18] = [
+const ALLOWED: [(&str, &[&[&str]]); 20] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -21,7 +21,9 @@ const ALLOWED: [(&str, &[&[&str]]); 18] = [
     ("fdiag", &[MODELS, METHODS]),
     ("fd-watch", &[MODELS, &["fd-log", "fdiag"]]),
     ("fd-lab", &[MODELS, METHODS, &["fd-report", "fdiag"]]),
-    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-lab", "fd-watch"]]),
+    ("fd-page", &[MODELS, METHODS, &["fd-report", "fdiag"]]),
+    ("fd-python", &[MODELS, METHODS, &["fdiag", "fd-page"]]),
+    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-lab", "fd-page", "fd-watch"]]),
     ("fdiag-benches", &[MODELS, METHODS, &["fdiag", "fd-lab"]]),
     ("xtask", &[]),
 ];

@@ -199,6 +199,25 @@ impl Stated {
         std::array::from_fn(|i| (ROOMS[i].0, ROOMS[i].1, lists[i].as_slice()))
     }
 
+    /// The contract that this says by itself; `place` is who says it, for messages.
+    ///
+    /// ```
+    /// use fd_sim::outside::{Entry, Stated};
+    ///
+    /// let entry = |name: &str| Entry { name: name.to_owned(), ..Entry::default() };
+    /// let stated = Stated { sample_time: Some(0.1), outputs: vec![entry("y")], ..Stated::default() };
+    /// let error = stated.contract("tank").unwrap_err();
+    /// assert_eq!(error.to_string(), "tank: outputs.y: expected a unit, `1` for a pure number, found none");
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the first entry that is wrong or missing.
+    pub fn contract(self, place: &str) -> Result<Contract, OutsideError> {
+        self.check(place)?;
+        self.settle(place)
+    }
+
     /// Checks that nothing is said where it means nothing, and no name twice; `place` is for messages.
     pub(super) fn check(&self, place: &str) -> Result<(), OutsideError> {
         for (room, allowed, entries) in self.rooms() {

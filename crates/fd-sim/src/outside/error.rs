@@ -75,6 +75,16 @@ pub enum OutsideError {
         /// End of what it has written to standard error.
         last_words: String,
     },
+    /// A simulator in the same program, in another language, has raised an error.
+    #[error("`{simulator}` has raised an error when asked for {what}: {message}")]
+    Raised {
+        /// The simulator.
+        simulator: String,
+        /// What was asked.
+        what: String,
+        /// What it says.
+        message: String,
+    },
     /// An FMU cannot be loaded, or one of its functions failed.
     #[error("{file}: {what}: expected {expected}, found {found}")]
     Fmu {

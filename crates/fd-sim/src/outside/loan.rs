@@ -168,7 +168,8 @@ impl Shared {
         let error = match lost {
             Lost::Refused => return,
             Lost::Gone(error) => {
-                let weight = if matches!(error, OutsideError::Silent { .. }) { SILENCE } else { 1 };
+                let weight =
+                    if matches!(*error, OutsideError::Silent { .. }) { SILENCE } else { 1 };
                 *fate.deaths.entry(origin).or_default() += weight;
                 error
             }
@@ -177,6 +178,6 @@ impl Shared {
                 error
             }
         };
-        self.tally.note(error);
+        self.tally.note(*error);
     }
 }

@@ -40,6 +40,6 @@ pub use self::{
     error::OutsideError,
     file::{OUTSIDE_KINDS, OutsideFile},
     simulator::OutsideSimulator,
-    source::{Instance, Lost, Source, Start},
+    source::{Instance, Lost, Source, Start, by_steps},
     tally::Counts,
 };

@@ -73,7 +73,7 @@ impl OutsideSimulator {
         match first.reset(Start { theta: &theta, x0: &x0, first: 0 }) {
             // What the nominal parameters do is for whoever asks for a run to find.
             Ok(()) | Err(Lost::Refused) => {}
-            Err(Lost::Gone(error) | Lost::Broken(error)) => return Err(error),
+            Err(Lost::Gone(error) | Lost::Broken(error)) => return Err(*error),
         }
         let tally = Tally::default();
         Tally::add(&tally.started, 1);

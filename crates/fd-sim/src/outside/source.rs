@@ -21,9 +21,9 @@ pub enum Lost {
     /// The simulator says that it cannot go on from here: a divergence.
     Refused,
     /// It has ended or is silent. Another one may do it.
-    Gone(OutsideError),
+    Gone(Box<OutsideError>),
     /// It does not keep to the contract. Another one would not either.
-    Broken(OutsideError),
+    Broken(Box<OutsideError>),
 }
 
 /// One running simulator. Rows are inputs and then forces of a sample; `x` has the states of the contract, or
@@ -68,7 +68,11 @@ pub trait Instance: Debug + Send {
 }
 
 /// A whole run, step by step; after a divergence the rest is NaN.
-pub(super) fn by_steps<I: Instance + ?Sized>(
+///
+/// # Errors
+///
+/// Returns why the run is lost.
+pub fn by_steps<I: Instance + ?Sized>(
     instance: &mut I,
     start: Start<'_>,
     rows: &[f64],

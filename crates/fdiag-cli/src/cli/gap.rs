@@ -2,6 +2,7 @@
 
 use std::{process::ExitCode, time::Instant};
 
+use fd_page::{page, tables};
 use fdiag::{
     core::{Limits, Resource},
     gap::fit::FitError,
@@ -9,7 +10,6 @@ use fdiag::{
     model::{Disorder, figure},
     sim::outside::Counts,
 };
-use fdiag_cli::gap::{page, tables};
 
 use super::{
     args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,

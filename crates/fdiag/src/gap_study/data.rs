@@ -7,7 +7,7 @@ use fd_gap::{
     quality::{Defect, leave_out_wrong_samples},
     reading::Mistake,
 };
-use fd_log::{ColumnMap, LogMap, read_log};
+use fd_log::{ColumnMap, LogMap};
 use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
 use fd_sim::{
     model::Model,
@@ -66,7 +66,7 @@ impl Data {
         };
         let mut findings = Vec::new();
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
-            let log = read_log(path, &map)?;
+            let log = request.read(path, &map)?;
             let (expected, found) = (model.sample_time, log.time_base.median_step_s);
             let ratio = (found / expected).max(expected / found);
             if pace != Pace::Stated && ABSURD_PACE < ratio {

@@ -2,12 +2,12 @@
 
 use std::{
     fmt::{self, Display, Formatter},
-    path::PathBuf,
+    path::{Path, PathBuf},
     str::FromStr,
 };
 
 use fd_core::Limits;
-use fd_log::LogMap;
+use fd_log::{Log, LogError, LogMap, LogTable, read_log};
 use fd_model::Disorder;
 use serde::{Serialize, Serializer};
 
@@ -23,6 +23,8 @@ pub struct Request {
     pub model: PathBuf,
     /// Logs of the real system.
     pub logs: Vec<PathBuf>,
+    /// Logs in memory: a log that is called as one of them is that one, and no file.
+    pub tables: Vec<LogTable>,
     /// Column map; channels that it does not name are found by their names.
     pub columns: Option<LogMap>,
     /// What is kept from all fits.
@@ -71,6 +73,7 @@ impl Request {
         Self {
             model: model.into(),
             logs: logs.into_iter().map(Into::into).collect(),
+            tables: Vec::new(),
             columns: None,
             held_out: HeldOutChoice::Split(0.67),
             horizon: HorizonChoice::Auto,
@@ -86,6 +89,14 @@ impl Request {
             budget: None,
             thorough: false,
             limits: Limits::default(),
+        }
+    }
+
+    /// Reads a log, from memory if it is there.
+    pub(super) fn read(&self, log: &Path, map: &LogMap) -> Result<Log, LogError> {
+        match self.tables.iter().find(|table| Path::new(table.name()) == log) {
+            Some(table) => table.read(map),
+            None => read_log(log, map),
         }
     }
 }

@@ -68,8 +68,20 @@ impl GapStudy {
     ///
     /// Returns the first file, setting or step that is wrong.
     pub fn run(request: &Request, monitor: &dyn Monitor) -> Result<Self, GapError> {
-        let subject = Subject::of(request)?;
-        let mut study = Self::of(request, &subject, monitor).map_err(|e| subject.explained(e))?;
+        Self::run_on(request, &Subject::of(request)?, monitor)
+    }
+
+    /// The same with a subject that is there: the model file of the request is but its name.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first log, setting or step that is wrong.
+    pub fn run_on(
+        request: &Request,
+        subject: &Subject,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GapError> {
+        let mut study = Self::of(request, subject, monitor).map_err(|e| subject.explained(e))?;
         study.outside =
             subject.outside().map(|simulator| (simulator.counts(), simulator.trouble()));
         Ok(study)

@@ -6,12 +6,12 @@ use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_core::{Limits, Resource};
 use fd_effect::{Effect, library, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
-use fd_log::{ColumnMap, LogMap, read_log};
+use fd_log::{ColumnMap, LogMap};
 use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     outside::{OUTSIDE_KINDS, OutsideFile, OutsideSimulator},
-    simulate::{EquationSimulator, Nominal, Shell, Simulator, check_limits},
+    simulate::{EquationSimulator, Nominal, Shell, SimulateError, Simulator, check_limits},
 };
 
 use super::{
@@ -41,7 +41,8 @@ pub struct Subject {
 /// A simulator outside of this program, with the file that it was told of by and the shell that it is diagnosed in.
 #[derive(Debug)]
 struct Outside {
-    file: OutsideFile,
+    /// None of a simulator that was lent.
+    file: Option<OutsideFile>,
     simulator: OutsideSimulator,
     shell: Shell,
 }
@@ -53,16 +54,42 @@ impl Subject {
     ///
     /// Returns what is wrong with the model file or a setting.
     pub fn of(request: &Request) -> Result<Self, GapError> {
-        if let Some(replicas) = request.calibrate {
-            request.limits.check(Resource::Models, "--calibrate", replicas as f64)?;
-        }
         let path = &request.model;
         let file = path.display().to_string();
         let unread =
             |error: io::Error| LoadError::Read { file: file.clone(), message: error.to_string() };
         let bytes = fs::metadata(path).map_err(unread)?.len();
         request.limits.check(Resource::Bytes, Shown(&file).to_string(), bytes as f64)?;
-        let text = fs::read_to_string(path).map_err(unread)?;
+        Self::of_text(request, &fs::read_to_string(path).map_err(unread)?)
+    }
+
+    /// The subject of a request, from the text of its model file, which need not be there: its path is for
+    /// messages, and where relative paths in it begin.
+    ///
+    /// ```
+    /// use fdiag::gap_study::{Request, Subject};
+    ///
+    /// let text = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "lag"
+    /// sample_time = 0.1
+    /// inputs = { u = { unit = "1" } }
+    /// states = { x = { unit = "1", initial = 0.0, derivative = "u - x" } }
+    /// outputs = { y = { unit = "1", value = "x" } }
+    /// "#;
+    /// let subject = Subject::of_text(&Request::new("lag.toml", ["monday.csv"]), text)?;
+    /// assert_eq!(subject.model().name, "lag");
+    /// # Ok::<(), fdiag::gap_study::GapError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Subject::of`].
+    pub fn of_text(request: &Request, text: &str) -> Result<Self, GapError> {
+        check_calibration(request)?;
+        let path = &request.model;
+        let file = path.display().to_string();
         // What is no TOML at all is an error of the reader of equations, which says where.
         let kind = text.parse::<toml::Table>().ok();
         let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
@@ -72,7 +99,7 @@ impl Subject {
                 Self::of_equations(request, &model)
             }
             Some("state-space") => {
-                let linear = LinearModel::parse(&file, &text)?;
+                let linear = LinearModel::parse(&file, text)?;
                 let ts = linear.system.sample_time();
                 let ts = ts.map_or_else(|| pace(request, LogMap::for_model(&linear)), Ok)?;
                 let model = Model::from_linear(&linear, ts, &LinearOptions::default());
@@ -80,9 +107,9 @@ impl Subject {
                 Self::of_equations(request, &model)
             }
             Some(kind) if OUTSIDE_KINDS.contains(&kind) => {
-                Self::of_outside(request, OutsideFile::parse(path, &text)?)
+                Self::of_outside(request, OutsideFile::parse(path, text)?)
             }
-            Some(ENGINE_KIND) => Self::of_engine(request, EngineFile::parse(&file, &text)?),
+            Some(ENGINE_KIND) => Self::of_engine(request, EngineFile::parse(&file, text)?),
             Some(found) => {
                 Err(GapError::Kind { file: path.clone(), found: found.to_owned(), expected: KINDS })
             }
@@ -103,7 +130,30 @@ impl Subject {
         let model = told(request, shell.model())?;
         let shell = shell.with_model(model)?;
         let nominal = Box::new(shell.clone());
-        Ok(Self { nominal, engine: None, outside: Some(Outside { file, simulator, shell }) })
+        let outside = Outside { file: Some(file), simulator, shell };
+        Ok(Self { nominal, engine: None, outside: Some(outside) })
+    }
+
+    /// A simulator that this program has of somebody else, and for which there is no file. `equations` are those
+    /// around it that a diagnosis has written; without any, there are no effects in it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a setting of the request is wrong, or the equations are not those of this simulator.
+    pub fn lent(
+        request: &Request,
+        simulator: OutsideSimulator,
+        equations: Option<&str>,
+    ) -> Result<Self, GapError> {
+        check_calibration(request)?;
+        let mut shell = simulator.shell()?;
+        if let Some(text) = equations {
+            shell = shell.with_model(text.parse().map_err(SimulateError::from)?)?;
+        }
+        let model = told(request, shell.model())?;
+        let shell = shell.with_model(model)?;
+        let nominal = Box::new(shell.clone());
+        Ok(Self { nominal, engine: None, outside: Some(Outside { file: None, simulator, shell }) })
     }
 
     fn of_engine(request: &Request, engine: EngineFile) -> Result<Self, GapError> {
@@ -189,12 +239,12 @@ impl Subject {
         self.nominal.model()
     }
 
-    /// The text of a file of the simulator with effects in it.
+    /// The text of a file of the simulator with effects in it; of one that has no file, the equations around it.
     #[must_use]
     pub fn text(&self, patched: &Model) -> String {
         match (&self.engine, &self.outside) {
             (Some(engine), _) => engine.text(patched),
-            (_, Some(Outside { file, .. })) => file.text(patched),
+            (_, Some(Outside { file: Some(file), .. })) => file.text(patched),
             _ => patched.to_string(),
         }
     }
@@ -205,7 +255,8 @@ impl Subject {
     }
 
     /// Channels of logs: inputs, then outputs.
-    pub(super) fn channels(&self) -> [Vec<Channel>; 2] {
+    #[must_use]
+    pub fn channels(&self) -> [Vec<Channel>; 2] {
         let model = self.model();
         if let Some(Outside { simulator, .. }) = &self.outside {
             return [simulator.inputs().to_vec(), simulator.outputs().to_vec()];
@@ -237,6 +288,13 @@ impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(self.model()))
     }
+}
+
+fn check_calibration(request: &Request) -> Result<(), GapError> {
+    if let Some(replicas) = request.calibrate {
+        request.limits.check(Resource::Models, "--calibrate", replicas as f64)?;
+    }
+    Ok(())
 }
 
 /// A model with the tolerances and the noise of a request.
@@ -287,7 +345,7 @@ fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
     }
     map.resample.limits = request.limits;
     let first = request.logs.first().ok_or(FitError::NoLog)?;
-    Ok(read_log(first, &map)?.record.ts())
+    Ok(request.read(first, &map)?.record.ts())
 }
 /// A map with what the user says put in the place of what follows from the model.
 fn complete(map: &mut LogMap, columns: &LogMap) {

@@ -59,12 +59,12 @@ impl FmuInstance {
     fn lost(&self, failure: Failure) -> Lost {
         match failure {
             Failure::Run(_) => Lost::Refused,
-            Failure::Fatal(found) => Lost::Broken(OutsideError::Fmu {
+            Failure::Fatal(found) => Lost::Broken(Box::new(OutsideError::Fmu {
                 file: self.file.clone(),
                 what: "a call".to_owned(),
                 expected: "fmi2OK".to_owned(),
                 found,
-            }),
+            })),
         }
     }
 

@@ -41,16 +41,16 @@ impl ProcessInstance {
         let count: usize = parts.iter().map(|part| part.len()).sum();
         let count = u32::try_from(count).map_err(|_| {
             let (expected, found) = ("at most 2^32 - 1 values", format!("a call with {count}"));
-            Lost::Broken(self.child.protocol(what, expected.to_owned(), found))
+            Lost::Broken(Box::new(self.child.protocol(what, expected.to_owned(), found)))
         })?;
         begin(&mut self.bytes, op, count);
         for part in parts {
             put(&mut self.bytes, part);
         }
-        self.child.send(&self.bytes, what, deadline).map_err(Lost::Gone)?;
+        self.child.send(&self.bytes, what, deadline).map_err(gone)?;
 
         let mut head = [0; HEAD];
-        self.child.receive(&mut head, what, deadline).map_err(Lost::Gone)?;
+        self.child.receive(&mut head, what, deadline).map_err(gone)?;
         let [y, x] = answer;
         let expected = y.len() + x.len();
         match frame::head(&head) {
@@ -59,11 +59,11 @@ impl ProcessInstance {
             [found, lanes, count] => {
                 let wanted = format!("op {}, 1 lane and {expected} values", op as u32);
                 let found = format!("op {found}, {lanes} lanes and {count} values");
-                return Err(Lost::Broken(self.child.protocol(what, wanted, found)));
+                return Err(Lost::Broken(Box::new(self.child.protocol(what, wanted, found))));
             }
         }
         self.bytes.resize(8 * expected, 0);
-        self.child.receive(&mut self.bytes, what, deadline).map_err(Lost::Gone)?;
+        self.child.receive(&mut self.bytes, what, deadline).map_err(gone)?;
         let (front, back) = self.bytes.split_at(8 * y.len());
         frame::get(front, y);
         frame::get(back, x);
@@ -110,4 +110,8 @@ impl Drop for ProcessInstance {
             self.child.farewell();
         }
     }
+}
+
+fn gone(error: OutsideError) -> Lost {
+    Lost::Gone(Box::new(error))
 }

@@ -97,7 +97,7 @@ fn pairs(report: &Report, table: &mut Table) {
 }
 
 /// What the stretches of long logs say of all rows.
-pub(super) fn all_rows(whole: &Whole) -> Table {
+pub(crate) fn all_rows(whole: &Whole) -> Table {
     let header = ["rows", "refitted", "explained"];
     let mut table =
         Table::new("All rows, forecast in windows (errors in units of the noise)", &header);
@@ -112,7 +112,7 @@ pub(super) fn all_rows(whole: &Whole) -> Table {
 }
 
 /// Gaps on held-out data.
-pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
+pub(crate) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
     let header = [
         "horizon",
         "output",
@@ -145,7 +145,7 @@ pub(super) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
 }
 
 /// Several causes, one after another.
-pub(super) fn road(road: &Road) -> Table {
+pub(crate) fn road(road: &Road) -> Table {
     let header = ["cause", "law", "probability", "tied with", "closes of what was left", "share"];
     let mut table = Table::new("Several causes", &header);
     for milestone in &road.causes {
@@ -186,7 +186,7 @@ fn next(report: &Report) -> Option<Table> {
 }
 
 /// What is wrong with the logs.
-pub(super) fn findings(report: &Report) -> Option<Table> {
+pub(crate) fn findings(report: &Report) -> Option<Table> {
     let mut table = Table::new("About the logs", &["log", "channel", "finding"]);
     for finding in &report.findings {
         let text = words::defect(&finding.defect);

@@ -15,7 +15,7 @@ use fdiag::gap_study::{
     words::{self, capital, four, percent, probability, share},
 };
 
-use super::{pictures, tables};
+use crate::{pictures, tables};
 
 /// Least probability of a bar.
 const SHOWN: f64 = 0.005;

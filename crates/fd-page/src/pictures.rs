@@ -12,7 +12,7 @@ use fdiag::gap_study::{
 };
 
 /// A picture and what it says.
-pub(super) type Captioned = (Picture, String);
+pub(crate) type Captioned = (Picture, String);
 
 /// Most outputs, spectra, regions and logs that are drawn; the JSON has them all.
 const MOST: usize = 3;
@@ -22,7 +22,7 @@ const ZOOM: usize = 12;
 const LEAST_ZOOM: usize = 40;
 
 /// Real against simulated, before and after: each output as a whole and where it matters most.
-pub(super) fn runs(trace: &Trace) -> Vec<Captioned> {
+pub(crate) fn runs(trace: &Trace) -> Vec<Captioned> {
     let which = match trace.role {
         Role::HeldOut => {
             "Held-out data, which no fit has seen; the first part settles the initial state"
@@ -81,7 +81,7 @@ fn zoom(signals: &Signals, n: usize) -> (usize, usize) {
 }
 
 /// The law over what it depends on, with what the data say without it.
-pub(super) fn law(law: &Law, cause: &Cause) -> Captioned {
+pub(crate) fn law(law: &Law, cause: &Cause) -> Captioned {
     let points = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
     let data =
         Line { dots: true, ..Line::new("from the data, without the law", points(&law.data)) };
@@ -104,7 +104,7 @@ pub(super) fn law(law: &Law, cause: &Cause) -> Captioned {
 }
 
 /// Where the gap lies: frequency, region, time.
-pub(super) fn places(report: &Report) -> Vec<Captioned> {
+pub(crate) fn places(report: &Report) -> Vec<Captioned> {
     let location = &report.location;
     let spectra = location.spectra.iter().filter(|s| !s.bands.is_empty()).take(MOST);
     let regions = location.regions.iter().filter(|r| r.is_significant && !r.bins.is_empty());

@@ -1,0 +1,38 @@
+//! A gap study as a page and tables, wherever it was made: by the command line or in Python.
+//!
+//! [`page()`] and [`tables()`] show what is in a [`GapStudy`](fdiag::gap_study::GapStudy); numbers, probabilities
+//! and verdicts come from its typed report, and only words, units and pictures are made here. [`json`] is the
+//! report as `report.json` has it.
+
+mod page;
+mod pictures;
+mod tables;
+
+use fd_report::PictureError;
+use fdiag::gap_study::{GapStudy, Report};
+
+pub use self::{page::page, tables::tables};
+
+/// The text of `report.json`.
+///
+/// # Errors
+///
+/// Returns an error when a part of the report cannot be written as JSON; there is none such.
+pub fn json(report: &Report) -> Result<String, serde_json::Error> {
+    serde_json::to_string_pretty(report)
+}
+
+/// The most telling picture of a study as SVG of this size: the first output, measured and simulated before and after;
+/// `None` where there is nothing to draw.
+///
+/// # Errors
+///
+/// Returns an error when it cannot be drawn.
+pub fn first_picture(
+    study: &GapStudy,
+    [width, height]: [u32; 2],
+) -> Result<Option<String>, PictureError> {
+    let runs = study.trace.as_ref().map(pictures::runs);
+    let first = runs.and_then(|runs| runs.into_iter().next());
+    first.map(|(picture, _)| picture.to_svg(width, height)).transpose()
+}

@@ -1,0 +1,245 @@
+//! One simulator that is an object of Python.
+
+use std::sync::Arc;
+
+use fd_sim::outside::{Contract, Instance, Lost, OutsideError, Start, by_steps};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::{
+    intern,
+    prelude::*,
+    types::{PyDict, PyString, PyTuple},
+};
+
+use crate::{
+    lender::{Troubles, is_divergence},
+    values::{Unfit, fill},
+};
+
+/// An object with `reset` and `step`, or with `rollout`. The lock of the interpreter is held for each call.
+#[derive(Debug)]
+pub(crate) struct PythonInstance {
+    name: String,
+    object: Py<PyAny>,
+    inputs: usize,
+    ports: usize,
+    outputs: Vec<String>,
+    parameters: Vec<String>,
+    states: Vec<String>,
+    shows_states: bool,
+    rolls_out: bool,
+    takes_forces: bool,
+    troubles: Arc<Troubles>,
+    /// For messages: where it stands.
+    at: String,
+    samples: usize,
+}
+
+impl PythonInstance {
+    pub(crate) fn new(
+        contract: &Contract,
+        object: Py<PyAny>,
+        takes_forces: bool,
+        troubles: Arc<Troubles>,
+    ) -> Self {
+        Self {
+            name: contract.name.clone(),
+            object,
+            inputs: contract.inputs.len(),
+            ports: contract.ports.len(),
+            outputs: contract.outputs.iter().map(|output| output.name.clone()).collect(),
+            parameters: contract.parameters.iter().map(|p| p.name.clone()).collect(),
+            states: contract.initial.iter().map(|x| x.channel.name.clone()).collect(),
+            shows_states: contract.powers.states,
+            rolls_out: contract.powers.rollout,
+            takes_forces,
+            troubles,
+            at: String::new(),
+            samples: 0,
+        }
+    }
+
+    fn named<'py>(
+        py: Python<'py>,
+        names: &[String],
+        values: &[f64],
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (name, value) in names.iter().zip(values) {
+            all.set_item(name, value)?;
+        }
+        Ok(all)
+    }
+
+    /// Where a run begins, for messages.
+    fn note_start(&mut self, start: Start<'_>) {
+        let pairs = self.parameters.iter().zip(start.theta).map(|(p, v)| format!("{p} = {v}"));
+        let pairs: Vec<String> = pairs.collect();
+        self.at =
+            if pairs.is_empty() { String::new() } else { format!(" at {}", pairs.join(", ")) };
+        self.samples = 0;
+    }
+
+    fn broken(&self, what: &str, expected: String, found: String) -> Lost {
+        let place = format!("simulator `{}`", self.name);
+        let error = OutsideError::Value { place, key: what.to_owned(), expected, found };
+        Lost::Broken(Box::new(error))
+    }
+
+    /// What an exception means: no numbers here, or the end.
+    fn lost(&self, py: Python<'_>, what: &str, error: PyErr) -> Lost {
+        let message = error.to_string();
+        let what = format!("`{what}`{}", self.at);
+        if is_divergence(py, &error) {
+            self.troubles.note(|| format!("{what}: {message}"));
+            return Lost::Refused;
+        }
+        self.troubles.raise(what.clone(), error);
+        let error = OutsideError::Raised { simulator: self.name.clone(), what, message };
+        Lost::Broken(Box::new(error))
+    }
+
+    /// Calls a method and takes its numbers.
+    fn call<'py>(
+        &self,
+        py: Python<'py>,
+        method: &Bound<'py, PyString>,
+        arguments: &Bound<'py, PyTuple>,
+        expected: impl FnOnce() -> String,
+        into: &mut [f64],
+    ) -> Result<(), Lost> {
+        let what = || method.to_string_lossy().into_owned();
+        let found = self.object.bind(py).call_method1(method, arguments);
+        let found = found.map_err(|error| self.lost(py, &what(), error))?;
+        fill(&found, into).map_err(|unfit| match unfit {
+            Unfit::Raised(error) => self.lost(py, &what(), error),
+            Unfit::Found(found) => self.broken(&format!("`{}`", what()), expected(), found),
+        })
+    }
+
+    fn wanted(&self) -> String {
+        let names = self.outputs.join("`, `");
+        format!("{} numbers, the outputs `{names}`", self.outputs.len())
+    }
+
+    /// Work that was told to stop does no more.
+    fn check(&self) -> Result<(), Lost> {
+        if !self.troubles.is_stopped() {
+            return Ok(());
+        }
+        let (simulator, what) = (self.name.clone(), "anything".to_owned());
+        let message = "it was told to stop".to_owned();
+        Err(Lost::Broken(Box::new(OutsideError::Raised { simulator, what, message })))
+    }
+
+    fn note_values(&self, y: &[f64], method: &str, sample: usize) {
+        if let Some(i) = y.iter().position(|value| !value.is_finite()) {
+            let (output, sample) =
+                (&self.outputs[i % self.outputs.len()], sample + i / self.outputs.len());
+            let (at, value) = (&self.at, y[i]);
+            self.troubles.note(|| {
+                format!("`{method}`{at}: expected finite outputs, found {value} in `{output}` at sample {sample}")
+            });
+        }
+    }
+}
+
+impl Instance for PythonInstance {
+    fn reset(&mut self, start: Start<'_>) -> Result<(), Lost> {
+        self.check()?;
+        self.note_start(start);
+        if self.rolls_out {
+            // Whole runs begin with their start.
+            return Ok(());
+        }
+        Python::attach(|py| {
+            let made = || -> PyResult<()> {
+                let parameters = Self::named(py, &self.parameters, start.theta)?;
+                let states = Self::named(py, &self.states, start.x0)?;
+                let object = self.object.bind(py);
+                object.call_method1(intern!(py, "reset"), (parameters, states)).map(drop)
+            };
+            made().map_err(|error| self.lost(py, "reset", error))
+        })
+    }
+
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
+        self.check()?;
+        Python::attach(|py| {
+            let arguments = (PyArray1::from_slice(py, u),).into_pyobject(py);
+            let arguments = arguments.map_err(|error| self.lost(py, "measure", error))?;
+            self.call(py, intern!(py, "measure"), &arguments, || self.wanted(), y)
+        })
+    }
+
+    fn step(&mut self, row: &[f64], y: &mut [f64], x: &mut [f64]) -> Result<(), Lost> {
+        self.check()?;
+        Python::attach(|py| {
+            let (u, f) = row.split_at(self.inputs);
+            let u = PyArray1::from_slice(py, u);
+            let arguments = if self.takes_forces {
+                (u, PyArray1::from_slice(py, f)).into_pyobject(py)
+            } else {
+                (u,).into_pyobject(py)
+            };
+            let arguments = arguments.map_err(|error| self.lost(py, "step", error))?;
+            self.call(py, intern!(py, "step"), &arguments, || self.wanted(), y)?;
+            if self.shows_states {
+                let wanted = || {
+                    let names = self.states.join("`, `");
+                    format!("{} numbers, the states `{names}`", self.states.len())
+                };
+                let none = PyTuple::empty(py);
+                self.call(py, intern!(py, "state"), &none, wanted, x)?;
+            }
+            Ok(())
+        })?;
+        self.note_values(y, "step", self.samples);
+        self.samples += 1;
+        Ok(())
+    }
+
+    fn rollout(
+        &mut self,
+        start: Start<'_>,
+        rows: &[f64],
+        samples: usize,
+        y: &mut [f64],
+        x: &mut [f64],
+    ) -> Result<(), Lost> {
+        if !self.rolls_out {
+            // One lock for all steps.
+            return Python::attach(|_| by_steps(self, start, rows, samples, y, x));
+        }
+        self.check()?;
+        self.note_start(start);
+        let (nu, nf, ny) = (self.inputs, self.ports, self.outputs.len());
+        let part = |from: usize, width: usize| -> Vec<f64> {
+            let each = rows.chunks_exact((nu + nf).max(1));
+            each.flat_map(|row| row[from..from + width].iter().copied()).collect()
+        };
+        Python::attach(|py| {
+            let arguments = || -> PyResult<Bound<'_, PyTuple>> {
+                let parameters = Self::named(py, &self.parameters, start.theta)?;
+                let states = Self::named(py, &self.states, start.x0)?;
+                let matrix =
+                    |values: Vec<f64>, width: usize| -> PyResult<Bound<'_, PyArray2<f64>>> {
+                        PyArray1::from_vec(py, values).reshape([samples, width])
+                    };
+                let u = matrix(part(0, nu), nu)?;
+                if self.takes_forces {
+                    (parameters, states, u, matrix(part(nu, nf), nf)?).into_pyobject(py)
+                } else {
+                    (parameters, states, u).into_pyobject(py)
+                }
+            };
+            let arguments = arguments().map_err(|error| self.lost(py, "rollout", error))?;
+            let wanted = || {
+                let names = self.outputs.join("`, `");
+                format!("an array of shape [{samples}, {ny}]: samples, outputs `{names}`")
+            };
+            self.call(py, intern!(py, "rollout"), &arguments, wanted, y)
+        })?;
+        self.note_values(y, "rollout", 0);
+        Ok(())
+    }
+}

@@ -1,0 +1,226 @@
+//! What is diagnosed: the text of a model file, or an object of Python.
+
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use fd_model::SampleTime;
+use fd_sim::{
+    outside::{Contract, OutsideError, OutsideSimulator, Stated},
+    simulate::Outcome,
+};
+use fdiag::gap_study::{GapError, Request, Subject};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::{
+    errors::{Class, class, input, raise},
+    lender::{Lender, Troubles},
+};
+
+/// A simulator, with or without effects in it.
+#[pyclass(frozen, module = "fdiag._fdiag")]
+#[derive(Debug)]
+pub(crate) struct Simulator {
+    kind: Kind,
+    /// What it is called: a path, or a name.
+    file: PathBuf,
+    /// The subject that runs are asked of, once there was one.
+    ready: Mutex<Option<Arc<Ready>>>,
+}
+
+#[derive(Debug)]
+enum Kind {
+    /// A model file.
+    Text(String),
+    /// An object of Python.
+    Lent {
+        contract: Box<Contract>,
+        object: Py<PyAny>,
+        takes_forces: bool,
+        workers: usize,
+        equations: Option<String>,
+    },
+}
+
+#[derive(Debug)]
+struct Ready {
+    subject: Subject,
+    troubles: Arc<Troubles>,
+}
+
+impl Simulator {
+    fn new(kind: Kind, file: PathBuf) -> Self {
+        Self { kind, file, ready: Mutex::new(None) }
+    }
+
+    /// What it is called.
+    pub(crate) fn file(&self) -> &PathBuf {
+        &self.file
+    }
+
+    /// A subject of its own for a request. Troubles of a user's code are noted in `troubles`.
+    pub(crate) fn subject(
+        &self,
+        request: &Request,
+        troubles: &Arc<Troubles>,
+    ) -> Result<Subject, GapError> {
+        match &self.kind {
+            Kind::Text(text) => Subject::of_text(request, text),
+            Kind::Lent { contract, object, takes_forces, workers, equations } => {
+                let object = Python::attach(|py| object.clone_ref(py));
+                let (troubles, takes_forces) = (Arc::clone(troubles), *takes_forces);
+                let lender = Lender::new((**contract).clone(), object, takes_forces, troubles);
+                let simulator = OutsideSimulator::new((**contract).clone(), lender, *workers)?;
+                Subject::lent(request, simulator, equations.as_deref())
+            }
+        }
+    }
+
+    /// The same simulator with effects in it, from the text that a study has written.
+    pub(crate) fn with_text(&self, py: Python<'_>, text: &str, file: &str) -> Self {
+        let kind = match &self.kind {
+            Kind::Text(_) => Kind::Text(text.to_owned()),
+            Kind::Lent { contract, object, takes_forces, workers, .. } => Kind::Lent {
+                contract: contract.clone(),
+                object: object.clone_ref(py),
+                takes_forces: *takes_forces,
+                workers: *workers,
+                equations: Some(text.to_owned()),
+            },
+        };
+        Self::new(kind, PathBuf::from(file))
+    }
+
+    fn ready(&self, py: Python<'_>) -> PyResult<Arc<Ready>> {
+        let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        if let Some(ready) = ready.take().filter(|ready| !ready.troubles.is_stopped()) {
+            return Ok(ready);
+        }
+        let troubles = Arc::new(Troubles::default());
+        let request = Request::new(&self.file, Vec::<PathBuf>::new());
+        let made = py.detach(|| self.subject(&request, &troubles));
+        let subject = made.map_err(|error| explained(py, &error, &troubles))?;
+        let ready = Arc::new(Ready { subject, troubles });
+        *self.ready.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&ready));
+        Ok(ready)
+    }
+}
+
+/// The exception of a study or run that failed: that of the user's code where there is one.
+pub(crate) fn explained(py: Python<'_>, error: &GapError, troubles: &Troubles) -> PyErr {
+    explained_as(py, class(error), &error.to_string(), troubles)
+}
+
+/// The same for a message of a class.
+pub(crate) fn explained_as(
+    py: Python<'_>,
+    class: Class,
+    message: &str,
+    troubles: &Troubles,
+) -> PyErr {
+    if let Some((what, cause)) = troubles.take() {
+        let error = raise(py, Class::Simulator, &format!("the simulator has failed in {what}"));
+        error.set_cause(py, Some(cause));
+        return error;
+    }
+    match troubles.noted() {
+        Some(note) => {
+            raise(py, Class::Simulator, &format!("{message}\nThe simulator was in trouble: {note}"))
+        }
+        None => raise(py, class, message),
+    }
+}
+
+#[pymethods]
+impl Simulator {
+    /// A model from the text of its file; relative paths in it begin where `file` is.
+    #[staticmethod]
+    fn from_text(text: String, file: PathBuf) -> Self {
+        Self::new(Kind::Text(text), file)
+    }
+
+    /// An object of Python: `stated` is JSON of its channels, parameters, states, ports and powers.
+    #[staticmethod]
+    fn lent(
+        py: Python<'_>,
+        stated: &str,
+        object: Py<PyAny>,
+        takes_forces: bool,
+        workers: usize,
+    ) -> PyResult<Self> {
+        let stated: Stated = serde_json::from_str(stated).map_err(|error| input(py, &error))?;
+        let name = stated.name.clone().unwrap_or_else(|| "simulator".to_owned());
+        let contract = stated.contract(&format!("simulator `{name}`"));
+        let contract = Box::new(contract.map_err(|error: OutsideError| input(py, &error))?);
+        let kind = Kind::Lent { contract, object, takes_forces, workers, equations: None };
+        Ok(Self::new(kind, PathBuf::from(name)))
+    }
+
+    /// Name, time between samples, inputs, outputs and parameters with units, as JSON.
+    fn described(&self, py: Python<'_>) -> PyResult<String> {
+        let ready = self.ready(py)?;
+        let subject = &ready.subject;
+        let model = subject.model();
+        let [inputs, outputs] = subject.channels();
+        let ts = SampleTime::new(model.sample_time).map_err(|error| input(py, &error))?;
+        let simulator = py.detach(|| subject.nominal().simulator(ts));
+        let simulator = simulator.map_err(|error| input(py, &error))?;
+        let channel = |c: &fd_model::Channel| serde_json::json!([c.name, c.unit]);
+        let parameters = simulator.parameters().iter();
+        let initial = simulator.initial().iter();
+        let value = serde_json::json!({
+            "name": model.name,
+            "sample_time": model.sample_time,
+            "inputs": inputs.iter().map(channel).collect::<Vec<_>>(),
+            "outputs": outputs.iter().map(channel).collect::<Vec<_>>(),
+            "parameters": parameters
+                .map(|p| serde_json::json!([p.name, p.value, p.tolerance, p.unit]))
+                .collect::<Vec<_>>(),
+            "states": initial
+                .map(|x| serde_json::json!([x.channel.name, x.value, x.channel.unit]))
+                .collect::<Vec<_>>(),
+        });
+        Ok(value.to_string())
+    }
+
+    /// The text of its model file; of an object of Python, the equations around it.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(self.ready(py)?.subject.to_string())
+    }
+
+    /// Outputs of a run through inputs `[samples, inputs]`, `sample_time` seconds apart; NaN from where it
+    /// diverges.
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        u: PyReadonlyArray2<'py, f64>,
+        parameters: Vec<f64>,
+        initial: Vec<f64>,
+        sample_time: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let ready = self.ready(py)?;
+        let samples = u.shape()[0];
+        let inputs: Vec<f64> =
+            u.as_slice().map_or_else(|_| u.as_array().iter().copied().collect(), <[f64]>::to_vec);
+        let ts = SampleTime::new(sample_time).map_err(|error| input(py, &error))?;
+        let ran = py.detach(|| -> Result<(Vec<f64>, usize), GapError> {
+            let mut simulator = ready.subject.nominal().simulator(ts)?;
+            let ny = simulator.outputs().len();
+            let mut y = vec![f64::NAN; samples * ny];
+            let _: Outcome = simulator.simulate(&parameters, &initial, &inputs, &mut y);
+            Ok((y, ny))
+        });
+        let (y, ny) = ran.map_err(|error| explained(py, &error, &ready.troubles))?;
+        if ready.troubles.is_stopped() {
+            return Err(explained_as(py, Class::Simulator, "the run was lost", &ready.troubles));
+        }
+        if let Some(trouble) = ready.subject.outside().and_then(OutsideSimulator::trouble)
+            && y.iter().any(|value| !value.is_finite())
+        {
+            return Err(raise(py, Class::Simulator, &trouble.to_string()));
+        }
+        PyArray1::from_vec(py, y).reshape([samples, ny])
+    }
+}

@@ -1,0 +1,321 @@
+"""A MuJoCo scene that is started and stepped, and the meaning of names in it."""
+
+from __future__ import annotations
+
+import copy
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._names import nearest
+from .errors import Error, InputError
+
+Array = npt.NDArray[np.float64]
+
+
+def library() -> Any:
+    """The package `mujoco`."""
+    try:
+        import mujoco
+    except ImportError as error:
+        raise Error("MuJoCo: expected the package to be installed: pip install mujoco") from error
+    return mujoco
+
+
+def as_model(scene: Any) -> Any:
+    """The model of a file, of a text, or a copy."""
+    mujoco = library()
+    if isinstance(scene, mujoco.MjModel):
+        return copy.copy(scene)
+    if not isinstance(scene, (str, os.PathLike)):
+        kind = type(scene).__name__
+        raise InputError(f"scene: expected a file, a text or an MjModel, found a value of type `{kind}`")
+    text = os.fspath(scene)
+    try:
+        if "<" in text:
+            return mujoco.MjModel.from_xml_string(text)
+        return mujoco.MjModel.from_xml_path(text)
+    except ValueError as error:
+        raise InputError(f"scene: {'the text' if '<' in text else text}: {error}") from error
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an output is."""
+
+    room: str
+    """`qpos`, `qvel` or `sensordata`."""
+    index: int
+    unit: str
+    joint: str | None = None
+    """The joint of which it is the position or the velocity."""
+
+
+#: Names of types of sensors, and units of what they give.
+_SENSOR_UNITS = {
+    "ACCELEROMETER": "m/s^2",
+    "VELOCIMETER": "m/s",
+    "GYRO": "rad/s",
+    "FORCE": "N",
+    "TORQUE": "N m",
+    "RANGEFINDER": "m",
+    "FRAMEPOS": "m",
+    "FRAMELINVEL": "m/s",
+    "FRAMEANGVEL": "rad/s",
+    "FRAMELINACC": "m/s^2",
+    "FRAMEANGACC": "rad/s^2",
+    "SUBTREECOM": "m",
+    "SUBTREELINVEL": "m/s",
+    "TENDONPOS": "m",
+    "TENDONVEL": "m/s",
+    "CLOCK": "s",
+}
+
+
+def output_place(model: Any, name: str, sensors: Sequence[str]) -> Place:
+    """The place of an output: a sensor, a number of one, or a joint."""
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    found = re.fullmatch(r"(.*)\[(\d+)\]", name)
+    base, number = (found[1], int(found[2])) if found else (name, None)
+    if base in sensors:
+        return _sensor(model, name, sensors.index(base), number)
+    joint, _, room = name.rpartition(".") if name.endswith((".qpos", ".qvel")) else (name, "", "qpos")
+    if joint in joints:
+        return _joint(model, f"outputs: `{name}`", joints.index(joint), room)
+    known = [*sensors, *joints, *(f"{joint}.qvel" for joint in joints)]
+    raise InputError(f"outputs: the scene has no sensor or joint `{name}`{nearest(name, known)}")
+
+
+def _joint(model: Any, what: str, joint: int, room: str) -> Place:
+    kind = int(model.jnt_type[joint])
+    if kind not in (2, 3):
+        raise InputError(f"{what}: expected a hinge or slide joint, found a free or ball joint: use a sensor")
+    unit = ("m", "rad")[kind - 2]
+    if room == "qpos":
+        return Place(room, int(model.jnt_qposadr[joint]), unit, model.joint(joint).name)
+    return Place(room, int(model.jnt_dofadr[joint]), f"{unit}/s", model.joint(joint).name)
+
+
+def _sensor(model: Any, name: str, sensor: int, number: int | None) -> Place:
+    kinds = library().mjtSensor
+    size, kind = int(model.sensor_dim[sensor]), int(model.sensor_type[sensor])
+    if number is None and size != 1:
+        raise InputError(f"outputs: sensor `{name}` has {size} numbers: expected one of them, such as `{name}[0]`")
+    if number is not None and not number < size:
+        raise InputError(f"outputs: `{name}`: the sensor has {size} numbers, counted from 0")
+    is_plain = not model.sensor_cutoff[sensor] and not _delay(model, sensor)
+    for is_kind, room in ((kinds.mjSENS_JOINTPOS, "qpos"), (kinds.mjSENS_JOINTVEL, "qvel")):
+        if kind == int(is_kind):
+            place = _joint(model, f"outputs: `{name}`", int(model.sensor_objid[sensor]), room)
+            # What a joint shows need not be computed first.
+            return place if is_plain else Place("sensordata", int(model.sensor_adr[sensor]), place.unit)
+    label = kinds(kind).name.removeprefix("mjSENS_")
+    unit = _SENSOR_UNITS.get(label, "1")
+    return Place("sensordata", int(model.sensor_adr[sensor]) + (number or 0), unit)
+
+
+def _delay(model: Any, sensor: int) -> float:
+    """The delay of a sensor, where this version of MuJoCo has that."""
+    delays = getattr(model, "sensor_delay", None)
+    return 0.0 if delays is None else float(np.ravel(delays)[sensor])
+
+
+def input_unit(model: Any, name: str) -> str:
+    """The unit of the control of an actuator at a joint, as far as it is plain."""
+    actuator = model.actuator(name)
+    mujoco = library()
+    index = int(actuator.id)
+    if int(model.actuator_trntype[index]) != int(mujoco.mjtTrn.mjTRN_JOINT):
+        return "1"
+    kind = int(model.jnt_type[int(model.actuator_trnid[index][0])])
+    if kind not in (2, 3):
+        return "1"
+    of_position, of_velocity = model.actuator_biasprm[index][1], model.actuator_biasprm[index][2]
+    unit, force = (("m", "N"), ("rad", "N m"))[kind - 2]
+    if of_position:
+        return unit
+    return f"{unit}/s" if of_velocity else force
+
+
+#: Units of fields, of slide and hinge joints where they differ.
+_FIELD_UNITS: dict[str, str | tuple[str, str]] = {
+    "mass": "kg",
+    "inertia": "kg m^2",
+    "pos": "m",
+    "ipos": "m",
+    "timestep": "s",
+    "gravity": "m/s^2",
+    "damping": ("N s/m", "N m s/rad"),
+    "armature": ("kg", "kg m^2"),
+    "frictionloss": ("N", "N m"),
+    "stiffness": ("N/m", "N m/rad"),
+}
+_KINDS = ("joint", "body", "geom", "actuator", "sensor", "tendon", "site", "equality", "option")
+
+
+@dataclass(frozen=True)
+class Path:
+    """A number of a model."""
+
+    kind: str
+    name: str
+    field: str
+    index: int
+    unit: str
+
+    def array(self, model: Any) -> Array:
+        """The numbers among which it is, in the memory of the model."""
+        holder = model.opt if self.kind == "option" else getattr(model, self.kind)(self.name)
+        numbers: Array = np.atleast_1d(getattr(holder, self.field)).reshape(-1)
+        return numbers
+
+    def set(self, model: Any, value: float, pristine: Any) -> None:
+        """Writes it. The inertia of a body goes with its mass; `pristine` is the model as it came."""
+        if self.kind == "option" and np.ndim(getattr(model.opt, self.field)) == 0:
+            setattr(model.opt, self.field, value)
+            return
+        if (self.kind, self.field) == ("body", "mass"):
+            ratio = value / float(pristine.body(self.name).mass[0])
+            model.body(self.name).inertia[:] = pristine.body(self.name).inertia * ratio
+        self.array(model)[self.index] = value
+
+
+def parameter_path(model: Any, text: str) -> Path:
+    """A path such as `joint/q1.damping` or `actuator/u1.gear[0]`."""
+    found = re.fullmatch(r"(\w+)/(?:(.*)\.)?(\w+)(?:\[(\d+)\])?", text)
+    where = f"uncertain: `{text}`"
+    if not found:
+        raise InputError(f"{where}: expected a path such as `joint/q1.damping` or `actuator/u1.gear[0]`")
+    kind, name, field, number = found[1], found[2] or "", found[3], found[4]
+    if kind not in _KINDS:
+        raise InputError(f"{where}: there is no kind `{kind}`{nearest(kind, _KINDS)}")
+    if kind == "option":
+        holder = model.opt
+    else:
+        count = {"joint": "njnt", "actuator": "nu", "equality": "neq"}.get(kind, f"n{kind}")
+        names = [getattr(model, kind)(i).name for i in range(getattr(model, count))]
+        if not name or name not in names:
+            raise InputError(f"{where}: the scene has no {kind} `{name}`{nearest(name, names)}")
+        holder = getattr(model, kind)(name)
+    known = [f for f in dir(holder) if not f.startswith("_") and f not in ("id", "name")]
+    if field not in known:
+        raise InputError(f"{where}: a {kind} has no field `{field}`{nearest(field, known)}")
+    numbers = np.atleast_1d(getattr(holder, field))
+    if numbers.dtype.kind != "f":
+        raise InputError(f"{where}: expected a field of numbers, found one of `{numbers.dtype}`")
+    if number is None and numbers.size != 1:
+        size = numbers.size
+        raise InputError(f"{where}: has {size} numbers: expected one of them, such as `{text}[0]`")
+    if number is not None and not int(number) < numbers.size:
+        raise InputError(f"{where}: has {numbers.size} numbers, counted from 0")
+    unit = _FIELD_UNITS.get(field, "1")
+    if isinstance(unit, tuple):
+        is_hinge = kind == "joint" and int(holder.type[0]) == 3
+        unit = (unit[1] if is_hinge else unit[0]) if kind == "joint" else "1"
+    return Path(kind, name, field, int(number or 0), unit)
+
+
+class Scene:
+    """Model and data of one worker."""
+
+    def __init__(
+        self,
+        model: Any,
+        substeps: int,
+        controls: list[int],
+        places: list[Place],
+        paths: list[Path],
+        forces: list[int],
+        states: list[tuple[int, int]],
+        keyframe: int | None,
+    ):
+        mujoco = library()
+        # A scene that blows up is a run that diverges, not one that begins anew.
+        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        self._model, self._data = model, mujoco.MjData(model)
+        self._substeps, self._keyframe = substeps, keyframe
+        self._controls, self._forces = np.array(controls, int), np.array(forces, int)
+        # Masses first: an inertia that is itself a parameter has the last word.
+        self._paths = sorted(enumerate(paths), key=lambda p: p[1].field != "mass")
+        self._pristine = copy.copy(model)
+        self._set: list[float] | None = None
+        self._positions = np.array([p for p, _ in states], int)
+        self._velocities = np.array([v for _, v in states], int)
+        data = self._data
+        self._ctrl, self._applied = data.ctrl, data.qfrc_applied
+        self._qpos, self._qvel, self._warm = data.qpos, data.qvel, data.qacc_warmstart
+        # Outputs by the room they are in.
+        rooms = {"qpos": data.qpos, "qvel": data.qvel, "sensordata": data.sensordata}
+        self._direct: list[tuple[Array, Any, Any]] = []
+        self._sensed: list[tuple[Array, Any, Any]] = []
+        for room, array in rooms.items():
+            to = np.array([i for i, place in enumerate(places) if place.room == room], int)
+            of = np.array([place.index for place in places if place.room == room], int)
+            if len(to):
+                (self._sensed if room == "sensordata" else self._direct).append((array, to, of))
+        self._outputs = len(places)
+        self._mj_step, self._mj_forward = mujoco.mj_step, mujoco.mj_forward
+        self._mj_reset, self._mj_keyframe = mujoco.mj_resetData, mujoco.mj_resetDataKeyframe
+        self._mj_set_const = mujoco.mj_setConst
+
+    def reset(self, parameters: dict[str, float], x0: dict[str, float]) -> None:
+        """Begins a run."""
+        values = list(parameters.values())
+        if values != self._set:
+            for i, path in self._paths:
+                path.set(self._model, values[i], self._pristine)
+            self._set = values
+            # Masses and lengths have consequences that the model holds.
+            self._mj_set_const(self._model, self._data)
+        if self._keyframe is None:
+            self._mj_reset(self._model, self._data)
+        else:
+            self._mj_keyframe(self._model, self._data, self._keyframe)
+        start = list(x0.values())
+        self._qpos[self._positions] = start[0::2]
+        self._qvel[self._velocities] = start[1::2]
+
+    def _shown(self, sources: list[tuple[Array, Any, Any]], y: Array) -> None:
+        for array, to, of in sources:
+            y[to] = array[of]
+
+    def step(self, u: Array, f: Array) -> Array:
+        """Outputs of this sample; then on to the next."""
+        self._ctrl[self._controls] = u
+        self._applied[self._forces] = f
+        y = np.empty(self._outputs)
+        self._shown(self._direct, y)
+        if self._sensed:
+            # The first time step computes the sensors before it moves.
+            self._mj_step(self._model, self._data)
+            self._shown(self._sensed, y)
+            if self._substeps > 1:
+                self._mj_step(self._model, self._data, self._substeps - 1)
+        else:
+            self._mj_step(self._model, self._data, self._substeps)
+        return y
+
+    def measure(self, u: Array) -> Array:
+        """Outputs of this sample, without forces and without moving on."""
+        y = np.empty(self._outputs)
+        self._shown(self._direct, y)
+        if self._sensed:
+            warm = self._warm.copy()
+            self._ctrl[self._controls] = u
+            self._applied[self._forces] = 0.0
+            self._mj_forward(self._model, self._data)
+            self._warm[:] = warm
+            self._shown(self._sensed, y)
+        return y
+
+    def state(self) -> Array:
+        """Position and velocity of each joint."""
+        x = np.empty(2 * len(self._positions))
+        x[0::2] = self._qpos[self._positions]
+        x[1::2] = self._qvel[self._velocities]
+        return x

@@ -1,0 +1,91 @@
+"""Programs and FMUs as simulators."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import _fdiag, _stated
+from ._stated import Entries, Uncertain
+from .simulators import Simulator, rooms_of
+
+__all__ = ["Fmu", "Process"]
+
+
+class Process(Simulator):
+    """A program that speaks the process protocol on its standard input and output.
+
+    `inputs`, `outputs`, `parameters`, `states` and `ports` may be left out where the program says them;
+    `workers` run at once, and each answer may take `timeout` seconds.
+    """
+
+    def __init__(
+        self,
+        command: Sequence[str],
+        *,
+        name: str | None = None,
+        directory: str | os.PathLike[str] = ".",
+        workers: int = 1,
+        timeout: float = 30.0,
+        sample_time: float | None = None,
+        inputs: Entries = None,
+        outputs: Entries = None,
+        parameters: Entries = None,
+        states: Entries = None,
+        ports: Entries = None,
+    ):
+        head = {
+            "version": 1,
+            "kind": "process",
+            "name": name,
+            "command": [str(part) for part in command],
+            "workers": int(workers),
+            "timeout": float(timeout),
+            "sample_time": None if sample_time is None else float(sample_time),
+        }
+        rooms = rooms_of(inputs, outputs, parameters, states, ports)
+        _of_file(self, _stated.toml(head, rooms), directory, name or Path(str(command[0])).stem)
+
+
+class Fmu(Simulator):
+    """An FMU for co-simulation (FMI 2.0).
+
+    `uncertain` maps parameters to how well they are known, relative to their start values; `ports` are inputs at
+    which forces may be added. Without `inputs` and `outputs` all real ones are meant.
+    """
+
+    def __init__(
+        self,
+        file: str | os.PathLike[str],
+        *,
+        uncertain: Mapping[str, float | Uncertain | Mapping[str, Any]] | None = None,
+        inputs: Entries = None,
+        outputs: Entries = None,
+        states: Entries = None,
+        ports: Entries = None,
+        sample_time: float | None = None,
+        workers: int = 1,
+    ):
+        path = Path(os.fspath(file)).resolve()
+        head = {
+            "version": 1,
+            "kind": "fmu",
+            "fmu": str(path),
+            "workers": int(workers),
+            "sample_time": None if sample_time is None else float(sample_time),
+        }
+        parameters = {
+            name: {"tolerance": float(known)} if isinstance(known, (int, float)) else known
+            for name, known in (uncertain or {}).items()
+        }
+        rooms = rooms_of(inputs, outputs, parameters, states, ports)
+        _of_file(self, _stated.toml(head, rooms), path.parent, path.stem)
+
+
+def _of_file(
+    simulator: Simulator, text: str, directory: str | os.PathLike[str], name: str
+) -> None:
+    path = Path(directory).resolve() / f"{name}.toml"
+    Simulator.__init__(simulator, _fdiag.Simulator.from_text(text, str(path)))
