@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = ["Pipeline", "Simulator", "Study", "Trained", "__version__", "column_map", "study"]
 __version__: str
 
 _Array = npt.NDArray[np.float64]

@@ -1,6 +1,6 @@
 //! A gap study as a page and tables, wherever it was made: by the command line or in Python.
 //!
-//! [`page()`] and [`tables()`] show what is in a [`GapStudy`](fdiag::gap_study::GapStudy); numbers, probabilities
+//! [`page()`] and [`tables()`] show what is in a [`GapStudy`]; numbers, probabilities
 //! and verdicts come from its typed report, and only words, units and pictures are made here. [`json`] is the
 //! report as `report.json` has it.
 

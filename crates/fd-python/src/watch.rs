@@ -38,6 +38,10 @@ impl Watch {
 }
 
 impl Monitor for Watch {
+    fn is_over(&self) -> bool {
+        self.stopped.load(Relaxed)
+    }
+
     fn begin(&self, stage: Stage, pieces: usize) {
         self.look();
         let name = match stage {

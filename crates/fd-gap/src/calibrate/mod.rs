@@ -89,6 +89,9 @@ pub fn self_calibrate(
     let outcomes: Vec<Outcome> = jobs
         .into_par_iter()
         .filter_map(|(row, i)| {
+            if monitor.is_over() {
+                return None;
+            }
             let (model, starts) = match truths[row] {
                 None => (&diagnosis.refit.model, diagnosis.refit.starts.clone()),
                 Some(cause) => (&cause.model, starts(diagnosis, cause)),

@@ -8,6 +8,12 @@ pub trait Monitor: Sync {
     /// A piece of it is done.
     fn advance(&self);
 
+    /// Whether nobody wants the answer any more: work in many long pieces leaves out the rest, and its result is
+    /// worth nothing.
+    fn is_over(&self) -> bool {
+        false
+    }
+
     /// What is going to be done, where that takes long, in a sentence.
     fn plan(&self, _text: &str) {}
 }

@@ -69,9 +69,7 @@ pub trait Nominal: std::fmt::Debug + Send + Sync {
         self.patched(self.model(), ts)
     }
 
-    /// Whether it integrates with steps of its own, so that [`Model::step`] changes nothing.
-    ///
-    /// [`Model::step`]: crate::model::Model::step
+    /// Whether it integrates with steps of its own, so that the step of a model changes nothing.
     fn keeps_step(&self) -> bool {
         false
     }

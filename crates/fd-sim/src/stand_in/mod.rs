@@ -7,14 +7,13 @@
 //! `1 + states + inputs + ports + parameters` runs in all. Effects are spliced around a stand-in as around the
 //! simulator, so friction still depends on the motion that it changes; only the plant is linear.
 //!
-//! A stand-in proposes, and lends its slopes to fits of the simulator ([`Shell::with_stand_in`]); what is believed
+//! A stand-in proposes, and lends its slopes to fits of the simulator ([`StandIn::lent`]); what is believed
 //! comes from the simulator alone.
 //!
 //! *When not to use:* on equations, of which thousands of runs take a second. It is not possible where a simulator
 //! cannot be set to a state ([`Simulator::go_on_from`]), and of little use where contacts or chaos make slopes
 //! worthless: [`StandIn::explains`] says how well it foretells a run of the simulator.
 //!
-//! [`Shell::with_stand_in`]: crate::simulate::Shell::with_stand_in
 //! [`Simulator::go_on_from`]: crate::simulate::Simulator::go_on_from
 
 mod affine;
