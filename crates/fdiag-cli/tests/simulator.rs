@@ -113,6 +113,15 @@ fn a_diagnosis_of_a_program_is_that_of_the_equations() {
     assert!((a.value - b.value).abs() < sure, "{} {}", a.value, b.value);
 }
 
+/// A model file that is named without a folder is in the folder that one is in.
+#[test]
+fn a_program_is_found_beside_its_file_from_there_as_well() {
+    let mut command = Command::new(FDIAG);
+    let check = ["simulator", "check", "cart.toml", "--samples", "50"];
+    let output = command.args(check).current_dir(example("process")).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+}
+
 /// The examples in other languages are the cart, too.
 #[test]
 fn the_example_in_python_is_in_order() {

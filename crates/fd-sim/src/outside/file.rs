@@ -166,7 +166,9 @@ impl OutsideFile {
             let (key, expected) = (key.to_owned(), expected.to_owned());
             return Err(OutsideError::Value { place: file, key, expected, found });
         }
-        let here = path.parent().unwrap_or_else(|| Path::new(""));
+        // A file that is named without a folder is in this one.
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let here = parent.unwrap_or_else(|| Path::new("."));
         let spans = [
             read.directory.as_ref().map(Spanned::span),
             read.equations.as_ref().map(Spanned::span),
