@@ -114,7 +114,9 @@ impl RowReader {
             return Ok(false);
         };
         let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
-        if text.trim().is_empty() {
+        // Comments are what they are in log files, and CSV that `fdiag` has written begins with one.
+        let is_comment = self.format == Format::Csv && text.starts_with('#');
+        if text.trim().is_empty() || is_comment {
             return Ok(false);
         }
         let read = match self.format {

@@ -42,9 +42,15 @@ fn finite() -> impl Strategy<Value = f64> {
     proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL | proptest::num::f64::ZERO
 }
 
+/// Text without controls and without separators of lines, which a file refuses in names.
+fn plain(most: usize) -> impl Strategy<Value = String> {
+    let pattern = format!("[^\\p{{C}}\\p{{Zl}}\\p{{Zp}}]{{0,{most}}}");
+    proptest::string::string_regex(&pattern).unwrap()
+}
+
 fn any_channels(count: usize) -> impl Strategy<Value = Vec<ModelChannel>> {
     let scale = proptest::option::of(proptest::num::f64::NORMAL);
-    let channel = ("\\PC{0,5}", "\\PC{0,5}", finite(), scale);
+    let channel = (plain(5), plain(5), finite(), scale);
     proptest::collection::vec(channel, count).prop_map(|channels| {
         let entries = channels.into_iter().enumerate();
         entries
@@ -62,7 +68,7 @@ fn any_model() -> impl Strategy<Value = LinearModel> {
         let channels =
             (any_channels(nu), any_channels(if named { nx } else { 0 }), any_channels(ny));
         let ts = proptest::option::of(1e-9..1e9_f64);
-        let name = proptest::option::of("\\PC{0,20}");
+        let name = proptest::option::of(plain(20));
         (entries, channels, ts, name).prop_map(
             move |(entries, (inputs, states, outputs), ts, name)| {
                 let block = |rows: usize, cols: usize, from: (usize, usize)| {
