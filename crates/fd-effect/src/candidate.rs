@@ -216,6 +216,8 @@ pub enum Rounding {
     Nearest,
     /// The rest is cut off, as where a number is stored as an integer.
     TowardsZero,
+    /// To the next multiple below, as of a counter.
+    Downwards,
 }
 
 impl Rounding {
@@ -226,6 +228,7 @@ impl Rounding {
     ///
     /// assert_eq!(Rounding::Nearest.apply(-0.7, 0.5), -0.5);
     /// assert_eq!(Rounding::TowardsZero.apply(-0.9, 0.5), -0.5);
+    /// assert_eq!(Rounding::Downwards.apply(-0.9, 0.5), -1.0);
     /// ```
     #[must_use]
     pub fn apply(self, u: f64, quantum: f64) -> f64 {
@@ -234,6 +237,7 @@ impl Rounding {
             * match self {
                 Self::Nearest => (steps + 0.5).floor(),
                 Self::TowardsZero => steps.trunc(),
+                Self::Downwards => steps.floor(),
             }
     }
 }

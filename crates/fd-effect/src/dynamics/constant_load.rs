@@ -7,12 +7,18 @@ use crate::{Effect, Offers};
 
 /// A constant force, from the start of the log or, `applied-late`, since some time: it grows from
 /// nothing within the integration step before that time, so that outputs follow the time smoothly.
+/// `put-on-slowly` it grows in a straight line for some time (a vessel that is filled, a brake that
+/// is tightened).
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantLoad;
 
 /// Times from which to start: what a step excites has died away after a part of the log, and a fit
 /// cannot see from one step response to another.
 const ONSETS: u8 = 24;
+
+/// Beginnings and durations of what is put on slowly, as parts of the log, from which to start.
+const SLOW: [[f64; 2]; 6] =
+    [[0.0, 0.2], [0.1, 0.5], [0.25, 0.2], [0.3, 0.5], [0.5, 0.2], [0.7, 0.2]];
 
 impl Effect for ConstantLoad {
     fn label(&self) -> &'static str {
@@ -39,6 +45,15 @@ impl Effect for ConstantLoad {
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
                     .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
                     .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
+                sketch("put-on-slowly")
+                    .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
+                    .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .shape("lasts", "lasts", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .force(
+                        "growing_load",
+                        "c*clamp((t - since)/max(lasts, dt) + dt/max(lasts, dt), 0, 1)",
+                    )
+                    .starts(SLOW.map(|[since, lasts]| [0.1, since, lasts])),
             ]
         })
     }

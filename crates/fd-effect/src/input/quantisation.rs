@@ -9,8 +9,8 @@ use crate::{Effect, Offers, Rounding};
 /// never more than a sixteenth of a step off at the peak, where the response to a wrong one is lost.
 const EIGHTHS: [u16; 2] = [12, 64];
 
-/// The command is rounded to multiples of `q`: to the nearest, or towards zero. Outputs are not
-/// smooth in `q`: search, do not differentiate.
+/// The command is rounded to multiples of `q`: to the nearest, towards zero, or downwards. Outputs are
+/// not smooth in `q`: search, do not differentiate.
 #[derive(Clone, Copy, Debug)]
 pub struct InputQuantisation;
 
@@ -39,9 +39,11 @@ impl Effect for InputQuantisation {
             };
             let nearest = "if(q > Q, q*floor(u/max(q, Q) + 0.5), u)";
             let towards_zero = "if(q > Q, q*sign(u)*floor(abs(u)/max(q, Q)), u)";
+            let downwards = "if(q > Q, q*floor(u/max(q, Q)), u)";
             vec![
                 law("round", Rounding::Nearest, nearest),
                 law("towards-zero", Rounding::TowardsZero, towards_zero),
+                law("downwards", Rounding::Downwards, downwards),
             ]
         })
     }

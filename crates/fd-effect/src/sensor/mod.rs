@@ -1,5 +1,6 @@
 //! Effects between the plant and the logged measurement.
 
+mod backlash;
 mod bias;
 mod cross_talk;
 mod delay;
@@ -13,6 +14,7 @@ use fd_sim::model::Model;
 use fd_sim::scales::{ReplayScales, SignalScale};
 
 pub use self::{
+    backlash::SensorBacklash,
     bias::SensorBias,
     cross_talk::SensorCrossTalk,
     delay::SensorDelay,
@@ -38,6 +40,7 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(SensorLag),
         Box::new(SensorDelay),
         Box::new(SensorSaturation),
+        Box::new(SensorBacklash),
         Box::new(SensorCrossTalk),
         Box::new(SensorQuantisation),
         Box::new(SensorOutliers),

@@ -96,6 +96,13 @@ fn sensor_dynamics_are_exact_for_ramps() {
         check(&case, ("sensor-lag", "order-1", "clock"), &[lag], |t| {
             t - lag * (1.0 - (-t / lag).exp())
         });
+        for ratio in [0.0, 0.4, 0.95] {
+            let second = ratio * lag;
+            check(&case, ("sensor-lag", "order-2", "clock"), &[lag, ratio], |t| {
+                let part = |lag: f64| lag * lag * (1.0 - (-t / lag.max(1e-9)).exp());
+                t - (part(lag) - part(second)) / (lag - second)
+            });
+        }
     }
     for delay in [0.05, 0.4] {
         // The past is interpolated where it began to move, so only whole steps are exact there.
@@ -135,11 +142,27 @@ fn actuator_curves_are_as_their_names_say() {
     arrives("input-saturation", "soft", &[0.8, 2.0], &mut |u| u / (0.64 * u * u + 1.0).sqrt());
     arrives("input-quantisation", "round", &[0.25], &mut |u| (4.0 * u).round() / 4.0);
     arrives("input-quantisation", "towards-zero", &[0.25], &mut |u| (4.0 * u).trunc() / 4.0);
+    arrives("input-quantisation", "downwards", &[0.25], &mut |u| (4.0 * u).floor() / 4.0);
     let mut played = 0.0;
     arrives("input-backlash", "play", &[0.3], &mut |u| {
         played = f64::clamp(played, u - 0.3, u + 0.3);
         played
     });
+}
+
+#[test]
+fn play_behind_the_plant_is_taken_up_first() {
+    let mut case = bench();
+    // Up for 3 s, then down: the integral turns at 3 s.
+    case.u = (0..60).map(|k| if k < 30 { 1.0 } else { -1.0 }).collect();
+    let (_, y) = case.apply(&candidate(&case, "sensor-backlash", "play", "sum"), &[0.4]);
+    for (k, row) in y.chunks(2).enumerate() {
+        let t = 0.1 * k as f64;
+        let x = if t < 3.0 { t } else { 6.0 - t };
+        let shown = if t < 3.0 { (x - 0.4).max(0.0) } else { 2.6_f64.min(x + 0.4) };
+        // Some hundred steps, each with a rounding error of an ulp of 3.
+        assert!((row[0] - shown).abs() < 1e-12, "t = {t}: {row:?}, {shown}");
+    }
 }
 
 #[test]
@@ -194,6 +217,21 @@ fn a_load_comes_when_it_is_said_to() {
             // It grows within the integration step of 1 ms before.
             assert!((row[1] - without[1] - expected).abs() < 0.3e-3, "{since}, {t}: {row:?}");
         }
+    }
+}
+
+#[test]
+fn a_load_that_is_put_on_slowly_grows_in_a_line() {
+    let case = puck();
+    let slow = candidate(&case, "constant-load", "put-on-slowly", "ice");
+    let (_, nominal) = case.apply(&slow, &[0.0, 0.5, 0.8]);
+    let (_, y) = case.apply(&slow, &[0.3, 0.5, 0.8]);
+    for (k, (row, without)) in y.chunks(2).zip(nominal.chunks(2)).enumerate() {
+        let t = 0.01 * k as f64;
+        let grown = (t - 0.5).clamp(0.0, 0.8);
+        let expected = 0.3 * (grown * grown / 1.6 + (t - 1.3).max(0.0));
+        // It comes an integration step of 1 ms early.
+        assert!((row[1] - without[1] - expected).abs() <= 0.3e-3 + 1e-9, "{t}: {row:?}");
     }
 }
 

@@ -5,7 +5,10 @@ use fd_gap::{
     quality::robust_third_difference_floor,
 };
 use fd_model::Record;
-use fd_sim::simulate::{Follower, Nominal, OperatingPoint, linearize};
+use fd_sim::{
+    model::Model,
+    simulate::{Follower, Nominal, OperatingPoint, linearize},
+};
 
 use super::memory::Memory;
 
@@ -47,10 +50,6 @@ pub fn follow<'a>(
     let simulator = nominal.simulator(longest.ts())?;
     let log = Log::new(longest, &*simulator, 1)?;
     let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
-    let seconds = log.samples() as f64 * longest.ts().seconds();
-    if !falls_over(nominal, seconds) && !Memory::of(&*simulator, &u, log.samples()).runs_away {
-        return Ok(None);
-    }
     let width = simulator.inputs().len();
     let inputs = (0..width).map(|i| {
         let values: Vec<f64> = u.iter().skip(i).step_by(width).copied().collect();
@@ -59,6 +58,12 @@ pub fn follow<'a>(
         [mean, fd_numeric::rms(values.iter().map(|v| v - mean))]
     });
     let inputs: Vec<[f64; 2]> = inputs.collect();
+    let seconds = log.samples() as f64 * longest.ts().seconds();
+    if !falls_over(nominal.model(), &inputs, seconds)
+        && !Memory::of(&*simulator, &u, log.samples()).runs_away
+    {
+        return Ok(None);
+    }
     let noise = nominal.model().outputs.iter().map(|output| {
         let estimated = || {
             let column = longest.output_index(&output.name)?;
@@ -70,20 +75,25 @@ pub fn follow<'a>(
     Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
 }
 
-/// Whether a model leaves its initial state by itself within this time. A pole that falls over and swings below
-/// does not run away, but what it does there has nothing to do with the log.
-fn falls_over(nominal: &dyn Nominal, seconds: f64) -> bool {
-    let model = nominal.model();
-    let linear = linearize(model, &OperatingPoint::initial(model));
-    let pole = linear.ok().and_then(|linear| linear.worst_pole().ok().flatten());
-    pole.is_some_and(|pole| FALLS_OVER.ln() < pole.re * seconds)
+/// Whether a model leaves its initial state by itself within this time, without inputs or with their means. A pole
+/// that falls over and swings below does not run away, but what it does there has nothing to do with the log; a ball
+/// below a magnet is unstable only while there is a current.
+fn falls_over(model: &Model, inputs: &[[f64; 2]], seconds: f64) -> bool {
+    let initial = OperatingPoint::initial(model);
+    let held = OperatingPoint {
+        u: inputs.iter().map(|[mean, _]| *mean).collect(),
+        ..OperatingPoint::initial(model)
+    };
+    [initial, held].iter().any(|at| {
+        let pole = linearize(model, at).ok().and_then(|linear| linear.worst_pole().ok().flatten());
+        pole.is_some_and(|pole| FALLS_OVER.ln() < pole.re * seconds)
+    })
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 mod tests {
     use fd_model::Channel;
-    use fd_sim::model::Model;
 
     use super::*;
 
@@ -108,6 +118,29 @@ mod tests {
         let ts = model.sample_time().unwrap();
         let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
         follow(&model, &[log]).unwrap().is_some()
+    }
+
+    /// A ball that a current holds below a magnet; without one it only falls.
+    #[test]
+    fn what_is_unstable_with_its_inputs_is_followed() {
+        let model: Model = r#"
+            version = 1
+            kind = "equations"
+            name = "ball"
+            sample_time = 0.002
+            inputs = { i = { unit = "A" } }
+            outputs = { gap = { unit = "m", value = "z" } }
+            [states]
+            z = { unit = "m", initial = 0.01, derivative = "v" }
+            v = { unit = "m/s", initial = 0.0, derivative = "9.81 - 9.81e-4*i^2/max(z, 0.001)^2*0.1" }
+            "#
+        .parse()
+        .unwrap();
+        let (u, y) = ([Channel::new("i", "A")], [Channel::new("gap", "m")]);
+        let row = |k: u32| ([1.0], [0.01 + 1e-5 * f64::from(k * 7919 % 13)]);
+        let ts = model.sample_time().unwrap();
+        let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
+        assert!(follow(&model, &[log]).unwrap().is_some());
     }
 
     #[test]

@@ -153,13 +153,18 @@ fn springs_and_loads() -> Vec<Law> {
             let (f, since) = (s.sign() * unit_force(s), s.scales.duration * s.shape(1, 0.2, 0.6));
             force(move |at| if at.t < since { 0.0 } else { f })
         }),
-        law("constant-load", "put-on-slowly", "load", (Mismatch, Nothing), [2e-3, 1.0], |s| {
+        law("constant-load", "put-on-slowly", "load", (Matched, Nothing), [2e-3, 1.0], |s| {
             let (f, since) = (s.sign() * unit_force(s), s.scales.duration * s.shape(1, 0.2, 0.4));
             let lasts = s.scales.duration * s.shape(2, 0.1, 0.3);
             force(move |at| {
                 let part = ((at.t - since) / lasts).clamp(0.0, 1.0);
                 f * part * part * (3.0 - 2.0 * part)
             })
+        }),
+        law("constant-load", "comes-and-goes", "load", (Mismatch, Nothing), [2e-3, 1.0], |s| {
+            let (f, since) = (s.sign() * unit_force(s), s.scales.duration * s.shape(1, 0.1, 0.4));
+            let lasts = s.scales.duration * s.shape(2, 0.2, 0.5);
+            force(move |at| if (since..since + lasts).contains(&at.t) { f } else { 0.0 })
         }),
         law("gravity-load", "sine", "load", (Matched, Angle), [2e-3, 1.0], |s| {
             let f = s.sign() * unit_force(s);

@@ -18,7 +18,7 @@ const fn law(
 }
 
 /// A first-order lag: its value, and the mean over a step of which the input is held.
-pub(super) struct Lag(Option<f64>);
+pub(super) struct Lag(pub(super) Option<f64>);
 
 impl Lag {
     pub(super) fn new() -> Self {
@@ -34,10 +34,14 @@ impl Lag {
 }
 
 /// Play between `b - w` and `b + w`.
-struct Play(Option<f64>);
+pub(super) struct Play(Option<f64>);
 
 impl Play {
-    fn step(&mut self, u: f64, w: f64) -> f64 {
+    pub(super) const fn new() -> Self {
+        Self(None)
+    }
+
+    pub(super) fn step(&mut self, u: f64, w: f64) -> f64 {
         let b = self.0.get_or_insert(u);
         *b = b.clamp(u - w, u + w);
         *b
@@ -127,9 +131,17 @@ fn statics() -> Vec<Law> {
             let q = s.strength * s.input().peak;
             input(move |a| q * (a.u / q).trunc())
         }),
-        law("input-quantisation", "downwards", curve, Mismatch, [5e-3, 0.6], |s| {
+        law("input-quantisation", "downwards", curve, Matched, [5e-3, 0.6], |s| {
             let q = s.strength * s.input().peak;
             input(move |a| q * (a.u / q).floor())
+        }),
+        law("input-quantisation", "few-digits", curve, Mismatch, [0.02, 1.0], |s| {
+            // As many digits for small commands as for large ones.
+            let (digit, least) = (s.strength, 1e-3 * s.input().peak);
+            input(move |a| {
+                let q = digit * a.u.abs().max(least).log2().floor().exp2();
+                q * (a.u / q).round()
+            })
         }),
         Law {
             needs: Needs::Partner,
@@ -157,12 +169,12 @@ fn dynamics() -> Vec<Law> {
     let (dynamic, curve) = ("actuator-dynamics", "actuator-nonlinearity");
     vec![
         law("input-backlash", "play", curve, Matched, [2e-3, 0.5], |s| {
-            let (w, mut play) = (s.strength * s.input().peak, Play(None));
+            let (w, mut play) = (s.strength * s.input().peak, Play::new());
             input(move |a| play.step(a.u, w))
         }),
         law("input-backlash", "many-plays", curve, Mismatch, [2e-3, 0.6], |s| {
             let w = s.strength * s.input().peak;
-            let mut plays = [0.3, 0.7, 1.2, 1.8].map(|share| (share, Play(None)));
+            let mut plays = [0.3, 0.7, 1.2, 1.8].map(|share| (share, Play::new()));
             input(move |a| {
                 plays.iter_mut().map(|(k, play)| play.step(a.u, *k * w)).sum::<f64>() / 4.0
             })

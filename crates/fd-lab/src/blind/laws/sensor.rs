@@ -1,6 +1,9 @@
 //! What sensors do.
 
-use super::{History, Law, Measured, Mechanism, Needs, Origin, Place, Setting, input::Lag};
+use super::{
+    History, Law, Measured, Mechanism, Needs, Origin, Place, Setting,
+    input::{Lag, Play},
+};
 
 pub(super) fn sensor(law: impl FnMut(&Measured<'_>) -> f64 + Send + 'static) -> Mechanism {
     Mechanism::Sensor(Box::new(law))
@@ -63,10 +66,22 @@ pub(super) fn laws() -> Vec<Law> {
             let (time, mut lag) = (s.strength * s.scales.ts, Ramp(None));
             sensor(move |m| lag.step(m.y, time, m.h))
         }),
-        law("sensor-lag", "order-2", dynamic, Mismatch, [0.02, 6.0], |s| {
+        law("sensor-lag", "order-2", dynamic, Matched, [0.02, 6.0], |s| {
             let time = s.strength * s.scales.ts;
-            let mut lags = [Ramp(None), Ramp(None)];
-            sensor(move |m| lags.iter_mut().fold(m.y, |y, lag| lag.step(y, time, m.h)))
+            let (second, mut lags) = (time * s.shape(1, 0.2, 0.9), [Ramp(None), Ramp(None)]);
+            sensor(move |m| {
+                let first = lags[0].step(m.y, time, m.h);
+                lags[1].step(first, second, m.h)
+            })
+        }),
+        law("sensor-lag", "two-speeds", dynamic, Mismatch, [0.05, 8.0], |s| {
+            let (up, down) =
+                (s.strength * s.scales.ts, s.strength * s.scales.ts * s.shape(1, 0.2, 0.5));
+            let mut lag = Lag::new();
+            sensor(move |m| {
+                let rises = lag.0.is_some_and(|b| b < m.y);
+                lag.step(m.y, if rises { up } else { down }, m.h)
+            })
         }),
         law("sensor-delay", "pure", dynamic, Matched, [0.02, 10.0], |s| {
             let (late, mut past) = (s.strength * s.scales.ts, History::default());
@@ -90,6 +105,20 @@ pub(super) fn laws() -> Vec<Law> {
             let (middle, half) = (0.5 * (out.low + out.high), 0.5 * (out.high - out.low));
             let limit = half / s.strength;
             sensor(move |m| middle + limit * ((m.y - middle) / limit).tanh())
+        }),
+        law("sensor-backlash", "play", curve, Matched, [5e-3, 1.0], |s| {
+            let (w, mut play) = (s.strength * s.output().std, Play::new());
+            sensor(move |m| play.step(m.y, w))
+        }),
+        law("sensor-backlash", "with-slip", curve, Mismatch, [5e-3, 1.0], |s| {
+            // What hangs in the play creeps back to the middle.
+            let (w, mut shown) = (s.strength * s.output().std, None);
+            let time = s.scales.duration * s.shape(1, 0.02, 0.2);
+            sensor(move |m| {
+                let b: &mut f64 = shown.get_or_insert(m.y);
+                *b = (*b + (m.y - *b) * m.h / time).clamp(m.y - w, m.y + w);
+                *b
+            })
         }),
         Law {
             needs: Needs::Partner,

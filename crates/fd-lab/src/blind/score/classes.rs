@@ -81,7 +81,12 @@ const INSIDE: (CaseKind, Option<CaseKind>, &str) =
 pub(super) fn all(verdicts: &[Verdict], others: &[Vec<Verdict>; 2]) -> Vec<ClassScore> {
     let classes = CLASSES.into_iter().chain([INSIDE]);
     let scores = classes.map(|(kind, null, title)| of_class(verdicts, others, kind, null, title));
-    scores.filter(|score| 0 < score.visible.of || score.blamed.iter().any(|b| 0 < b.of)).collect()
+    scores
+        .filter(|score| {
+            [score.visible, score.reading[0]].iter().any(|r| 0 < r.of)
+                || score.blamed.iter().any(|b| 0 < b.of)
+        })
+        .collect()
 }
 
 fn of_class(
@@ -95,7 +100,9 @@ fn of_class(
         all.iter().filter(|v| v.kind == kind.name()).cloned().collect()
     };
     let all = of(verdicts, kind);
-    let seen: Vec<&Verdict> = all.iter().filter(|v| v.is_visible).collect();
+    // A misreading is no effect of the plant, and is to be seen in every log.
+    let seen: Vec<&Verdict> =
+        all.iter().filter(|v| v.is_visible || kind == CaseKind::Misread).collect();
     let nulls = null.map(|null| of(verdicts, null)).unwrap_or_default();
     let coloured = |is: bool| nulls.iter().filter(|v| v.coloured == is).collect::<Vec<_>>();
     let alone: Vec<&Verdict> = seen.iter().copied().filter(|v| v.is_alone).collect();
@@ -132,7 +139,7 @@ fn of_class(
     ClassScore {
         name: kind.name().to_owned(),
         title: title.to_owned(),
-        visible: Rate::of(&all, |v| v.is_visible),
+        visible: only(!is_misread, Rate::of(&all, |v| v.is_visible)),
         right: only(!is_misread, Rate::of(&seen, |v| v.is_right)),
         exact: only(!is_misread, Rate::of(&seen, |v| v.is_exact)),
         place: only(!is_misread, Rate::of(&seen, |v| v.is_group_right)),
