@@ -5,7 +5,7 @@ use fd_model::{ModelError, StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
-    matrix::{blocks, spectral_norm},
+    matrix::{blocks, spectral_norm, with_natural_states},
 };
 
 /// Relative singular values below this count as zero.
@@ -24,6 +24,8 @@ pub(super) fn regular<D: TimeDomain>(
     system: &StateSpace<D>,
     rate: f64,
 ) -> Result<Regular<D>, DesignError> {
+    // The plant's states come with the noise, in units of their own.
+    let system = with_natural_states(system)?;
     let (a, b, rows) = (system.a(), system.b(), system.ny());
     let domain = system.domain();
     let sampled = domain.highest_frequency().is_finite();
