@@ -92,6 +92,8 @@ fn signatures<D: TimeDomain>(
 pub(crate) struct Visibility<D> {
     hy: StateSpace<D>,
     gf: StateSpace<D>,
+    /// Natural units of the outputs.
+    units: Vec<f64>,
     poles: Vec<c64>,
     /// Largest entry of each pair over the grid, where it stands out from rounding.
     largest: Mat<f64>,
@@ -108,6 +110,7 @@ impl<D: TimeDomain> Visibility<D> {
         let mut visibility = Self {
             hy: with_natural_states(&form.hy()?)?,
             gf: with_natural_states(gf)?,
+            units: gf.natural_units().outputs,
             poles,
             largest: largest.clone(),
         };
@@ -140,11 +143,12 @@ impl<D: TimeDomain> Visibility<D> {
         ZERO * scale.max(self.largest[(row, fault)]) < gain
     }
 
-    fn pairs(&self, omega: f64) -> Option<Pairs> {
+    fn pairs(&self, omega: f64) -> Option<Pairs<'_>> {
         if !is_clear(self.gf.domain(), &self.poles, omega) {
             return None;
         }
-        Some(Pairs { hy: Response::of(&self.hy, omega)?, gf: Response::of(&self.gf, omega)? })
+        let (hy, gf) = (Response::of(&self.hy, omega)?, Response::of(&self.gf, omega)?);
+        Some(Pairs { hy, gf, units: &self.units })
     }
 }
 
@@ -173,15 +177,25 @@ impl Response {
 }
 
 /// Both factors at one frequency.
-struct Pairs {
+struct Pairs<'a> {
     hy: Response,
     gf: Response,
+    /// Natural units of the outputs between them.
+    units: &'a [f64],
 }
 
-impl Pairs {
+impl Pairs<'_> {
     /// The gain from a fault to a residual channel, and the sum of its terms.
     fn of(&self, row: usize, fault: usize) -> (f64, f64) {
         let gain = (self.hy.gain.row(row) * self.gf.gain.col(fault)).norm();
-        (gain, self.hy.terms.row(row) * self.gf.terms.col(fault))
+        let of = |scale: f64, term: f64| (term * scale).powi(2);
+        let units = self.units.iter().enumerate();
+        let (h, g) = units.fold((0.0, 0.0), |(h, g), (i, unit)| {
+            let (through, into) = (self.hy.terms[(row, i)], self.gf.terms[(i, fault)]);
+            (h + of(*unit, through), g + of(unit.recip(), into))
+        });
+        // At least the sum of the terms (Cauchy and Schwarz): an entry of H_y may be rounding next to
+        // the others of its row.
+        (gain, (h * g).sqrt())
     }
 }

@@ -33,11 +33,13 @@ pub(super) fn regular<D: TimeDomain>(
     let or_one = |norm: f64| if 0.0 < norm { norm } else { 1.0 };
     let speed = or_one(spectral_norm(a));
     let (mut c, mut d) = (system.c().to_owned(), system.d().to_owned());
-    let mut filters = Vec::new();
+    let (mut filters, mut size) = (Vec::new(), 0.0_f64);
     for _ in 0..=n {
         let failed = |_| ModelError::NoConvergence { what: "zeros at infinity", order: n };
         let svd = d.svd().map_err(failed)?;
-        let size = d.norm_l2() + c.norm_l2() * b.norm_l2() / speed;
+        // Without cancellation, and without states that the noise does not reach, whatever their units.
+        let terms = sizes(c.as_ref()) * sizes(b);
+        size = size.max(d.norm_l2() + terms.norm_l2() / speed);
         let direct = svd.S().column_vector().iter().filter(|&&s| RANK * size < s).count();
         if direct == rows {
             let system = StateSpace::new(a.to_owned(), b.to_owned(), c, d, domain)?;
@@ -61,6 +63,10 @@ pub(super) fn regular<D: TimeDomain>(
         d = blocks(&[&[turned_d.subrows(0, direct)], &[fresh.as_ref()]]);
     }
     Err(ModelError::Singular { role: "noise filter G_w" }.into())
+}
+
+fn sizes(m: MatRef<'_, f64>) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs())
 }
 
 /// Turns the outputs, and filters the first `direct` of them by `a/(s + a)` or by `1/z`.
