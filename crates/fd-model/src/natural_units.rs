@@ -1,6 +1,6 @@
 //! Units of all signals in which a model has entries of like size.
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatRef, prelude::Solve};
 
 use crate::{domain::TimeDomain, error::ModelError, state_space::StateSpace};
 
@@ -38,55 +38,63 @@ pub struct NaturalUnits {
 }
 
 impl<D: TimeDomain> StateSpace<D> {
-    /// Units in which each column of `[B; D]` and each row of `C` has unit size, and in which what
-    /// enters a state, from the other states and the inputs, is as large as what leaves it.
+    /// Units in which all entries are as near to one as they can be, then each column of `[B; D]` and each
+    /// row of `C` of unit size.
     ///
-    /// Balancing of the system matrix (Osborne 1960; Parlett and Reinsch 1969) with the inputs and
-    /// outputs as part of it: without feedthrough the minimum of a convex function of the logarithms,
-    /// so that the answer does not depend on the units to begin with.
+    /// Scaling by least squares of the logarithms (Curtis and Reid 1972) of all entries of the system
+    /// matrix `[A B; C D]`, with the rate as one more unknown: other units to begin with shift the solution
+    /// by just as much, and a coupling that goes one way only is held as firmly as one that goes both
+    /// ways, which balancing by norms (Osborne 1960) lets fade to nothing. Repeated with entries weighed
+    /// by their size in the units found, so that weak side paths have little say.
     ///
-    /// Nothing is gained from entries that are rounding next to the others of their row and column: they
-    /// have no part in it. A state that nothing reaches, or that nothing shows, keeps its unit; couplings
-    /// weaker than a ten-thousandth of the rate are not stretched any further.
+    /// Entries that are rounding next to the others of their row and column have no part in it. A signal
+    /// that no entry ties to another keeps its unit.
     #[must_use]
     pub fn natural_units(&self) -> NaturalUnits {
-        const SWEEPS: usize = 100;
-        /// Squares of couplings that need no balance, next to the squared rate.
-        const WEAK: f64 = 1e-8;
-        /// A twentieth of an octave is less than what rounding to powers of two changes.
-        const SETTLED: f64 = 0.05;
-        /// Octaves that no unit goes beyond, for groups of states that nothing reaches or shows.
-        const FARTHEST: f64 = 40.0;
+        const REWEIGHTED: usize = 3;
 
-        let n = self.nx();
         let clean = self.without_rounding();
-        let mut states = vec![1.0; n];
-        for _ in 0..SWEEPS {
-            let now = clean.signal_units(states.clone());
-            let (into, out) = (clean.shares_in(&now), clean.shares_out(&now));
-            let mut farthest = 0.0_f64;
-            for i in 0..n {
-                let others = || (0..n).filter(move |&j| j != i);
-                let square = |v: f64| (v / now.rate).powi(2);
-                let row = others().map(|j| square(clean.a[(i, j)] * states[j] / states[i]));
-                let col = others().map(|j| square(clean.a[(j, i)] * states[i] / states[j]));
-                let (row, col) = (row.sum::<f64>() + into[i], col.sum::<f64>() + out[i]);
-                let octaves = ((row + WEAK) / (col + WEAK)).log2() / 4.0;
-                if 0.0 < row && 0.0 < col && octaves.is_finite() {
-                    states[i] *= octaves.exp2();
-                    farthest = farthest.max(octaves.abs());
-                }
+        let entries = clean.entries();
+        let mut weights = vec![1.0; entries.len()];
+        let count = self.nx() + self.nu() + self.ny() + 1;
+        let mut units = vec![0.0; count];
+        for _ in 0..REWEIGHTED {
+            units = least_squares(&entries, &weights, count);
+            let sizes: Vec<f64> = entries.iter().map(|entry| entry.octaves(&units)).collect();
+            let (mut rows, mut columns) =
+                (vec![f64::NEG_INFINITY; count], vec![f64::NEG_INFINITY; count]);
+            for (entry, size) in entries.iter().zip(&sizes) {
+                rows[entry.row] = size.max(rows[entry.row]);
+                columns[entry.column] = size.max(columns[entry.column]);
             }
-            // A common factor of all states changes nothing.
-            let mean = states.iter().map(|s| s.log2()).sum::<f64>() / n as f64;
-            for s in &mut states {
-                *s = (s.log2() - mean).clamp(-FARTHEST, FARTHEST).exp2();
-            }
-            if farthest < SETTLED {
-                break;
+            for ((weight, entry), size) in weights.iter_mut().zip(&entries).zip(&sizes) {
+                *weight = (size - rows[entry.row].max(columns[entry.column])).exp2();
             }
         }
-        clean.signal_units(states.into_iter().map(power_of_two).collect())
+        clean.signal_units(
+            units.iter().take(self.nx()).map(|unit| power_of_two(unit.exp2())).collect(),
+        )
+    }
+
+    /// The entries of `[A B; C D]` that are not zero: states are signals `0..n`, then inputs, then outputs.
+    fn entries(&self) -> Vec<Entry> {
+        let (n, m) = (self.nx(), self.nu());
+        let of = |matrix: MatRef<'_, f64>, row: usize, column: usize, timed: bool| {
+            let all = (0..matrix.ncols()).flat_map(|j| (0..matrix.nrows()).map(move |i| (i, j)));
+            let kept = all.filter(|&(i, j)| matrix[(i, j)] != 0.0);
+            let entry = |(i, j)| {
+                let size = matrix[(i, j)].abs().log2();
+                Entry { row: row + i, column: column + j, size, timed }
+            };
+            kept.map(entry).collect::<Vec<_>>()
+        };
+        let parts = [
+            of(self.a(), 0, 0, true),
+            of(self.b(), 0, n, true),
+            of(self.c(), n + m, 0, false),
+            of(self.d(), n + m, n, false),
+        ];
+        parts.into_iter().flatten().collect()
     }
 
     /// The model with zeros for entries that are rounding next to the others of their row and column in
@@ -135,30 +143,6 @@ impl<D: TimeDomain> StateSpace<D> {
         NaturalUnits { inputs: inputs.collect(), outputs, rate, states }
     }
 
-    /// Mean over the inputs of the squared share of each that enters each state.
-    fn shares_in(&self, units: &NaturalUnits) -> Vec<f64> {
-        let (n, m) = (self.nx(), self.nu());
-        if m == 0 {
-            // As if each state had an input of its own.
-            return vec![1.0 / n as f64; n];
-        }
-        let entry =
-            |i: usize, j: usize| self.b()[(i, j)] * units.inputs[j] / units.states[i] / units.rate;
-        let share = |i: usize| (0..m).map(|j| entry(i, j).powi(2)).sum::<f64>() / m as f64;
-        (0..n).map(share).collect()
-    }
-
-    /// Mean over the outputs of the squared share of each that each state gives it.
-    fn shares_out(&self, units: &NaturalUnits) -> Vec<f64> {
-        let (n, p) = (self.nx(), self.ny());
-        if p == 0 {
-            return vec![1.0 / n as f64; n];
-        }
-        let entry = |i: usize, j: usize| self.c()[(i, j)] * units.states[j] / units.outputs[i];
-        let share = |j: usize| (0..p).map(|i| entry(i, j).powi(2)).sum::<f64>() / p as f64;
-        (0..n).map(share).collect()
-    }
-
     /// The model with its signals in these units; time stays as it is.
     ///
     /// Units of other numbers of signals leave the surplus signals as they are.
@@ -180,6 +164,48 @@ impl<D: TimeDomain> StateSpace<D> {
             self.domain(),
         )
     }
+}
+
+/// An entry of the system matrix, in octaves.
+struct Entry {
+    row: usize,
+    column: usize,
+    size: f64,
+    /// In units of the rate.
+    timed: bool,
+}
+
+impl Entry {
+    /// Its size in these units, in octaves: of all signals, and the rate last.
+    fn octaves(&self, units: &[f64]) -> f64 {
+        let rate = if self.timed { units.last().copied().unwrap_or(0.0) } else { 0.0 };
+        self.size + units[self.column] - units[self.row] - rate
+    }
+}
+
+/// Units (in octaves) with the least weighted squares of the entries' octaves.
+fn least_squares(entries: &[Entry], weights: &[f64], count: usize) -> Vec<f64> {
+    /// Holds the common factor of signals that no entry ties to the others.
+    const RIDGE: f64 = 1e-9;
+
+    let mut normal = Mat::from_fn(count, count, |i, j| if i == j { RIDGE } else { 0.0 });
+    let mut right = Mat::<f64>::zeros(count, 1);
+    for (entry, weight) in entries.iter().zip(weights) {
+        let mut terms = vec![(count - 1, if entry.timed { -1.0 } else { 0.0 })];
+        // A diagonal entry depends on the rate alone.
+        if entry.row != entry.column {
+            terms.extend([(entry.column, 1.0), (entry.row, -1.0)]);
+        }
+        for &(i, by_i) in &terms {
+            right[(i, 0)] -= weight * by_i * entry.size;
+            for &(j, by_j) in &terms {
+                normal[(i, j)] += weight * by_i * by_j;
+            }
+        }
+    }
+    let units = normal.partial_piv_lu().solve(&right);
+    let sound = |unit: f64| if unit.is_finite() { unit } else { 0.0 };
+    (0..count).map(|i| sound(units[(i, 0)])).collect()
 }
 
 fn norm(values: impl Iterator<Item = f64>) -> f64 {

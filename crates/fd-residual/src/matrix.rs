@@ -29,6 +29,24 @@ pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<c64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0))
 }
 
+/// Orthonormal rows with the span of those of `m`, which are independent.
+pub(crate) fn orthonormal_rows(mut m: Mat<f64>) -> Mat<f64> {
+    for i in 0..m.nrows() {
+        // Twice is enough: what a second projection removes is rounding of the first.
+        for _ in 0..2 {
+            for before in 0..i {
+                let along = m.row(before) * m.row(i).transpose();
+                (0..m.ncols()).for_each(|j| m[(i, j)] -= along * m[(before, j)]);
+            }
+            let size = m.row(i).norm_l2();
+            if size.is_normal() {
+                (0..m.ncols()).for_each(|j| m[(i, j)] /= size);
+            }
+        }
+    }
+    m
+}
+
 /// Largest singular value; zero for an empty matrix.
 pub(crate) fn spectral_norm<T: ComplexField<Real = f64>>(m: MatRef<'_, T>) -> f64 {
     if m.nrows() == 0 || m.ncols() == 0 {

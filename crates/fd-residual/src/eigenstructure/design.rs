@@ -1,13 +1,13 @@
 //! Choosing the weighting and the gain together.
 
-use faer::{Mat, MatRef, c64, prelude::Solve};
+use faer::{Mat, MatRef, c64};
 use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
-    matrix::{Natural, blocks, check_shape, spectral_norm},
+    matrix::{Natural, blocks, check_shape, orthonormal_rows, spectral_norm},
     observer::{ErrorPoles, ObserverDesign, natural, place_visible, pole_of_rate},
     rank::{RankTolerance, decide},
 };
@@ -90,11 +90,11 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
         let (x, y) = (&units.states, &units.outputs);
         let gain = Mat::from_fn(n, y.len(), |i, j| gain[(i, j)] * (x[i] / y[j]));
         let weight = Mat::from_fn(weight.nrows(), y.len(), |i, j| weight[(i, j)] / y[j]);
+        let weight = orthonormal_rows(weight);
         Ok(Self { observer: ObserverDesign::with_gain(model, gain.as_ref())?, weight })
     }
 
-    /// The weighting `W` (residuals × outputs), with rows that are orthonormal for outputs in
-    /// [natural units](StateSpace::natural_units).
+    /// The weighting `W` (residuals × outputs), with orthonormal rows.
     #[must_use]
     pub fn weight(&self) -> MatRef<'_, f64> {
         self.weight.as_ref()
@@ -161,10 +161,6 @@ fn row_space(m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
 
 /// `G` with `G C = M`, where the rows of `M` lie in the row space of `C`.
 fn solve_rows(c: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
-    let basis = row_space(c)?;
-    // C = S basis with S of full column rank; G = M basisᵀ S⁺.
-    let s = c * basis.transpose();
-    let gram = s.transpose() * &s;
-    let inverse = gram.partial_piv_lu().solve(s.transpose());
-    Ok(m * basis.transpose() * inverse)
+    // Not by `CᵀC`, which has the squared condition: the gain may be large.
+    Ok(m * decide(c, spectral_norm(c), RankTolerance::default())?.pseudoinverse())
 }

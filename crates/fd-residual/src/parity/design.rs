@@ -35,8 +35,8 @@ pub struct ParityDesign {
 impl ParityDesign {
     /// All parity vectors of order `s`: a basis of the left null space of `Γ`.
     ///
-    /// Each has unit length; they are orthogonal to one another when the samples are taken in the
-    /// [natural units](StateSpace::natural_units) of the model and its unknown inputs.
+    /// How many there are is decided in [natural units](StateSpace::natural_units); the vectors
+    /// themselves are orthonormal in those of the model.
     ///
     /// # Errors
     ///

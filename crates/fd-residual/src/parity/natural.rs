@@ -7,7 +7,7 @@ use super::window::{input_map, observability};
 use crate::{
     analysis::UnknownInputs,
     error::DesignError,
-    matrix::{Natural, blocks, complex},
+    matrix::{Natural, blocks, complex, orthonormal_rows},
     rank::{Decided, RankDecision, RankTolerance, decide},
 };
 
@@ -43,21 +43,14 @@ impl NaturalPlant {
         }
     }
 
-    /// Vectors for samples in the units of the model, each of unit length.
+    /// Orthonormal vectors for samples in the units of the model, with the span of these.
     pub(crate) fn in_model_units(&self, w: MatRef<'_, f64>) -> Mat<f64> {
         let (ny, rate) = (self.0.c.nrows(), self.0.units.rate);
         let factor = |j: usize| {
             let sample = i32::try_from(j / ny).unwrap_or(i32::MAX);
             (self.0.units.outputs[j % ny] * rate.powi(sample)).recip()
         };
-        let mut w = Mat::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * factor(j));
-        for i in 0..w.nrows() {
-            let size = w.row(i).norm_l2();
-            if size.is_normal() {
-                (0..w.ncols()).for_each(|j| w[(i, j)] /= size);
-            }
-        }
-        w
+        orthonormal_rows(Mat::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * factor(j)))
     }
 }
 
