@@ -29,22 +29,31 @@ pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<c64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0))
 }
 
-/// Orthonormal rows with the span of those of `m`, which are independent.
-pub(crate) fn orthonormal_rows(mut m: Mat<f64>) -> Mat<f64> {
-    for i in 0..m.nrows() {
+/// Orthonormal rows with the span of those of `m`, which are independent; its columns may have units that
+/// make all rows look alike.
+pub(crate) fn orthonormal_rows(m: &Mat<f64>) -> Mat<f64> {
+    // Rotations from the left that leave the largest columns to the first rows: they round each column
+    // relative to itself, and what remains is far from parallel.
+    let staircase = m.col_piv_qr();
+    let mut rows = staircase.R() * staircase.P();
+    for i in 0..rows.nrows() {
+        let unit = |rows: &mut Mat<f64>| {
+            let size = rows.row(i).norm_l2();
+            if size.is_normal() {
+                (0..rows.ncols()).for_each(|j| rows[(i, j)] /= size);
+            }
+        };
+        unit(&mut rows);
         // Twice is enough: what a second projection removes is rounding of the first.
         for _ in 0..2 {
             for before in 0..i {
-                let along = m.row(before) * m.row(i).transpose();
-                (0..m.ncols()).for_each(|j| m[(i, j)] -= along * m[(before, j)]);
+                let along = rows.row(before) * rows.row(i).transpose();
+                (0..rows.ncols()).for_each(|j| rows[(i, j)] -= along * rows[(before, j)]);
             }
-            let size = m.row(i).norm_l2();
-            if size.is_normal() {
-                (0..m.ncols()).for_each(|j| m[(i, j)] /= size);
-            }
+            unit(&mut rows);
         }
     }
-    m
+    rows
 }
 
 /// Largest singular value; zero for an empty matrix.

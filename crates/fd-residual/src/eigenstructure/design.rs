@@ -90,7 +90,7 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
         let (x, y) = (&units.states, &units.outputs);
         let gain = Mat::from_fn(n, y.len(), |i, j| gain[(i, j)] * (x[i] / y[j]));
         let weight = Mat::from_fn(weight.nrows(), y.len(), |i, j| weight[(i, j)] / y[j]);
-        let weight = orthonormal_rows(weight);
+        let weight = orthonormal_rows(&weight);
         Ok(Self { observer: ObserverDesign::with_gain(model, gain.as_ref())?, weight })
     }
 

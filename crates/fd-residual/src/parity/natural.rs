@@ -19,7 +19,15 @@ impl NaturalPlant {
         model: &StateSpace<D>,
         unknown: &UnknownInputs,
     ) -> Result<Self, DesignError> {
-        Ok(Self(Natural::of(model, unknown)?))
+        let mut natural = Natural::of(model, unknown)?;
+        if model.domain().highest_frequency().is_finite() {
+            // A shift has no unit, and vectors whose last sample is measured in millionths of the first
+            // would be rounding in those of the model.
+            let pace = Scale(natural.units.rate);
+            (natural.a, natural.b) = (pace * &natural.a, pace * &natural.b);
+            natural.units.rate = 1.0;
+        }
+        Ok(Self(natural))
     }
 
     pub(crate) fn rate(&self) -> f64 {
@@ -50,7 +58,7 @@ impl NaturalPlant {
             let sample = i32::try_from(j / ny).unwrap_or(i32::MAX);
             (self.0.units.outputs[j % ny] * rate.powi(sample)).recip()
         };
-        orthonormal_rows(Mat::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * factor(j)))
+        orthonormal_rows(&Mat::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * factor(j)))
     }
 }
 
