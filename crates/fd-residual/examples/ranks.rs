@@ -2,7 +2,8 @@
 //!
 //! `cargo run -p fd-residual --example ranks`: published problems, each in 20 changes of coordinates, in
 //! 20 changes of units at each of four widths, and in both at once. Prints the shares of wrong answers as
-//! the table of `docs/results/ranks.md`.
+//! the table of `docs/results/ranks.md`. With `-- <words of a case> <first seed>` wrong answers of that case
+//! too, and other draws.
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 #![allow(clippy::unwrap_used, reason = "an example may stop at the first surprise")]
 
@@ -17,7 +18,7 @@ mod transfer;
 use cases::{Case, Problem, every_case};
 use changes::Change;
 
-const RUNS: u64 = 20;
+const RUNS: u32 = 20;
 
 type Redraw = fn(&Case, u64) -> Problem;
 
@@ -38,6 +39,7 @@ fn main() {
     println!("|---|---|{}", "---|".repeat(columns.len()));
     let (mut wrong, mut all) = (vec![0; columns.len()], 0);
     let aloud = std::env::args().nth(1);
+    let first: u64 = std::env::args().nth(2).map_or(0, |seed| seed.parse().unwrap());
     for case in every_case() {
         let right = |problem: &Problem| {
             let found = (case.ask)(problem).unwrap_or_else(|error| error.to_string());
@@ -50,13 +52,16 @@ fn main() {
         };
         let counts: Vec<_> = columns
             .iter()
-            .map(|(_, redraw)| (0..RUNS).filter(|&seed| !right(&redraw(&case, seed))).count())
+            .map(|(_, redraw)| {
+                let seeds = (0..RUNS).map(|run| first + u64::from(run));
+                seeds.filter(|&seed| !right(&redraw(&case, seed))).count()
+            })
             .collect();
         let published = if right(&case.problem) { "right" } else { "wrong" };
         let cells: Vec<_> = counts.iter().map(ToString::to_string).collect();
         println!("| {} | {published} | {} |", case.name, cells.join(" | "));
         wrong.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
-        all += RUNS as usize;
+        all += RUNS;
     }
     let shares = wrong.iter().map(|&count| format!("{count} of {all}"));
     println!("| **wrong** | | {} |", shares.collect::<Vec<_>>().join(" | "));

@@ -2,19 +2,22 @@
 //! coordinates, 20 of units, and 20 of both. The shares before and after are in `docs/results/ranks.md`.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
+#[path = "common/cases.rs"]
+mod cases;
+#[path = "common/changes.rs"]
+mod changes;
 mod common;
 
-use common::{
-    cases::{Case, Problem, every_case, yuan},
-    changes::Change,
-    draws, plant, random_matrix, rng,
-};
+use cases::{Case, Problem, dedicated_bank, every_case, yuan};
+use changes::Change;
+use common::{Draw, draws, plant, random_matrix, rng, transfer};
 use faer::{Mat, mat};
 use fd_model::{Continuous, StateSpace};
 use fd_residual::{
     DesignError,
-    analysis::{SignatureSearch, UnknownInputs},
+    analysis::{SignatureSearch, UnknownInputs, fault_to_noise_gap},
     decouple::LeftNullSpace,
+    optimal::{Exposure, OptimalDesign},
     parity::ParityDesign,
     rank::RankTolerance,
 };
@@ -66,21 +69,42 @@ fn answers_do_not_depend_on_both() {
     });
 }
 
+/// A random plant with two faults, one of them of a sensor too, and a disturbance.
+fn random_problem(draw: Draw) -> Problem {
+    let sampled = plant(draw);
+    let [a, b, c, d] = [sampled.a(), sampled.b(), sampled.c(), sampled.d()].map(|m| m.to_owned());
+    // All modes decay in continuous time too.
+    let a = a - Mat::<f64>::identity(draw.nx, draw.nx);
+    let model = StateSpace::new(a, b, c, d, Continuous).unwrap();
+    let into = random_matrix(&mut rng(draw.seed ^ 3), draw.nx, 3);
+    let direct = Mat::from_fn(draw.ny, 3, |i, j| if i + 2 == j { 1.0 } else { 0.0 });
+    let all = UnknownInputs::new("f", into, direct).unwrap();
+    let (faults, disturbance) = (all.select(&[0, 2]).unwrap(), all.select(&[1]).unwrap());
+    Problem::new(model, faults, disturbance)
+}
+
+/// Other coordinates, and those in other units.
+fn changed(problem: &Problem, faults: bool, seed: u64) -> [Problem; 2] {
+    let mixed = Change::coordinates(problem, seed).of(problem);
+    let scaled = Change::units(&mixed, 3.0, faults, seed).of(&mixed);
+    [mixed, scaled]
+}
+
+/// Signatures, least orders and dimensions, and how near the nearest decision was.
+fn signatures(p: &Problem) -> (Vec<(String, usize, usize)>, f64) {
+    let search = SignatureSearch { longest: p.plant.nx() + 1, ..SignatureSearch::default() };
+    let answer = search.run(&p.plant, &p.faults, &p.disturbances).unwrap();
+    let found = answer.found.iter().map(|a| (a.signature.to_string(), a.least_order, a.dimension));
+    (found.collect(), answer.nearest.margin())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// Of a random plant too: as many residuals, of the same order, with the same faults in them.
     #[test]
     fn null_spaces_do_not_depend_on_coordinates_and_units(draw in draws(), seed in any::<u64>()) {
-        let sampled = plant(draw);
-        let [a, b, c, d] = [sampled.a(), sampled.b(), sampled.c(), sampled.d()].map(|m| m.to_owned());
-        let model = StateSpace::new(a, b, c, d, Continuous).unwrap();
-        let mut random = rng(seed);
-        let into = random_matrix(&mut random, draw.nx, 3);
-        let direct = Mat::from_fn(draw.ny, 3, |i, j| if i + 2 == j { 1.0 } else { 0.0 });
-        let all = UnknownInputs::new("f", into, direct).unwrap();
-        let (faults, disturbance) = (all.select(&[0, 2]).unwrap(), all.select(&[1]).unwrap());
-        let problem = Problem::new(model, faults, disturbance);
+        let problem = random_problem(draw);
         let answer = |p: &Problem| match LeftNullSpace::of(&p.plant, &p.disturbances) {
             Err(DesignError::NothingLeft { .. }) => (0, 0, String::new()),
             space => {
@@ -89,10 +113,52 @@ proptest! {
                 (space.residual_len(), space.order(), seen)
             }
         };
-        let mixed = Change::coordinates(&problem, seed).of(&problem);
-        let scaled = Change::units(&mixed, 3.0, true, seed).of(&mixed);
-        prop_assert_eq!(answer(&mixed), answer(&problem));
-        prop_assert_eq!(answer(&scaled), answer(&problem));
+        for other in changed(&problem, true, seed) {
+            prop_assert_eq!(answer(&other), answer(&problem));
+        }
+    }
+
+    /// The same signatures at the same orders, and the same bank or the same kind of refusal.
+    #[test]
+    fn signatures_and_banks_do_not_depend_on_coordinates_and_units(
+        draw in draws(),
+        seed in any::<u64>(),
+    ) {
+        let problem = random_problem(Draw { nx: draw.nx.min(4), ..draw });
+        let (found, margin) = signatures(&problem);
+        // Two changes of condition 10 on either side of a matrix move its singular values by up to 1e2
+        // each way: what is nearer to the tolerance has no answer of its own.
+        prop_assume!(1e4 < margin);
+        let bank = |p: &Problem| dedicated_bank(p).map_err(|error| std::mem::discriminant(&error));
+        for other in changed(&problem, true, seed) {
+            prop_assert_eq!(signatures(&other).0, found.clone());
+            prop_assert_eq!(bank(&other), bank(&problem));
+        }
+    }
+
+    /// The same gap between faults and noise.
+    #[test]
+    fn gaps_do_not_depend_on_coordinates_and_units(draw in draws(), seed in any::<u64>()) {
+        let Draw { nx, ny, .. } = draw;
+        let mut problem = random_problem(Draw { nx: nx.min(4), ny: ny.min(3), ..draw });
+        let (nx, ny) = (problem.plant.nx(), problem.plant.ny());
+        let into = random_matrix(&mut rng(draw.seed ^ 0xa), nx, nx + ny);
+        let direct = Mat::from_fn(ny, nx + ny, |i, j| if i + nx == j { 0.5 } else { 0.0 });
+        problem.noise = UnknownInputs::new("w", into, direct).unwrap();
+        problem.disturbances = UnknownInputs::none(&problem.plant);
+        let gap = |p: &Problem| {
+            let exposure =
+                Exposure { faults: &p.faults, disturbances: &p.disturbances, noise: &p.noise };
+            let design = OptimalDesign::new(&p.plant, &exposure, 1.0).unwrap();
+            let [gf, gw] = [&p.faults, &p.noise].map(|g| g.system(&p.plant).unwrap());
+            fault_to_noise_gap(design.form(), &gf, &gw).unwrap().ratio
+        };
+        let expected = gap(&problem);
+        for other in changed(&problem, false, seed) {
+            let found = gap(&other);
+            // Peaks are searched to 1e-8, at frequencies that are found again only nearly.
+            prop_assert!((found / expected - 1.0).abs() < 1e-6, "{} of {}", found, expected);
+        }
     }
 }
 

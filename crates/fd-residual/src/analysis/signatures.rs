@@ -119,13 +119,6 @@ pub fn achievable_signatures<D: TimeDomain>(
     frequencies: &[f64],
     longest: usize,
 ) -> Result<Vec<Achievable>, DesignError> {
-    let count = faults.len();
-    if count == 0 {
-        return Err(DesignError::Empty { what: "fault" });
-    }
-    if MOST_FAULTS < count {
-        return Err(DesignError::Index { what: "fault", index: count - 1, count: MOST_FAULTS });
-    }
     let search =
         SignatureSearch { frequencies: frequencies.to_vec(), longest, ..Default::default() };
     Ok(search.run(model, faults, disturbances)?.found)

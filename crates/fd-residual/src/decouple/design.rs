@@ -4,7 +4,10 @@ use faer::{Mat, MatRef};
 use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
-use super::invariant::{Invariant, invariant};
+use super::{
+    invariant::{Invariant, invariant},
+    verified::refuse_what_passes,
+};
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
@@ -275,7 +278,8 @@ impl DecoupledDesign {
     ///
     /// # Errors
     ///
-    /// Returns why there is none, or a pole that does not decay.
+    /// Returns why there is none, a pole that does not decay, or [`DesignError::NotDecoupled`] when the
+    /// residual, looked at again over frequency, lets one of the inputs pass.
     ///
     /// # Examples
     ///
@@ -305,6 +309,7 @@ impl DecoupledDesign {
         let space = LeftNullSpace::of(model, unknown)?;
         let form = space.placed(poles)?;
         crate::simulation::check_stable("a decoupled residual", form.system())?;
+        refuse_what_passes(&form, unknown, &unknown.system(model)?, 0, space.nearest())?;
         Ok(Self { space, form })
     }
 

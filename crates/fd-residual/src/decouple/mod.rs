@@ -21,8 +21,10 @@
 mod design;
 mod invariant;
 mod isolability;
+mod verified;
 
+pub(crate) use self::verified::refuse_what_passes;
 pub use self::{
     design::{DecoupledDesign, LeftNullSpace},
-    isolability::isolability,
+    isolability::{isolability, isolability_within},
 };

@@ -8,7 +8,7 @@ use super::structure::{Structure, told_apart};
 use crate::{
     analysis::{Signature, UnknownInputs, fault_effects, weak_structure},
     bank::BankDesign,
-    decouple::LeftNullSpace,
+    decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     observer::ErrorPoles,
@@ -201,15 +201,11 @@ fn achieved(
     disturbances: &UnknownInputs,
     nearest: RankDecision,
 ) -> Result<Signature, DesignError> {
-    let of = |g| Ok::<_, DesignError>(weak_structure(form, g)?.swap_remove(0));
-    let achieved = of(gf)?;
+    let achieved = weak_structure(form, gf)?.swap_remove(0);
     if achieved != wanted {
         return Err(DesignError::NotAchieved { row, wanted, achieved, nearest });
     }
-    if let Some(passes) = of(gd)?.0.iter().position(|&bit| bit) {
-        let name = disturbances.names()[passes].clone();
-        return Err(DesignError::NotDecoupled { row, name, nearest });
-    }
+    refuse_what_passes(form, disturbances, gd, row, nearest)?;
     Ok(achieved)
 }
 

@@ -169,7 +169,7 @@ fn yuan_bank(p: &Problem) -> Result<String, DesignError> {
     bank(&p.as_sampled(), p, &Structure::Rows(bits.map(Signature).collect()))
 }
 
-fn dedicated_bank(p: &Problem) -> Result<String, DesignError> {
+pub(crate) fn dedicated_bank(p: &Problem) -> Result<String, DesignError> {
     bank(&p.as_sampled(), p, &Structure::Dedicated)
 }
 

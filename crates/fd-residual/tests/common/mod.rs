@@ -2,8 +2,6 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-pub(crate) mod cases;
-pub(crate) mod changes;
 pub(crate) mod transfer;
 
 use faer::{Mat, Scale, c64};
