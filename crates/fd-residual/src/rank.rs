@@ -1,9 +1,9 @@
 //! Deciding ranks, and saying how near the decision was.
 //!
 //! A matrix that was computed from a model has the rank that its numbers say, and another rank a little
-//! beside them. All rooms of this crate decide in natural units
-//! ([`StateSpace::natural_units`](fd_model::StateSpace::natural_units)), by singular values, and relative
-//! to what a change of the *whole* data can do to the matrix in question: a tolerance of `1e-10` says
+//! beside them. Signatures, null spaces, parity vectors, banks and observers of unknown inputs decide in
+//! natural units ([`StateSpace::natural_units`](fd_model::StateSpace::natural_units)), by singular values, and
+//! relative to what a change of the *whole* data can do to the matrix in question: a tolerance of `1e-10` says
 //! that `A`, `B`, `C` and `D` are known to ten digits, and that what a change in the eleventh could have
 //! made is not told from zero. The matrix's own size is no measure, because it may be nothing but rounding.
 
