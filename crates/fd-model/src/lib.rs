@@ -55,13 +55,14 @@ mod gramian;
 mod hankel;
 mod linalg;
 pub mod lyapunov;
+mod natural_units;
 mod norms;
 pub mod reduce;
 pub mod riccati;
 pub mod uncertainty;
 mod zeros;
 
-pub use crate::norms::PeakGain;
+pub use crate::{natural_units::NaturalUnits, norms::PeakGain};
 
 // Signals, faults, records and files.
 mod clock;

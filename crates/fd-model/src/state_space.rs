@@ -36,11 +36,11 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct StateSpace<D> {
-    a: Mat<f64>,
-    b: Mat<f64>,
-    c: Mat<f64>,
-    d: Mat<f64>,
-    domain: D,
+    pub(crate) a: Mat<f64>,
+    pub(crate) b: Mat<f64>,
+    pub(crate) c: Mat<f64>,
+    pub(crate) d: Mat<f64>,
+    pub(crate) domain: D,
 }
 
 impl<D: TimeDomain> StateSpace<D> {

@@ -4,7 +4,7 @@ use fd_core::ShapeError;
 use fd_model::ModelError;
 use thiserror::Error;
 
-use crate::analysis::Signature;
+use crate::{analysis::Signature, rank::RankDecision};
 
 /// No residual generator with the wanted properties exists, or the request is inconsistent.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -72,7 +72,7 @@ pub enum DesignError {
     /// The window is too short for any parity relation with the wanted decoupling.
     #[error(
         "no parity relation of order {order}: {rows} rows of rank {rank} leave nothing \
-         (smallest relative singular value {smallest:.1e}); take a longer window"
+         (smallest singular value {smallest:.1e} of what the data allow); take a longer window"
     )]
     NoParity {
         /// Window length minus one.
@@ -81,7 +81,7 @@ pub enum DesignError {
         rank: usize,
         /// Its rows.
         rows: usize,
-        /// Its smallest singular value over its largest.
+        /// Its smallest singular value, relative as in a [`RankDecision`].
         smallest: f64,
     },
     /// No parity vector has the wanted signature.
@@ -91,6 +91,37 @@ pub enum DesignError {
         signature: Signature,
         /// Longest order that was tried.
         longest: usize,
+    },
+    /// A residual was designed, and when it was looked at again it was not what was asked for.
+    #[error(
+        "residual {row} was to have the signature {wanted} and has {achieved}: the decision was too \
+         near ({nearest})"
+    )]
+    NotAchieved {
+        /// Residual, from 0.
+        row: usize,
+        /// One bit per fault, as asked for.
+        wanted: Signature,
+        /// One bit per fault, as found in the residual.
+        achieved: Signature,
+        /// The nearest decision behind the design.
+        nearest: RankDecision,
+    },
+    /// A residual was designed to be free of an unknown input and is not.
+    #[error("residual {row} lets {name} pass, which it was to be decoupled from ({nearest})")]
+    NotDecoupled {
+        /// Residual, from 0.
+        row: usize,
+        /// Name of the unknown input.
+        name: String,
+        /// The nearest decision behind the design.
+        nearest: RankDecision,
+    },
+    /// A tolerance is no tolerance.
+    #[error("a relative tolerance lies between 2.2e-16 and 1, got {tolerance}")]
+    Tolerance {
+        /// Value that was given.
+        tolerance: f64,
     },
     /// A given parity vector does not annihilate the observability matrix.
     #[error("parity vector {row} leaves a relative {residue:.1e} of the initial state")]

@@ -21,7 +21,8 @@
 //! models or from healthy logs.
 //!
 //! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
-//! which faults it detects, how far they stand above noise, which signature it has.
+//! which faults it detects, how far they stand above noise, which signature it has. Answers that
+//! hang on ranks say how near the [decision](rank) was, and take the tolerance that the model deserves.
 //!
 //! ```
 //! use faer::mat;
@@ -67,6 +68,7 @@ mod matrix;
 pub mod observer;
 pub mod optimal;
 pub mod parity;
+pub mod rank;
 pub mod simulation;
 pub mod structured;
 #[cfg(feature = "testing")]

@@ -1,10 +1,10 @@
 //! Small matrix helpers that every design room needs.
 
-use faer::{Mat, MatRef, c64, traits::ComplexField};
+use faer::{Mat, MatRef, Scale, c64, traits::ComplexField};
 use fd_core::{Shape, ShapeError};
-use fd_model::ModelError;
+use fd_model::{ModelError, NaturalUnits, StateSpace, TimeDomain};
 
-use crate::error::DesignError;
+use crate::{analysis::UnknownInputs, error::DesignError};
 
 /// Assembles a matrix from rows of blocks. Blocks of one row have equally many rows, and all
 /// rows of blocks the same widths; the callers' sizes are checked before.
@@ -27,6 +27,33 @@ pub(crate) fn blocks(rows: &[&[MatRef<'_, f64>]]) -> Mat<f64> {
 /// A matrix with complex entries and zero imaginary parts.
 pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<c64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0))
+}
+
+/// Orthonormal rows with the span of those of `m`, which are independent; its columns may have units that
+/// make all rows look alike.
+pub(crate) fn orthonormal_rows(m: &Mat<f64>) -> Mat<f64> {
+    // Rotations from the left that leave the largest columns to the first rows: they round each column
+    // relative to itself, and what remains is far from parallel.
+    let staircase = m.col_piv_qr();
+    let mut rows = staircase.R() * staircase.P();
+    for i in 0..rows.nrows() {
+        let unit = |rows: &mut Mat<f64>| {
+            let size = rows.row(i).norm_l2();
+            if size.is_normal() {
+                (0..rows.ncols()).for_each(|j| rows[(i, j)] /= size);
+            }
+        };
+        unit(&mut rows);
+        // Twice is enough: what a second projection removes is rounding of the first.
+        for _ in 0..2 {
+            for before in 0..i {
+                let along = rows.row(before) * rows.row(i).transpose();
+                (0..rows.ncols()).for_each(|j| rows[(i, j)] -= along * rows[(before, j)]);
+            }
+            unit(&mut rows);
+        }
+    }
+    rows
 }
 
 /// Largest singular value; zero for an empty matrix.
@@ -57,4 +84,48 @@ pub(crate) fn check_shape(
         }
     }
     Ok(())
+}
+
+/// The system with its states, and nothing else, in natural units.
+pub(crate) fn with_natural_states<D: TimeDomain>(
+    system: &StateSpace<D>,
+) -> Result<StateSpace<D>, DesignError> {
+    let states_only =
+        NaturalUnits { inputs: Vec::new(), outputs: Vec::new(), ..system.natural_units() };
+    Ok(system.in_units(&states_only)?)
+}
+
+/// A plant whose only inputs are the unknown ones, in natural units of signals and of time.
+#[derive(Clone, Debug)]
+pub(crate) struct Natural {
+    pub(crate) a: Mat<f64>,
+    pub(crate) b: Mat<f64>,
+    pub(crate) c: Mat<f64>,
+    pub(crate) d: Mat<f64>,
+    /// Of the unknown inputs, not of the known ones.
+    pub(crate) units: NaturalUnits,
+}
+
+impl Natural {
+    /// The known inputs have no part in rank decisions, but they show how large the states are that no
+    /// unknown one reaches.
+    pub(crate) fn of<D: TimeDomain>(
+        model: &StateSpace<D>,
+        unknown: &UnknownInputs,
+    ) -> Result<Self, DesignError> {
+        let entry = unknown.system(model)?;
+        let all = StateSpace::new(
+            model.a().to_owned(),
+            blocks(&[&[model.b(), entry.b()]]),
+            model.c().to_owned(),
+            blocks(&[&[model.d(), entry.d()]]),
+            model.domain(),
+        )?;
+        let mut units = all.natural_units();
+        units.inputs.drain(..model.nu());
+        let natural = entry.in_units(&units)?;
+        let slow = Scale(units.rate.recip());
+        let (a, b) = (slow * natural.a(), slow * natural.b());
+        Ok(Self { a, b, c: natural.c().to_owned(), d: natural.d().to_owned(), units })
+    }
 }

@@ -6,6 +6,7 @@ mod edges;
 mod engines;
 mod lyapunov;
 mod models;
+mod natural_units;
 mod norms;
 mod oracle;
 mod reduction;

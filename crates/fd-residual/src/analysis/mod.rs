@@ -5,12 +5,17 @@
 //! | Does fault i reach the residual? | [`fault_effects`] | Patton and Chen 1992, eq. 6 |
 //! | How far above the noise? | [`fault_to_noise_gap`] | Varga 2017, section 3.3: `J₂ = min_j ‖R_f,j‖∞ / ‖R_w‖∞` |
 //! | Which residual reacts to which fault? | [`weak_structure`], [`strong_structure`] | Varga 2017, section 3.4 |
-//! | Which signatures can be had, at which order? | [`achievable_signatures`] | parity spaces of Chow and Willsky 1984 |
+//! | Which signatures can be had, at which order, how surely? | [`achievable_signatures`], [`SignatureSearch`] | parity spaces of Chow and Willsky 1984 |
 //!
 //! The first three look at a [`ResidualForm`](crate::ResidualForm), whatever its method, in
 //! discrete or continuous time. The last looks at the plant alone.
 //!
-//! **Do not use** them as a verdict on a real plant: they know the nominal model only.
+//! Zero is told from small by what a change of the whole data could do ([`rank`](crate::rank)), in natural
+//! units: a fault that the outputs show by cancellation only up to rounding is not seen.
+//!
+//! **Do not use** them as a verdict on a real plant: they know the nominal model only. Nor with the default
+//! tolerance, which is that of exact numbers, for a model that was identified: give [`SignatureSearch`] the
+//! digits that the model has, and look at the margin of the nearest decision.
 
 mod effects;
 mod signatures;
@@ -19,7 +24,7 @@ mod unknown;
 
 pub use self::{
     effects::{FaultEffect, Gap, fault_effects, fault_to_noise_gap},
-    signatures::{Achievable, achievable_signatures},
+    signatures::{Achievable, SignatureSearch, Signatures, achievable_signatures},
     structure::{Signature, strong_structure, weak_structure},
     unknown::UnknownInputs,
 };

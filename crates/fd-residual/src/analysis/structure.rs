@@ -2,15 +2,17 @@
 
 use std::fmt;
 
-use faer::{Mat, c64};
+use faer::{Mat, MatRef, c64, prelude::Solve};
 use fd_model::{StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
     form::{ResidualForm, frequency_grid, is_clear},
+    matrix::{complex, with_natural_states},
 };
 
-/// Gains below this fraction of what would be possible without cancellation count as zero.
+/// Gains below this fraction of what the terms they are summed from would give without cancellation
+/// count as zero.
 const ZERO: f64 = 1e-9;
 
 /// The faults that a residual reacts to, printed as `1101`.
@@ -85,32 +87,38 @@ fn signatures<D: TimeDomain>(
         .collect()
 }
 
-/// Decides whether `|[H_y]_row [G_f]_fault|` is zero, against the size of its factors.
-pub(crate) struct Visibility<'a, D> {
-    form: &'a ResidualForm<D>,
-    gf: &'a StateSpace<D>,
+/// Decides whether `|[H_y]_row [G_f]_fault|` is zero, against the sum of the sizes of all its terms, down
+/// to the entries of the matrices: what is nothing but rounding is small next to it in any units.
+pub(crate) struct Visibility<D> {
+    hy: StateSpace<D>,
+    gf: StateSpace<D>,
+    /// Natural units of the outputs.
+    units: Vec<f64>,
     poles: Vec<c64>,
     /// Largest entry of each pair over the grid, where it stands out from rounding.
     largest: Mat<f64>,
 }
 
-impl<'a, D: TimeDomain> Visibility<'a, D> {
-    pub(crate) fn of(
-        form: &'a ResidualForm<D>,
-        gf: &'a StateSpace<D>,
-    ) -> Result<Self, DesignError> {
+impl<D: TimeDomain> Visibility<D> {
+    pub(crate) fn of(form: &ResidualForm<D>, gf: &StateSpace<D>) -> Result<Self, DesignError> {
         // Also checks that the two fit.
         form.residual_of(gf)?;
         let grid = frequency_grid(&[form.system(), gf])?;
         let mut largest = Mat::zeros(form.residual_len(), gf.nu());
         let mut poles = form.system().poles()?;
         poles.extend(gf.poles()?);
-        let mut visibility = Self { form, gf, poles, largest: largest.clone() };
+        let mut visibility = Self {
+            hy: with_natural_states(&form.hy()?)?,
+            gf: with_natural_states(gf)?,
+            units: gf.natural_units().outputs,
+            poles,
+            largest: largest.clone(),
+        };
         for omega in grid {
-            let Some((hy, g)) = visibility.factors(omega) else { continue };
+            let Some(pairs) = visibility.pairs(omega) else { continue };
             for row in 0..largest.nrows() {
                 for fault in 0..largest.ncols() {
-                    let (gain, scale) = entry(&hy, &g, row, fault);
+                    let (gain, scale) = pairs.of(row, fault);
                     if ZERO * scale < gain {
                         largest[(row, fault)] = gain.max(largest[(row, fault)]);
                     }
@@ -130,22 +138,64 @@ impl<'a, D: TimeDomain> Visibility<'a, D> {
     pub(crate) fn reacts(&self, row: usize, fault: usize, omega: f64) -> bool {
         // On a pole of the plant the response to the fault is unbounded unless it cancels, which
         // the neighbourhood decides.
-        let Some((hy, g)) = self.factors(omega) else { return self.reacts_somewhere(row, fault) };
-        let (gain, scale) = entry(&hy, &g, row, fault);
+        let Some(pairs) = self.pairs(omega) else { return self.reacts_somewhere(row, fault) };
+        let (gain, scale) = pairs.of(row, fault);
         ZERO * scale.max(self.largest[(row, fault)]) < gain
     }
 
-    fn factors(&self, omega: f64) -> Option<(Mat<c64>, Mat<c64>)> {
+    fn pairs(&self, omega: f64) -> Option<Pairs<'_>> {
         if !is_clear(self.gf.domain(), &self.poles, omega) {
             return None;
         }
-        let (_, hy) = self.form.response(omega).ok()?;
-        Some((hy, self.gf.frequency_response(omega).ok()?))
+        let (hy, gf) = (Response::of(&self.hy, omega)?, Response::of(&self.gf, omega)?);
+        Some(Pairs { hy, gf, units: &self.units })
     }
 }
 
-/// The gain from a fault to a residual channel, and the product of norms that bounds it.
-fn entry(hy: &Mat<c64>, g: &Mat<c64>, row: usize, fault: usize) -> (f64, f64) {
-    let (h, g) = (hy.row(row), g.col(fault));
-    ((h * g).norm(), h.norm_l2() * g.norm_l2())
+/// A frequency response, and what it would be if nothing cancelled: `|C| |(p I − A)⁻¹| |B| + |D|`.
+struct Response {
+    gain: Mat<c64>,
+    terms: Mat<f64>,
+}
+
+impl Response {
+    fn of<D: TimeDomain>(system: &StateSpace<D>, omega: f64) -> Option<Self> {
+        let (n, point) = (system.nx(), system.domain().point(omega));
+        let pencil = Mat::from_fn(n, n, |i, j| {
+            let a = c64::new(system.a()[(i, j)], 0.0);
+            if i == j { point - a } else { -a }
+        });
+        let resolvent = pencil.partial_piv_lu().solve(Mat::<c64>::identity(n, n));
+        let size = |m: MatRef<'_, f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs());
+        let (b, c, d) = (system.b(), system.c(), system.d());
+        let sizes = Mat::from_fn(n, n, |i, j| resolvent[(i, j)].norm());
+        let terms = size(c) * sizes * size(b) + size(d);
+        let gain = complex(c) * (resolvent * complex(b)) + complex(d);
+        let finite = (0..terms.ncols()).all(|j| terms.col(j).iter().all(|term| term.is_finite()));
+        finite.then_some(Self { gain, terms })
+    }
+}
+
+/// Both factors at one frequency.
+struct Pairs<'a> {
+    hy: Response,
+    gf: Response,
+    /// Natural units of the outputs between them.
+    units: &'a [f64],
+}
+
+impl Pairs<'_> {
+    /// The gain from a fault to a residual channel, and the sum of its terms.
+    fn of(&self, row: usize, fault: usize) -> (f64, f64) {
+        let gain = (self.hy.gain.row(row) * self.gf.gain.col(fault)).norm();
+        let of = |scale: f64, term: f64| (term * scale).powi(2);
+        let units = self.units.iter().enumerate();
+        let (h, g) = units.fold((0.0, 0.0), |(h, g), (i, unit)| {
+            let (through, into) = (self.hy.terms[(row, i)], self.gf.terms[(i, fault)]);
+            (h + of(*unit, through), g + of(unit.recip(), into))
+        });
+        // At least the sum of the terms (Cauchy and Schwarz): an entry of H_y may be rounding next to
+        // the others of its row.
+        (gain, (h * g).sqrt())
+    }
 }

@@ -4,29 +4,32 @@ use faer::{Mat, MatRef};
 use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
-use super::invariant::invariant;
+use super::{
+    invariant::{Invariant, invariant},
+    verified::refuse_what_passes,
+};
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::{blocks, check_shape},
-    observer::{ErrorPoles, place_visible, visible_part},
+    observer::{ErrorPoles, place_visible, visible_part_of},
+    rank::{RankDecision, RankTolerance},
 };
-
-/// A fault whose entry into the residual is below this fraction of its entry into the plant is
-/// decoupled.
-const UNSEEN: f64 = 1e-8;
 
 /// All residuals that are free of the state and of the unknown inputs, before their poles are
 /// chosen.
 #[derive(Clone, Debug)]
 pub struct LeftNullSpace<D = Discrete> {
     model: StateSpace<D>,
+    natural: Invariant,
+    /// Norm of the combinations that were taken.
+    gain: f64,
+    tolerance: RankTolerance,
     v: Mat<f64>,
     phi: Mat<f64>,
     g: Mat<f64>,
     w: Mat<f64>,
-    m: Mat<f64>,
 }
 
 impl<D: TimeDomain> LeftNullSpace<D> {
@@ -55,15 +58,25 @@ impl<D: TimeDomain> LeftNullSpace<D> {
     /// # Ok::<(), fd_residual::DesignError>(())
     /// ```
     pub fn of(model: &StateSpace<D>, unknown: &UnknownInputs) -> Result<Self, DesignError> {
-        let entry = unknown.system(model)?;
-        let found = invariant(model.a(), model.c(), entry.b(), entry.d())?;
-        if found.w.nrows() == 0 {
+        Self::within(model, unknown, RankTolerance::default())
+    }
+
+    /// The same for a model that is known to a given tolerance.
+    ///
+    /// # Errors
+    ///
+    /// As [`of`](Self::of).
+    pub fn within(
+        model: &StateSpace<D>,
+        unknown: &UnknownInputs,
+        tolerance: RankTolerance,
+    ) -> Result<Self, DesignError> {
+        let natural = invariant(model, unknown, tolerance)?;
+        if natural.w.nrows() == 0 {
             let (inputs, outputs) = (unknown.len(), model.ny());
             return Err(DesignError::NothingLeft { inputs, outputs });
         }
-        let m = &found.w * model.c() * found.v.transpose();
-        let (v, phi, g, w) = (found.v, found.phi, found.g, found.w);
-        Self { model: model.clone(), v, phi, g, w, m }.observable()
+        Self::observable(model.clone(), natural, 1.0, tolerance)
     }
 
     /// Some combinations of the residuals: `W ← T W`.
@@ -73,20 +86,50 @@ impl<D: TimeDomain> LeftNullSpace<D> {
     /// Returns an error when `T` has not one column per residual.
     pub fn combined(&self, t: MatRef<'_, f64>) -> Result<Self, DesignError> {
         check_shape("combinations T", t, Shape::new(t.nrows(), self.residual_len()))?;
-        Self { w: t * &self.w, m: t * &self.m, ..self.clone() }.observable()
+        let natural =
+            Invariant { w: t * &self.natural.w, m: t * &self.natural.m, ..self.natural.clone() };
+        let gain = self.gain * t.norm_l2();
+        Self::observable(self.model.clone(), natural, gain, self.tolerance)
     }
 
     /// Without what `M` does not show of `ξ`, which never comes back to the rest.
-    fn observable(self) -> Result<Self, DesignError> {
-        let (seen, _) = visible_part(self.phi.as_ref(), self.m.as_ref())?;
+    fn observable(
+        model: StateSpace<D>,
+        natural: Invariant,
+        gain: f64,
+        tolerance: RankTolerance,
+    ) -> Result<Self, DesignError> {
+        let size = gain * natural.scale;
+        let (phi, m) = (natural.phi.as_ref(), natural.m.as_ref());
+        let (seen, _) = visible_part_of(phi, m, [natural.scale, size], tolerance.value())?;
         let onto = seen.transpose();
+        let natural = Invariant {
+            v: onto * &natural.v,
+            phi: onto * &natural.phi * &seen,
+            g: onto * &natural.g,
+            m: &natural.m * &seen,
+            ..natural
+        };
+        let (x, y, rate) = (&natural.units.states, &natural.units.outputs, natural.units.rate);
+        let per = |m: &Mat<f64>, units: &[f64], factor: f64| {
+            Mat::from_fn(m.nrows(), m.ncols(), |i, j| factor * m[(i, j)] / units[j])
+        };
         Ok(Self {
-            v: onto * &self.v,
-            phi: onto * &self.phi * &seen,
-            g: onto * &self.g,
-            m: &self.m * &seen,
-            ..self
+            v: per(&natural.v, x, 1.0),
+            phi: faer::Scale(rate) * &natural.phi,
+            g: per(&natural.g, y, rate),
+            w: per(&natural.w, y, 1.0),
+            model,
+            natural,
+            gain,
+            tolerance,
         })
+    }
+
+    /// The nearest of the rank decisions behind this space.
+    #[must_use]
+    pub fn nearest(&self) -> RankDecision {
+        self.natural.nearest
     }
 
     /// Number of independent residuals.
@@ -110,7 +153,7 @@ impl<D: TimeDomain> LeftNullSpace<D> {
     pub fn seen(&self, faults: &UnknownInputs) -> Result<StateSpace<D>, DesignError> {
         let entry = faults.system(&self.model)?;
         let b = &self.v * entry.b() - &self.g * entry.d();
-        let (phi, m) = (self.phi.clone(), self.m.clone());
+        let (phi, m) = (self.phi.clone(), self.natural.m.clone());
         Ok(StateSpace::new(phi, b, m, &self.w * entry.d(), self.model.domain())?)
     }
 
@@ -120,18 +163,33 @@ impl<D: TimeDomain> LeftNullSpace<D> {
     ///
     /// Returns an error when the faults belong to another model.
     pub fn detects(&self, faults: &UnknownInputs) -> Result<Signature, DesignError> {
-        let (seen, entry) = (self.seen(faults)?, faults.system(&self.model)?);
-        // V and M have the units of the states, W those of the outputs over their rows of C.
-        let gain = self.w.norm_l2().max(f64::MIN_POSITIVE);
-        let speed = self.model.a().norm_l2().max(f64::MIN_POSITIVE);
-        let size = |b: MatRef<'_, f64>, d: MatRef<'_, f64>, j: usize, through: f64| {
-            (b.col(j).norm_l2() / speed).hypot(through * d.col(j).norm_l2())
+        let reactions = self.reactions(faults)?;
+        Ok(Signature(reactions.iter().map(|reaction| reaction.rank == 1).collect()))
+    }
+
+    /// The same with the decision about each fault: how far its entry into the residual is from what a
+    /// change of the data could make of it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the faults belong to another model.
+    pub fn reactions(&self, faults: &UnknownInputs) -> Result<Vec<RankDecision>, DesignError> {
+        let entry = faults.system(&self.model)?;
+        let Invariant { v, g, w, units, kept, .. } = &self.natural;
+        let of = |j: usize| {
+            let b = Mat::from_fn(entry.nx(), 1, |i, _| {
+                entry.b()[(i, j)] / (units.states[i] * units.rate)
+            });
+            let d = Mat::from_fn(entry.ny(), 1, |i, _| entry.d()[(i, j)] / units.outputs[i]);
+            // (M, Φ) is observable, so a fault is unseen only when its entry vanishes.
+            let seen = (v * &b - g * &d).norm_l2().hypot((w * &d).norm_l2());
+            let size = b.norm_l2() + (g.norm_l2() + self.gain) * d.norm_l2();
+            // V, G and W move by the reciprocal of the smallest value that was kept.
+            let moved = size * (1.0 + kept.recip());
+            let seen = if 0.0 < moved { seen / moved } else { 0.0 };
+            RankDecision::of(1, &[seen], self.tolerance)
         };
-        // (M, Φ) is observable, so a fault is unseen only when its entry vanishes.
-        let reacts = |j: usize| {
-            UNSEEN * size(entry.b(), entry.d(), j, gain) < size(seen.b(), seen.d(), j, 1.0)
-        };
-        Ok(Signature((0..faults.len()).map(reacts).collect()))
+        Ok((0..faults.len()).map(of).collect())
     }
 
     /// Refuses a fault that no residual of this space reacts to.
@@ -179,9 +237,9 @@ impl<D: TimeDomain> LeftNullSpace<D> {
         let from_y = &self.g + k * &self.w;
         let from_u = &self.v * plant.b() - &from_y * plant.d();
         let system = StateSpace::new(
-            &self.phi - k * &self.m,
+            &self.phi - k * &self.natural.m,
             blocks(&[&[from_u.as_ref(), from_y.as_ref()]]),
-            -&self.m,
+            -&self.natural.m,
             blocks(&[&[(-(&self.w * plant.d())).as_ref(), self.w.as_ref()]]),
             plant.domain(),
         )?;
@@ -197,7 +255,7 @@ impl<D: TimeDomain> LeftNullSpace<D> {
         let domain = self.model.domain();
         let hidden =
             |mode: faer::c64| DesignError::Unobservable { re: mode.re, im: mode.im, distance: 0.0 };
-        let k = place_visible(domain, self.phi.as_ref(), self.m.as_ref(), poles, hidden)?;
+        let k = place_visible(domain, self.phi.as_ref(), self.natural.m.as_ref(), poles, hidden)?;
         self.with_gain(k.as_ref())
     }
 
@@ -220,7 +278,8 @@ impl DecoupledDesign {
     ///
     /// # Errors
     ///
-    /// Returns why there is none, or a pole that does not decay.
+    /// Returns why there is none, a pole that does not decay, or [`DesignError::NotDecoupled`] when the
+    /// residual, looked at again over frequency, lets one of the inputs pass.
     ///
     /// # Examples
     ///
@@ -250,6 +309,7 @@ impl DecoupledDesign {
         let space = LeftNullSpace::of(model, unknown)?;
         let form = space.placed(poles)?;
         crate::simulation::check_stable("a decoupled residual", form.system())?;
+        refuse_what_passes(&form, unknown, &unknown.system(model)?, 0, space.nearest())?;
         Ok(Self { space, form })
     }
 

@@ -6,6 +6,7 @@ use super::design::LeftNullSpace;
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
+    rank::RankTolerance,
 };
 
 /// One row per fault `i`: a bit `j` is set when some residual reacts to fault `i` and is
@@ -41,9 +42,23 @@ pub fn isolability<D: TimeDomain>(
     faults: &UnknownInputs,
     disturbances: &UnknownInputs,
 ) -> Result<Vec<Signature>, DesignError> {
+    isolability_within(model, faults, disturbances, RankTolerance::default())
+}
+
+/// The same for a model that is known to a given tolerance.
+///
+/// # Errors
+///
+/// As [`isolability`].
+pub fn isolability_within<D: TimeDomain>(
+    model: &StateSpace<D>,
+    faults: &UnknownInputs,
+    disturbances: &UnknownInputs,
+    tolerance: RankTolerance,
+) -> Result<Vec<Signature>, DesignError> {
     let seen_without = |ignored: &[usize]| {
         let unknown = disturbances.and(&faults.select(ignored)?)?;
-        match LeftNullSpace::of(model, &unknown) {
+        match LeftNullSpace::within(model, &unknown, tolerance) {
             Err(DesignError::NothingLeft { .. }) => Ok(Signature(vec![false; faults.len()])),
             space => space?.detects(faults),
         }

@@ -12,6 +12,8 @@
 //! * **Assumptions.** The entry directions are known. Neither stability nor observability of the
 //!   plant is needed, nor `rank C E = rank E` as for an
 //!   [unknown-input observer](crate::unknown_input).
+//! * **Ranks** are decided in natural units ([`rank`](crate::rank)), where the rows of `V` and `W` are
+//!   orthonormal; [`LeftNullSpace::nearest`] says how near the nearest decision was.
 //! * **Do not use** it when the directions are only roughly known: what is not decoupled passes
 //!   unweighted; take the [`optimal`](crate::optimal) room. Nor when the state estimate itself is
 //!   wanted: only `V x` is estimated.
@@ -19,8 +21,10 @@
 mod design;
 mod invariant;
 mod isolability;
+mod verified;
 
+pub(crate) use self::verified::refuse_what_passes;
 pub use self::{
     design::{DecoupledDesign, LeftNullSpace},
-    isolability::isolability,
+    isolability::{isolability, isolability_within},
 };

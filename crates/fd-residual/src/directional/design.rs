@@ -8,7 +8,9 @@ use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::check_shape,
-    observer::{ErrorPoles, ObserverDesign, place_visible, pole_of_rate, rank},
+    observer::{
+        ErrorPoles, ObserverDesign, entry_ranks, natural, place_visible, pole_of_rate, rank,
+    },
 };
 
 /// An observer whose residual keeps a direction for each fault.
@@ -57,7 +59,7 @@ impl<D: TimeDomain> BeardDesign<D> {
         check_shape("event matrix E", e, Shape::new(n, e.ncols()))?;
         let pole = pole_of_rate(model.domain(), rate)?.re;
         let ce = c * e;
-        let (rank_ce, rank_e) = (rank(ce.as_ref())?, e.ncols());
+        let ([rank_ce, _], rank_e) = (entry_ranks(&natural(model, e)?)?, e.ncols());
         if rank_ce < rank_e {
             return Err(DesignError::HiddenDirection { rank_ce, rank_e });
         }

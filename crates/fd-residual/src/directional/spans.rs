@@ -4,10 +4,11 @@ use faer::{Mat, MatRef};
 use fd_core::{HeapMap, LinMap, Scalar};
 use fd_model::{ModelError, freeze};
 
-use crate::{error::DesignError, parity::annihilators};
-
-/// Relative singular values below this count as zero.
-const RANK: f64 = 1e-10;
+use crate::{
+    error::DesignError,
+    matrix::spectral_norm,
+    rank::{RankTolerance, decide},
+};
 
 /// For each fault the complement of the subspace in which it keeps the residual.
 #[derive(Clone, Debug)]
@@ -47,7 +48,8 @@ impl<T: Scalar> FaultSpans<T> {
         for span in spans {
             let expected = fd_core::Shape::new(first.nrows(), span.ncols());
             crate::matrix::check_shape("directions of a fault", *span, expected)?;
-            let rows: Mat<f64> = annihilators(*span, RANK)?.0;
+            let decided = decide(*span, spectral_norm(*span), RankTolerance::default())?;
+            let rows: Mat<f64> = decided.annihilators();
             outside.push(freeze("complement of a fault", rows.as_ref())?);
         }
         let most = outside.iter().map(|m: &HeapMap<T>| m.dims().rows).max().unwrap_or(0);

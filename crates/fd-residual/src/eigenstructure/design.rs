@@ -1,19 +1,16 @@
 //! Choosing the weighting and the gain together.
 
-use faer::{Mat, MatRef, c64, prelude::Solve};
+use faer::{Mat, MatRef, c64};
 use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
-    matrix::{blocks, check_shape},
-    observer::{ErrorPoles, ObserverDesign, place_visible, pole_of_rate},
-    parity::annihilators,
+    matrix::{Natural, blocks, check_shape, orthonormal_rows, spectral_norm},
+    observer::{ErrorPoles, ObserverDesign, natural, place_visible, pole_of_rate},
+    rank::{RankTolerance, decide},
 };
-
-/// Relative singular values below this count as zero.
-const TOLERANCE: f64 = 1e-9;
 
 /// An observer with a weighting whose rows are its own left eigenvectors.
 #[derive(Clone, Debug)]
@@ -55,21 +52,22 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
         e: MatRef<'_, f64>,
         poles: &ErrorPoles,
     ) -> Result<Self, DesignError> {
-        let (a, c, n) = (model.a(), model.c(), model.nx());
+        let n = model.nx();
         check_shape("unknown input matrix E", e, Shape::new(n, e.ncols()))?;
-        // Columns of unit size, so that the rank decision does not depend on units of time.
-        let unit = |m: Mat<f64>| {
-            let size = m.norm_l2();
-            if 0.0 < size { faer::Scale(size.recip()) * m } else { m }
-        };
+        let Natural { a, b: e, c, units, .. } = natural(model, e)?;
+        let (c, rate) = (c.as_ref(), units.rate);
         let hidden = complement(c)?;
-        let spread = blocks(&[&[unit(c * e).as_ref(), unit(c * a * &hidden).as_ref()]]);
-        let (weight, decision) = annihilators(spread.as_ref(), TOLERANCE)?;
+        let spread = blocks(&[&[(c * &e).as_ref(), (c * &a * &hidden).as_ref()]]);
+        let scale = c.norm_l2() * a.norm_l2().hypot(e.norm_l2());
+        let decided = decide(spread.as_ref(), scale, RankTolerance::default())?;
+        let weight = decided.annihilators();
         if weight.nrows() == 0 {
-            let (inputs, rank) = (e.ncols(), decision.rank);
+            let (inputs, rank) = (e.ncols(), decided.decision.rank);
             return Err(DesignError::NoEigenvector { inputs, rank });
         }
 
+        // The gain is found at the pace of the model.
+        let a = faer::Scale(rate) * a;
         // V L = G makes the rows of V = W C (independent ones) left eigenvectors.
         let v = row_space((&weight * c).as_ref())?;
         let own = residual_pole(model.domain(), poles)?;
@@ -79,7 +77,7 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
 
         // What is left of the observer lives on null(V) and is moved by L = Vᵀ G + N Z.
         let rest = complement(v.as_ref())?;
-        let block = rest.transpose() * (a - &on_rows * c) * &rest;
+        let block = rest.transpose() * (&a - &on_rows * c) * &rest;
         let shown = c * &rest;
         let others = match poles {
             ErrorPoles::Given(all) => ErrorPoles::Given(all.iter().skip(1).copied().collect()),
@@ -89,6 +87,10 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
             |mode: c64| DesignError::Unobservable { re: mode.re, im: mode.im, distance: 0.0 };
         let z = place_visible(model.domain(), block.as_ref(), shown.as_ref(), &others, stuck)?;
         let gain = on_rows + rest * z;
+        let (x, y) = (&units.states, &units.outputs);
+        let gain = Mat::from_fn(n, y.len(), |i, j| gain[(i, j)] * (x[i] / y[j]));
+        let weight = Mat::from_fn(weight.nrows(), y.len(), |i, j| weight[(i, j)] / y[j]);
+        let weight = orthonormal_rows(&weight);
         Ok(Self { observer: ObserverDesign::with_gain(model, gain.as_ref())?, weight })
     }
 
@@ -147,7 +149,8 @@ fn residual_pole<D: TimeDomain>(domain: D, poles: &ErrorPoles) -> Result<f64, De
 
 /// Orthonormal columns that no row of `m` sees.
 fn complement(m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
-    Ok(annihilators(m.transpose(), TOLERANCE)?.0.transpose().to_owned())
+    let decided = decide(m.transpose(), spectral_norm(m), RankTolerance::default())?;
+    Ok(decided.annihilators().transpose().to_owned())
 }
 
 /// Orthonormal rows with the span of those of `m`.
@@ -158,10 +161,6 @@ fn row_space(m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
 
 /// `G` with `G C = M`, where the rows of `M` lie in the row space of `C`.
 fn solve_rows(c: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<Mat<f64>, DesignError> {
-    let basis = row_space(c)?;
-    // C = S basis with S of full column rank; G = M basisᵀ S⁺.
-    let s = c * basis.transpose();
-    let gram = s.transpose() * &s;
-    let inverse = gram.partial_piv_lu().solve(s.transpose());
-    Ok(m * basis.transpose() * inverse)
+    // Not by `CᵀC`, which has the squared condition: the gain may be large.
+    Ok(m * decide(c, spectral_norm(c), RankTolerance::default())?.pseudoinverse())
 }

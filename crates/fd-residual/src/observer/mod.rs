@@ -27,5 +27,5 @@ pub use self::{
 };
 pub(crate) use self::{
     observable::check_observable,
-    visible::{place_visible, pole_of_rate, rank, visible_part},
+    visible::{entry_ranks, natural, place_visible, pole_of_rate, rank, visible_part_of},
 };

@@ -1,13 +1,15 @@
 //! Placing the poles of what the outputs show, and checking that the rest decays by itself.
 
 use faer::{Mat, MatRef, c64};
-use fd_model::TimeDomain;
+use fd_model::{StateSpace, TimeDomain};
 
 use super::place::{no_convergence, place_poles};
 use crate::{
+    analysis::UnknownInputs,
     error::DesignError,
     kalman::at_least_as_fast,
-    matrix::{blocks, spectral_norm},
+    matrix::{Natural, blocks, spectral_norm},
+    rank::{RankTolerance, decide},
 };
 
 /// Directions that grow by less than this in a step of the staircase are not new.
@@ -78,18 +80,28 @@ pub(crate) fn visible_part(
     a: MatRef<'_, f64>,
     c: MatRef<'_, f64>,
 ) -> Result<(Mat<f64>, Mat<f64>), DesignError> {
+    let sizes = [spectral_norm(a), spectral_norm(c)];
+    visible_part_of(a, c, sizes.map(|size| size.max(f64::MIN_POSITIVE)), NEW)
+}
+
+/// The same with the sizes of the data that `A` and `C` were computed from, which are larger than their
+/// own where those are nothing but rounding.
+pub(crate) fn visible_part_of(
+    a: MatRef<'_, f64>,
+    c: MatRef<'_, f64>,
+    [speed, mut size]: [f64; 2],
+    new: f64,
+) -> Result<(Mat<f64>, Mat<f64>), DesignError> {
     let n = a.nrows();
-    let speed = spectral_norm(a).max(f64::MIN_POSITIVE);
     let mut seen = Mat::<f64>::zeros(n, 0);
     let mut newest = c.transpose().to_owned();
-    let mut size = spectral_norm(c).max(f64::MIN_POSITIVE);
     while seen.ncols() < n && 0 < newest.ncols() {
         // Twice is enough: what a second projection removes is rounding of the first.
         for _ in 0..2 {
             newest = &newest - &seen * (seen.transpose() * &newest);
         }
         let svd = newest.svd().map_err(|_| no_convergence("staircase", n))?;
-        let grown = svd.S().column_vector().iter().filter(|&&s| NEW * size < s).count();
+        let grown = svd.S().column_vector().iter().filter(|&&s| new * size < s).count();
         let fresh = svd.U().subcols(0, grown).to_owned();
         seen = blocks(&[&[seen.as_ref(), fresh.as_ref()]]);
         newest = a.transpose() * fresh;
@@ -149,4 +161,22 @@ pub(crate) fn rank(m: MatRef<'_, f64>) -> Result<usize, DesignError> {
     }
     let sigma = m.singular_values().map_err(|_| no_convergence("rank", m.nrows()))?;
     Ok(sigma.iter().filter(|&&s| NEW * sigma[0] < s && 0.0 < s).count())
+}
+
+/// The plant with an unknown input that enters along `E`, in natural units.
+pub(crate) fn natural<D: TimeDomain>(
+    model: &StateSpace<D>,
+    e: MatRef<'_, f64>,
+) -> Result<Natural, DesignError> {
+    let none = Mat::zeros(model.ny(), e.ncols());
+    Natural::of(model, &UnknownInputs::new("unknown input", e.to_owned(), none)?)
+}
+
+/// Ranks of `C E` and of `E`, relative to the data that they were computed from.
+pub(crate) fn entry_ranks(natural: &Natural) -> Result<[usize; 2], DesignError> {
+    let Natural { b: e, c, .. } = natural;
+    let of = |m: MatRef<'_, f64>, scale: f64| {
+        Ok::<_, DesignError>(decide(m, scale, RankTolerance::default())?.decision.rank)
+    };
+    Ok([of((c * e).as_ref(), c.norm_l2() * e.norm_l2())?, of(e.as_ref(), e.norm_l2())?])
 }

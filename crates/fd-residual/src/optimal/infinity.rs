@@ -5,7 +5,7 @@ use fd_model::{ModelError, StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
-    matrix::{blocks, spectral_norm},
+    matrix::{blocks, spectral_norm, with_natural_states},
 };
 
 /// Relative singular values below this count as zero.
@@ -24,6 +24,8 @@ pub(super) fn regular<D: TimeDomain>(
     system: &StateSpace<D>,
     rate: f64,
 ) -> Result<Regular<D>, DesignError> {
+    // The plant's states come with the noise, in units of their own.
+    let system = with_natural_states(system)?;
     let (a, b, rows) = (system.a(), system.b(), system.ny());
     let domain = system.domain();
     let sampled = domain.highest_frequency().is_finite();
@@ -31,11 +33,13 @@ pub(super) fn regular<D: TimeDomain>(
     let or_one = |norm: f64| if 0.0 < norm { norm } else { 1.0 };
     let speed = or_one(spectral_norm(a));
     let (mut c, mut d) = (system.c().to_owned(), system.d().to_owned());
-    let mut filters = Vec::new();
+    let (mut filters, mut size) = (Vec::new(), 0.0_f64);
     for _ in 0..=n {
         let failed = |_| ModelError::NoConvergence { what: "zeros at infinity", order: n };
         let svd = d.svd().map_err(failed)?;
-        let size = d.norm_l2() + c.norm_l2() * b.norm_l2() / speed;
+        // Without cancellation, and without states that the noise does not reach, whatever their units.
+        let terms = sizes(c.as_ref()) * sizes(b);
+        size = size.max(d.norm_l2() + terms.norm_l2() / speed);
         let direct = svd.S().column_vector().iter().filter(|&&s| RANK * size < s).count();
         if direct == rows {
             let system = StateSpace::new(a.to_owned(), b.to_owned(), c, d, domain)?;
@@ -59,6 +63,10 @@ pub(super) fn regular<D: TimeDomain>(
         d = blocks(&[&[turned_d.subrows(0, direct)], &[fresh.as_ref()]]);
     }
     Err(ModelError::Singular { role: "noise filter G_w" }.into())
+}
+
+fn sizes(m: MatRef<'_, f64>) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs())
 }
 
 /// Turns the outputs, and filters the first `direct` of them by `a/(s + a)` or by `1/z`.

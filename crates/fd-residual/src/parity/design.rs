@@ -5,7 +5,7 @@ use fd_core::{Heap, IoDims, Scalar, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze};
 
 use super::{
-    annihilate::{RankDecision, annihilators},
+    natural::NaturalPlant,
     run::{Parity, Window},
     window::{input_map, observability},
 };
@@ -14,9 +14,10 @@ use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::{blocks, check_shape},
+    rank::{RankDecision, RankTolerance},
 };
 
-/// Relative singular values below this count as zero.
+/// Largest relative part of the state that a given vector may let through.
 const TOLERANCE: f64 = 1e-10;
 
 /// Parity vectors `W` (rows) over `s + 1` samples, oldest sample first.
@@ -32,7 +33,10 @@ pub struct ParityDesign {
 }
 
 impl ParityDesign {
-    /// All parity vectors of order `s`: an orthonormal basis of the left null space of `Γ`.
+    /// All parity vectors of order `s`: a basis of the left null space of `Γ`.
+    ///
+    /// How many there are is decided in [natural units](StateSpace::natural_units); the vectors
+    /// themselves are orthonormal in those of the model.
     ///
     /// # Errors
     ///
@@ -84,15 +88,29 @@ impl ParityDesign {
         order: usize,
         unknown: &UnknownInputs,
     ) -> Result<Self, DesignError> {
-        let entry = unknown.system(model)?;
-        let gamma = observability(model.a(), model.c(), order);
-        let t = input_map(entry.a(), entry.b(), entry.c(), entry.d(), order);
-        let (w, rank) = annihilators(blocks(&[&[gamma.as_ref(), t.as_ref()]]).as_ref(), TOLERANCE)?;
+        Self::decoupled_within(model, order, unknown, RankTolerance::default())
+    }
+
+    /// The same for a model that is known to a given tolerance.
+    ///
+    /// # Errors
+    ///
+    /// As [`decoupled`](Self::decoupled).
+    pub fn decoupled_within(
+        model: &StateSpace<Discrete>,
+        order: usize,
+        unknown: &UnknownInputs,
+        tolerance: RankTolerance,
+    ) -> Result<Self, DesignError> {
+        let plant = NaturalPlant::of(model, unknown)?;
+        let all: Vec<_> = (0..unknown.len()).collect();
+        let decided = plant.window(order).decoupled_from(&all, tolerance)?;
+        let (w, rank) = (decided.annihilators(), decided.decision);
         if w.nrows() == 0 {
             let RankDecision { rank, rows, smallest_kept: smallest, .. } = rank;
             return Err(DesignError::NoParity { order, rank, rows, smallest });
         }
-        Ok(Self::unchecked(model, order, w, Some(rank)))
+        Ok(Self::unchecked(model, order, plant.in_model_units(w.as_ref()), Some(rank)))
     }
 
     /// Given parity vectors, one per row, over `order + 1` samples.

@@ -7,24 +7,23 @@
 //! * **Not exact.** When no such `W` exists, or for several models at once, the left singular
 //!   vectors of `[Γ₁ … Γ_N]` with the smallest singular values are the closest to orthogonal
 //!   (Lou, Willsky and Verghese 1986).
+//! * **Ranks** are decided in natural units, relative to what a change of the data could do
+//!   ([`rank`](crate::rank)), so that they do not depend on the units of the model.
 //! * **Assumptions.** A linear model; stable or not makes no difference. The residual is zero by
 //!   definition until the window is full.
 //! * **Do not use** long windows on noisy outputs without looking at the fault-to-noise gap
 //!   ([`analysis`](crate::analysis)): `W` differentiates. A slow filter behind it
 //!   ([`FilteredDesign`](crate::weighted::FilteredDesign)) or an observer is smoother.
 
-mod annihilate;
 mod design;
+mod natural;
 mod run;
 mod signature;
 mod window;
 
+pub(crate) use self::natural::{NaturalPlant, NaturalWindow};
 pub use self::{
-    annihilate::RankDecision,
     design::ParityDesign,
     run::{FixedWindow, Parity, Window},
 };
-pub(crate) use self::{
-    annihilate::annihilators,
-    window::{input_map, observability},
-};
+pub use crate::rank::RankDecision;

@@ -4,14 +4,15 @@ use faer::{Mat, Scale};
 use fd_core::{Shape, ShapeError};
 use fd_model::{Discrete, ModelError, StateSpace};
 
-use super::{design::ParityDesign, window::input_map};
+use super::{
+    design::ParityDesign,
+    natural::{NaturalPlant, NaturalWindow},
+};
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
+    rank::{RankDecision, RankTolerance},
 };
-
-/// A fault whose relative reaction is below this counts as unseen.
-const UNSEEN: f64 = 1e-8;
 
 impl ParityDesign {
     /// One parity vector of the least order that reacts to the faults with a one bit in
@@ -22,8 +23,9 @@ impl ParityDesign {
     ///
     /// # Errors
     ///
-    /// Returns an error when the signature has not one bit per fault or no bit set, and
-    /// [`DesignError::NoSignature`] when no window of up to `longest + 1` samples has it.
+    /// Returns an error when the signature has not one bit per fault or no bit set,
+    /// [`DesignError::NoSignature`] when no window of up to `longest + 1` samples has it, and
+    /// [`DesignError::NotAchieved`] when the vector that was made turns out not to.
     ///
     /// # Examples
     ///
@@ -55,46 +57,80 @@ impl ParityDesign {
         signature: &Signature,
         longest: usize,
     ) -> Result<Self, DesignError> {
+        let tolerance = RankTolerance::default();
+        Self::with_signature_within(model, faults, disturbances, signature, longest, tolerance)
+    }
+
+    /// The same for a model that is known to a given tolerance.
+    ///
+    /// # Errors
+    ///
+    /// As [`with_signature`](Self::with_signature).
+    pub fn with_signature_within(
+        model: &StateSpace<Discrete>,
+        faults: &UnknownInputs,
+        disturbances: &UnknownInputs,
+        signature: &Signature,
+        longest: usize,
+        tolerance: RankTolerance,
+    ) -> Result<Self, DesignError> {
         let expected = Shape::new(1, faults.len());
         let found = Shape::new(1, signature.0.len());
         if expected != found {
             return Err(ShapeError { role: "signature", expected, found }.into());
         }
-        let having = |bit| (0..faults.len()).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
-        let (wanted, ignored) = (having(true), having(false));
+        let count = faults.len();
+        let having = |bit| (0..count).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
+        let (wanted, mut ignored) = (having(true), having(false));
         if wanted.is_empty() {
             return Err(DesignError::Empty { what: "one bit of the signature" });
         }
-        let unknown = disturbances.and(&faults.select(&ignored)?)?;
+        ignored.extend(count..count + disturbances.len());
+        let plant = NaturalPlant::of(model, &faults.and(disturbances)?)?;
         for order in 0..=longest {
-            let design = match Self::decoupled(model, order, &unknown) {
-                Err(DesignError::NoParity { .. }) => continue,
-                design => design?,
-            };
-            let reactions = wanted.iter().map(|&fault| {
-                let entry = faults.select(&[fault])?.system(model)?;
-                let map = input_map(entry.a(), entry.b(), entry.c(), entry.d(), order);
-                Ok(Scale(map.norm_l2().max(f64::MIN_POSITIVE).recip()) * (design.vectors() * map))
-            });
-            let reactions = reactions.collect::<Result<Vec<_>, DesignError>>()?;
-            if let Some(z) = reacting_combination(&reactions)? {
-                let w = z * design.vectors();
-                return Ok(Self::unchecked(model, order, w, design.rank()));
+            let window = plant.window(order);
+            let decided = window.decoupled_from(&ignored, tolerance)?;
+            let (w, kept) = (decided.annihilators(), decided.decision);
+            if w.nrows() == 0 {
+                continue;
             }
+            let react = |z: &Mat<f64>| {
+                let each = wanted.iter().map(|&fault| window.reaction(z.as_ref(), fault, &kept));
+                each.collect::<Vec<_>>()
+            };
+            let Some(z) = reacting_combination(&react(&w), tolerance)? else { continue };
+            // Once more, on the vector itself.
+            let one = &z * &w;
+            let bits = (0..count).map(|fault| {
+                let seen = window.reaction(one.as_ref(), fault, &kept);
+                NaturalWindow::reacts(seen.as_ref(), &[], tolerance)
+            });
+            let bits: Vec<RankDecision> = bits.collect();
+            let achieved = Signature(bits.iter().map(|bit| bit.rank == 1).collect());
+            let nearest = bits.into_iter().fold(kept, RankDecision::nearer);
+            if &achieved != signature {
+                let wanted = signature.clone();
+                return Err(DesignError::NotAchieved { row: 0, wanted, achieved, nearest });
+            }
+            let w = plant.in_model_units(one.as_ref());
+            return Ok(Self::unchecked(model, order, w, Some(nearest)));
         }
         Err(DesignError::NoSignature { signature: signature.clone(), longest })
     }
 }
 
-/// A unit row `z` for which every `‖z M‖` is large, or `None` when one `M` is zero.
-fn reacting_combination(reactions: &[Mat<f64>]) -> Result<Option<Mat<f64>>, DesignError> {
+/// A unit row `z` for which every `‖z M‖` is large, or `None` when one `M` is within the tolerance of zero.
+fn reacting_combination(
+    reactions: &[Mat<f64>],
+    tolerance: RankTolerance,
+) -> Result<Option<Mat<f64>>, DesignError> {
     const CORRECTIONS: usize = 50;
 
     let mut directions = Vec::new();
     for m in reactions {
         let failed = ModelError::NoConvergence { what: "reaction to a fault", order: m.nrows() };
         let svd = m.svd().map_err(|_| failed)?;
-        if svd.S()[0] <= UNSEEN {
+        if svd.S()[0] <= tolerance.value() {
             return Ok(None);
         }
         directions.push(svd.U().subcols(0, 1).transpose().to_owned());
@@ -119,5 +155,5 @@ fn reacting_combination(reactions: &[Mat<f64>]) -> Result<Option<Mat<f64>>, Desi
         z = unit(z + Scale(side) * &directions[i]);
         step *= 0.9;
     }
-    Ok((UNSEEN < most).then_some(best))
+    Ok((tolerance.value() < most).then_some(best))
 }

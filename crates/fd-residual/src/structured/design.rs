@@ -6,13 +6,14 @@ use fd_model::{Discrete, StateSpace};
 
 use super::structure::{Structure, told_apart};
 use crate::{
-    analysis::{Signature, UnknownInputs, fault_effects},
+    analysis::{Signature, UnknownInputs, fault_effects, weak_structure},
     bank::BankDesign,
-    decouple::LeftNullSpace,
+    decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     observer::ErrorPoles,
     parity::ParityDesign,
+    rank::{RankDecision, RankTolerance},
 };
 
 /// Combinations of residuals that are tried besides each alone.
@@ -39,6 +40,7 @@ pub struct StructuredDesign {
     bank: BankDesign,
     signatures: Vec<Signature>,
     orders: Vec<usize>,
+    decisions: Vec<RankDecision>,
     faults: usize,
 }
 
@@ -48,7 +50,9 @@ impl StructuredDesign {
     ///
     /// # Errors
     ///
-    /// Returns [`DesignError::NoSignature`] for a row that cannot be had, or an error when the
+    /// Returns [`DesignError::NoSignature`] for a row that cannot be had,
+    /// [`DesignError::NotAchieved`] or [`DesignError::NotDecoupled`] for one that was designed and,
+    /// looked at again over frequency, reacts to other inputs than it should, or an error when the
     /// rows do not fit the faults.
     ///
     /// # Examples
@@ -85,33 +89,66 @@ impl StructuredDesign {
         structure: &Structure,
         method: RowMethod,
     ) -> Result<Self, DesignError> {
-        let signatures = structure.rows(faults.len())?;
+        Self::within(model, faults, disturbances, structure, method, RankTolerance::default())
+    }
+
+    /// The same for a model that is known to a given tolerance.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn within(
+        model: &StateSpace<Discrete>,
+        faults: &UnknownInputs,
+        disturbances: &UnknownInputs,
+        structure: &Structure,
+        method: RowMethod,
+        tolerance: RankTolerance,
+    ) -> Result<Self, DesignError> {
         let mut members: Vec<Box<dyn GeneratorDesign>> = Vec::new();
-        let mut orders = Vec::new();
-        for signature in &signatures {
-            match method {
+        let (mut orders, mut decisions) = (Vec::new(), Vec::new());
+        let mut signatures = Vec::new();
+        let (gf, gd) = (faults.system(model)?, disturbances.system(model)?);
+        for (row, wanted) in structure.rows(faults.len())?.into_iter().enumerate() {
+            let (member, order, nearest): (Box<dyn GeneratorDesign>, _, _) = match method {
                 RowMethod::Parity { longest } => {
-                    let row = ParityDesign::with_signature(
+                    let design = ParityDesign::with_signature_within(
                         model,
                         faults,
                         disturbances,
-                        signature,
+                        &wanted,
                         longest,
-                    )?;
-                    orders.push(row.order());
-                    members.push(Box::new(row));
+                        tolerance,
+                    )
+                    .map_err(|error| in_row(error, row))?;
+                    let nearest = design.rank();
+                    (Box::new(design.clone()), design.order(), nearest)
                 }
                 RowMethod::Filter { rate } => {
-                    let row = filter(model, faults, disturbances, signature, rate)?;
-                    orders.push(row.system().nx());
-                    members.push(Box::new(row));
+                    let (form, nearest) =
+                        filter(model, faults, disturbances, &wanted, rate, tolerance)?;
+                    (Box::new(form.clone()), form.system().nx(), Some(nearest))
                 }
-            }
+            };
+            let nearest = nearest.unwrap_or(RankDecision::clear(tolerance));
+            signatures.push(achieved(
+                &member.form()?,
+                [&gf, &gd],
+                row,
+                wanted,
+                disturbances,
+                nearest,
+            )?);
+            members.push(member);
+            orders.push(order);
+            decisions.push(nearest);
         }
-        Ok(Self { bank: BankDesign::new(members)?, signatures, orders, faults: faults.len() })
+        let bank = BankDesign::new(members)?;
+        Ok(Self { bank, signatures, orders, decisions, faults: faults.len() })
     }
 
-    /// The signatures that were asked for, one per residual.
+    /// The signatures that were found in the residuals, over frequency, one per residual: those that
+    /// were asked for, or there would be no design.
     #[must_use]
     pub fn signatures(&self) -> &[Signature] {
         &self.signatures
@@ -121,6 +158,12 @@ impl StructuredDesign {
     #[must_use]
     pub fn orders(&self) -> &[usize] {
         &self.orders
+    }
+
+    /// The nearest decision behind each residual.
+    #[must_use]
+    pub fn decisions(&self) -> &[RankDecision] {
+        &self.decisions
     }
 
     /// Which faults this bank tells apart: bit `j` of row `i` is set when a residual fires for
@@ -149,6 +192,33 @@ impl GeneratorDesign for StructuredDesign {
     }
 }
 
+/// The signature of one residual, if it is the wanted one and no disturbance passes.
+fn achieved(
+    form: &ResidualForm,
+    [gf, gd]: [&StateSpace<Discrete>; 2],
+    row: usize,
+    wanted: Signature,
+    disturbances: &UnknownInputs,
+    nearest: RankDecision,
+) -> Result<Signature, DesignError> {
+    let achieved = weak_structure(form, gf)?.swap_remove(0);
+    if achieved != wanted {
+        return Err(DesignError::NotAchieved { row, wanted, achieved, nearest });
+    }
+    refuse_what_passes(form, disturbances, gd, row, nearest)?;
+    Ok(achieved)
+}
+
+/// The error of a row that was designed alone.
+fn in_row(error: DesignError, row: usize) -> DesignError {
+    match error {
+        DesignError::NotAchieved { wanted, achieved, nearest, .. } => {
+            DesignError::NotAchieved { row, wanted, achieved, nearest }
+        }
+        other => other,
+    }
+}
+
 /// The combination in the null space whose weakest wanted fault is strongest.
 fn filter(
     model: &StateSpace<Discrete>,
@@ -156,7 +226,8 @@ fn filter(
     disturbances: &UnknownInputs,
     signature: &Signature,
     rate: f64,
-) -> Result<ResidualForm, DesignError> {
+    tolerance: RankTolerance,
+) -> Result<(ResidualForm, RankDecision), DesignError> {
     let having = |bit| (0..faults.len()).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
     let (wanted, ignored) = (having(true), having(false));
     if wanted.is_empty() {
@@ -165,13 +236,14 @@ fn filter(
     let unachievable =
         || DesignError::NoSignature { signature: signature.clone(), longest: model.nx() };
     let unknown = disturbances.and(&faults.select(&ignored)?)?;
-    let space = match LeftNullSpace::of(model, &unknown) {
+    let space = match LeftNullSpace::within(model, &unknown, tolerance) {
         Err(DesignError::NothingLeft { .. }) => return Err(unachievable()),
         space => space?,
     };
     if &space.detects(faults)? != signature {
         return Err(unachievable());
     }
+    let nearest = space.reactions(faults)?.into_iter().fold(space.nearest(), RankDecision::nearer);
     let gf = faults.select(&wanted)?.system(model)?;
     let mut best = None;
     let mut strongest = 0.0;
@@ -184,7 +256,7 @@ fn filter(
             (best, strongest) = (Some(form), weakest);
         }
     }
-    best.ok_or_else(unachievable)
+    best.map(|form| (form, nearest)).ok_or_else(unachievable)
 }
 
 /// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,

@@ -7,6 +7,8 @@
 //! * **Rows.** Parity relations of the least order that have the signature
 //!   ([`ParityDesign::with_signature`](crate::parity::ParityDesign::with_signature)), or filters
 //!   with poles of their own in the left null space ([`decouple`](crate::decouple)).
+//! * **Ranks** are decided at a [tolerance](crate::rank); the structure of each residual is then looked at
+//!   over frequency, and one that is not what was asked for is refused.
 //! * **Assumptions.** The entry directions of all faults are known.
 //! * **Do not use** more rows than isolation needs: each costs sensitivity. Ask
 //!   [`achievable_signatures`](crate::analysis::achievable_signatures) and

@@ -8,7 +8,7 @@ use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::{blocks, check_shape},
-    observer::{ErrorPoles, place_visible, rank},
+    observer::{ErrorPoles, entry_ranks, natural, place_visible},
     simulation::check_stable,
 };
 
@@ -93,7 +93,13 @@ impl<D: TimeDomain> UnknownInputObserver<D> {
     ) -> Result<Self, DesignError> {
         let a1 = decoupling(model, e)?.1 * model.a();
         let zero = |mode: c64| DesignError::UndecayingZero { re: mode.re, im: mode.im };
-        let k1 = place_visible(model.domain(), a1.as_ref(), model.c(), poles, zero)?;
+        // In natural units, which decide what the outputs show.
+        let units = natural(model, e)?.units;
+        let (x, y) = (&units.states, &units.outputs);
+        let a1 = Mat::from_fn(x.len(), x.len(), |i, j| a1[(i, j)] * (x[j] / x[i]));
+        let c = Mat::from_fn(y.len(), x.len(), |i, j| model.c()[(i, j)] * (x[j] / y[i]));
+        let k1 = place_visible(model.domain(), a1.as_ref(), c.as_ref(), poles, zero)?;
+        let k1 = Mat::from_fn(x.len(), y.len(), |i, j| k1[(i, j)] * (x[i] / y[j]));
         Self::with_gain(model, e, |_| k1)
     }
 
@@ -124,7 +130,8 @@ impl<D: TimeDomain> UnknownInputObserver<D> {
     /// `K = K₁ + F H`, the gain on the outputs (states × outputs).
     #[must_use]
     pub fn k(&self) -> Mat<f64> {
-        &self.k1 + self.f() * &self.h
+        // K₁ (I − C H) + T A H: the same without the difference of what cancels.
+        &self.k1 * identity_less(self.model.c(), self.h()) + &self.t * self.model.a() * &self.h
     }
 
     /// The transfer functions from `u` and `y` to the residual.
@@ -136,7 +143,7 @@ impl<D: TimeDomain> UnknownInputObserver<D> {
         let m = &self.model;
         let k = self.k();
         let from_u = &self.t * m.b() - &k * m.d();
-        let from_y = Mat::<f64>::identity(m.ny(), m.ny()) - m.c() * &self.h;
+        let from_y = identity_less(m.c(), self.h());
         let system = StateSpace::new(
             self.f(),
             blocks(&[&[from_u.as_ref(), k.as_ref()]]),
@@ -199,18 +206,36 @@ fn decoupling<D: TimeDomain>(
     if e.ncols() == 0 {
         return Ok((Mat::zeros(n, model.ny()), Mat::identity(n, n)));
     }
-    let ce = model.c() * e;
-    let (rank_ce, rank_e) = (rank(ce.as_ref())?, rank(e)?);
+    let natural = natural(model, e)?;
+    let [rank_ce, rank_e] = entry_ranks(&natural)?;
     if rank_ce < rank_e {
         return Err(DesignError::HiddenDirection { rank_ce, rank_e });
     }
     if rank_ce == model.ny() {
         return Err(DesignError::NothingLeft { inputs: rank_e, outputs: model.ny() });
     }
+    // H does not depend on the units of the unknown inputs, but its rounding does.
+    let e = Mat::from_fn(n, e.ncols(), |i, j| e[(i, j)] * natural.units.inputs[j]);
+    let ce = model.c() * &e;
     let svd =
         ce.svd().map_err(|_| ModelError::NoConvergence { what: "inverse of C E", order: n })?;
     let scaled = Mat::from_fn(rank_ce, model.ny(), |i, j| svd.U()[(j, i)] / svd.S()[i]);
     let h = e * (svd.V().subcols(0, rank_ce) * scaled);
-    let t = Mat::<f64>::identity(n, n) - &h * model.c();
+    let t = identity_less(h.as_ref(), model.c());
     Ok((h, t))
+}
+
+/// `I − A B`, where what cancels but for rounding is zero: a channel that is nothing else would be taken
+/// at its word.
+fn identity_less(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let (n, inner) = (a.nrows(), a.ncols());
+    let product = a * b;
+    Mat::from_fn(n, n, |i, j| {
+        let one = if i == j { 1.0 } else { 0.0 };
+        let terms = one + (0..inner).map(|k| (a[(i, k)] * b[(k, j)]).abs()).sum::<f64>();
+        let left = one - product[(i, j)];
+        // Some roundings for each term, and those of the inverse in H.
+        let rounding = 16.0 * (inner + 1) as f64 * f64::EPSILON * terms;
+        if rounding < left.abs() { left } else { 0.0 }
+    })
 }
