@@ -9,22 +9,31 @@ from . import errors
 from ._fdiag import __version__
 from ._gap import gap
 from ._stated import Initial, Output, Port, Uncertain
+from .checks import Check, Checked, Cost, check
 from .errors import AnalysisError, Diverged, Error, InputError, SimulatorError
+from .experiments import Experiment, next_experiment
+from .gymnasium import Gymnasium
 from .mujoco import MuJoCo
 from .online import Pipeline, Run, Step, Trained, spec
 from .programs import Fmu, Process
 from .result import Cause, Closed, Finding, HeldOut, Parameter, Result, Signals, Trace, Work
-from .simulators import Channel, Model, Rollout, Simulator, Steps, rollout
+from .rollouts import Rollout, rollout
+from .simulators import Channel, Model, Simulator, Steps
 
 __all__ = [
     "AnalysisError",
     "Cause",
     "Channel",
+    "Check",
+    "Checked",
     "Closed",
+    "Cost",
     "Diverged",
     "Error",
+    "Experiment",
     "Finding",
     "Fmu",
+    "Gymnasium",
     "HeldOut",
     "Initial",
     "InputError",
@@ -48,8 +57,10 @@ __all__ = [
     "Uncertain",
     "Work",
     "__version__",
+    "check",
     "errors",
     "gap",
+    "next_experiment",
     "rollout",
     "spec",
 ]

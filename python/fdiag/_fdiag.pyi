@@ -7,7 +7,17 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Pipeline", "Simulator", "Study", "Trained", "__version__", "column_map", "study"]
+__all__ = [
+    "Pipeline",
+    "Simulator",
+    "Study",
+    "Trained",
+    "__version__",
+    "check",
+    "column_map",
+    "linear_channels",
+    "study",
+]
 __version__: str
 
 _Array = npt.NDArray[np.float64]
@@ -18,7 +28,9 @@ class Simulator:
     @staticmethod
     def from_text(text: str, file: str | PathLike[str]) -> Simulator: ...
     @staticmethod
-    def lent(stated: str, object: Any, takes_forces: bool, workers: int) -> Simulator: ...
+    def lent(
+        stated: str, object: Any, takes_forces: bool, workers: int, stacked: int | None
+    ) -> Simulator: ...
     def described(self) -> str: ...
     def text(self) -> str: ...
     def simulate(
@@ -34,6 +46,7 @@ class Study:
     def models(self) -> list[tuple[str, str]]: ...
     def patched(self, file: str, text: str) -> Simulator: ...
     def trace(self) -> tuple[str, _Array, list[dict[str, Any]]] | None: ...
+    def experiment(self) -> tuple[int, float, _Array] | None: ...
     def work(self) -> tuple[tuple[int, int, int, int, int, int], float, str | None] | None: ...
 
 @final
@@ -69,4 +82,13 @@ def study(
     progress: Callable[[str, int, int], object] | None,
     /,
 ) -> Study: ...
+def check(
+    simulator: Simulator,
+    logs: Sequence[_Log],
+    settings: str,
+    samples: int,
+    amplitude: float,
+    /,
+) -> str: ...
+def linear_channels(text: str, file: str, /) -> tuple[list[str], list[str]]: ...
 def column_map(file: str | PathLike[str], /) -> str: ...

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from . import _fdiag
+from . import _fdiag, _settings
 from ._logs import Log, native
 from ._progress import Bar, Progress, shown
 from .errors import InputError
@@ -129,7 +129,7 @@ def gap(
         "only": _names("only", only),
         "tolerances": _named("tolerance", tolerance),
         "noise": _named("noise", noise),
-        "columns": None if columns is None else _columns(columns),
+        "columns": _settings.columns(columns),
         "sample_time": resample,
         "longest_hole": longest_hole,
         "drop_disorder": bool(drop_disorder),
@@ -143,9 +143,7 @@ def gap(
     }
 
     def needed() -> list[str]:
-        named = settings["columns"] or {}
-        of_map = [c.get("column", c["name"]) for room in ("inputs", "outputs") for c in named.get(room, ())]
-        return [channel.name for channel in simulator.inputs + simulator.outputs] + of_map
+        return _settings.needed(simulator, settings["columns"])
 
     fitted = native(log, "log", sample_time, needed)
     later = native(held_out, "held-out", sample_time, needed)
@@ -155,7 +153,7 @@ def gap(
     finally:
         if isinstance(call, Bar):
             call.close()
-    return Result(study)
+    return Result(study, tuple((channel.name, channel.unit) for channel in simulator.inputs))
 
 
 def _names(option: str, names: Sequence[str]) -> list[str]:
@@ -170,9 +168,3 @@ def _named(option: str, values: Mapping[str, float] | None) -> list[tuple[str, f
             raise InputError(f"{option}: `{name}`: expected a number from 0 on, found {value}")
     return [(str(name), float(value)) for name, value in (values or {}).items()]
 
-
-def _columns(columns: str | os.PathLike[str] | Mapping[str, Any]) -> dict[str, Any]:
-    if isinstance(columns, Mapping):
-        return dict(columns)
-    read: dict[str, Any] = json.loads(_fdiag.column_map(os.fspath(columns)))
-    return read

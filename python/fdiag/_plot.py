@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING
 
 from ._names import nearest
@@ -13,10 +14,23 @@ if TYPE_CHECKING:
     from .result import Result
 
 
+def _shown() -> type[Figure]:
+    """A figure that a notebook shows, whether or not pyplot is there."""
+    from matplotlib.figure import Figure
+
+    class Shown(Figure):
+        def _repr_png_(self) -> bytes:
+            picture = io.BytesIO()
+            self.savefig(picture, format="png")
+            return picture.getvalue()
+
+    return Shown
+
+
 def plot(result: Result, output: str | int | None) -> Figure:
     """Each output, or the one that is named: measured, before, after."""
     try:
-        from matplotlib.figure import Figure
+        kind = _shown()
     except ImportError as error:
         raise Error("plot: expected matplotlib to be installed: pip install matplotlib") from error
     trace = result.trace
@@ -32,7 +46,7 @@ def plot(result: Result, output: str | int | None) -> Figure:
         if output not in names:
             raise InputError(f"plot: there is no output `{output}`{nearest(output, names)}")
         chosen = [chosen[names.index(output)]]
-    figure = Figure(figsize=(8, 2.6 * len(chosen) + 0.6), layout="constrained")
+    figure = kind(figsize=(8, 2.6 * len(chosen) + 0.6), layout="constrained")
     axes = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axis, signals in zip(axes, chosen):
         axis.plot(trace.time, signals.measured, label="measured", color="black", linewidth=1.0)

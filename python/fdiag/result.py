@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fdiag
+from ._frames import frame
 from .errors import Error
 from .simulators import Simulator
 
@@ -174,8 +175,9 @@ class Result:
     `to_dict()` is all of it, as `report.json` of the command line; docs/gap-report.md names every key.
     """
 
-    def __init__(self, study: _fdiag.Study):
+    def __init__(self, study: _fdiag.Study, inputs: tuple[tuple[str, str], ...] = ()):
         self._study = study
+        self._inputs = inputs
         self._json = study.json()
         self._report: dict[str, Any] = json.loads(self._json)
 
@@ -303,13 +305,7 @@ class Result:
                 )
                 for column, value in zip(rows.values(), row):
                     column.append(value)
-        for name in ("pandas", "polars") if library is None else (library,):
-            try:
-                module = __import__(name)
-            except ImportError:
-                continue
-            return module.DataFrame(rows)
-        raise Error(f"to_frame: expected {library or 'pandas or polars'} to be installed, found neither")
+        return frame(rows, library)
 
     def save(self, directory: str | os.PathLike[str] = "fdiag-report") -> Path:
         """Writes the report of the command line: `report.html`, `report.json` and the patched models. Returns the

@@ -1,4 +1,4 @@
-"""Simulators: model files, objects and functions of Python."""
+"""Simulators: model files, and objects of Python that step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ._names import nearest
 from ._stated import Entries, Uncertain
 from .errors import InputError
 
-__all__ = ["Channel", "Model", "Rollout", "Simulator", "Steps", "rollout"]
+__all__ = ["Channel", "Model", "Simulator", "Steps"]
 
 Array = npt.NDArray[np.float64]
 
@@ -185,16 +185,17 @@ def lent(
     sample_time: float,
     rooms: Mapping[str, list[dict[str, Any]]],
     takes_forces: bool,
-    workers: int,
+    workers: int = 1,
+    stacked: int | None = None,
 ) -> _fdiag.Simulator:
-    """A native simulator of an object with `open()`."""
+    """A native simulator of an object with `open()`; `stacked` is how many whole runs it takes at once."""
     stated = {
         "name": name,
         "sample_time": float(sample_time),
         **{room: _stated.with_units(entries) for room, entries in rooms.items()},
         "powers": dict(powers),
     }
-    return _fdiag.Simulator.lent(json.dumps(stated), opener, takes_forces, int(workers))
+    return _fdiag.Simulator.lent(json.dumps(stated), opener, takes_forces, int(workers), stacked)
 
 
 class Opener:
@@ -248,7 +249,7 @@ class Steps(Simulator):
                 kind = type(probe).__name__
                 raise InputError(f"simulator: `{kind}` has no method `{method}`")
         rooms = rooms_of(inputs, outputs, parameters, initial, ports)
-        takes_forces = _takes(getattr(probe, "step"), 2)
+        takes_forces = takes(getattr(probe, "step"), 2)
         if rooms["ports"] and not takes_forces:
             raise InputError("ports: expected a method `step(u, f)`, found one that takes no forces")
         powers = {
@@ -268,7 +269,7 @@ class Steps(Simulator):
         super().__init__(native)
 
 
-def _takes(function: Callable[..., Any], count: int) -> bool:
+def takes(function: Callable[..., Any], count: int) -> bool:
     """Whether a function or bound method can be called with so many arguments."""
     try:
         parameters = inspect.signature(function).parameters.values()
@@ -277,67 +278,6 @@ def _takes(function: Callable[..., Any], count: int) -> bool:
     of_place = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     names = [p.name for p in of_place if p.name != "self"]
     return len(names) >= count or any(p.kind is p.VAR_POSITIONAL for p in parameters)
-
-
-class Rollout(Simulator):
-    """A function that makes whole runs, as a simulator. Still a function: calling it calls the function."""
-
-    def __init__(self, function: Callable[..., npt.ArrayLike], native: _fdiag.Simulator):
-        super().__init__(native)
-        self._function = function
-        functools.update_wrapper(self, function)
-
-    def __call__(self, *args: Any, **kwargs: Any) -> npt.ArrayLike:
-        return self._function(*args, **kwargs)
-
-
-class _Runs:
-    """What the native half asks for whole runs."""
-
-    def __init__(self, function: Callable[..., npt.ArrayLike]):
-        self.rollout = function
-
-
-def rollout(
-    *,
-    inputs: Entries,
-    outputs: Entries,
-    sample_time: float,
-    parameters: Entries = None,
-    initial: Entries = None,
-    ports: Entries = None,
-    name: str | None = None,
-) -> Callable[[Callable[..., npt.ArrayLike]], Rollout]:
-    """Makes a simulator of a function `(parameters, x0, u) -> y` that makes a whole run.
-
-    `parameters` and `x0` are dicts of numbers by name, `u` an array `[samples, inputs]`, `y` one of
-    `[samples, outputs]`. With ports the function is `(parameters, x0, u, f)`, `f` an array `[samples, ports]`.
-    Effects of which the force depends on the motion cannot be tried on whole runs; the report lists them.
-
-    >>> @rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters={"k": Uncertain(2.0, 0.05)})
-    ... def gain(parameters, x0, u):
-    ...     return parameters["k"] * u
-    >>> gain.simulate([1.0, 2.0], {"k": 3.0}).ravel().tolist()
-    [3.0, 6.0]
-    """
-
-    def made(function: Callable[..., npt.ArrayLike]) -> Rollout:
-        rooms = rooms_of(inputs, outputs, parameters, initial, ports)
-        takes_forces = _takes(function, 4)
-        if rooms["ports"] and not takes_forces:
-            raise InputError("ports: expected a function `(parameters, x0, u, f)`, found one without forces")
-        native = lent(
-            Opener(lambda: _Runs(function)),
-            {"step": False, "rollout": True},
-            name=name or str(getattr(function, "__name__", "function")),
-            sample_time=sample_time,
-            rooms=rooms,
-            takes_forces=takes_forces,
-            workers=1,
-        )
-        return Rollout(function, native)
-
-    return made
 
 
 def as_simulator(model: Any) -> Simulator:

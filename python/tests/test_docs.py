@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import importlib.util
 import pkgutil
 import runpy
 import subprocess
@@ -30,6 +31,8 @@ outputs = { y = { unit = "m", value = "x" } }
 
 def modules() -> list[str]:
     names = [name for _, name, _ in pkgutil.iter_modules(fdiag.__path__) if name != "_fdiag"]
+    if importlib.util.find_spec("sklearn") is None:
+        names.remove("sklearn")
     return ["fdiag", *(f"fdiag.{name}" for name in names)]
 
 

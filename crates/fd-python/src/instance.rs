@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use fd_sim::outside::{Contract, Instance, Lost, OutsideError, Start, by_steps};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use fd_sim::outside::{Contract, Instance, Lane, Lost, OutsideError, Start, by_steps};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{
     intern,
     prelude::*,
@@ -17,6 +17,7 @@ use crate::{
 
 /// An object with `reset` and `step`, or with `rollout`. The lock of the interpreter is held for each call.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]
 pub(crate) struct PythonInstance {
     name: String,
     object: Py<PyAny>,
@@ -28,6 +29,8 @@ pub(crate) struct PythonInstance {
     shows_states: bool,
     rolls_out: bool,
     takes_forces: bool,
+    /// Whether `rollout` takes stacked runs.
+    pub(crate) is_stacked: bool,
     troubles: Arc<Troubles>,
     /// For messages: where it stands.
     at: String,
@@ -52,6 +55,7 @@ impl PythonInstance {
             shows_states: contract.powers.states,
             rolls_out: contract.powers.rollout,
             takes_forces,
+            is_stacked: false,
             troubles,
             at: String::new(),
             samples: 0,
@@ -206,40 +210,105 @@ impl Instance for PythonInstance {
         y: &mut [f64],
         x: &mut [f64],
     ) -> Result<(), Lost> {
-        if !self.rolls_out {
-            // One lock for all steps.
-            return Python::attach(|_| by_steps(self, start, rows, samples, y, x));
+        if self.rolls_out {
+            return self.rollouts(samples, &mut [Lane { start, rows, y }]);
         }
+        // One lock for all steps.
+        Python::attach(|_| by_steps(self, start, rows, samples, y, x))
+    }
+
+    fn rollouts(&mut self, samples: usize, lanes: &mut [Lane<'_>]) -> Result<(), Lost> {
         self.check()?;
-        self.note_start(start);
+        if self.is_stacked {
+            self.stacked(samples, lanes)
+        } else {
+            lanes.iter_mut().try_for_each(|lane| self.alone(samples, lane))
+        }
+    }
+}
+
+/// Whole runs.
+impl PythonInstance {
+    /// Inputs, or forces, of a run, row by row.
+    fn part(&self, rows: &[f64], from: usize, width: usize) -> Vec<f64> {
+        let each = rows.chunks_exact((self.inputs + self.ports).max(1));
+        each.flat_map(|row| row[from..from + width].iter().copied()).collect()
+    }
+
+    fn outputs_wanted(&self, shape: &str) -> String {
+        format!("an array of shape [{shape}]: samples, outputs `{}`", self.outputs.join("`, `"))
+    }
+
+    /// One run in one call: dicts of numbers, and arrays `[samples, inputs]` and `[samples, ports]`.
+    fn alone(&mut self, samples: usize, lane: &mut Lane<'_>) -> Result<(), Lost> {
+        self.note_start(lane.start);
         let (nu, nf, ny) = (self.inputs, self.ports, self.outputs.len());
-        let part = |from: usize, width: usize| -> Vec<f64> {
-            let each = rows.chunks_exact((nu + nf).max(1));
-            each.flat_map(|row| row[from..from + width].iter().copied()).collect()
-        };
+        let (u, f) = (self.part(lane.rows, 0, nu), self.part(lane.rows, nu, nf));
         Python::attach(|py| {
             let arguments = || -> PyResult<Bound<'_, PyTuple>> {
-                let parameters = Self::named(py, &self.parameters, start.theta)?;
-                let states = Self::named(py, &self.states, start.x0)?;
-                let matrix =
-                    |values: Vec<f64>, width: usize| -> PyResult<Bound<'_, PyArray2<f64>>> {
-                        PyArray1::from_vec(py, values).reshape([samples, width])
-                    };
-                let u = matrix(part(0, nu), nu)?;
+                let parameters = Self::named(py, &self.parameters, lane.start.theta)?;
+                let states = Self::named(py, &self.states, lane.start.x0)?;
+                let u = PyArray1::from_vec(py, u).reshape([samples, nu])?;
                 if self.takes_forces {
-                    (parameters, states, u, matrix(part(nu, nf), nf)?).into_pyobject(py)
+                    let f = PyArray1::from_vec(py, f).reshape([samples, nf])?;
+                    (parameters, states, u, f).into_pyobject(py)
+                } else {
+                    (parameters, states, u).into_pyobject(py)
+                }
+            };
+            let arguments = arguments().map_err(|error| self.lost(py, "rollout", error))?;
+            let wanted = || self.outputs_wanted(&format!("{samples}, {ny}"));
+            self.call(py, intern!(py, "rollout"), &arguments, wanted, lane.y)
+        })?;
+        self.note_values(lane.y, "rollout", 0);
+        Ok(())
+    }
+
+    /// Several runs in one call: dicts of arrays `[runs]`, and arrays `[runs, samples, inputs]` and
+    /// `[runs, samples, ports]`.
+    fn stacked(&mut self, samples: usize, lanes: &mut [Lane<'_>]) -> Result<(), Lost> {
+        let Some(first) = lanes.first() else { return Ok(()) };
+        self.note_start(first.start);
+        let (nu, nf, ny) = (self.inputs, self.ports, self.outputs.len());
+        let runs = lanes.len();
+        let mut y = vec![0.0; runs * samples * ny];
+        let all = |from: usize, width: usize| -> Vec<f64> {
+            lanes.iter().flat_map(|lane| self.part(lane.rows, from, width)).collect()
+        };
+        let (u, f) = (all(0, nu), all(nu, nf));
+        Python::attach(|py| {
+            let named = |names: &[String], values: &dyn Fn(usize, usize) -> f64| {
+                let all = PyDict::new(py);
+                for (i, name) in names.iter().enumerate() {
+                    let column: Vec<f64> = (0..runs).map(|lane| values(lane, i)).collect();
+                    all.set_item(name, PyArray1::from_vec(py, column))?;
+                }
+                PyResult::Ok(all)
+            };
+            let arguments = || -> PyResult<Bound<'_, PyTuple>> {
+                let theta = |lane: usize, i: usize| lanes[lane].start.theta[i];
+                let x0 = |lane: usize, i: usize| lanes[lane].start.x0[i];
+                let parameters = named(&self.parameters, &theta)?;
+                let states = named(&self.states, &x0)?;
+                let u = PyArray1::from_vec(py, u).reshape([runs, samples, nu])?;
+                if self.takes_forces {
+                    let f = PyArray1::from_vec(py, f).reshape([runs, samples, nf])?;
+                    (parameters, states, u, f).into_pyobject(py)
                 } else {
                     (parameters, states, u).into_pyobject(py)
                 }
             };
             let arguments = arguments().map_err(|error| self.lost(py, "rollout", error))?;
             let wanted = || {
-                let names = self.outputs.join("`, `");
-                format!("an array of shape [{samples}, {ny}]: samples, outputs `{names}`")
+                self.outputs_wanted(&format!("{runs}, {samples}, {ny}")).replace("]: ", "]: runs, ")
             };
-            self.call(py, intern!(py, "rollout"), &arguments, wanted, y)
+            self.call(py, intern!(py, "rollout"), &arguments, wanted, &mut y)
         })?;
-        self.note_values(y, "rollout", 0);
+        for (lane, y) in lanes.iter_mut().zip(y.chunks_exact(samples * ny)) {
+            lane.y.copy_from_slice(y);
+            self.note_start(lane.start);
+            self.note_values(y, "rollout", 0);
+        }
         Ok(())
     }
 }

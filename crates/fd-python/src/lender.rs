@@ -18,6 +18,8 @@ pub(crate) struct Lender {
     pub(crate) object: Py<PyAny>,
     /// Whether its functions take forces.
     pub(crate) takes_forces: bool,
+    /// How many runs its `rollout` takes at once, stacked; `None` for one at a time.
+    pub(crate) stacked: Option<usize>,
     troubles: Arc<Troubles>,
 }
 
@@ -38,9 +40,10 @@ impl Lender {
         contract: Contract,
         object: Py<PyAny>,
         takes_forces: bool,
+        stacked: Option<usize>,
         troubles: Arc<Troubles>,
     ) -> Self {
-        Self { contract, object, takes_forces, troubles }
+        Self { contract, object, takes_forces, stacked, troubles }
     }
 }
 
@@ -56,7 +59,13 @@ impl Source for Lender {
             })
         })?;
         let troubles = Arc::clone(&self.troubles);
-        Ok(Box::new(PythonInstance::new(&self.contract, made, self.takes_forces, troubles)))
+        let mut instance = PythonInstance::new(&self.contract, made, self.takes_forces, troubles);
+        instance.is_stacked = self.stacked.is_some();
+        Ok(Box::new(instance))
+    }
+
+    fn lanes(&self) -> usize {
+        self.stacked.unwrap_or(1)
     }
 }
 

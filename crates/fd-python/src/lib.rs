@@ -5,6 +5,7 @@
 //! | `simulator` | a model text, or an object of Python, as what is diagnosed |
 //! | `lender`, `instance` | how an object of Python is asked for runs |
 //! | `study` | a gap study in threads of its own, which Ctrl-C stops |
+//! | `check` | whether a simulator is fit for that |
 //! | `settings`, `log` | what is asked, and arrays as logs |
 //! | `online` | trained pipelines, a sample or an array at a time |
 //! | `errors` | messages as exceptions |
@@ -16,6 +17,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "Python hands values over")]
 #![allow(clippy::type_complexity, reason = "tuples are taken apart on the side of Python")]
 
+mod check;
 mod errors;
 mod instance;
 mod lender;
@@ -38,6 +40,8 @@ fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<online::Trained>()?;
     module.add_class::<online::Pipeline>()?;
     module.add_function(wrap_pyfunction!(study::study, module)?)?;
+    module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(online::linear_channels, module)?)?;
     module.add_function(wrap_pyfunction!(settings::column_map, module)?)?;
     Ok(())
 }

@@ -277,3 +277,18 @@ impl Pipeline {
         snapshot.restore(&mut *self.open()).map_err(|error| input(py, &error))
     }
 }
+
+/// Names of the inputs and of the outputs of a linear model.
+#[pyfunction]
+#[pyo3(signature = (text, file, /))]
+pub(crate) fn linear_channels(
+    py: Python<'_>,
+    text: &str,
+    file: &str,
+) -> PyResult<(Vec<String>, Vec<String>)> {
+    let model = LinearModel::parse(file, text).map_err(|error| input(py, &error))?;
+    let names = |all: &[fd_model::file::ModelChannel]| -> Vec<String> {
+        all.iter().map(|c| c.channel.name.clone()).collect()
+    };
+    Ok((names(&model.inputs), names(&model.outputs)))
+}

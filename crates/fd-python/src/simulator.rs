@@ -35,13 +35,29 @@ enum Kind {
     /// A model file.
     Text(String),
     /// An object of Python.
-    Lent {
-        contract: Box<Contract>,
-        object: Py<PyAny>,
-        takes_forces: bool,
-        workers: usize,
-        equations: Option<String>,
-    },
+    Lent(Box<Lent>),
+}
+
+#[derive(Debug)]
+struct Lent {
+    contract: Contract,
+    object: Py<PyAny>,
+    takes_forces: bool,
+    workers: usize,
+    /// How many runs it takes at once, stacked.
+    stacked: Option<usize>,
+    /// Equations around it, with effects.
+    equations: Option<String>,
+}
+
+impl Lent {
+    fn started(&self, troubles: &Arc<Troubles>) -> Result<OutsideSimulator, OutsideError> {
+        let object = Python::attach(|py| self.object.clone_ref(py));
+        let (contract, troubles) = (self.contract.clone(), Arc::clone(troubles));
+        let lender =
+            Lender::new(contract.clone(), object, self.takes_forces, self.stacked, troubles);
+        OutsideSimulator::new(contract, lender, self.workers)
+    }
 }
 
 #[derive(Debug)]
@@ -68,13 +84,21 @@ impl Simulator {
     ) -> Result<Subject, GapError> {
         match &self.kind {
             Kind::Text(text) => Subject::of_text(request, text),
-            Kind::Lent { contract, object, takes_forces, workers, equations } => {
-                let object = Python::attach(|py| object.clone_ref(py));
-                let (troubles, takes_forces) = (Arc::clone(troubles), *takes_forces);
-                let lender = Lender::new((**contract).clone(), object, takes_forces, troubles);
-                let simulator = OutsideSimulator::new((**contract).clone(), lender, *workers)?;
-                Subject::lent(request, simulator, equations.as_deref())
+            Kind::Lent(lent) => {
+                Subject::lent(request, lent.started(troubles)?, lent.equations.as_deref())
             }
+        }
+    }
+
+    /// The simulator outside of this program that it is, started for whoever asks; `None` for equations.
+    pub(crate) fn started_anew(
+        &self,
+        subject: &Subject,
+        troubles: &Arc<Troubles>,
+    ) -> Result<Option<OutsideSimulator>, GapError> {
+        match &self.kind {
+            Kind::Text(_) => subject.started_anew(),
+            Kind::Lent(lent) => Ok(Some(lent.started(troubles)?)),
         }
     }
 
@@ -82,15 +106,19 @@ impl Simulator {
     pub(crate) fn with_text(&self, py: Python<'_>, text: &str, file: &str) -> Self {
         let kind = match &self.kind {
             Kind::Text(_) => Kind::Text(text.to_owned()),
-            Kind::Lent { contract, object, takes_forces, workers, .. } => Kind::Lent {
-                contract: contract.clone(),
-                object: object.clone_ref(py),
-                takes_forces: *takes_forces,
-                workers: *workers,
+            Kind::Lent(lent) => Kind::Lent(Box::new(Lent {
+                contract: lent.contract.clone(),
+                object: lent.object.clone_ref(py),
                 equations: Some(text.to_owned()),
-            },
+                ..**lent
+            })),
         };
         Self::new(kind, PathBuf::from(file))
+    }
+
+    /// How many inputs it has.
+    pub(crate) fn inputs(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.ready(py)?.subject.channels()[0].len())
     }
 
     fn ready(&self, py: Python<'_>) -> PyResult<Arc<Ready>> {
@@ -149,12 +177,14 @@ impl Simulator {
         object: Py<PyAny>,
         takes_forces: bool,
         workers: usize,
+        stacked: Option<usize>,
     ) -> PyResult<Self> {
         let stated: Stated = serde_json::from_str(stated).map_err(|error| input(py, &error))?;
         let name = stated.name.clone().unwrap_or_else(|| "simulator".to_owned());
         let contract = stated.contract(&format!("simulator `{name}`"));
-        let contract = Box::new(contract.map_err(|error: OutsideError| input(py, &error))?);
-        let kind = Kind::Lent { contract, object, takes_forces, workers, equations: None };
+        let contract = contract.map_err(|error: OutsideError| input(py, &error))?;
+        let lent = Lent { contract, object, takes_forces, workers, stacked, equations: None };
+        let kind = Kind::Lent(Box::new(lent));
         Ok(Self::new(kind, PathBuf::from(name)))
     }
 

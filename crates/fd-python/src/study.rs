@@ -3,7 +3,7 @@
 use std::{sync::Arc, time::Instant};
 
 use fdiag::gap_study::{GapStudy, Signals, Timing, Trace};
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
@@ -130,6 +130,23 @@ impl Study {
         });
         let role = format!("{role:?}").to_lowercase();
         Ok(Some((role, array(time), each.collect::<PyResult<_>>()?)))
+    }
+
+    /// Of the experiment that would tell the most: its place in the report's list, seconds between samples, and
+    /// inputs `[samples, inputs]` in the units of the model.
+    fn experiment<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<(usize, f64, Bound<'py, PyArray2<f64>>)>> {
+        let report = &self.study.report;
+        let Some(advice) = &report.advice else { return Ok(None) };
+        let tried = advice.tried.iter().enumerate();
+        let most = tried.max_by(|(_, a), (_, b)| a.least().total_cmp(&b.least()));
+        let Some(which) = advice.best.or(most.map(|(i, _)| i)) else { return Ok(None) };
+        let (ts, u) = (report.inputs.sample_time_s, &advice.tried[which].experiment.u);
+        let inputs = self.simulator.get().inputs(py)?;
+        let rows = PyArray1::from_slice(py, u).reshape([u.len() / inputs.max(1), inputs])?;
+        Ok(Some((which, ts, rows)))
     }
 
     /// What was asked of a simulator outside of Rust: runs asked for, made and made again, steps, deaths and runs

@@ -36,7 +36,8 @@ fn a_program_in_order_is_said_to_be_and_costed() {
         "fine    parameters: each of 2 moves an output",
         "fine    ports: each of 1 moves an output",
         "moves speed",
-        "for 10000 runs (pairs tried)",
+        " runs (at most)",
+        "for 10000 runs (thorough: pairs tried)",
         "\nIn order.\n",
     ] {
         assert!(said.contains(part), "{part} is not in:\n{said}");

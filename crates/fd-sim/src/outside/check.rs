@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::drive::Drive;
 use crate::simulate::{Run, Simulator, Tape};
 
 /// Relative change of a parameter between two runs that must differ smoothly.
@@ -44,7 +45,8 @@ pub struct Conformance {
     pub samples: usize,
     /// Time of a whole run in one call, in seconds.
     pub run: f64,
-    /// Time of a run step by step, with a look at the outputs before each step, in seconds.
+    /// Time of a run step by step, with a look at the outputs before each step, in seconds; NaN where the simulator
+    /// does not step.
     pub steps: f64,
     /// Relative differences of the second order between runs 1e-7 apart: the precision of its outputs.
     pub precision: f64,
@@ -58,17 +60,19 @@ impl Conformance {
     }
 
     /// Seconds that so many runs take with one worker: half of them in one call, half step by step, as a
-    /// diagnosis asks for them.
+    /// diagnosis asks for them of a simulator that steps.
     #[must_use]
-    pub fn cost(&self, runs: u32) -> f64 {
-        0.5 * f64::from(runs) * (self.run + self.steps)
+    pub fn cost(&self, runs: u64) -> f64 {
+        let steps = if self.steps.is_nan() { self.run } else { self.steps };
+        0.5 * runs as f64 * (self.run + steps)
     }
 }
 
-/// Runs through the same steps of random height, held for 10 to 40 samples, and what they are compared with.
+/// Runs through the same inputs, and what they are compared with.
 struct Bench<'a> {
     simulator: &'a mut dyn Simulator,
     samples: usize,
+    sizes: Vec<f64>,
     theta: Vec<f64>,
     x0: Vec<f64>,
     u: Vec<f64>,
@@ -99,12 +103,19 @@ struct Bench<'a> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn check(simulator: &mut dyn Simulator, samples: usize, amplitude: f64) -> Conformance {
-    let samples = samples.max(2);
-    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
+    let drive = Drive::random(samples.max(2), simulator.inputs().len(), amplitude);
+    check_driven(simulator, drive)
+}
+
+/// Checks a simulator with inputs of one's own, such as those of a log.
+pub fn check_driven(simulator: &mut dyn Simulator, drive: Drive) -> Conformance {
+    let Drive { samples, u, sizes, by_steps } = drive;
+    let nf = simulator.ports().len();
     let mut bench = Bench {
         theta: simulator.parameters().iter().map(|p| p.value).collect(),
         x0: simulator.initial().iter().map(|state| state.value).collect(),
-        u: excitation(samples, nu, amplitude),
+        u,
+        sizes,
         f: vec![0.0; samples * nf],
         findings: Vec::new(),
         simulator,
@@ -124,40 +135,19 @@ pub fn check(simulator: &mut dyn Simulator, samples: usize, amplitude: f64) -> C
         let begun = Instant::now();
         let again = bench.run(&theta, &x0);
         found.run = begun.elapsed().as_secs_f64();
-        let begun = Instant::now();
-        let stepped = bench.by_steps();
-        found.steps = begun.elapsed().as_secs_f64();
         bench.repeats(&base, &again);
-        bench.is_the_same_by_steps(&base, &stepped);
+        if by_steps {
+            let begun = Instant::now();
+            let stepped = bench.by_steps();
+            found.steps = begun.elapsed().as_secs_f64();
+            bench.is_the_same_by_steps(&base, &stepped);
+        }
         found.precision = bench.precision(&base);
         bench.parameters(&base);
-        bench.the_rest(&base, amplitude);
+        bench.the_rest(&base);
     }
     found.findings = bench.findings;
     found
-}
-
-/// Steps of random height for each input, from a generator of Lehmer's kind (S. K. Park, K. W. Miller,
-/// "Random number generators: good ones are hard to find", CACM 31 (1988) 1192).
-fn excitation(samples: usize, inputs: usize, amplitude: f64) -> Vec<f64> {
-    const MODULUS: u64 = 2_147_483_647;
-    let mut seed = 4711_u64;
-    let mut next = |low: f64, high: f64| {
-        seed = seed * 48_271 % MODULUS;
-        low + (high - low) * seed as f64 / MODULUS as f64
-    };
-    let mut u = vec![0.0; samples * inputs];
-    for i in 0..inputs {
-        let (mut level, mut until) = (0.0, 0.0);
-        for k in 0..samples {
-            if until <= k as f64 {
-                level = amplitude * next(-1.0, 1.0);
-                until = k as f64 + next(10.0, 40.0);
-            }
-            u[k * inputs + i] = level;
-        }
-    }
-    u
 }
 
 /// Largest difference of two series in parts of the largest value.
@@ -228,6 +218,17 @@ impl Bench<'_> {
             (Grade::Broken, text)
         };
         self.say("repeatability", grade, text);
+        // Both at once.
+        let mut both = [base.to_vec(), base.to_vec()];
+        let [y, second] = &mut both;
+        let mut runs = [Run::new(&theta, &x0, y), Run::new(&other, &x0, second)];
+        self.simulator.simulate_many(0, &self.u, &mut runs);
+        let side_by_side = apart(base, &both[0]);
+        if side_by_side != 0.0 {
+            let grade = if side_by_side <= ROUNDING { Grade::Doubt } else { Grade::Broken };
+            let text = format!("a run by itself and beside another differ by {side_by_side:.1e}");
+            self.say("several runs at once", grade, text);
+        }
     }
 
     fn is_the_same_by_steps(&mut self, base: &[f64], stepped: &[f64]) {
@@ -305,8 +306,10 @@ impl Bench<'_> {
     }
 
     /// Initial states, inputs and ports.
-    fn the_rest(&mut self, base: &[f64], amplitude: f64) {
+    fn the_rest(&mut self, base: &[f64]) {
         let (theta, u) = (self.theta.clone(), self.u.clone());
+        let force = TRIAL * self.sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
+        let force = if force == 0.0 { TRIAL } else { force };
         let mut dead = [Vec::new(), Vec::new(), Vec::new()];
         for i in 0..self.x0.len() {
             let mut x0 = self.x0.clone();
@@ -318,7 +321,7 @@ impl Bench<'_> {
         }
         let nu = self.simulator.inputs().len();
         for i in 0..nu {
-            self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += TRIAL * amplitude);
+            self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += TRIAL * self.sizes[i]);
             let x0 = self.x0.clone();
             if apart(base, &self.run(&theta, &x0)) == 0.0 {
                 dead[1].push(self.simulator.inputs()[i].name.clone());
@@ -328,7 +331,7 @@ impl Bench<'_> {
         let nf = self.simulator.ports().len();
         for i in 0..nf {
             let mut f = self.f.clone();
-            f.iter_mut().skip(i).step_by(nf).for_each(|f| *f = TRIAL * amplitude);
+            f.iter_mut().skip(i).step_by(nf).for_each(|f| *f = force);
             let mut y = vec![f64::NAN; base.len()];
             let run = Run::new(&theta, &self.x0, &mut y);
             self.simulator.replay(0, &mut [Tape { run, u: &self.u, f: &f }]);

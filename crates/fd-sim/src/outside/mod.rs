@@ -15,6 +15,7 @@
 
 mod check;
 mod contract;
+mod drive;
 mod error;
 mod file;
 #[cfg(feature = "fmu")]
@@ -35,11 +36,12 @@ pub use self::fmu::Fmu;
 #[cfg(unix)]
 pub use self::process::{PROTOCOL_VERSION, Process, serve, stated};
 pub use self::{
-    check::{Checked, Conformance, Grade, check},
+    check::{Checked, Conformance, Grade, check, check_driven},
     contract::{Contract, Entry, Motion, Powers, Stated},
+    drive::Drive,
     error::OutsideError,
     file::{OUTSIDE_KINDS, OutsideFile},
     simulator::OutsideSimulator,
-    source::{Instance, Lost, Source, Start, by_steps},
+    source::{Instance, Lane, Lost, Source, Start, by_steps},
     tally::Counts,
 };

@@ -1,5 +1,7 @@
 //! A simulator outside of this program, as a simulator.
 
+mod replay;
+
 use std::sync::Arc;
 
 use fd_model::{Channel, SampleTime};
@@ -365,21 +367,7 @@ impl Simulator for OutsideSimulator {
     }
 
     fn replay(&mut self, first: u64, tapes: &mut [Tape<'_>]) {
-        let (nu, nf, ny) = (self.inputs().len(), self.ports().len(), self.outputs().len());
-        let mut rows = Vec::new();
-        for Tape { run, u, f } in tapes {
-            let samples = run.y.len() / ny;
-            rows.clear();
-            for k in 0..samples {
-                rows.extend_from_slice(&u[k * nu..(k + 1) * nu]);
-                rows.extend_from_slice(&f[k * nf..(k + 1) * nf]);
-            }
-            self.start(run.theta, run.x0, first);
-            self.roll_out(&rows, samples, run.y);
-            (0..samples).all(|k| run.check(k, ny));
-            run.finish(ny);
-        }
-        self.rest();
+        replay::replay(self, first, tapes);
     }
 
     /// What it says, or what its outputs look like.

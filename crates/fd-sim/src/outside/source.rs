@@ -26,6 +26,17 @@ pub enum Lost {
     Broken(Box<OutsideError>),
 }
 
+/// One of several runs that are asked for at once.
+#[derive(Debug)]
+pub struct Lane<'a> {
+    /// Where it begins.
+    pub start: Start<'a>,
+    /// Inputs and forces, row by row.
+    pub rows: &'a [f64],
+    /// Outputs, row by row, to be written.
+    pub y: &'a mut [f64],
+}
+
 /// One running simulator. Rows are inputs and then forces of a sample; `x` has the states of the contract, or
 /// no entry where they cannot be seen.
 pub trait Instance: Debug + Send {
@@ -64,6 +75,17 @@ pub trait Instance: Debug + Send {
         x: &mut [f64],
     ) -> Result<(), Lost> {
         by_steps(self, start, rows, samples, y, x)
+    }
+
+    /// Whole runs of so many samples each; of a simulator that shows no states, and only as many as its source says.
+    ///
+    /// # Errors
+    ///
+    /// Returns why all of them are lost.
+    fn rollouts(&mut self, samples: usize, lanes: &mut [Lane<'_>]) -> Result<(), Lost> {
+        lanes
+            .iter_mut()
+            .try_for_each(|lane| self.rollout(lane.start, lane.rows, samples, lane.y, &mut []))
     }
 }
 
@@ -105,4 +127,9 @@ pub trait Source: Debug + Send + Sync {
     ///
     /// Returns why that is not possible.
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError>;
+
+    /// How many whole runs one of them takes in one call.
+    fn lanes(&self) -> usize {
+        1
+    }
 }

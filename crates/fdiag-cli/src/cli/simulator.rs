@@ -11,23 +11,19 @@ use std::{
 use clap::{Args, Subcommand};
 use fd_report::Table;
 use fdiag::{
-    gap_study::{Request, Subject},
-    model::{SampleTime, figure, unit::quantity},
+    gap_study::{Cost, Request, SimulatorCheck, Subject},
+    model::{SampleTime, figure},
     sim::{
         equation::Expr,
         outside::{
-            Conformance, Contract, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
-            check, serve, stated,
+            Checked, Contract, Drive, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
+            serve, stated,
         },
         simulate::EquationSimulator,
     },
 };
 
 use super::{failure::Failure, output::said};
-
-/// Numbers of runs that are reckoned with: a single cause, pairs, everything.
-const DIAGNOSES: [(u32, &str); 3] =
-    [(3_000, "one cause"), (10_000, "pairs tried"), (40_000, "none of the known causes")];
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulatorCommand {
@@ -102,26 +98,25 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
         }
     };
     let (contract, workers) = (simulator.contract().clone(), simulator.workers());
-    let mut simulator = simulator.without_memory();
-    let found = check(&mut simulator, args.samples as usize, args.amplitude);
-    let trouble = simulator.trouble();
-    let is_broken = found.worst() == Grade::Broken || trouble.is_some();
+    let inputs = contract.inputs.len();
+    let drive = Drive::random(args.samples as usize, inputs, args.amplitude);
+    let check = SimulatorCheck::of_outside(simulator, drive);
 
     let mut text = describe(&contract);
-    text += &findings(&contract, &found);
-    if let Some(trouble) = trouble {
+    text += &findings(&check);
+    if let Some(trouble) = &check.trouble {
         let _ = writeln!(text, "BROKEN: {trouble}");
     }
-    if found.run.is_finite() {
-        text += &cost(&found, workers);
+    if check.run.is_finite() {
+        text += &cost(&check, workers);
     }
-    text += match (is_broken, found.worst()) {
+    text += match (check.is_broken(), check.worst()) {
         (true, _) => "\nBroken: a diagnosis with this simulator would go wrong.\n",
         (_, Grade::Doubt) => "\nUsable, with the doubts above.\n",
         _ => "\nIn order.\n",
     };
     say(&text)?;
-    Ok(if is_broken { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if check.is_broken() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
 fn of_file(model: &Path) -> Result<Result<OutsideSimulator, OutsideError>, Failure> {
@@ -177,69 +172,42 @@ fn describe(contract: &Contract) -> String {
     text
 }
 
-fn findings(contract: &Contract, found: &Conformance) -> String {
+fn findings(check: &SimulatorCheck) -> String {
     let mut text = String::new();
-    let mut say = |grade: Grade, what: &str, finding: &str| {
+    for Checked { what, grade, text: finding } in &check.findings {
         let grade = match grade {
             Grade::Fine => "fine",
             Grade::Doubt => "DOUBT",
             Grade::Broken => "BROKEN",
         };
         let _ = writeln!(text, "{grade:6}  {what}: {finding}");
-    };
-    for finding in &found.findings {
-        say(finding.grade, finding.what, &finding.text);
-    }
-    let channels = contract.inputs.iter().chain(&contract.outputs);
-    let units = channels.map(|c| c.unit.as_str());
-    let units = units.chain(contract.parameters.iter().map(|p| p.unit.as_str()));
-    let mut unknown: Vec<&str> =
-        units.filter(|unit| *unit != "1" && quantity(unit).is_none()).collect();
-    unknown.sort_unstable();
-    unknown.dedup();
-    if unknown.is_empty() {
-        say(Grade::Fine, "units", "all of channels and parameters are known");
-    } else {
-        let list = unknown.join("`, `");
-        say(Grade::Fine, "units", &format!("`{list}` are not converted: logs must have the same"));
-    }
-    if contract.noise.iter().any(Option::is_none) {
-        say(Grade::Fine, "noise", "not stated of every output: it will be estimated");
-    }
-    if let Some(precision) = contract.powers.precision.filter(|p| 100.0 * p < found.precision) {
-        let text = format!("it says {precision:.0e}, and is {:.0e}", found.precision);
-        say(Grade::Doubt, "stated precision", &text);
-    }
-    if !contract.powers.deterministic {
-        say(Grade::Broken, "stated powers", "it says that the same run gives other numbers");
-    }
-    if !contract.powers.step && !contract.ports.is_empty() {
-        let text = "without steps no force can depend on the motion: friction, springs and stops are \
-                    not tried";
-        say(Grade::Doubt, "ports", text);
     }
     text
 }
 
-fn cost(found: &Conformance, workers: usize) -> String {
-    let n = found.samples as f64;
+fn cost(check: &SimulatorCheck, workers: usize) -> String {
     let mut text = format!(
-        "\nA run of {} samples takes {} ms in one call and {} ms by steps ({} us each).\n\
-         A diagnosis with logs of that length, with {workers} worker{}, takes about\n",
-        found.samples,
-        figure(1e3 * found.run),
-        figure(1e3 * found.steps),
-        figure(1e6 * found.steps / n),
+        "\nA run of {} samples takes {} ms in one call",
+        check.samples,
+        figure(1e3 * check.run),
+    );
+    if check.steps.is_finite() {
+        let each = figure(1e6 * check.steps / check.samples as f64);
+        let _ = write!(text, " and {} ms by steps ({each} us each)", figure(1e3 * check.steps));
+    }
+    let _ = writeln!(
+        text,
+        ".\nA diagnosis with logs of that length, with {workers} worker{}, takes about",
         if workers == 1 { "" } else { "s" },
     );
-    for (runs, what) in DIAGNOSES {
-        let seconds = found.cost(runs) / workers as f64;
-        let time = match seconds {
+    for Cost { what, runs, seconds } in &check.costs {
+        let time = match *seconds {
             s if s < 120.0 => format!("{} s", figure(s)),
             s if s < 7200.0 => format!("{} min", figure(s / 60.0)),
             s => format!("{} h", figure(s / 3600.0)),
         };
-        let _ = writeln!(text, "  {time} for {runs} runs ({what})");
+        let runs = runs.map_or_else(String::new, |runs| format!(" for {runs} runs"));
+        let _ = writeln!(text, "  {time}{runs} ({what})");
     }
     text
 }

@@ -19,6 +19,7 @@ mod patched;
 mod report;
 mod request;
 mod said;
+mod simulator_check;
 mod sparing;
 mod study;
 mod subject;
@@ -39,6 +40,7 @@ pub use self::{
         StudySettings, Timing, schema,
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
+    simulator_check::{Cost, SimulatorCheck},
     sparing::Sparing,
     study::{GapStudy, automatic_settings},
     subject::Subject,

@@ -80,6 +80,25 @@ pub(super) fn diagnose_sparing(
     Ok(Spared { diagnosis: diagnose(case, settings, monitor)?, sparing: None })
 }
 
+/// Runs that it takes to linearise a simulator.
+fn stand_in(simulator: &OutsideSimulator) -> u64 {
+    let moved = simulator.initial().len()
+        + simulator.inputs().len()
+        + simulator.ports().len()
+        + simulator.parameters().len();
+    2 + moved as u64
+}
+
+/// Runs that it takes to confirm what the linearised simulator proposes.
+fn confirm(effort: Effort) -> u64 {
+    ALWAYS + effort.causes as u64 * PER_CAUSE + effort.pairs as u64 * PER_PAIR
+}
+
+/// Most runs of a simulator that a diagnosis is planned with.
+pub(super) fn planned_runs(simulator: &OutsideSimulator) -> u64 {
+    stand_in(simulator) + confirm(Effort::default())
+}
+
 /// What runs of a simulator cost.
 struct Work {
     /// Seconds of a run through all logs, with all workers at work; 0 where it is not known yet.
@@ -95,14 +114,10 @@ impl Work {
         let samples: usize = case.logs.iter().map(Record::len).sum();
         let per_sample =
             case.logs.first().map_or(1.0, |log| log.ts().seconds() / simulator.ts().seconds());
-        let moved = simulator.initial().len()
-            + simulator.inputs().len()
-            + simulator.ports().len()
-            + simulator.parameters().len();
         let workers = simulator.workers() as f64;
         Self {
             seconds: per_step * samples as f64 * per_sample / workers,
-            stand_in: 2 + moved as u64,
+            stand_in: stand_in(simulator),
         }
     }
 
@@ -138,7 +153,7 @@ impl Work {
 
     fn tell(&self, effort: Effort, monitor: &dyn Monitor) {
         let Effort { causes, pairs } = effort;
-        let confirm = ALWAYS + causes as u64 * PER_CAUSE + pairs as u64 * PER_PAIR;
+        let confirm = confirm(effort);
         let seconds = self.seconds * (self.stand_in + confirm) as f64;
         if seconds < LONG {
             return;

@@ -187,7 +187,7 @@ impl Subject {
         let simulator = EquationSimulator::<f64>::at(self.model(), ts).map_err(simulate)?;
         let samples: usize = data.fit.iter().map(Record::len).sum();
         let steps = samples as f64 * simulator.substeps() as f64;
-        let [least, most] = STEP_MS.map(|ms| ms * steps / 3.6e6);
+        let [least, most] = seconds(steps).map(|seconds| seconds / 3600.0);
         let what = format!(
             "{samples} samples of {} integration steps each, {} to {} hours on one thread (fewer samples \
              or a longer `step` in the model take less; --yes begins it all the same)",
@@ -196,6 +196,25 @@ impl Subject {
             figure(most),
         );
         Ok(limits.check(Resource::Steps, what, steps)?)
+    }
+
+    /// Seconds that a diagnosis of so many samples takes on one thread, at least and at most; `None` where it is not
+    /// known.
+    pub(super) fn cost(&self, samples: usize, ts: SampleTime) -> Option<[f64; 2]> {
+        let is_text = self.engine.is_none() && self.outside.is_none();
+        let simulator = EquationSimulator::<f64>::at(self.model(), ts).ok().filter(|_| is_text)?;
+        Some(seconds(samples as f64 * simulator.substeps() as f64))
+    }
+
+    /// The same simulator outside of this program, started again and without a copy; `None` where there is no file
+    /// of one.
+    ///
+    /// # Errors
+    ///
+    /// Returns why it cannot be started.
+    pub fn started_anew(&self) -> Result<Option<OutsideSimulator>, GapError> {
+        let file = self.outside.as_ref().and_then(|outside| outside.file.as_ref());
+        Ok(file.map(OutsideFile::open).transpose()?)
     }
 
     /// The same subject with names for the terms of its sums, which are places for effects; `None` for the engine.
@@ -288,6 +307,11 @@ impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(self.model()))
     }
+}
+
+/// Seconds that a diagnosis takes for so many steps of integration, at least and at most.
+fn seconds(steps: f64) -> [f64; 2] {
+    STEP_MS.map(|ms| 1e-3 * ms * steps)
 }
 
 fn check_calibration(request: &Request) -> Result<(), GapError> {
