@@ -9,7 +9,7 @@ use super::{
 use crate::{
     diagnose::{Case, FittedValues, Settings, prepare, settle},
     fit::{FitError, Horizon, Log},
-    shrink::{closed, forecast_errors},
+    shrink::{closed, forecast_errors, with_free_starts},
 };
 
 /// The models that are compared, and how.
@@ -66,6 +66,7 @@ impl Judge<'_> {
         let logs = Log::held_out(case.held_out, problem.simulator(), case.logs, problem.plan())?;
         let values = FittedValues::of(problem, at);
         let simulator = problem.simulator();
+        let logs = with_free_starts(simulator, values.settled(), logs, self.sigma)?;
         let errors = forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
         Ok(errors.map(|errors| Refitted { errors, model: settle(model, problem, &at.z) }))
     }

@@ -36,6 +36,26 @@ pub(super) struct Forecast {
     /// As [`forecast_errors`] returns them.
     pub(super) errors: Vec<Vec<Vec<f64>>>,
     pub(super) segments: Vec<Segment>,
+    pub(super) begin: Begin,
+}
+
+/// What initial states were estimated from.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Begin {
+    /// Sum of squares that the estimate leaves, in sigma.
+    pub(super) squares: f64,
+    /// Measured values.
+    pub(super) samples: usize,
+    /// Initial states.
+    pub(super) unknowns: usize,
+}
+
+impl Forecast {
+    /// Mean square of what is forecast, in sigma.
+    pub(super) fn mean_square(&self) -> f64 {
+        let errors = || self.errors.iter().flatten().flatten().filter(|e| e.is_finite());
+        errors().map(|e| e * e).sum::<f64>() / errors().count().max(1) as f64
+    }
 }
 
 /// Forecast errors (simulated less measured) in units of sigma: per output, one signal per segment,
@@ -64,10 +84,14 @@ pub(super) fn forecast(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
-    let mut all = Forecast { errors: vec![Vec::new(); sigma.len()], segments: Vec::new() };
+    let (errors, segments) = (vec![Vec::new(); sigma.len()], Vec::new());
+    let mut all = Forecast { errors, segments, begin: Begin::default() };
     for (i, log) in logs.iter().enumerate() {
         let one = forecast_one(nominal, settled, log, horizon, sigma)?;
-        let Some(Forecast { errors, segments }) = one else { return Ok(None) };
+        let Some(Forecast { errors, segments, begin }) = one else { return Ok(None) };
+        all.begin.squares += begin.squares;
+        all.begin.samples += begin.samples;
+        all.begin.unknowns += begin.unknowns;
         all.errors.iter_mut().zip(errors).for_each(|(all, one)| all.extend(one));
         all.segments.extend(segments.iter().map(|segment| Segment { log: i, ..*segment }));
     }
@@ -83,7 +107,7 @@ pub(super) fn known_until(segment: &Segment, horizon: Horizon) -> usize {
     segment.from + (segment.to - segment.from).div_ceil(share)
 }
 
-fn forecast_one(
+pub(super) fn forecast_one(
     nominal: &dyn Simulator,
     settled: Settled<'_>,
     log: &Log,
@@ -118,6 +142,7 @@ fn forecast_one(
         let weights = Weights::white(sigma.to_vec());
         Problem::new(Arc::new(plan), simulator.boxed(), effects, weights)
     };
+    let (samples, unknowns) = (begun.measured(), begun.own_variables().count());
     let mut estimate = build(begun)?;
     let Layout { shared, .. } = *estimate.layout();
     let values: Vec<f64> = settled.effects.iter().map(|(_, value)| *value).collect();
@@ -130,11 +155,14 @@ fn forecast_one(
         begin.z[..shared].iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())),
         "only states move"
     );
+    // Without what the estimate pays for states that are far from where the model says.
+    let Some(left) = estimate.errors(&begin.z) else { return Ok(None) };
+    let squares = left.iter().flatten().flatten().filter(|e| e.is_finite()).map(|e| e * e).sum();
     let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
     for signals in &mut errors {
         for (signal, segment) in signals.iter_mut().zip(&segments) {
             signal[..known_until(segment, horizon) - segment.from].fill(f64::NAN);
         }
     }
-    Ok(Some(Forecast { errors, segments }))
+    Ok(Some(Forecast { errors, segments, begin: Begin { squares, samples, unknowns } }))
 }

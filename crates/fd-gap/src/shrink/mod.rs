@@ -5,12 +5,14 @@
 //! with its parameters refitted, which is the honest comparison, and that of the nominal one.
 
 mod baselines;
+mod begun;
 mod carried;
 mod contest;
 mod forecast;
 mod gap;
 mod horizons;
 
+pub(crate) use self::begun::with_free_starts;
 pub use self::{
     baselines::Baselines,
     contest::{Contest, Rules, contest},

@@ -20,8 +20,15 @@ pub(super) use self::{
     probabilities::Probabilities,
     starts::prefer,
 };
-use super::{context::Context, monitor::Stage, weigh::Weighed};
-use crate::fit::{FitError, Log};
+use super::{
+    context::Context,
+    monitor::Stage,
+    weigh::{Weighed, answer::Fit, values::FittedValues},
+};
+use crate::{
+    fit::{FitError, Log},
+    shrink::with_free_starts,
+};
 
 /// Judges by evidence, or by forecasts where nothing comes near the noise.
 pub(super) fn judge<'a>(
@@ -31,6 +38,13 @@ pub(super) fn judge<'a>(
     let Context { case, monitor, .. } = context;
     let base = &weighed.singles.base;
     let held_out = Log::held_out(case.held_out, base.simulator(), case.logs, base.plan())?;
+    let null = &weighed.singles.searched.null;
+    let values = match &weighed.best.fit {
+        Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),
+        None => FittedValues::of(&null.problem, &null.minimum),
+    };
+    let sigma = &weighed.singles.searched.noise.sigma;
+    let held_out = with_free_starts(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
     let judged = if weighed.is_far() {
         by_forecasts(weighed, &held_out, context)?

@@ -30,9 +30,13 @@ use super::{
         answer::Fit,
         explain::{explain, nominal_explanation},
         singles::Singles,
+        values::FittedValues,
     },
 };
-use crate::fit::{FitError, Log, Minimum, Problem};
+use crate::{
+    fit::{FitError, Log, Minimum, Problem},
+    shrink::with_free_starts,
+};
 
 /// Reports the best answer; the refitted model where there is no gap. What is reported is the simulator
 /// as it came in the `case`, with its loop closed, whatever the controller saw while causes were sought.
@@ -76,6 +80,11 @@ pub(super) fn report(
     let findings =
         findings(case.logs, &nominal, model.external_inputs().len(), &noise.stated, &refit.errors)?;
     let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
+    let values = match &fit {
+        Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),
+        None => FittedValues::of(&null.problem, &null.minimum).on(nominal.simulator()),
+    };
+    let logs = with_free_starts(nominal.simulator(), values.settled(), logs, &noise.sigma)?;
     let known = Noise { sigma: &noise.sigma, floors: &floor };
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
     context.monitor.advance();

@@ -16,6 +16,10 @@ use crate::gap_study::{
 
 /// Causes that are named when none stands out.
 const NAMED: usize = 3;
+/// Probability below which a candidate is not worth its name beside others …
+const LEAST: f64 = 0.01;
+/// … and from which "none of these" is one.
+const DOUBTED: f64 = 0.1;
 /// Share of what is left that "mostly" means.
 const MOSTLY: f64 = 0.7;
 /// Part of the bands beyond which "mostly" says nothing.
@@ -66,11 +70,17 @@ fn no_gap(report: &Report) -> String {
         let relative = 100.0 * (nuisance.value / nominal - 1.0);
         format!(" (most of all `{}`, by {relative:+.1} %)", nuisance.name)
     });
-    format!(
-        "No gap: with its parameters refitted within their tolerances{moved} the model explains \
-         the logs down to the noise ({}).",
-        p(report.diagnosis.no_gap)
-    )
+    let p = p(report.diagnosis.no_gap);
+    match words::missed(report) {
+        None => format!(
+            "No gap: with its parameters refitted within their tolerances{moved} the model explains \
+             the logs down to the noise ({p})."
+        ),
+        Some(missed) => format!(
+            "No gap in the fitted logs, which the model explains down to the noise with its parameters \
+             refitted within their tolerances{moved} ({p}); but {missed}."
+        ),
+    }
 }
 
 fn cause(report: &Report) -> String {
@@ -157,17 +167,26 @@ fn unclear(report: &Report) -> String {
             list(&against, "and")
         );
     }
-    let first = diagnosis.causes.iter().take(NAMED);
-    let names: Vec<String> =
-        first.map(|cause| format!("{} ({})", words::cause(cause), p(cause.probability))).collect();
+    let singles = diagnosis.causes.iter().map(|cause| (words::cause(cause), cause.probability));
+    let pairs = diagnosis.pairs.iter().map(|pair| (words::pair(pair), pair.probability));
+    let mut candidates: Vec<(String, f64)> = pairs.chain(singles).collect();
+    candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let least = candidates.first().map_or(0.0, |(_, first)| first.min(LEAST));
+    candidates.retain(|(_, probability)| least <= *probability);
+    let names = candidates.into_iter().take(NAMED).map(|(name, is)| format!("{name} ({})", p(is)));
+    let none = format!("none of the known effects ({})", p(diagnosis.none_of_these));
+    let none = (DOUBTED <= diagnosis.none_of_these).then_some(none);
+    let names: Vec<String> = names.chain(none).collect();
     let group = diagnosis.groups.first().filter(|group| {
         diagnosis.causes.first().is_some_and(|c| c.probability + 0.1 < group.probability)
     });
     let group = group.map_or_else(String::new, |group| {
         format!("; {} altogether has {}", words::group(group), p(group.probability))
     });
+    let missed =
+        words::missed(report).map_or_else(String::new, |missed| format!("; at best, {missed}"));
     format!(
-        "Unclear: no single cause stands out; candidates are {}, and no gap ({}){group}.",
+        "Unclear: no single cause stands out; candidates are {}, and no gap ({}){group}{missed}.",
         list(&names, "and"),
         p(diagnosis.no_gap)
     )

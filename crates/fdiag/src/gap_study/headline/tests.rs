@@ -202,10 +202,18 @@ fn none_and_nothing() {
     nothing.diagnosis.no_gap = 0.98;
     let mass = Nuisance { name: "m".into(), value: 2.03, deviation: 0.8 };
     nothing.diagnosis.best.nuisances = vec![mass];
+    let mut contradicted = nothing.clone();
     assert_eq!(
         headline(&nothing),
         "No gap: with its parameters refitted within their tolerances (most of all `m`, by +1.5 \
          %) the model explains the logs down to the noise (p = 0.98)."
+    );
+    contradicted.diagnosis.held_out[0].after = vec![3.3];
+    assert_eq!(
+        headline(&contradicted),
+        "No gap in the fitted logs, which the model explains down to the noise with its parameters \
+         refitted within their tolerances (most of all `m`, by +1.5 %) (p = 0.98); but held-out `y` \
+         is missed by 3.3 times the noise."
     );
 }
 
@@ -213,6 +221,7 @@ fn none_and_nothing() {
 fn unclear_says_what_is_clear() {
     let mut unclear = report(Verdict::Unclear);
     unclear.diagnosis.causes[0].probability = 0.4;
+    unclear.diagnosis.none_of_these = 0.05;
     unclear.diagnosis.groups = vec![Group {
         family: "friction",
         site: SiteRef::Force(0, "joint 2".to_owned()),
@@ -225,6 +234,14 @@ fn unclear_says_what_is_clear() {
         "Unclear: no single cause stands out; candidates are Coulomb friction at joint 2 (p = \
          0.40) and delay at input u (p = 0.02), and no gap (p = 0.20); friction at joint 2 \
          altogether has p = 0.70."
+    );
+    unclear.diagnosis.groups = Vec::new();
+    unclear.diagnosis.none_of_these = 0.5;
+    unclear.diagnosis.causes[1].probability = 1e-4;
+    assert_eq!(
+        headline(&unclear),
+        "Unclear: no single cause stands out; candidates are Coulomb friction at joint 2 (p = 0.40) \
+         and none of the known effects (p = 0.50), and no gap (p = 0.20)."
     );
 }
 

@@ -4,13 +4,13 @@ mod answer;
 mod defects;
 mod further;
 mod labels;
+mod missed;
 mod next_steps;
 mod numbers;
 mod objection;
 mod regions;
 mod units;
 
-pub(super) use self::next_steps::next_steps;
 pub use self::{
     answer::{cause, effect, estimate, group, pair, side, strength, with_strength},
     defects::{defect, time_policy},
@@ -21,3 +21,4 @@ pub use self::{
     regions::{region_of, region_on},
     units::shown,
 };
+pub(super) use self::{missed::missed, next_steps::next_steps};

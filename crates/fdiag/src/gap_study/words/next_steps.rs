@@ -5,6 +5,7 @@ use fd_gap::diagnose::{Objection, Verdict};
 use super::{
     further::advice,
     labels::{capital, list},
+    missed::missed,
 };
 use crate::gap_study::{report::Report, whole::Whole};
 use fd_model::figure;
@@ -13,19 +14,27 @@ use fd_model::figure;
 const LIFTABLE: &str = "position";
 /// Coherence of what is left with an input from which a law of that input may explain it.
 const COHERENT: f64 = 0.5;
+/// Part of a gap that a black box must remove for it to follow from the inputs.
+const FORETOLD: f64 = 0.1;
+/// Probability of "none of these" from which an unclear answer says what is left.
+const DOUBTED: f64 = 0.3;
 
 /// What to do next, the most useful first. Never empty when the answer is tied, unclear or none of these: the
 /// input, sensor, rate or line of the model that would decide, or the statement that none in reach would.
 pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let diagnosis = &report.diagnosis;
     let mut steps = Vec::new();
-    let said = report.advice.as_ref().map(|found| advice(found, diagnosis));
+    let is_open =
+        matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
+    // That two causes need not be told apart says nothing where none is believed.
+    let advised = report.advice.as_ref().filter(|found| !is_open || !found.between.is_empty());
+    let said = advised.map(|found| advice(found, diagnosis));
     steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
     steps.extend(diagnosis.objections.iter().filter_map(cure));
     steps.extend(report.whole.as_ref().and_then(unlike));
-    let is_open =
-        matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
-    if diagnosis.verdict == Verdict::NoneOfThese {
+    steps.extend(missed(report).map(fit_as_well));
+    let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
+    if diagnosis.verdict == Verdict::NoneOfThese || is_doubted {
         steps.extend(liftable(report));
         steps.push(of_what_is_left(report));
     }
@@ -37,6 +46,16 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
         );
     }
     steps
+}
+
+/// What to do about held-out data that contradict the fitted logs.
+fn fit_as_well(missed: String) -> String {
+    format!(
+        "{}, fitted logs are not: give the held-out log to `--log` as well and hold out another. It shows what the \
+         fitted ones do not, or begins elsewhere than the model says (then a wider `tolerance` of the initial \
+         states lets it).",
+        capital(&missed)
+    )
 }
 
 /// What would take an objection away.
@@ -108,6 +127,17 @@ fn liftable(report: &Report) -> Option<String> {
     })
 }
 
+/// What may be slow noise, of which the size is taken from its quick part as long as nobody states it.
+fn slow_noise(report: &Report) -> String {
+    let unstated = report.inputs.outputs.iter().find(|output| output.noise.is_none());
+    unstated.map_or_else(String::new, |output| {
+        format!(
+            " If it is slow noise of a sensor, state how much it has (`noise = …` of `{}`, a standard deviation).",
+            output.name
+        )
+    })
+}
+
 /// Where to look for an effect that nobody has listed.
 fn of_what_is_left(report: &Report) -> String {
     let spectra = report.location.spectra.iter();
@@ -115,7 +145,8 @@ fn of_what_is_left(report: &Report) -> String {
     let best = coherent.flat_map(|band| band.coherence.iter().flatten()).copied();
     let best = best.fold(0.0, f64::max);
     let ceiling = report.ceiling.as_ref().and_then(fd_gap::ceiling::Ceiling::share);
-    let is_known = ceiling.is_some_and(|closed| 0.0 < closed.interval[0]);
+    let is_known =
+        ceiling.is_some_and(|closed| 0.0 < closed.interval[0] && FORETOLD < closed.fraction);
     let place = report.location.places.iter().find(|place| !place.statement.is_empty());
     let place = place.map_or_else(String::new, |place| format!(" {}.", capital(&place.statement)));
     if is_known || COHERENT < best {
@@ -126,7 +157,8 @@ fn of_what_is_left(report: &Report) -> String {
     } else {
         format!(
             "What is left does not follow from the logged inputs: look for an input, a disturbance or a \
-             mode of operation that is not in the log, and log it.{place}"
+             mode of operation that is not in the log, and log it.{}{place}",
+            slow_noise(report)
         )
     }
 }

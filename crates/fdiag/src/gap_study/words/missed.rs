@@ -1,0 +1,21 @@
+//! What fitted logs explain and held-out logs contradict.
+
+use fd_model::figure;
+
+use crate::gap_study::report::Report;
+
+/// Times the noise from which a held-out output is missed: three quarters of the squares are then something else.
+const MISSED: f64 = 2.0;
+
+/// The output of held-out data that the answer misses most, and by how many times the noise, such as "held-out `y`
+/// is missed by 3.3 times the noise"; `None` where the fitted logs are missed as well, or nothing is.
+pub(in crate::gap_study) fn missed(report: &Report) -> Option<String> {
+    let held_out = report.diagnosis.held_out.first()?;
+    if report.diagnosis.is_unexplained {
+        return None;
+    }
+    let times = held_out.after.iter().zip(&held_out.floor).map(|(after, floor)| after / floor);
+    let worst = times.zip(&report.inputs.outputs).max_by(|a, b| a.0.total_cmp(&b.0));
+    let (times, output) = worst.filter(|(times, _)| MISSED < *times && times.is_finite())?;
+    Some(format!("held-out `{}` is missed by {} times the noise", output.name, figure(times)))
+}
