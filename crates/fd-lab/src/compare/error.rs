@@ -48,7 +48,7 @@ pub enum CompareError {
         /// Its name.
         scenario: String,
         /// Why.
-        error: EngineStudyError,
+        error: Box<EngineStudyError>,
     },
     /// The file of finished engines.
     #[error(transparent)]

@@ -52,7 +52,10 @@ impl Runs {
 impl<'a> Scene<'a> {
     pub(super) fn new(config: &'a CompareConfig, index: usize) -> Result<Self, CompareError> {
         let scenario: &Scenario = &config.scenarios[index];
-        let wrong = |error| CompareError::Scenario { scenario: scenario.name.clone(), error };
+        let wrong = |error| CompareError::Scenario {
+            scenario: scenario.name.clone(),
+            error: Box::new(error),
+        };
         let benchmark = Benchmark::new(config.engine(scenario)).map_err(wrong)?;
         let kinds = config.faults.kinds(benchmark.is_nonlinear());
         let scene = Self { config, index, kinds, benchmark, present: scenario.present.as_ref() };

@@ -32,7 +32,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     steps.extend(said.filter(|text| !text.is_empty()).map(|text| format!("{text}.")));
     steps.extend(diagnosis.objections.iter().filter_map(cure));
     steps.extend(report.whole.as_ref().and_then(unlike));
-    steps.extend(missed(report).map(fit_as_well));
+    steps.extend(missed(report).as_deref().map(fit_as_well));
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
     if diagnosis.verdict == Verdict::NoneOfThese || is_doubted {
         steps.extend(liftable(report));
@@ -49,12 +49,12 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
 }
 
 /// What to do about held-out data that contradict the fitted logs.
-fn fit_as_well(missed: String) -> String {
+fn fit_as_well(missed: &str) -> String {
     format!(
         "{}, fitted logs are not: give the held-out log to `--log` as well and hold out another. It shows what the \
          fitted ones do not, or begins elsewhere than the model says (then a wider `tolerance` of the initial \
          states lets it).",
-        capital(&missed)
+        capital(missed)
     )
 }
 
