@@ -1,7 +1,5 @@
 //! What fitted logs explain and held-out logs contradict.
 
-use fd_model::figure;
-
 use crate::gap_study::report::Report;
 
 /// Times the noise from which a held-out output is missed: three quarters of the squares are then something else.
@@ -17,5 +15,5 @@ pub(in crate::gap_study) fn missed(report: &Report) -> Option<String> {
     let times = held_out.after.iter().zip(&held_out.floor).map(|(after, floor)| after / floor);
     let worst = times.zip(&report.inputs.outputs).max_by(|a, b| a.0.total_cmp(&b.0));
     let (times, output) = worst.filter(|(times, _)| MISSED < *times && times.is_finite())?;
-    Some(format!("held-out `{}` is missed by {} times the noise", output.name, figure(times)))
+    Some(format!("held-out `{}` is missed by {times:.1} times the noise", output.name))
 }
