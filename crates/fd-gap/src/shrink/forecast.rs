@@ -155,13 +155,14 @@ pub(super) fn forecast_one(
         begin.z[..shared].iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())),
         "only states move"
     );
-    // Without what the estimate pays for states that are far from where the model says.
-    let Some(left) = estimate.errors(&begin.z) else { return Ok(None) };
-    let squares = left.iter().flatten().flatten().filter(|e| e.is_finite()).map(|e| e * e).sum();
     let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
+    // Without what the estimate pays for states that are far from where the model says.
+    let mut squares = 0.0;
     for signals in &mut errors {
         for (signal, segment) in signals.iter_mut().zip(&segments) {
-            signal[..known_until(segment, horizon) - segment.from].fill(f64::NAN);
+            let known = &mut signal[..known_until(segment, horizon) - segment.from];
+            squares += known.iter().filter(|e| e.is_finite()).map(|e| e * e).sum::<f64>();
+            known.fill(f64::NAN);
         }
     }
     Ok(Some(Forecast { errors, segments, begin: Begin { squares, samples, unknowns } }))
