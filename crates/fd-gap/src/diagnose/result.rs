@@ -53,6 +53,9 @@ pub struct Diagnosis {
     pub is_unexplained: bool,
     /// Whether the noise was found to be coloured.
     pub is_coloured: bool,
+    /// Outputs of which nobody states the noise, and whose slow errors count as noise because nothing that was
+    /// logged foretells them.
+    pub slow_noise: Vec<bool>,
     /// The nominal model as it came.
     pub nominal: Explanation,
     /// The nominal model with its parameters refitted.

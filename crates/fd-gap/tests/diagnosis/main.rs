@@ -24,3 +24,4 @@ mod quality;
 mod reading;
 mod reproduce;
 mod road;
+mod slow_noise;

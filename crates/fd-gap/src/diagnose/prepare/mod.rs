@@ -51,7 +51,8 @@ pub(crate) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, Fit
         (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
     let null = weighted_null_fit(&plan, &*simulator, &stated, &grids)?;
     let sigma = null.problem.weights().sigma.clone();
-    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma } })
+    let slow = vec![false; sigma.len()];
+    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma, slow } })
 }
 
 /// The model with the integration step that it has with its nominal parameters, whatever they will

@@ -20,18 +20,23 @@ pub(in crate::diagnose) struct KnownNoise {
     pub(in crate::diagnose) grids: Vec<Option<f64>>,
     /// What residuals are measured in, in the unit of the output.
     pub(in crate::diagnose) sigma: Vec<f64>,
+    /// Whether the noise of an output, which nobody states, is slow: what is left of it has a colour, and nothing
+    /// that is known foretells it.
+    pub(in crate::diagnose) slow: Vec<bool>,
 }
 
 impl KnownNoise {
     /// The noise of each output as an unknown, in units of sigma.
     pub(in crate::diagnose) fn priors(&self, is_coloured: bool) -> Vec<NoisePrior> {
-        let of = |((stated, sigma), grid): ((&Option<f64>, &f64), &Option<f64>)| {
-            let is_coarse = grid.is_some_and(|step| COARSE * sigma < step);
-            let prior = NoisePrior::white(NOISE_SPREAD[usize::from(stated.is_none())]);
+        let of = |c: usize| {
+            let (stated, sigma) = (self.stated[c], self.sigma[c]);
+            let is_coarse = self.grids[c].is_some_and(|step| COARSE * sigma < step);
+            let spread = NOISE_SPREAD[usize::from(stated.is_none())];
             let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
-            NoisePrior { centre, ..prior }.coloured(is_coloured && !is_coarse)
+            let is_coloured = is_coloured && (!is_coarse || self.slow[c]);
+            NoisePrior { centre, ..NoisePrior::white(spread) }.coloured(is_coloured)
         };
-        self.stated.iter().zip(&self.sigma).zip(&self.grids).map(of).collect()
+        (0..self.sigma.len()).map(of).collect()
     }
 
     /// What rounding to the grid of an output makes of errors at least, in sigma: a log in steps of `q` has
@@ -61,6 +66,8 @@ impl KnownNoise {
             let stated = self.stated[c];
             let floor = if let Some(stated) = stated {
                 (stated / self.sigma[c]).max(1.0)
+            } else if self.slow[c] {
+                gaps[c].max(f64::MIN_POSITIVE)
             } else {
                 let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
                 found.max(self.of_rounding(c))

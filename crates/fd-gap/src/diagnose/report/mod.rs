@@ -24,6 +24,7 @@ use super::{
         sides,
     },
     objection::Objection,
+    prepare::noise::KnownNoise,
     result::{Cause, Diagnosis, NotTested, Verdict},
     search::searched::Searched,
     weigh::{
@@ -34,9 +35,12 @@ use super::{
     },
 };
 use crate::{
-    fit::{FitError, Log, Minimum, Problem},
+    fit::{FitError, Log, Minimum, Problem, Weights},
     shrink::with_free_starts,
 };
+
+/// Innovation, as a fraction of the noise, below which noise is slow: neighbouring samples show less than half of it.
+const SLOW: f64 = 0.5;
 
 /// Reports the best answer; the refitted model where there is no gap. What is reported is the simulator
 /// as it came in the `case`, with its loop closed, whatever the controller saw while causes were sought.
@@ -89,6 +93,7 @@ pub(super) fn report(
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
     context.monitor.advance();
 
+    let slow_noise = is_slow(&noise, null.problem.weights());
     let mut causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
     let NamedPairs { mut pairs, tied: tied_pairs, .. } = pairs;
     let named: Vec<&Cause> = match (verdict, pairs.first()) {
@@ -126,12 +131,19 @@ pub(super) fn report(
         sigma: noise.sigma,
         floor,
         is_coloured,
+        slow_noise,
         objections,
         held_out,
         findings,
         not_tested,
         simulations,
     })
+}
+
+/// For which outputs noise of unknown size was taken to be slow.
+fn is_slow(noise: &KnownNoise, weights: &Weights) -> Vec<bool> {
+    let is_wandering = weights.colour.iter().map(|colour| colour.innovation() < SLOW);
+    noise.slow.iter().zip(is_wandering).map(|(is_slow, wanders)| *is_slow && wanders).collect()
 }
 
 /// What could not be tried: refused, not simulated, or without a trace in the measurement.

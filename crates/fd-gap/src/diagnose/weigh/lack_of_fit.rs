@@ -1,9 +1,6 @@
 //! What an answer leaves of the gap, and how much of that may be noise.
 
-use super::{
-    answer::Answer,
-    leftover::{Known, leftover},
-};
+use super::{answer::Answer, known::Known, leftover::leftover};
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Leftover},
     fit::Problem,
@@ -38,8 +35,9 @@ pub(super) fn lack_of_fit(
             let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);
             let floor = noise_floor(&answer.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
             let floor = floor.max(noise.of_rounding(c));
-            // Slow noise of the stated size is noise, whatever its innovation.
-            let slow = stated.filter(|_| is_coloured).map(|stated| gaps[c].min(stated));
+            // Slow noise of the stated size is noise, whatever its innovation; where none is stated, of any size.
+            let largest = if noise.slow[c] { Some(f64::INFINITY) } else { stated };
+            let slow = largest.filter(|_| is_coloured).map(|largest| gaps[c].min(largest));
             slow.map_or(floor, |slow| floor.max(slow))
         })
         .collect();

@@ -1,27 +1,18 @@
 //! What the best explanation leaves: is it noise of the stated kind?
 
-use super::colour::COLOURED;
+use super::{
+    colour::COLOURED,
+    known::{Known, signals},
+};
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Leftover},
     evidence::{NoisePrior, likelihood},
-    fit::{Problem, Segment},
-    quality::{Signal, passes_at_once, pattern},
+    quality::pattern,
 };
 
 /// Noise that is stronger than stated and has a colour that was not stated either is doubted sooner
 /// than white noise, by this factor of the spread.
 const SHARP: f64 = 0.4;
-
-/// Signals that residuals may depend on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known<'a> {
-    /// Its logs have the inputs, cut as the errors are.
-    pub(super) problem: &'a Problem,
-    /// How many of them, from the first, come from outside.
-    pub(super) inputs: usize,
-    /// Simulated outputs of each log.
-    pub(super) outputs: &'a [Vec<f64>],
-}
 
 /// What the errors of an explanation (in sigma) hold beyond noise. `gaps` are those of the
 /// refitted model and of the explanation, per output, and `floor` is that of the noise.
@@ -64,29 +55,4 @@ fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
     let chance = 0.5 / (n * innovation * innovation);
     let spread = (chance + (prior.spread * SHARP).powi(2)).sqrt();
     if is_raised { NoisePrior { spread, ..prior }.cost(scale.ln()) } else { 0.0 }
-}
-
-/// Inputs of the logs and outputs of the simulation, cut as the errors are.
-///
-/// A logged command may have been made from the measurement of its own sample, by a controller that nobody
-/// knows: it is a cause of nothing before the next sample. Nor is an output that passes it on at once.
-fn signals(Known { problem, inputs, outputs }: Known<'_>) -> Vec<Signal> {
-    let plan = problem.plan();
-    let (Some(first), segments) = (plan.logs.first(), plan.segments()) else { return Vec::new() };
-    let column = |rows: &[f64], width: usize, i: usize, from: usize, to: usize| -> Vec<f64> {
-        (from..to).map(|k| rows[k * width + i]).collect()
-    };
-    let of_all = |rows: &dyn Fn(&Segment) -> Vec<f64>| segments.iter().map(rows).collect();
-    // A controller on logged outputs is such a way at once, too.
-    let is_logged_loop = inputs < first.nu;
-    let at_once = passes_at_once(problem.simulator(), first);
-    let inputs = (0..inputs.min(first.nu)).map(|i| {
-        let values = of_all(&|s: &Segment| column(&plan.logs[s.log].u, first.nu, i, s.from, s.to));
-        Signal { values, earliest: 1 }
-    });
-    let outputs = (0..first.ny).map(|i| {
-        let values = of_all(&|s: &Segment| column(&outputs[s.log], first.ny, i, s.from, s.to));
-        Signal { values, earliest: usize::from(is_logged_loop || at_once[i]) }
-    });
-    inputs.chain(outputs).collect()
 }

@@ -4,6 +4,7 @@ pub(super) mod answer;
 mod colour;
 pub(super) mod explain;
 mod gaussian;
+mod known;
 pub(super) mod lack_of_fit;
 mod leftover;
 pub(super) mod measurement;
@@ -13,6 +14,7 @@ mod pairs;
 pub(super) mod priors;
 pub(super) mod rank;
 pub(super) mod singles;
+mod slow;
 mod stronger_noise;
 mod teach;
 pub(super) mod values;
@@ -25,6 +27,7 @@ use self::{
     pairs::seek_pairs,
     rank::Basis,
     singles::{Singles, weigh_singles},
+    slow::with_slow,
     teach::taught_by,
 };
 use super::{
@@ -71,12 +74,31 @@ pub(super) fn weigh<'a>(
     searched: Searched<'a>,
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
-    let left = searched.best_errors()?;
+    let (searched, left) = slow_then_left(searched, context.settings.finalists)?;
     if searched.noise.reach(&left) <= NEAR {
         colour_then_pairs(searched, &left, context)
     } else {
         pairs_then_colour(searched, left, context)
     }
+}
+
+/// What the best single fit leaves, once outputs with slow noise of unknown size have that noise: as long as it
+/// counts as a gap, it leads the fits of all other outputs astray.
+fn slow_then_left(
+    searched: Searched<'_>,
+    finalists: usize,
+) -> Result<(Searched<'_>, Vec<Vec<Vec<f64>>>), FitError> {
+    let left = searched.best_errors()?;
+    let searched = Searched { noise: with_slow(&searched, &left)?, ..searched };
+    if !searched.noise.slow.contains(&true) || searched.noise.reach(&left) <= NEAR {
+        return Ok((searched, left));
+    }
+    let Some(weights) = colour_of(&searched, &searched.noise, &left) else {
+        return Ok((searched, left));
+    };
+    let searched = with_colour(searched, &weights, finalists)?;
+    let left = searched.best_errors()?;
+    Ok((Searched { noise: with_slow(&searched, &left)?, ..searched }, left))
 }
 
 /// The noise takes the colour of what the best single fit leaves; pairs are tried if something is
@@ -87,7 +109,7 @@ fn colour_then_pairs<'a>(
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
     let settings = context.settings;
-    let searched = match colour_of(&searched, left) {
+    let searched = match colour_of(&searched, &searched.noise, left) {
         Some(weights) => with_colour(searched, &weights, settings.finalists)?,
         None => searched,
     };
@@ -104,9 +126,11 @@ fn pairs_then_colour<'a>(
     let white = with_pairs(weigh_singles(searched, context)?, context)?;
     let answer = white.pairs.first().and_then(FittedPair::answer);
     let left = answer.map_or(left, |answer| answer.errors);
+    let noise = with_slow(&white.singles.searched, &left)?;
     let searched = &white.singles.searched;
-    let Some(weights) = colour_of(searched, &left) else { return Ok(white) };
-    let searched = with_colour(white.singles.searched, &weights, context.settings.finalists)?;
+    let Some(weights) = colour_of(searched, &noise, &left) else { return Ok(white) };
+    let searched = Searched { noise, ..white.singles.searched };
+    let searched = with_colour(searched, &weights, context.settings.finalists)?;
     with_pairs(weigh_singles(searched, context)?, context)
 }
 

@@ -71,14 +71,17 @@ fn no_gap(report: &Report) -> String {
         format!(" (most of all `{}`, by {relative:+.1} %)", nuisance.name)
     });
     let p = p(report.diagnosis.no_gap);
+    let slow = words::slow_noise(report);
+    let slow =
+        slow.map_or_else(String::new, |slow| format!(", if what wanders in {slow} is noise"));
     match words::missed(report) {
         None => format!(
             "No gap: with its parameters refitted within their tolerances{moved} the model explains \
-             the logs down to the noise ({p})."
+             the logs down to the noise ({p}){slow}."
         ),
         Some(missed) => format!(
             "No gap in the fitted logs, which the model explains down to the noise with its parameters \
-             refitted within their tolerances{moved} ({p}); but {missed}."
+             refitted within their tolerances{moved} ({p}){slow}; but {missed}."
         ),
     }
 }

@@ -82,6 +82,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         floor: vec![1.0],
         is_unexplained: false,
         is_coloured: false,
+        slow_noise: vec![false],
         nominal: explanation(),
         refit: explanation(),
         best: explanation(),

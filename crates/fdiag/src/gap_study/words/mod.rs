@@ -9,6 +9,7 @@ mod next_steps;
 mod numbers;
 mod objection;
 mod regions;
+mod slow_noise;
 mod units;
 
 pub use self::{
@@ -21,4 +22,4 @@ pub use self::{
     regions::{region_of, region_on},
     units::shown,
 };
-pub(super) use self::{missed::missed, next_steps::next_steps};
+pub(super) use self::{missed::missed, next_steps::next_steps, slow_noise::slow_noise};

@@ -6,6 +6,7 @@ use super::{
     further::advice,
     labels::{capital, list},
     missed::missed,
+    slow_noise::slow_noise,
 };
 use crate::gap_study::{report::Report, whole::Whole};
 use fd_model::figure;
@@ -33,6 +34,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     steps.extend(diagnosis.objections.iter().filter_map(cure));
     steps.extend(report.whole.as_ref().and_then(unlike));
     steps.extend(missed(report).as_deref().map(fit_as_well));
+    steps.extend(slow_noise(report).as_deref().map(state_it));
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
     if diagnosis.verdict == Verdict::NoneOfThese || is_doubted {
         steps.extend(liftable(report));
@@ -46,6 +48,14 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
         );
     }
     steps
+}
+
+/// What was taken for noise, and how to say otherwise.
+fn state_it(slow: &str) -> String {
+    format!(
+        "What wanders slowly in {slow} counts as noise, since nothing that was logged foretells it: if the sensor is \
+         better than that, say so (`noise = …`, a standard deviation), and it is a gap."
+    )
 }
 
 /// What to do about held-out data that contradict the fitted logs.
@@ -128,7 +138,7 @@ fn liftable(report: &Report) -> Option<String> {
 }
 
 /// What may be slow noise, of which the size is taken from its quick part as long as nobody states it.
-fn slow_noise(report: &Report) -> String {
+fn unstated_noise(report: &Report) -> String {
     let unstated = report.inputs.outputs.iter().find(|output| output.noise.is_none());
     unstated.map_or_else(String::new, |output| {
         format!(
@@ -158,7 +168,7 @@ fn of_what_is_left(report: &Report) -> String {
         format!(
             "What is left does not follow from the logged inputs: look for an input, a disturbance or a \
              mode of operation that is not in the log, and log it.{}{place}",
-            slow_noise(report)
+            unstated_noise(report)
         )
     }
 }

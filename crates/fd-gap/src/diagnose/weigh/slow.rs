@@ -1,0 +1,35 @@
+//! Slow noise of which nobody states the size.
+//!
+//! Differences of neighbouring samples show how strong white noise is. Of slow noise they show next to nothing: a
+//! road under a car, wind on a yaw rate, a process that wanders. What tells it from a gap is that nothing that is
+//! known foretells it: neither inputs of the past nor what the simulation does. What a missing effect leaves follows
+//! them, nearly always.
+//!
+//! *When not to use:* where the model states the noise. Then its size says what is too much.
+
+use super::{
+    SOMETHING,
+    known::{Known, signals},
+};
+use crate::{
+    diagnose::{prepare::noise::KnownNoise, search::searched::Searched},
+    fit::FitError,
+    quality::pattern,
+};
+
+/// The noise, with what is known after the best explanation of a search has `left` errors (in sigma): for which
+/// outputs they are noise of any size and colour.
+pub(super) fn with_slow(
+    searched: &Searched<'_>,
+    left: &[Vec<Vec<f64>>],
+) -> Result<KnownNoise, FitError> {
+    let mut noise = searched.noise.clone();
+    let mut problem = searched.null.problem.clone();
+    let outputs = problem.outputs(&searched.null.minimum.z).ok_or(FitError::Diverged)?;
+    let inputs = searched.model.external_inputs().len();
+    let signals = signals(Known { problem: &problem, inputs, outputs: &outputs });
+    for (c, errors) in left.iter().enumerate() {
+        noise.slow[c] |= noise.stated[c].is_none() && pattern(errors, &signals) < SOMETHING;
+    }
+    Ok(noise)
+}
