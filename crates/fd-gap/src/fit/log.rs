@@ -128,7 +128,8 @@ impl Log {
         let each = records.iter().enumerate().map(|(i, record)| {
             let row = Some(next);
             next += record.len();
-            Ok(Self { row, ..Self::new(record, simulator, i + 1)?.continuing(record, earlier) })
+            let log = Self::new(record, simulator, i + 1)?.without_still_outputs();
+            Ok(Self { row, ..log.continuing(record, earlier) })
         });
         each.collect()
     }
@@ -158,6 +159,23 @@ impl Log {
         if let Some(before) = earlier.iter().find(|e| record.continues(e)) {
             self.first = before.samples_before() + before.len();
             self.is_in_motion = true;
+        }
+        self
+    }
+
+    /// The same log without outputs that stand still beside others that move: what a sensor in coarse steps, or a
+    /// broken one, has not shown is no measurement of the plant.
+    fn without_still_outputs(mut self) -> Self {
+        let moves = |c: usize| {
+            let mut values = self.y.iter().skip(c).step_by(self.ny).filter(|v| v.is_finite());
+            let first = values.next();
+            values.any(|value| Some(value) != first)
+        };
+        let moving: Vec<bool> = (0..self.ny).map(moves).collect();
+        if moving.contains(&true) {
+            for (c, _) in moving.iter().enumerate().filter(|(_, moves)| !**moves) {
+                self.y.iter_mut().skip(c).step_by(self.ny).for_each(|value| *value = f64::NAN);
+            }
         }
         self
     }

@@ -30,13 +30,17 @@ impl KnownNoise {
     pub(in crate::diagnose) fn priors(&self, is_coloured: bool) -> Vec<NoisePrior> {
         let of = |c: usize| {
             let (stated, sigma) = (self.stated[c], self.sigma[c]);
-            let is_coarse = self.grids[c].is_some_and(|step| COARSE * sigma < step);
             let spread = NOISE_SPREAD[usize::from(stated.is_none())];
             let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
-            let is_coloured = is_coloured && (!is_coarse || self.slow[c]);
-            NoisePrior { centre, ..NoisePrior::white(spread) }.coloured(is_coloured)
+            NoisePrior { centre, ..NoisePrior::white(spread) }
+                .coloured(is_coloured && !self.is_coarse(c))
         };
         (0..self.sigma.len()).map(of).collect()
+    }
+
+    /// Whether an output lies on a grid that is coarse beside its noise.
+    pub(in crate::diagnose) fn is_coarse(&self, output: usize) -> bool {
+        self.grids[output].is_some_and(|step| COARSE * self.sigma[output] < step)
     }
 
     /// What rounding to the grid of an output makes of errors at least, in sigma: a log in steps of `q` has

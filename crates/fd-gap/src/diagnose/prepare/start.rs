@@ -18,8 +18,10 @@ pub(in crate::diagnose) const SURE: f64 = 10.0;
 /// Part of a log within which a start is forgotten …
 const BEGINNING: f64 = 1.0 / 3.0;
 /// … and the share of the gain that must lie there. What a free start gains all along the log, as the
-/// offset of an integrator does, may as well be an effect.
+/// offset of an integrator does, may as well be an effect …
 const AT_THE_BEGINNING: f64 = 0.8;
+/// … unless free starts alone come this near to the noise: what hardly damps never forgets how it began.
+const DOWN_TO: f64 = 1.5;
 
 /// The same logs with free starts, if their beginnings speak for motion: an F-test of what the free starts of
 /// the model without any effect gain, which need not come near the noise.
@@ -71,5 +73,6 @@ fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
     let unknowns = free.problem.plan().own_variables().count() as f64;
     let gain = before[1] - after[1];
     let is_early = AT_THE_BEGINNING * gain < before[0] - after[0];
-    is_early && unknowns * (n.ln() + SURE) * after[1] < n * gain
+    let is_all = after[1] < DOWN_TO * DOWN_TO * n;
+    (is_early || is_all) && unknowns * (n.ln() + SURE) * after[1] < n * gain
 }

@@ -26,6 +26,8 @@ const NEIGHBOURS: usize = 2;
 const MOST: f64 = 0.3;
 /// Innovations, in their spread, that count as wide.
 const WIDE: f64 = 4.0;
+/// Innovation of noise, as a fraction of it, below which what a wide one does lasts: no single sample is wrong then.
+const SHORT: f64 = 0.5;
 /// Wide ones so many samples after another are one burst.
 const BURST: usize = 3;
 
@@ -46,9 +48,9 @@ pub(super) struct Outliers {
 impl Outliers {
     /// Weighs outliers by errors in sigma; `None` without data.
     pub(super) fn of(signals: &[Vec<f64>], prior: NoisePrior) -> Option<Self> {
-        let wide = Self::innovational(signals, prior)?;
+        let wide = Self::innovational(signals, prior);
         let alone = if prior.is_coloured { Self::additive(signals, prior) } else { None };
-        Some(alone.filter(|alone| wide.gain < alone.gain).unwrap_or(wide))
+        [wide, alone].into_iter().flatten().max_by(|a, b| a.gain.total_cmp(&b.gain))
     }
 
     /// The errors without the wrong samples.
@@ -61,7 +63,7 @@ impl Outliers {
     /// A share of the innovations is much wider than the rest.
     fn innovational(signals: &[Vec<f64>], prior: NoisePrior) -> Option<Self> {
         let found = gaussian(signals, prior);
-        let colour = found.colour.first()?;
+        let colour = found.colour.first().filter(|colour| SHORT < colour.innovation())?;
         let (mut innovations, mut all, mut spreads) = (Vec::new(), Vec::new(), 0.0);
         for signal in signals {
             let mut white = vec![0.0; signal.len()];

@@ -5,7 +5,8 @@
 //! known foretells it: neither inputs of the past nor what the simulation does. What a missing effect leaves follows
 //! them, nearly always.
 //!
-//! *When not to use:* where the model states the noise. Then its size says what is too much.
+//! *When not to use:* where the model states the noise, as then its size says what is too much; and on a coarse grid,
+//! of which the rounding errors are no noise of a filter.
 
 use super::{
     SOMETHING,
@@ -29,7 +30,8 @@ pub(super) fn with_slow(
     let inputs = searched.model.external_inputs().len();
     let signals = signals(Known { problem: &problem, inputs, outputs: &outputs });
     for (c, errors) in left.iter().enumerate() {
-        noise.slow[c] |= noise.stated[c].is_none() && pattern(errors, &signals) < SOMETHING;
+        let may_be = noise.stated[c].is_none() && !noise.is_coarse(c);
+        noise.slow[c] |= may_be && pattern(errors, &signals) < SOMETHING;
     }
     Ok(noise)
 }
