@@ -117,6 +117,7 @@
 //! | when second causes are tried, and when noise gets a colour | `weigh/mod.rs`, `weigh/colour.rs` |
 //! | what must speak for a pair before it is preferred | `weigh/answer.rs` (`choose`) |
 //! | a corrupted measurement: outliers, rounding, more noise | `weigh/measurement.rs` |
+//! | single wrong samples, which are left out | `accidents.rs`, [`quality`](mod@crate::quality) |
 //! | what a good explanation may leave | `weigh/leftover.rs`, `weigh/lack_of_fit.rs` |
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
 //! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
@@ -129,6 +130,7 @@
 //!
 //! `docs/constants.md` lists the numbers in these rules, with what is known of how they were set.
 
+mod accidents;
 mod candidates;
 mod case;
 mod context;
@@ -144,6 +146,7 @@ mod settings;
 mod weigh;
 
 use self::{
+    accidents::Accidents,
     candidates::Candidates,
     context::Context,
     feedback::Feedback,
@@ -210,6 +213,16 @@ pub fn diagnose(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Diagnosis, FitError> {
+    once(case, settings, monitor, false)
+}
+
+/// One diagnosis, and another one without single wrong samples if it shows any, unless the logs are `clean` of them.
+fn once(
+    case: &Case<'_>,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+    clean: bool,
+) -> Result<Diagnosis, FitError> {
     let feedback = Feedback::of(case, settings.horizon);
     let candidates = Candidates::of(case.suspects);
     let logged = feedback.case(case);
@@ -222,7 +235,15 @@ pub fn diagnose(
         Some(free) => prefer(stated, judged(free, &context)?),
         None => stated,
     };
-    report(judged, case, &feedback, &context)
+    let accidents = if clean { None } else { Accidents::of(&judged, case) };
+    let Some(Accidents { findings, logs }) = accidents else {
+        return report(judged, case, &feedback, &context);
+    };
+    let before = report::simulations(&judged);
+    let mut diagnosis = once(&Case { logs: &logs, ..*case }, settings, monitor, true)?;
+    diagnosis.findings.extend(findings);
+    diagnosis.simulations += before;
+    Ok(diagnosis)
 }
 
 /// From prepared logs to a judgement.

@@ -28,6 +28,8 @@ pub use self::{
     wrong_sample::{leave_out_wrong_samples, wrong_samples},
 };
 pub(crate) use self::{
-    direct_path::passes_at_once, distribution::OUTLIER_WIDTHS, spectrum::transform,
-    wrong_sample::neighbours,
+    direct_path::passes_at_once,
+    distribution::OUTLIER_WIDTHS,
+    spectrum::transform,
+    wrong_sample::{MOST_ACCIDENTS, neighbours},
 };

@@ -19,8 +19,8 @@ const OFF: f64 = 15.0;
 const ALONE: f64 = 4.0;
 /// Distance in steps of the grid that values lie on.
 const STEPS: f64 = 3.0;
-/// Most wrong samples of a log that are accidents.
-const MOST: usize = 3;
+/// Most wrong samples of an output of a log that are accidents.
+pub(crate) const MOST_ACCIDENTS: usize = 3;
 
 /// The rows in which a signal is wrong, from 0, if these are few.
 ///
@@ -44,7 +44,7 @@ pub fn wrong_samples(signal: &[f64]) -> Vec<usize> {
     };
     let wrong = distances.iter().enumerate().filter(|(_, d)| d.as_ref().is_some_and(is_wrong));
     let rows: Vec<usize> = wrong.map(|(k, _)| k).collect();
-    if rows.len() <= MOST { rows } else { Vec::new() }
+    if rows.len() <= MOST_ACCIDENTS { rows } else { Vec::new() }
 }
 
 /// Takes wrong samples out of the outputs of a record. Returns the channel of each and what there is to say

@@ -1,7 +1,10 @@
 //! Effects of the measurement, and gaps that nothing in the library explains.
 
 use fd_effect::{EverySite, library};
-use fd_gap::diagnose::{Case, Diagnosis, Settings, Verdict, diagnose};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
+    quality::Defect,
+};
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, patch::Patch, scales::ReplayScales};
 
@@ -93,6 +96,19 @@ fn effects_of_the_measurement_are_named_in_slow_noise() {
         assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, label));
     }
     assert_eq!(run(slow).verdict, Verdict::NoGap);
+}
+
+/// Twelve times the noise, and yet the motion hides it from its neighbours: what is wrong once is named with its row.
+#[test]
+fn a_single_wrong_sample_is_no_property_of_the_sensor() {
+    let clean = log(&example("mass_spring_damper"));
+    let diagnosis = run(measured(&clean, |k, y| if k == 300 { y + 0.006 } else { y }));
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{:?}", diagnosis.causes[0]);
+    let wrong = diagnosis.findings.iter().find_map(|finding| match finding.defect {
+        Defect::WrongSample { row, .. } => Some((finding.log, finding.channel.as_str(), row)),
+        _ => None,
+    });
+    assert_eq!(wrong, Some((1, "position", 300)));
 }
 
 /// A sensor that is wrong by accident is wrong now and then, not ten times in a row.

@@ -156,7 +156,7 @@ fn not_tested(singles: &Singles<'_>, context: &Context<'_>) -> Vec<NotTested> {
 }
 
 /// Simulations of all logs that were made.
-fn simulations(judged: &Judged<'_>) -> usize {
+pub(super) fn simulations(judged: &Judged<'_>) -> usize {
     let Singles { searched, base, .. } = &judged.singles;
     let pairs = judged.pairs.fitted.iter().map(|pair| &pair.fit.problem);
     let fits = searched.trials.iter().map(|trial| &trial.problem).chain(pairs);

@@ -1,0 +1,66 @@
+//! Single wrong samples that only the best answer shows: they are named with their rows and left out.
+//!
+//! A garbled sample that stands out of its neighbours is found before any fit
+//! ([`wrong_samples`](crate::quality::wrong_samples)). One that is hidden by what the plant does stands out of what
+//! the best answer leaves, and there it is "outliers of the sensor". A sensor that is wrong once in a log has no
+//! such property: it is an accident, and the logs are diagnosed without it.
+//!
+//! *When not to use:* for more than a few wrong samples. How often a sensor is wrong is worth knowing then.
+
+use fd_model::Record;
+
+use super::{case::Case, judge::judged::Judged, result::Verdict};
+use crate::quality::{Defect, Finding, MOST_ACCIDENTS, neighbours};
+
+/// Neighbours on either side that are shown beside a wrong sample.
+const SHOWN: usize = 2;
+
+/// Samples of the fitted logs that are wrong by accident.
+#[derive(Debug)]
+pub(super) struct Accidents {
+    /// What there is to say of each.
+    pub(super) findings: Vec<Finding>,
+    /// The fitted logs without them.
+    pub(super) logs: Vec<Record>,
+}
+
+impl Accidents {
+    /// The samples that the best answer leaves out because they are wrong, if they are few.
+    pub(super) fn of(judged: &Judged<'_>, case: &Case<'_>) -> Option<Self> {
+        if judged.verdict == Verdict::NoGap {
+            return None;
+        }
+        let (outputs, plan) =
+            (judged.singles.base.simulator().outputs(), judged.singles.base.plan());
+        let mut all = Self { findings: Vec::new(), logs: case.logs.to_vec() };
+        for (c, (channel, signals)) in outputs.iter().zip(&judged.best.errors).enumerate() {
+            let mut counts = vec![0; case.logs.len()];
+            for (errors, segment) in signals.iter().zip(plan.segments()) {
+                let fitted = &plan.logs[segment.log].y;
+                let is_measured = |row: usize| fitted[row * outputs.len() + c].is_finite();
+                let left_out = (segment.from..).zip(errors).filter(|(_, error)| error.is_nan());
+                for (row, _) in left_out.filter(|(row, _)| is_measured(*row)) {
+                    counts[segment.log] += 1;
+                    all.leave_out(segment.log, &channel.name, row)?;
+                }
+            }
+            if counts.iter().any(|count| MOST_ACCIDENTS < *count) {
+                return None;
+            }
+        }
+        (!all.findings.is_empty()).then_some(all)
+    }
+
+    /// Takes a sample out of a log.
+    fn leave_out(&mut self, log: usize, channel: &str, row: usize) -> Option<()> {
+        let record = self.logs.get_mut(log)?;
+        let c = record.outputs().iter().position(|known| known.name == channel)?;
+        let signal: Vec<f64> = record.output(c).collect();
+        let around = neighbours(&signal, row, SHOWN);
+        let around = [*around.first()?, *around.last()?];
+        let defect = Defect::WrongSample { row, found: signal[row], around };
+        self.findings.push(Finding { log: log + 1, channel: channel.to_owned(), defect });
+        record.y_mut(row)[c] = f64::NAN;
+        Some(())
+    }
+}
