@@ -2,6 +2,7 @@
 
 use super::{
     beside::Beside,
+    forecasting::forecasting,
     judged::{Judged, NamedPairs},
     pair_ties::name_pairs,
     probabilities::{Believed, believe, bounded, unknown_gain},
@@ -27,6 +28,19 @@ pub(super) fn by_evidence<'a>(
 ) -> Result<Judged<'a>, FitError> {
     let settings = context.settings;
     let Weighed { singles, pairs: fitted, best: simulated, lack_of_fit } = weighed;
+    let (singles, simulated, lack_of_fit) = match simulated.effects {
+        1 if !held_out.is_empty() => {
+            let (singles, other) = forecasting(singles, &lack_of_fit.floor, held_out, context)?;
+            match other {
+                Some(answer) => {
+                    let lack_of_fit = singles.lack_of_fit(&answer);
+                    (singles, answer, lack_of_fit)
+                }
+                None => (singles, simulated, lack_of_fit),
+            }
+        }
+        _ => (singles, simulated, lack_of_fit),
+    };
     let ties = ties(&singles.causes, &singles.searched, settings);
     let beside = Beside::of(&singles, &simulated, context.candidates);
     let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {

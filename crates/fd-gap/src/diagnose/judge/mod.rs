@@ -4,6 +4,7 @@ mod beside;
 mod by_evidence;
 mod by_forecasts;
 mod contest;
+mod forecasting;
 mod groups;
 mod horizons;
 pub(super) mod judged;

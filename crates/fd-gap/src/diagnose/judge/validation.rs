@@ -69,7 +69,7 @@ pub(super) fn validate_with_rivals(
 
 /// How the simulated effects of an answer forecast, at the first horizon of the report; nothing is
 /// said where there are none, no held-out log, or no gap in it.
-fn validate(
+pub(super) fn validate(
     answer: &Answer,
     floor: &[f64],
     singles: &Singles<'_>,
