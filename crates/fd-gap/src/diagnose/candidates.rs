@@ -7,6 +7,9 @@ use super::result::NotTested;
 /// The family of free curves, which follow a misfit without being a law of anything.
 const FREE_CURVES: &str = "map";
 
+/// A parameter that wanders follows a misfit as freely.
+const WANDERS: &str = "parameter-wander";
+
 /// All single suspects of a case.
 #[derive(Debug)]
 pub(super) struct Candidates {
@@ -42,4 +45,9 @@ pub(super) fn is_same_cause(a: &Candidate, b: &Candidate) -> bool {
 /// Whether it is a free curve.
 pub(crate) fn is_free_curve(candidate: &Candidate) -> bool {
     candidate.family == FREE_CURVES
+}
+
+/// Whether it follows one log as it pleases: a free curve, or a parameter that wanders.
+pub(super) fn follows_anything(candidate: &Candidate) -> bool {
+    is_free_curve(candidate) || candidate.label == WANDERS
 }

@@ -2,12 +2,12 @@
 
 use crate::diagnose::{
     candidates::Candidates,
-    result::Pair,
+    result::{CauseId, Pair},
     weigh::{
         answer::{Answer, PAIR},
         measurement::{MeasurementCause, weigh_measurement},
         pair::FittedPair,
-        rank::measured_cause,
+        rank::{RankedCause, measured_cause},
         singles::Singles,
     },
 };
@@ -45,6 +45,20 @@ impl<'a> Beside<'a> {
             causes: [first.clone(), second],
         };
         Some(Self { pair, measured })
+    }
+
+    /// The pair, and those of the causes that are `tied` with its first one: what the log cannot tell apart alone, it
+    /// cannot beside the same cause of the measurement.
+    pub(super) fn with_ties(self, causes: &[RankedCause], tied: &[CauseId]) -> Vec<Pair> {
+        let Self { pair, measured } = self;
+        let others = tied.iter().skip(1).filter_map(|CauseId(place)| causes.get(*place));
+        let of_other = |other: &RankedCause| Pair {
+            causes: [other.cause.clone(), pair.causes[1].clone()],
+            log_evidence: other.cause.log_evidence + measured.gain,
+            ..pair.clone()
+        };
+        let others: Vec<Pair> = others.map(of_other).collect();
+        std::iter::once(pair).chain(others).collect()
     }
 
     /// Whether it belongs into the best answer: it is worth a second cause, and no pair of simulated

@@ -2,7 +2,7 @@
 
 use super::{
     beside::Beside,
-    forecasting::forecasting,
+    forecasting::law_before_curves,
     judged::{Judged, NamedPairs},
     pair_ties::name_pairs,
     probabilities::{Believed, believe, bounded, unknown_gain},
@@ -28,20 +28,17 @@ pub(super) fn by_evidence<'a>(
 ) -> Result<Judged<'a>, FitError> {
     let settings = context.settings;
     let Weighed { singles, pairs: fitted, best: simulated, lack_of_fit } = weighed;
-    let (singles, simulated, lack_of_fit) = match simulated.effects {
-        1 if !held_out.is_empty() => {
-            let (singles, other) = forecasting(singles, &lack_of_fit.floor, held_out, context)?;
-            match other {
-                Some(answer) => {
-                    let lack_of_fit = singles.lack_of_fit(&answer);
-                    (singles, answer, lack_of_fit)
-                }
-                None => (singles, simulated, lack_of_fit),
-            }
+    let seen = ties(&singles.causes, &singles.searched, settings);
+    let is_single = simulated.effects == 1;
+    let held = if is_single { held_out } else { &[] };
+    let (singles, law) = law_before_curves(singles, &seen, &lack_of_fit.floor, held, context)?;
+    let (simulated, lack_of_fit, ties) = match law {
+        Some(law) => {
+            let lack_of_fit = singles.lack_of_fit(&law);
+            (law, lack_of_fit, ties(&singles.causes, &singles.searched, settings))
         }
-        _ => (singles, simulated, lack_of_fit),
+        None => (simulated, lack_of_fit, seen),
     };
-    let ties = ties(&singles.causes, &singles.searched, settings);
     let beside = Beside::of(&singles, &simulated, context.candidates);
     let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
         Some(Beside { measured, .. }) => {
@@ -51,7 +48,8 @@ pub(super) fn by_evidence<'a>(
         }
         None => (simulated, lack_of_fit, doubt_of_first(&singles)),
     };
-    let measured = beside.map(|beside| beside.pair);
+    let measured =
+        beside.map_or_else(Vec::new, |beside| beside.with_ties(&singles.causes, &ties.tied));
     let NamedPairs { pairs, tied, fitted } =
         name_pairs(fitted, measured, &singles.causes, settings);
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;

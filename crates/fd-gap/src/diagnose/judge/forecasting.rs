@@ -1,60 +1,59 @@
-//! Single causes in the order of their evidence, less what bad forecasts cost them.
+//! A law that forecasts before a free curve that does not.
 //!
 //! A force over time, a wandering parameter or an unknown curve follows a log as well as the law that made it, and
-//! says nothing of the next log. Evidence of the fitted logs ties such a cause with the law; held-out logs do not.
-//! So the first cause answers for its forecast: what that costs ([`validate`]) is taken off its evidence, and the
-//! cause that then comes first answers next, until one comes first that has nothing to answer for.
+//! says nothing of the next log. Where the fitted logs cannot tell such a curve from a law, held-out logs can: what a
+//! bad forecast costs ([`validate`]) is taken off the evidence of the curve, if a law that is tied with it has nothing
+//! to answer for.
 //!
-//! *When not to use:* far above the noise, where forecasts are all that counts; and for two causes together.
+//! *When not to use:* to choose between laws, or between curves. A right law that forecasts a run badly, because that
+//! began elsewhere, would make way for a wrong one.
 
-use super::validation::validate;
+use super::{judged::Ties, validation::validate};
 use crate::{
     diagnose::{
+        candidates::follows_anything,
         context::Context,
-        weigh::{
-            answer::Answer,
-            rank::{Basis, RankedCause},
-            singles::Singles,
-        },
+        result::CauseId,
+        weigh::{answer::Answer, rank::Basis, singles::Singles},
     },
     fit::{FitError, Log},
 };
 
-/// Causes that have to answer for their forecasts, at most.
-const MOST: usize = 8;
-
-/// The causes in their new order, and the answer of the first of them if that has changed.
-pub(super) fn forecasting<'a>(
-    singles: Singles<'a>,
+/// The causes in their new order, if a law comes before the curve that was the first, and its answer.
+pub(super) fn law_before_curves<'a>(
+    mut singles: Singles<'a>,
+    ties: &Ties,
     floor: &[f64],
     held_out: &[Log],
     context: &Context<'a>,
 ) -> Result<(Singles<'a>, Option<Answer>), FitError> {
-    let mut singles = singles;
-    let mut best = None;
-    let mut answered: Vec<Basis> = Vec::new();
-    while answered.len() < MOST {
-        let Some(RankedCause { basis, cause }) = singles.causes.first() else { break };
-        let (basis, log_evidence) = (*basis, cause.log_evidence);
-        if log_evidence <= 0.0 {
-            break;
-        }
-        let Some(answer) = singles.first_answer() else { break };
-        let is_known = answered.contains(&basis);
-        let is_first = answered.is_empty();
-        let loss = if is_known {
-            0.0
-        } else {
-            validate(&answer, floor, &singles, held_out, context.settings)?.loss
-        };
-        if loss <= 0.0 {
-            best = (!is_first).then_some(answer);
-            break;
-        }
-        answered.push(basis);
-        singles.causes[0].cause.log_evidence -= loss.min(log_evidence);
-        singles.causes.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
-        best = singles.first_answer();
+    let is_curve = |singles: &Singles<'_>, place: usize| match singles.causes[place].basis {
+        Basis::Simulation(id) => follows_anything(singles.searched.trial(id).candidate),
+        Basis::Measurement(_) => false,
+    };
+    if held_out.is_empty() || ties.tied.len() < 2 || !is_curve(&singles, 0) {
+        return Ok((singles, None));
     }
-    Ok((singles, best))
+    let mut losses = vec![0.0; singles.causes.len()];
+    let mut does_a_law_forecast = false;
+    for CauseId(place) in &ties.tied {
+        let ranked = &singles.causes[*place];
+        let Basis::Simulation(id) = ranked.basis else { continue };
+        let Some(answer) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
+        let loss = validate(&answer, floor, &singles, held_out, context.settings)?.loss;
+        if is_curve(&singles, *place) {
+            losses[*place] = loss;
+        } else {
+            does_a_law_forecast |= loss <= 0.0;
+        }
+    }
+    if !does_a_law_forecast || losses[0] <= 0.0 {
+        return Ok((singles, None));
+    }
+    for (ranked, loss) in singles.causes.iter_mut().zip(losses) {
+        ranked.cause.log_evidence -= loss.min(ranked.cause.log_evidence.max(0.0));
+    }
+    singles.causes.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
+    let first = singles.first_answer();
+    Ok((singles, first))
 }

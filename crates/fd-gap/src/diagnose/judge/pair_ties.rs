@@ -17,17 +17,28 @@ use crate::{
 /// Rivals of the best pair that are refitted to its simulation.
 const MOST_RIVALS: usize = 6;
 
-/// A pair, and whether the log cannot tell it from the best one of two simulated causes.
+/// A pair, and what it is tied with.
 struct Weighed {
     pair: Pair,
-    is_tied: bool,
+    tie: Tie,
+}
+
+/// What the log cannot tell a pair from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Tie {
+    /// From the best pair of two simulated causes, itself included.
+    Simulated,
+    /// From the other pairs with the same cause of the measurement.
+    Measured,
+    /// From nothing that was looked at.
+    Alone,
 }
 
 /// The pairs that are worth being called so, by their evidence over that of the best single cause.
-/// `measured` is a cause of the measurement beside a simulated one.
+/// `measured` is a cause of the measurement beside a simulated one, and beside those that tie with it.
 pub(super) fn name_pairs(
     fitted: Vec<FittedPair>,
-    measured: Option<Pair>,
+    measured: Vec<Pair>,
     causes: &[RankedCause],
     settings: &Settings,
 ) -> NamedPairs {
@@ -37,29 +48,31 @@ pub(super) fn name_pairs(
     let ties = are_tied(&mut fitted, settings);
     let each = fitted.iter().zip(ties);
     let mut all: Vec<Weighed> =
-        each.map(|(f, is_tied)| Weighed { pair: f.pair.clone(), is_tied }).collect();
-    all.extend(measured.filter(is_worth_it).map(|pair| Weighed { pair, is_tied: false }));
+        each.map(|(f, tie)| Weighed { pair: f.pair.clone(), tie }).collect();
+    let measured = measured.into_iter().filter(is_worth_it);
+    all.extend(measured.map(|pair| Weighed { pair, tie: Tie::Measured }));
     all.sort_by(|a, b| b.pair.log_evidence.total_cmp(&a.pair.log_evidence));
-    let tied = match all.first() {
+    let tied = match all.first().map(|first| first.tie) {
         None => vec![],
-        // One of the measurement ties with none.
-        Some(Weighed { is_tied: false, .. }) => vec![PairId(0)],
-        Some(_) => (0..all.len()).filter(|place| all[*place].is_tied).map(PairId).collect(),
+        Some(Tie::Alone) => vec![PairId(0)],
+        Some(tie) => (0..all.len()).filter(|place| all[*place].tie == tie).map(PairId).collect(),
     };
     NamedPairs { pairs: all.into_iter().map(|weighed| weighed.pair).collect(), tied, fitted }
 }
 
 /// Of each pair, whether this log cannot tell it from the first.
-fn are_tied(fitted: &mut [FittedPair], settings: &Settings) -> Vec<bool> {
-    let mut ties = vec![false; fitted.len()];
+fn are_tied(fitted: &mut [FittedPair], settings: &Settings) -> Vec<Tie> {
+    let mut ties = vec![Tie::Alone; fitted.len()];
     let Some((first, others)) = fitted.split_first_mut() else { return ties };
-    ties[0] = true;
+    ties[0] = Tie::Simulated;
     let Fit { problem: truth, minimum: at } = &mut first.fit;
     let near = others.iter().zip(&mut ties[1..]).take_while(|(other, _)| {
         first.pair.log_evidence - other.pair.log_evidence < settings.bayes_factor.ln()
     });
-    for (FittedPair { fit: Fit { problem, minimum }, .. }, is_tied) in near.take(MOST_RIVALS) {
-        *is_tied = distance(truth, at, problem, minimum) < SEPARATED;
+    for (FittedPair { fit: Fit { problem, minimum }, .. }, tie) in near.take(MOST_RIVALS) {
+        if distance(truth, at, problem, minimum) < SEPARATED {
+            *tie = Tie::Simulated;
+        }
     }
     ties
 }
