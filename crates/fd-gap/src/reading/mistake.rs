@@ -30,6 +30,13 @@ pub enum Mistake {
         /// Logged value less real one, in the unit of the channel.
         offset: f64,
     },
+    /// Values are cut off to a grid, downwards, instead of rounded: on average they are half a step too small.
+    CutOff {
+        /// Name of the output.
+        channel: String,
+        /// Step of the grid, in the unit of the output.
+        step: f64,
+    },
     /// Two columns stand for each other.
     Swap {
         /// Names of the channels.
@@ -98,7 +105,9 @@ impl Mistake {
             Self::Sign { channels } | Self::Unit { channels, .. } => {
                 channels.iter().map(String::as_str).collect()
             }
-            Self::Zero { channel, .. } | Self::Clock { channel, .. } => vec![channel],
+            Self::Zero { channel, .. }
+            | Self::Clock { channel, .. }
+            | Self::CutOff { channel, .. } => vec![channel],
             Self::Swap { channels } => channels.iter().map(String::as_str).collect(),
             Self::Time { .. } | Self::Parameter { .. } => Vec::new(),
         }
@@ -127,6 +136,7 @@ impl Mistake {
                 Self::Sign { .. } => -value(k, i),
                 Self::Unit { factor, .. } => value(k, i) / factor,
                 Self::Zero { offset, .. } => value(k, i) - offset,
+                Self::CutOff { step, .. } => value(k, i) + 0.5 * step,
                 Self::Swap { .. } => value(k, places[1 - which]),
                 Self::Clock { .. } => value(k.saturating_add_signed(late), i),
                 Self::Time { .. } | Self::Parameter { .. } => value(k, i),

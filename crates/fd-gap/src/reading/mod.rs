@@ -11,6 +11,8 @@
 //!    noise of each column at its best value but not below what is stated or the grid of its values, and with as many
 //!    samples as there are autocorrelation times. A mistake of each class has 1 % before the data, spread
 //!    over its members; a cause pays for being one of many, for its parameters, and for a gain that no honest device has.
+//!    An output on a coarse grid that is said to be biased by half a step downwards is suspected to be cut off instead
+//!    of rounded, whatever else there is.
 //! 4. What survives ([`suspect`]) is diagnosed once more, mended, and believed only if the mended log
 //!    explains clearly more ([`Suspicion::judged`]).
 //!
@@ -62,6 +64,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cut_off;
 mod hypotheses;
 mod misfit;
 mod mistake;

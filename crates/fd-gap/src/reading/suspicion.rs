@@ -3,6 +3,7 @@
 use fd_model::Record;
 
 use super::{
+    cut_off::cut_off,
     hypotheses::{FURTHEST, Hypothesis},
     misfit::{Look, Misfit},
     mistake::Mistake,
@@ -57,6 +58,9 @@ pub fn suspect(
 ) -> Result<Option<Suspicion>, FitError> {
     if as_read.is_some_and(|diagnosis| diagnosis.verdict == Verdict::NoGap) {
         return Ok(None);
+    }
+    if let Some(suspicion) = as_read.and_then(|d| Suspicion::of_cut_off(case, horizon, d)) {
+        return Ok(Some(suspicion));
     }
     let Some((known, refit, price)) = explained(case, as_read)? else { return Ok(None) };
     let mut fits = Vec::new();
@@ -161,7 +165,10 @@ fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit))
             Some(Mistake::Parameter { name, factor: times * factor })
         }
         Mistake::Time { factor } => (1.0 < times).then(|| Mistake::Time { factor: factor.sqrt() }),
-        Mistake::Zero { .. } | Mistake::Swap { .. } | Mistake::Clock { .. } => None,
+        Mistake::Zero { .. }
+        | Mistake::CutOff { .. }
+        | Mistake::Swap { .. }
+        | Mistake::Clock { .. } => None,
     };
     [0.5, 2.0].into_iter().filter_map(with).all(|control| {
         let control = fit(case, horizon, &control);
@@ -170,6 +177,15 @@ fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit))
 }
 
 impl Suspicion {
+    /// That an output is cut off, against the best explanation of the log as it is read, which names a bias instead.
+    fn of_cut_off(case: &Case<'_>, horizon: Horizon, as_read: &Diagnosis) -> Option<Self> {
+        let hypothesis = cut_off(case, as_read)?;
+        let mended = fit(case, horizon, &hypothesis.mistake)?;
+        let known = Trial::new(case, None).ok()?.misfit(&as_read.best.outputs, Look::Close)?;
+        let price = price(as_read, known.independent());
+        Some(Self { hypothesis, also: Vec::new(), as_read: known, price, mended })
+    }
+
     /// What is suspected.
     #[must_use]
     pub fn mistake(&self) -> &Mistake {

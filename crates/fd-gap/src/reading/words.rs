@@ -39,6 +39,19 @@ pub(super) fn said(mistake: &Mistake, model: &Model, ts: f64) -> Said {
                 lines: unit_lines(model, channel, &unit, is),
             }
         }
+        Mistake::CutOff { channel, step } => {
+            let (unit, half) = (unit_of(model, channel), figure(0.5 * step));
+            Said {
+                statement: format!(
+                    "`{channel}` were cut off to steps of {} {unit}, not rounded",
+                    figure(*step)
+                ),
+                advice: format!(
+                    "Round where `{channel}` is logged, or add half a step ({half} {unit}) to it."
+                ),
+                lines: String::new(),
+            }
+        }
         Mistake::Swap { channels: [a, b] } => Said {
             statement: format!("`{a}` and `{b}` were each in the other's column"),
             advice: IN_MAP.to_owned(),

@@ -82,6 +82,32 @@ fn an_input_that_does_not_change_and_outputs_that_nothing_excites() {
     assert!(!diagnosis.not_tested.is_empty());
 }
 
+/// A sensor in coarse steps, or a broken one, has not measured the plant: it neither spoils the fit nor is explained.
+#[test]
+fn an_output_that_stands_still_beside_another_is_left_out() {
+    let model = example("dc_drive");
+    let log = record(&model, reality(20.0), 1);
+    let y = (0..log.len()).flat_map(|k| [log.y(k)[0], 0.0]).collect();
+    let u = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
+    let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
+    let still = Record::new(inputs, outputs, u, y, log.ts()).unwrap();
+    let diagnosis = run(&model, still).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{:?}", diagnosis.causes[0]);
+    assert_eq!(defects(&diagnosis, "speed"), [Defect::Constant]);
+}
+
+/// Hardly damped, and cut out of a longer run: how it began shows to the end of the log.
+#[test]
+fn a_start_that_is_never_forgotten() {
+    let mut draft = example("mass_spring_damper").into_draft();
+    draft.parameters[2].value = 0.05;
+    let model = Model::try_from(draft.clone()).unwrap();
+    (draft.states[0].initial, draft.states[1].initial) = (0.2, 0.9);
+    let log = record(&Model::try_from(draft).unwrap(), reality(10.0), 1);
+    let diagnosis = run(&model, log).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{:?}", diagnosis.causes[0]);
+}
+
 #[test]
 fn a_log_that_is_shorter_than_the_memory() {
     let model = example("tanks");

@@ -97,6 +97,23 @@ fn rates_in_degrees() {
     assert!(found.after[1] < 1.2 * noise && 10.0 * noise < found.before[1]);
 }
 
+/// Half a step too small is a bias of just that, unless one knows what drivers do to voltages.
+#[test]
+fn values_that_are_cut_off() {
+    let mut draft = example("mass_spring_damper").into_draft();
+    draft.outputs[0].noise = None;
+    let model = Model::try_from(draft).unwrap();
+    let log = record(&example("mass_spring_damper"), reality(10.0), 2);
+    let cut = changed(&log, |_, _, y| y[0] = 0.004 * (y[0] / 0.004).floor());
+    let found = reading(&model, &cut).unwrap();
+    let Mistake::CutOff { channel, step } = &found.mistake else { panic!("{found:?}") };
+    assert_eq!(channel, "position");
+    // The grid is found again but for rounding.
+    assert!((step - 0.004).abs() < 1e-12 && 0.9 < found.probability, "{found:?}");
+    let rounded = changed(&log, |_, _, y| y[0] = 0.004 * (y[0] / 0.004).round());
+    assert!(reading(&model, &rounded).is_none());
+}
+
 #[test]
 fn an_input_in_millivolts() {
     let model = example("dc_drive");

@@ -230,6 +230,7 @@ fn readings(reading: &gap::Reading) -> Vec<Reading> {
             Mistake::Sign { .. } => ("sign", None, None),
             Mistake::Unit { factor, .. } => ("unit", Some(*factor), None),
             Mistake::Zero { .. } => ("zero", None, None),
+            Mistake::CutOff { .. } => ("cut-off", None, None),
             Mistake::Swap { .. } => ("swap", None, None),
             Mistake::Clock { late, .. } => ("clock", None, Some(*late as f64)),
             Mistake::Time { factor } => ("time", Some(*factor), None),
