@@ -254,6 +254,9 @@ pub enum Observation {
     /// The noise is stronger than stated and far from Gaussian; `parameters` has its standard
     /// deviation and the degrees of freedom of Student's distribution.
     HeavyTails,
+    /// The clock jitters, so that the noise is the stronger the faster the output moves; `parameters` has the
+    /// standard deviation of the clock.
+    Jitter,
 }
 
 /// A parameter of an effect.

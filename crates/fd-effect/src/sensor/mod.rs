@@ -20,7 +20,7 @@ pub use self::{
     delay::SensorDelay,
     drift::SensorDrift,
     lag::SensorLag,
-    noise::{SensorNoise, SensorOutliers, SensorQuantisation},
+    noise::{SensorJitter, SensorNoise, SensorOutliers, SensorQuantisation},
     saturation::SensorSaturation,
     scale::SensorScale,
 };
@@ -45,6 +45,7 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(SensorQuantisation),
         Box::new(SensorOutliers),
         Box::new(SensorNoise),
+        Box::new(SensorJitter),
     ]
 }
 

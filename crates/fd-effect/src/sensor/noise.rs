@@ -20,6 +20,32 @@ const FREEDOM: [f64; 2] = [3.0, 10.0];
 #[derive(Clone, Copy, Debug)]
 pub struct SensorNoise;
 
+/// The clock of an output jitters: the error is what the output moves in the time by which that is off.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorJitter;
+
+impl Effect for SensorJitter {
+    fn label(&self) -> &'static str {
+        "sensor-jitter"
+    }
+
+    fn family(&self) -> &'static str {
+        "sensor-noise"
+    }
+
+    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
+        let offers = scales.outputs.iter().enumerate().map(|(i, output)| {
+            Sketch::of_output(self, "gaussian", nominal, scales, i)
+                .require(output.moves(), super::STILL)
+                .strength("t", "jitter", "s", nominal.sample_time, [0.0, 10.0])
+                .observation(Observation::Jitter)
+                .starts([[0.1]])
+                .finish()
+        });
+        offers.collect()
+    }
+}
+
 impl Effect for SensorQuantisation {
     fn label(&self) -> &'static str {
         "sensor-quantisation"

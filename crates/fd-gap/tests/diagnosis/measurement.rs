@@ -10,13 +10,14 @@ use fd_sim::{model::Model, patch::Patch, scales::ReplayScales};
 
 use crate::bench_cases::{Reality, example, expr, record};
 
-const FEW: [&str; 6] = [
+const FEW: [&str; 7] = [
     "coulomb-friction",
     "sensor-bias",
     "input-gain",
     "sensor-quantisation",
     "sensor-outliers",
     "sensor-noise",
+    "sensor-jitter",
 ];
 
 fn run(log: Record) -> Diagnosis {
@@ -109,6 +110,24 @@ fn a_single_wrong_sample_is_no_property_of_the_sensor() {
         _ => None,
     });
     assert_eq!(wrong, Some((1, "position", 300)));
+}
+
+/// The faster the carriage moves, the more a clock that is 3 ms off is wrong; noise of one size has heavy tails then.
+#[test]
+fn a_clock_that_jitters_is_no_noise_of_the_sensor() {
+    let clean = log(&example("mass_spring_damper"));
+    let off = WhiteNoise::new(0.003, 9).values(600).unwrap();
+    let y: Vec<f64> = (0..clean.len()).map(|k| clean.y(k)[0]).collect();
+    let slope = |k: usize| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(y.len() - 1));
+        (y[after] - y[before]) / (0.01 * (after - before) as f64)
+    };
+    let diagnosis = run(measured(&clean, |k, y| y + off[k] * slope(k)));
+    let first = &diagnosis.causes[0];
+    assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, "sensor-jitter"));
+    let jitter = &first.parameters[0];
+    // The standard deviation of 600 numbers is known to 1/√1200, and the grid of jitters is as coarse as 15 %.
+    assert!((jitter.value - 0.003).abs() < 5e-4, "{jitter:?}");
 }
 
 /// A sensor that is wrong by accident is wrong now and then, not ten times in a row.

@@ -48,6 +48,9 @@ impl Logger {
         if self.ranges.get(output).is_some_and(Option::is_some) {
             all.push("sensor-saturation");
         }
+        if 0.0 < self.jitter {
+            all.push("sensor-jitter");
+        }
         all
     }
 

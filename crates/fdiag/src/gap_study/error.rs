@@ -6,9 +6,12 @@ use crate::engine_plant::EngineFileError;
 use fd_core::LimitError;
 use fd_gap::fit::FitError;
 use fd_log::LogError;
-use fd_model::{ModelError, Shown, file::ModelFileError};
+use fd_model::{ModelError, Shown, figure, file::ModelFileError};
 use fd_sim::{model::LoadError, outside::OutsideError, simulate::SimulateError};
 use thiserror::Error;
+
+/// Logarithm of a factor by which two units are the same one.
+const SAME_UNIT: f64 = 0.2;
 
 /// A gap cannot be diagnosed.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -107,9 +110,9 @@ pub enum GapError {
     },
     /// Samples come at another pace than the model says, by so much that a unit must be wrong.
     #[error(
-        "{}: samples are {found} s apart, the model says {expected} s: is the time column in \
-         another unit than seconds? State it in a column map (`time = {{ unit = \"ms\" }}`)",
-        file.display()
+        "{}: samples are {} s apart, the model says {} s: is the time column in \
+         another unit than seconds? State it in a column map (`time = {{ unit = \"{}\" }}`)",
+        file.display(), figure(*found), figure(*expected), time_unit(found / expected)
     )]
     Pace {
         /// The log.
@@ -121,9 +124,10 @@ pub enum GapError {
     },
     /// A log ends before the model has forgotten its initial state.
     #[error(
-        "{}: it lasts {found} s, and the model remembers its initial state for {memory} s: expected \
-         at least {expected} s (or state a horizon: --horizon {found})",
-        file.display()
+        "{}: it lasts {} s, and the model remembers its initial state for {} s: expected at least {} s. Is a \
+         damping, a resistance or a time constant of the model in another unit? If not, state a horizon: \
+         --horizon {}",
+        file.display(), figure(*found), figure(*memory), figure(*expected), figure(*found)
     )]
     Short {
         /// The log.
@@ -144,6 +148,14 @@ pub enum GapError {
     /// The model does not fit the logs.
     #[error(transparent)]
     Fit(Box<FitError>),
+}
+
+/// The unit of a time column that makes samples so many times too far apart; milliseconds where none does.
+fn time_unit(times: f64) -> &'static str {
+    let units = [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("h", 1.0 / 3600.0)];
+    let off = |factor: f64| (times / factor).ln().abs();
+    let near = units.into_iter().min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+    near.filter(|(_, factor)| off(*factor) < SAME_UNIT).map_or("ms", |(name, _)| name)
 }
 
 /// Errors of the rooms below are boxed, to keep results small.

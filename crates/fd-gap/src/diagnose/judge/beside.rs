@@ -5,7 +5,7 @@ use crate::diagnose::{
     result::{CauseId, Pair},
     weigh::{
         answer::{Answer, PAIR},
-        measurement::{MeasurementCause, weigh_measurement},
+        measurement::{Measured, MeasurementCause, weigh_measurement},
         pair::FittedPair,
         rank::{RankedCause, measured_cause},
         singles::Singles,
@@ -30,8 +30,10 @@ impl<'a> Beside<'a> {
         best.fit.as_ref()?;
         let first = &singles.causes.first()?.cause;
         let (noise, is_coloured) = (&singles.searched.noise, singles.searched.is_coloured);
+        let (outputs, errors) = (&best.explanation.outputs[..], &best.errors[..]);
+        let left = Measured { problem: &singles.base, outputs, errors };
         let weighed = candidates.measured.iter().filter_map(|candidate| {
-            let measured = weigh_measurement(candidate, &best.errors, noise, is_coloured)?;
+            let measured = weigh_measurement(candidate, left, noise, is_coloured)?;
             // Any simulation would have the rest of it.
             let gain = measured.gain - measured.given;
             Some(MeasurementCause { gain, ..measured })

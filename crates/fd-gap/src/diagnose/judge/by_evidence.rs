@@ -53,9 +53,14 @@ pub(super) fn by_evidence<'a>(
     let NamedPairs { pairs, tied, fitted } =
         name_pairs(fitted, measured, &singles.causes, settings);
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
+    let is_curve = best.effects == 1 && singles.is_first_a_curve();
     let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
-    let Believed { others: probabilities, causes, pairs } =
-        bounded(believe(singles.causes, pairs, &best, gain, settings), &lack_of_fit, doubt);
+    let Believed { others: probabilities, causes, pairs } = bounded(
+        believe(singles.causes, pairs, &best, gain, settings),
+        &lack_of_fit,
+        doubt,
+        is_curve,
+    );
     let pairs = NamedPairs { pairs, tied, fitted };
     Ok(Judged {
         verdict: verdict(probabilities, &causes, &ties, &pairs),

@@ -56,11 +56,17 @@ const NOT_MORE: f64 = 0.5;
 /// two witnesses, and neither silences the other.
 ///
 /// Wrong samples that come in bursts leave nothing when they are left out: then it is their `doubt` that counts.
-pub(super) fn bounded(believed: Believed, left: &LackOfFit, doubt: f64) -> Believed {
+/// A free curve (`is_curve`) is no law: what it follows may as well be one that nobody has listed.
+pub(super) fn bounded(
+    believed: Believed,
+    left: &LackOfFit,
+    doubt: f64,
+    is_curve: bool,
+) -> Believed {
     let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } =
         believed;
     let gain = left.leftover.gain();
-    let low = if SIGNIFICANT < gain { ANOTHER * (1.0 - no_gap) } else { 0.0 };
+    let low = if SIGNIFICANT < gain || is_curve { ANOTHER * (1.0 - no_gap) } else { 0.0 };
     let is_noise = !left.is_unexplained && gain + doubt < SOMETHING;
     let high = if is_noise { NOT_MORE * (1.0 - no_gap) } else { 1.0 };
     // What is named, as it is: of 1 less all others only rounding may be left.

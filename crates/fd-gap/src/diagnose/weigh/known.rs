@@ -16,6 +16,22 @@ pub(super) struct Known<'a> {
     pub(super) outputs: &'a [Vec<f64>],
 }
 
+/// How fast a simulated output moves in each segment, in sigma per second: the difference of its neighbours.
+pub(super) fn slopes(problem: &Problem, outputs: &[Vec<f64>], output: usize) -> Vec<Vec<f64>> {
+    let plan = problem.plan();
+    let (ts, sigma) = (problem.simulator().ts().seconds(), problem.weights().sigma[output]);
+    let of = |segment: &Segment| -> Vec<f64> {
+        let (log, width) = (&plan.logs[segment.log], plan.logs[segment.log].ny);
+        let value = |k: usize| outputs[segment.log][k * width + output];
+        let slope = |k: usize| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(log.samples() - 1));
+            (value(after) - value(before)) / ((after - before).max(1) as f64 * ts * sigma)
+        };
+        (segment.from..segment.to).map(slope).collect()
+    };
+    plan.segments().iter().map(of).collect()
+}
+
 /// Inputs of the logs and outputs of the simulation, cut as the errors are.
 ///
 /// A logged command may have been made from the measurement of its own sample, by a controller that nobody

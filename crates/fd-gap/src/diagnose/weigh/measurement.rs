@@ -4,12 +4,14 @@ use fd_effect::{Candidate, Kind, Observation, SiteRef};
 
 use super::{
     gaussian::gaussian,
+    jitter::Jitter,
     outliers::Outliers,
     stronger_noise::{Known, StrongerNoise, heavier, stronger, weaken},
 };
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Estimate},
     evidence::NoisePrior,
+    fit::Problem,
     quality::interval_log_likelihood,
 };
 
@@ -45,11 +47,22 @@ impl MeasurementCause<'_> {
     }
 }
 
-/// Weighs a cause by the errors of a simulation (in sigma). `None` when there is nothing of it in
+/// What causes of the measurement are weighed by.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::diagnose) struct Measured<'a> {
+    /// Its logs were measured.
+    pub(in crate::diagnose) problem: &'a Problem,
+    /// Simulated outputs of each log.
+    pub(in crate::diagnose) outputs: &'a [Vec<f64>],
+    /// Their errors, in sigma.
+    pub(in crate::diagnose) errors: &'a [Vec<Vec<f64>>],
+}
+
+/// Weighs a cause by the errors of a simulation. `None` when there is nothing of it in
 /// the measurement.
 pub(in crate::diagnose) fn weigh_measurement<'a>(
     candidate: &'a Candidate,
-    errors: &[Vec<Vec<f64>>],
+    Measured { problem, outputs, errors }: Measured<'_>,
     noise: &KnownNoise,
     is_coloured: bool,
 ) -> Option<MeasurementCause<'a>> {
@@ -72,6 +85,11 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
             (bursts, left) = (found.bursts, found.without(signals));
             let Outliers { gain, share: value, standard_error, .. } = found;
             (gain, 0.0, vec![Known { value, standard_error }])
+        }
+        Observation::Jitter => {
+            let found = Jitter::of(signals, prior, problem, outputs, *output)?;
+            left = found.left;
+            (found.gain, 0.0, vec![found.time])
         }
         Observation::Noise | Observation::HeavyTails => {
             noise.stated[*output]?;

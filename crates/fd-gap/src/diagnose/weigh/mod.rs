@@ -4,6 +4,7 @@ pub(super) mod answer;
 mod colour;
 pub(super) mod explain;
 mod gaussian;
+mod jitter;
 mod known;
 pub(super) mod lack_of_fit;
 mod leftover;
@@ -25,14 +26,11 @@ use self::{
     lack_of_fit::LackOfFit,
     pair::FittedPair,
     pairs::seek_pairs,
-    rank::Basis,
     singles::{Singles, weigh_singles},
     slow::with_slow,
     teach::taught_by,
 };
-use super::{
-    candidates::is_free_curve, context::Context, search::searched::Searched, settings::Settings,
-};
+use super::{context::Context, search::searched::Searched, settings::Settings};
 use crate::fit::FitError;
 
 /// Errors above this many times the noise leave room for a second effect, which must be looked for
@@ -146,11 +144,7 @@ fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed
 /// and which two laws may draw.
 fn is_open(alone: &Weighed<'_>) -> bool {
     let Weighed { singles, best, lack_of_fit, .. } = alone;
-    let is_curve = match singles.causes.first().map(|first| first.basis) {
-        Some(Basis::Simulation(id)) => is_free_curve(singles.searched.trial(id).candidate),
-        Some(Basis::Measurement(_)) | None => false,
-    };
     lack_of_fit.is_unexplained
         || SOMETHING < lack_of_fit.leftover.gain()
-        || best.effects == 1 && is_curve
+        || best.effects == 1 && singles.is_first_a_curve()
 }

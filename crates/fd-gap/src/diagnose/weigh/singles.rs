@@ -4,12 +4,13 @@ use super::{
     answer::{Answer, Proposal},
     explain::explain,
     lack_of_fit::{LackOfFit, lack_of_fit},
-    measurement::{MeasurementCause, weigh_measurement},
+    measurement::{Measured, MeasurementCause, weigh_measurement},
     priors::Priors,
     rank::{Basis, MeasurementId, RankedCause, Reference, rank, weigh_law},
 };
 use crate::{
     diagnose::{
+        candidates::is_free_curve,
         context::Context,
         search::searched::{Searched, TrialId},
         settings::Settings,
@@ -47,8 +48,9 @@ pub(in crate::diagnose) fn weigh_singles<'a>(
     let log_evidence = evidence(&base, at, &likelihood(&errors, &priors), &[]);
     let log_evidence = log_evidence.ok_or(FitError::Diverged)?;
     let candidates = context.candidates.measured.iter();
+    let measured = Measured { problem: &base, outputs: &explanation.outputs, errors: &errors };
     let measured: Vec<MeasurementCause<'_>> =
-        candidates.filter_map(|c| weigh_measurement(c, &errors, noise, is_coloured)).collect();
+        candidates.filter_map(|c| weigh_measurement(c, measured, noise, is_coloured)).collect();
     let reference = Reference { noise: priors, log_evidence };
     let laws = searched.trials_mut().map(|(id, trial)| weigh_law(id, trial, &reference));
     let causes = rank(laws, &measured, &explanation);
@@ -60,6 +62,14 @@ impl<'a> Singles<'a> {
     /// A cause of the measurement by its id.
     pub(in crate::diagnose) fn measured(&self, id: MeasurementId) -> &MeasurementCause<'a> {
         &self.measured[id.0]
+    }
+
+    /// Whether the first cause is a free curve, which is no law.
+    pub(in crate::diagnose) fn is_first_a_curve(&self) -> bool {
+        match self.causes.first().map(|first| first.basis) {
+            Some(Basis::Simulation(id)) => is_free_curve(self.searched.trial(id).candidate),
+            Some(Basis::Measurement(_)) | None => false,
+        }
     }
 
     /// The answer of the first cause; `None` when there is none, or its simulation diverges.
