@@ -18,17 +18,26 @@ const NEAR: f64 = 0.1;
 /// … or so many standard errors.
 const ERRORS: f64 = 3.0;
 
-/// The output that a diagnosis says to be biased by half a step downwards, if there is one on a grid.
+/// The outputs on grids that a diagnosis says to be biased by half a step downwards, if there are any.
 pub(super) fn cut_off(case: &Case<'_>, as_read: &Diagnosis) -> Option<Hypothesis> {
-    let of_pairs = as_read.pairs.first().into_iter().flat_map(|pair| &pair.causes);
+    let tied = as_read.tied_pairs.iter().filter_map(|id| as_read.pair(*id));
+    let of_pairs = as_read.pairs.first().into_iter().chain(tied).flat_map(|pair| &pair.causes);
     let tied = as_read.tied.iter().filter_map(|id| as_read.cause(*id));
-    let mut named = of_pairs.chain(tied).chain(as_read.causes.first());
-    let found = named.find_map(|cause| half_a_step(case, cause))?;
-    Some(Hypothesis { mistake: found, log_prior: PRIOR.ln() })
+    let named = of_pairs.chain(tied).chain(as_read.causes.first());
+    let (mut channels, mut steps): (Vec<String>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (channel, step) in named.filter_map(|cause| half_a_step(case, cause)) {
+        if !channels.contains(&channel) {
+            channels.push(channel);
+            steps.push(step);
+        }
+    }
+    let is_any = !channels.is_empty();
+    let mistake = Mistake::CutOff { channels, steps };
+    is_any.then_some(Hypothesis { mistake, log_prior: PRIOR.ln() })
 }
 
-/// The cut-off that a bias of a sensor may be.
-fn half_a_step(case: &Case<'_>, cause: &Cause) -> Option<Mistake> {
+/// The output and the step of the cut-off that a bias of a sensor may be.
+fn half_a_step(case: &Case<'_>, cause: &Cause) -> Option<(String, f64)> {
     let (channel, bias) = (cause.site.name()?, cause.parameters.first()?);
     if cause.label != BIAS || 0.0 <= bias.value {
         return None;
@@ -42,5 +51,5 @@ fn half_a_step(case: &Case<'_>, cause: &Cause) -> Option<Mistake> {
     let is_half = off < (NEAR * step).max(ERRORS * bias.standard_error);
     // A bias that is known no better than the step says nothing of it.
     let is_known = bias.standard_error < NEAR * step;
-    (is_half && is_known).then(|| Mistake::CutOff { channel: channel.to_owned(), step })
+    (is_half && is_known).then(|| (channel.to_owned(), step))
 }

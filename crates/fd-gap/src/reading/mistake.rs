@@ -32,10 +32,10 @@ pub enum Mistake {
     },
     /// Values are cut off to a grid, downwards, instead of rounded: on average they are half a step too small.
     CutOff {
-        /// Name of the output.
-        channel: String,
-        /// Step of the grid, in the unit of the output.
-        step: f64,
+        /// Names of the outputs.
+        channels: Vec<String>,
+        /// Steps of their grids, in their units.
+        steps: Vec<f64>,
     },
     /// Two columns stand for each other.
     Swap {
@@ -102,12 +102,10 @@ impl Mistake {
     #[must_use]
     pub fn channels(&self) -> Vec<&str> {
         match self {
-            Self::Sign { channels } | Self::Unit { channels, .. } => {
-                channels.iter().map(String::as_str).collect()
-            }
-            Self::Zero { channel, .. }
-            | Self::Clock { channel, .. }
-            | Self::CutOff { channel, .. } => vec![channel],
+            Self::Sign { channels }
+            | Self::Unit { channels, .. }
+            | Self::CutOff { channels, .. } => channels.iter().map(String::as_str).collect(),
+            Self::Zero { channel, .. } | Self::Clock { channel, .. } => vec![channel],
             Self::Swap { channels } => channels.iter().map(String::as_str).collect(),
             Self::Time { .. } | Self::Parameter { .. } => Vec::new(),
         }
@@ -136,7 +134,9 @@ impl Mistake {
                 Self::Sign { .. } => -value(k, i),
                 Self::Unit { factor, .. } => value(k, i) / factor,
                 Self::Zero { offset, .. } => value(k, i) - offset,
-                Self::CutOff { step, .. } => value(k, i) + 0.5 * step,
+                Self::CutOff { steps, .. } => {
+                    value(k, i) + 0.5 * steps.get(which).copied().unwrap_or_default()
+                }
                 Self::Swap { .. } => value(k, places[1 - which]),
                 Self::Clock { .. } => value(k.saturating_add_signed(late), i),
                 Self::Time { .. } | Self::Parameter { .. } => value(k, i),

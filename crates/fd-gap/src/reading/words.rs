@@ -39,19 +39,7 @@ pub(super) fn said(mistake: &Mistake, model: &Model, ts: f64) -> Said {
                 lines: unit_lines(model, channel, &unit, is),
             }
         }
-        Mistake::CutOff { channel, step } => {
-            let (unit, half) = (unit_of(model, channel), figure(0.5 * step));
-            Said {
-                statement: format!(
-                    "`{channel}` were cut off to steps of {} {unit}, not rounded",
-                    figure(*step)
-                ),
-                advice: format!(
-                    "Round where `{channel}` is logged, or add half a step ({half} {unit}) to it."
-                ),
-                lines: String::new(),
-            }
-        }
+        Mistake::CutOff { channels, steps } => cut_off_said(channels, steps, model),
         Mistake::Swap { channels: [a, b] } => Said {
             statement: format!("`{a}` and `{b}` were each in the other's column"),
             advice: IN_MAP.to_owned(),
@@ -102,6 +90,21 @@ fn unit_said(channels: &[String], factor: f64, model: &Model) -> Said {
         format!("{IN_MAP} A unit in the header of the column has to be corrected, too.")
     };
     Said { statement: parts.join(" and "), advice, lines }
+}
+
+fn cut_off_said(channels: &[String], steps: &[f64], model: &Model) -> Said {
+    let each = |what: &dyn Fn(&str, f64, &str) -> String| -> String {
+        let parts = channels.iter().zip(steps).map(|(c, step)| what(c, *step, &unit_of(model, c)));
+        parts.collect::<Vec<_>>().join(" and ")
+    };
+    let cut =
+        each(&|c, step, unit| format!("`{c}` were cut off to steps of {} {unit}", figure(step)));
+    let halves = each(&|c, step, unit| format!("{} {unit} to `{c}`", figure(0.5 * step)));
+    Said {
+        statement: format!("{cut}, not rounded"),
+        advice: format!("Round where it is logged, or add half a step: {halves}."),
+        lines: String::new(),
+    }
 }
 
 fn time_said(factor: f64, ts: f64) -> Said {

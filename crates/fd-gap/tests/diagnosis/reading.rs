@@ -106,10 +106,10 @@ fn values_that_are_cut_off() {
     let log = record(&example("mass_spring_damper"), reality(10.0), 2);
     let cut = changed(&log, |_, _, y| y[0] = 0.004 * (y[0] / 0.004).floor());
     let found = reading(&model, &cut).unwrap();
-    let Mistake::CutOff { channel, step } = &found.mistake else { panic!("{found:?}") };
-    assert_eq!(channel, "position");
+    let Mistake::CutOff { channels, steps } = &found.mistake else { panic!("{found:?}") };
+    assert_eq!(channels, &["position"]);
     // The grid is found again but for rounding.
-    assert!((step - 0.004).abs() < 1e-12 && 0.9 < found.probability, "{found:?}");
+    assert!((steps[0] - 0.004).abs() < 1e-12 && 0.9 < found.probability, "{found:?}");
     let rounded = changed(&log, |_, _, y| y[0] = 0.004 * (y[0] / 0.004).round());
     assert!(reading(&model, &rounded).is_none());
 }
