@@ -24,7 +24,6 @@ use super::{
         sides,
     },
     objection::Objection,
-    prepare::noise::KnownNoise,
     result::{Cause, Diagnosis, NotTested, Verdict},
     search::searched::Searched,
     weigh::{
@@ -35,7 +34,7 @@ use super::{
     },
 };
 use crate::{
-    fit::{FitError, Log, Minimum, Problem, Weights},
+    fit::{FitError, Log, Minimum, Problem},
     shrink::with_free_starts,
 };
 
@@ -58,6 +57,7 @@ pub(super) fn report(
         _ => (judged.best, judged.lack_of_fit),
     };
     let Singles { searched, base, refit, causes, .. } = singles;
+    let slow_noise = searched.slow_noise(SLOW);
     let Searched { model, null, noise, is_coloured, .. } = searched;
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
 
@@ -93,7 +93,6 @@ pub(super) fn report(
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
     context.monitor.advance();
 
-    let slow_noise = is_slow(&noise, null.problem.weights());
     let mut causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
     let NamedPairs { mut pairs, tied: tied_pairs, .. } = pairs;
     let named: Vec<&Cause> = match (verdict, pairs.first()) {
@@ -138,12 +137,6 @@ pub(super) fn report(
         not_tested,
         simulations,
     })
-}
-
-/// For which outputs noise of unknown size was taken to be slow.
-fn is_slow(noise: &KnownNoise, weights: &Weights) -> Vec<bool> {
-    let is_wandering = weights.colour.iter().map(|colour| colour.innovation() < SLOW);
-    noise.slow.iter().zip(is_wandering).map(|(is_slow, wanders)| *is_slow && wanders).collect()
 }
 
 /// What could not be tried: refused, not simulated, or without a trace in the measurement.

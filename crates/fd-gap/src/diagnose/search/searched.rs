@@ -52,6 +52,14 @@ impl<'a> Searched<'a> {
         &self.trials[id.0]
     }
 
+    /// For which outputs the fits take what wanders for noise of unknown size: its innovation is less than this
+    /// fraction of it.
+    pub(in crate::diagnose) fn slow_noise(&self, innovation: f64) -> Vec<bool> {
+        let colours = &self.null.problem.weights().colour;
+        let wander = colours.iter().map(|colour| colour.innovation() < innovation);
+        self.noise.slow.iter().zip(wander).map(|(is_slow, wanders)| *is_slow && wanders).collect()
+    }
+
     /// What the best single fit leaves, in sigma.
     pub(in crate::diagnose) fn best_errors(&self) -> Result<Vec<Vec<Vec<f64>>>, FitError> {
         let best = self.trials.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()));

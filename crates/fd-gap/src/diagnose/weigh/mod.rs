@@ -22,7 +22,7 @@ pub(super) mod values;
 
 use self::{
     answer::{Answer, choose},
-    colour::{colour_of, with_colour},
+    colour::{COLOURED, colour_of, with_colour},
     lack_of_fit::LackOfFit,
     pair::FittedPair,
     pairs::seek_pairs,
@@ -141,10 +141,11 @@ fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed
 }
 
 /// Whether a single cause may not be all: something is left, or it is a free curve, which is no law,
-/// and which two laws may draw.
+/// and which two laws may draw; or what it leaves was taken for slow noise, which a second cause may be as well.
 fn is_open(alone: &Weighed<'_>) -> bool {
     let Weighed { singles, best, lack_of_fit, .. } = alone;
     lack_of_fit.is_unexplained
         || SOMETHING < lack_of_fit.leftover.gain()
-        || best.effects == 1 && singles.is_first_a_curve()
+        || best.effects == 1
+            && (singles.is_first_a_curve() || singles.searched.slow_noise(COLOURED).contains(&true))
 }
