@@ -40,8 +40,10 @@ mod columns;
 mod error;
 mod format;
 mod header;
+mod limit;
 mod map;
 mod reader;
+mod recording;
 mod source;
 mod table;
 mod writer;
@@ -50,8 +52,10 @@ pub use self::{
     error::LogError,
     format::{CsvSource, FORMATS, LogFormat, NdjsonSource, format_of, open},
     header::HeaderColumn,
-    map::{ColumnMap, LogMap, RowRule, TimeMap},
+    limit::MOST_BYTES,
+    map::{ColumnMap, LogMap, MergeMap, RowRule, TimeMap},
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
+    recording::{Recording, Topic},
     source::LogSource,
     table::LogTable,
     writer::{write_log, write_log_to},

@@ -44,8 +44,41 @@ pub struct LogMap {
     /// Which rows are samples of this log: those that every rule lets through; all if there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<RowRule>,
+    /// How columns that have clocks of their own are brought together.
+    #[serde(skip_serializing_if = "MergeMap::is_default")]
+    pub merge: MergeMap,
     /// How the samples are put on an even time base.
     pub resample: ResamplePolicy,
+}
+
+/// How columns of several topics, each with a clock of its own, become one table: every instant of one clock
+/// gets the last value of the other topics, if it is not too old.
+///
+/// ```
+/// let map: fd_log::LogMap = toml::from_str(
+///     r#"
+///     outputs = [{ name = "q", column = "/joint_states.position[arm]", unit = "rad" }]
+///     merge = { clock = "/joint_states", max_age_s = 0.05 }
+///     "#,
+/// )?;
+/// assert_eq!(map.merge.max_age_s, Some(0.05));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MergeMap {
+    /// The topic whose clock counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock: Option<String>,
+    /// How old a value of another topic may be, in seconds; beyond that it is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_age_s: Option<f64>,
+}
+
+impl MergeMap {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Which rows belong to the log, by the number in one of their columns: a run out of a file of many,
@@ -150,6 +183,16 @@ impl LogMap {
     #[must_use]
     pub fn for_model(model: &LinearModel) -> Self {
         Self::for_channels(&model.input_channels(), &model.output_channels())
+    }
+}
+
+impl LogMap {
+    /// Headers of all columns that are looked at; time only if it is named.
+    pub(super) fn wanted(&self) -> impl Iterator<Item = &str> {
+        let channels = self.inputs.iter().chain(&self.outputs);
+        let channels = channels.map(|map| map.column.as_ref().unwrap_or(&map.name));
+        let rules = self.rows.iter().map(|rule| &rule.column);
+        channels.chain(rules).chain(&self.time.column).map(String::as_str)
     }
 }
 

@@ -68,7 +68,7 @@ impl<R: Read> NdjsonSource<R> {
         loop {
             line.clear();
             let read = self.from.read_until(b'\n', &mut line);
-            if read.map_err(|error| cannot_read(&self.file, error.kind()))? == 0 {
+            if read.map_err(|error| cannot_read(&self.file, &error))? == 0 {
                 return Ok(None);
             }
             self.row += 1;

@@ -132,10 +132,9 @@ fn is_missing(text: &str) -> bool {
 }
 
 fn csv_error(file: &str, error: &csv::Error) -> LogError {
-    let kind = match error.kind() {
-        csv::ErrorKind::Io(error) => error.kind(),
+    match error.kind() {
+        csv::ErrorKind::Io(error) => cannot_read(file, error),
         // Byte records of any length are read, so no other kind can occur.
-        _ => io::ErrorKind::InvalidData,
-    };
-    cannot_read(file, kind)
+        _ => cannot_read(file, &io::ErrorKind::InvalidData.into()),
+    }
 }
