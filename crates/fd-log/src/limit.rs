@@ -6,14 +6,14 @@ use crate::error::LogError;
 pub const MOST_BYTES: u64 = 4 << 30;
 
 /// What is left of [`MOST_BYTES`] while a file is read.
-#[derive(Clone, Debug)]
-#[cfg_attr(not(feature = "npz"), allow(dead_code))]
+#[derive(Clone, Debug, Default)]
+#[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
 pub(crate) struct Budget {
     file: String,
     left: u64,
 }
 
-#[cfg_attr(not(feature = "npz"), allow(dead_code))]
+#[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
 impl Budget {
     /// The whole of it.
     pub(crate) fn new(file: &str) -> Self {

@@ -1,11 +1,21 @@
 //! The formats that can be read: one list, from the name and the first bytes of a file to a source.
 
 mod csv;
+#[cfg(feature = "mcap")]
+mod mcap;
+#[cfg(any(feature = "mcap", feature = "ulog"))]
+mod message;
 mod ndjson;
 #[cfg(feature = "npz")]
 mod npz;
 #[cfg(feature = "packed")]
 mod packed;
+#[cfg(feature = "parquet")]
+mod parquet;
+#[cfg(feature = "ulog")]
+mod ulog;
+#[cfg(any(feature = "packed", feature = "mcap"))]
+mod zstd;
 
 use std::{
     fs::File,
@@ -46,7 +56,7 @@ enum Reading {
     #[cfg(feature = "packed")]
     Packed(fn(Box<dyn Read>) -> Box<dyn Read>),
     /// As a whole, column by column.
-    #[cfg_attr(not(feature = "npz"), allow(dead_code))]
+    #[allow(dead_code)]
     Columns(fn(&str, File) -> Result<Recording, LogError>),
     /// Not in this program, for want of a feature.
     #[allow(dead_code)]
@@ -104,6 +114,33 @@ pub const FORMATS: &[LogFormat] = &[
         #[cfg(not(feature = "npz"))]
         read: Reading::NotBuilt("npz"),
     },
+    LogFormat {
+        name: "Parquet",
+        extensions: &["parquet"],
+        magic: &[b"PAR1"],
+        #[cfg(feature = "parquet")]
+        read: Reading::Columns(parquet::read),
+        #[cfg(not(feature = "parquet"))]
+        read: Reading::NotBuilt("parquet"),
+    },
+    LogFormat {
+        name: "MCAP",
+        extensions: &["mcap"],
+        magic: &[b"\x89MCAP0\r\n"],
+        #[cfg(feature = "mcap")]
+        read: Reading::Columns(mcap::read),
+        #[cfg(not(feature = "mcap"))]
+        read: Reading::NotBuilt("mcap"),
+    },
+    LogFormat {
+        name: "ULog",
+        extensions: &["ulg", "ulog"],
+        magic: &[b"ULog\x01\x12\x35"],
+        #[cfg(feature = "ulog")]
+        read: Reading::Columns(ulog::read),
+        #[cfg(not(feature = "ulog"))]
+        read: Reading::NotBuilt("ulog"),
+    },
 ];
 
 /// The format of a file, by the ending of its name.
@@ -144,6 +181,21 @@ pub(crate) enum Opened {
 pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogError> {
     let file = path.display().to_string();
     let unreadable = |error| cannot_read(&file, &error);
+    #[cfg(feature = "parquet")]
+    if parquet::is_dataset(path) {
+        let recording = parquet::read_dataset(path, map)?;
+        return Ok(("LeRobot".to_owned(), Opened::Columns(recording)));
+    }
+    if path.is_dir() {
+        let (expected, found) = ("a file", "found a folder".to_owned());
+        let is_dataset = path.join("meta").join("info.json").is_file();
+        let (format, feature) = ("LeRobot datasets", "parquet");
+        return Err(if is_dataset {
+            LogError::NotBuilt { file, format, feature }
+        } else {
+            LogError::NoLog { file, expected, found }
+        });
+    }
     let mut from = File::open(path).map_err(unreadable)?;
     let mut first = Vec::new();
     (&mut from).take(MAGIC).read_to_end(&mut first).map_err(unreadable)?;

@@ -3,15 +3,11 @@
 //! Two bounds keep a small file from becoming a large memory: the unpacked text may have at most
 //! [`MOST_BYTES`](crate::MOST_BYTES), and a line of it at most [`MOST_LINE`] bytes.
 
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufReader, Read};
 
-use flate2::bufread::MultiGzDecoder;
-use ruzstd::decoding::{
-    BlockDecodingStrategy, FrameDecoder,
-    errors::{FrameDecoderError, ReadFrameHeaderError},
-};
-
+use super::zstd::Frames;
 use crate::{limit::MOST_BYTES, source::Unsound};
+use flate2::bufread::MultiGzDecoder;
 
 /// Most bytes of a line of packed text.
 const MOST_LINE: u64 = 16 << 20;
@@ -26,8 +22,7 @@ pub(super) fn gzip(from: impl Read + 'static) -> Box<dyn Read> {
 
 /// The text in a file of Zstandard.
 pub(super) fn zstd(from: impl Read + 'static) -> Box<dyn Read> {
-    let frames =
-        Frames { from: BufReader::new(from), decoder: FrameDecoder::new(), is_within: false };
+    let frames = Frames::new(BufReader::new(from));
     Box::new(Bounded::new(ZSTD, frames, MOST_BYTES))
 }
 
@@ -72,60 +67,6 @@ impl<R: Read> Read for Bounded<R> {
             return Err(unsound(self.format, found));
         }
         Ok(read)
-    }
-}
-
-/// Frames of Zstandard one after the other, as `zstd` and `pzstd` write them.
-struct Frames<R> {
-    from: BufReader<R>,
-    decoder: FrameDecoder,
-    is_within: bool,
-}
-
-impl<R: Read> Read for Frames<R> {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        loop {
-            if !self.is_within && !self.next_frame()? {
-                return Ok(0);
-            }
-            let read = self.decoder.read(into)?;
-            if read > 0 || into.is_empty() {
-                return Ok(read);
-            }
-            if self.decoder.is_finished() {
-                let stated = self.decoder.get_checksum_from_data();
-                if stated.is_some() && stated != self.decoder.get_calculated_checksum() {
-                    return Err(io::Error::other("a checksum does not fit"));
-                }
-                self.is_within = false;
-            } else {
-                let blocks = BlockDecodingStrategy::UptoBlocks(1);
-                self.decoder.decode_blocks(&mut self.from, blocks).map_err(io::Error::other)?;
-            }
-        }
-    }
-}
-
-impl<R: Read> Frames<R> {
-    /// Goes to the next frame, past those that hold no data.
-    fn next_frame(&mut self) -> io::Result<bool> {
-        while !self.from.fill_buf()?.is_empty() {
-            match self.decoder.reset(&mut self.from) {
-                Ok(()) => {
-                    self.is_within = true;
-                    return Ok(true);
-                }
-                Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
-                    length,
-                    ..
-                })) => {
-                    let mut skipped = (&mut self.from).take(u64::from(length));
-                    io::copy(&mut skipped, &mut io::sink())?;
-                }
-                Err(error) => return Err(io::Error::other(error)),
-            }
-        }
-        Ok(false)
     }
 }
 
