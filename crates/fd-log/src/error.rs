@@ -104,6 +104,22 @@ pub enum LogError {
         /// Topics there are.
         known: Vec<String>,
     },
+    /// A channel is said to be constant, and something else besides.
+    #[error(
+        "{file}: channel `{}`: expected either a finite `constant` or a `column`, found {found}{}",
+        Shown(channel),
+        column.as_ref().map_or(String::new(), |c| format!(" and column `{}`", Shown(c)))
+    )]
+    Constant {
+        /// Name of the file.
+        file: String,
+        /// Name of the channel.
+        channel: String,
+        /// The constant.
+        found: f64,
+        /// The column, if there is one.
+        column: Option<String>,
+    },
     /// The age up to which values are held is no age.
     #[error("{file}: `merge.max_age_s`: expected a number of seconds from 0 on, found {found}")]
     Age {

@@ -114,7 +114,7 @@ impl Recording {
         if self.topics.iter().any(|topic| topic.times.is_some()) {
             header.push(HeaderColumn::parse("time [s]"));
         }
-        let found = map.wanted().map(|name| {
+        let found = map.wanted(&self.file).map(|name| {
             let unfit = self.unfit.iter().find(|(known, _)| known == name);
             match (find(&self.file, &header, name), unfit) {
                 (Err(LogError::MissingColumn { .. }), Some((column, reason))) => {

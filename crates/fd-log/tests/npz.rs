@@ -90,11 +90,11 @@ fn rubbish_is_told() {
         let whole = std::fs::read(data(name)).unwrap();
         assert!(matches!(read(name, b""), Err(LogError::Empty { .. })));
         assert!(matches!(read(name, b"t,u\n0,1\n"), Err(LogError::Damaged { .. })));
-        for length in (1..whole.len()).step_by(29) {
+        for length in (1..whole.len()).step_by(97) {
             assert!(read(name, &whole[..length]).is_err(), "{name} {length}");
         }
         // Any byte changed: an error or other numbers, but no panic.
-        for place in (0..whole.len()).step_by(11) {
+        for place in (0..whole.len()).step_by(41) {
             let mut changed = whole.clone();
             changed[place] ^= 0xff;
             drop(read(name, &changed));

@@ -2,6 +2,7 @@
 
 #![cfg(feature = "parquet")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
 use std::path::PathBuf;
 

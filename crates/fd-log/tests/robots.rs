@@ -2,6 +2,7 @@
 
 #![cfg(all(feature = "mcap", feature = "ulog"))]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
 use std::path::PathBuf;
 
@@ -79,8 +80,8 @@ fn topics_with_clocks_of_their_own_are_merged_only_as_stated() {
     // Commands come at 3, 28, 53... ms; joints at 0, 10, 20... ms.
     let record = read("merge = { clock = '/joint_states', max_age_s = 0.02 }").unwrap().record;
     assert_eq!(record.len(), 100);
-    for k in 0..100_i32 {
-        let (u, y) = (record.u(k as usize)[0], record.y(k as usize)[0]);
+    for (row, k) in (0..100_i32).enumerate() {
+        let (u, y) = (record.u(row)[0], record.y(row)[0]);
         assert_eq!(y, f64::from(k) / 8.0);
         let last = (10 * k - 3).div_euclid(25);
         let age = 10 * k - 3 - 25 * last;

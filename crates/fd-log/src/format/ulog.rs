@@ -81,7 +81,7 @@ impl Reader {
             match kind {
                 b'B' => check_flags(&content)?,
                 b'F' => {
-                    self.format(&content).ok_or_else(|| unsound("found a format without sense"))?
+                    self.format(&content).ok_or_else(|| unsound("found a format without sense"))?;
                 }
                 b'A' => self.subscription(&content).ok_or_else(cut)?,
                 b'D' => self.data(&content)?,

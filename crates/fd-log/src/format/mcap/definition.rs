@@ -14,8 +14,8 @@ pub(super) fn parse(root: &str, text: &str) -> Option<Definitions> {
             definitions.insert(std::mem::take(&mut name), std::mem::take(&mut fields));
         } else if let Some(next) = line.strip_prefix("MSG:") {
             name = short(next.trim());
-        } else if !line.is_empty() {
-            fields.extend(field(line, &name)?);
+        } else if !line.is_empty() && !is_constant(line) {
+            fields.push(field(line, &name)?);
         }
     }
     definitions.insert(name, fields);
@@ -27,15 +27,18 @@ pub(super) fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// One line: a field, or a constant, which takes no bytes.
-fn field(line: &str, of: &str) -> Option<Option<Field>> {
+/// Whether a line states a number, as `uint8 OK=0`, which takes no bytes.
+fn is_constant(line: &str) -> bool {
+    let rest = line.split_once(char::is_whitespace).map_or("", |(_, rest)| rest.trim_start());
+    rest.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_').trim_start().starts_with('=')
+}
+
+/// A field: its type, its name, and a value that it has if nobody gives one.
+fn field(line: &str, of: &str) -> Option<Field> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim_start();
     let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-    let (name, after) = rest.split_at_checked(end)?;
-    if after.trim_start().starts_with('=') {
-        return Some(None);
-    }
+    let name = rest.get(..end)?;
     let (base, count) = match kind.split_once('[') {
         None => (kind, Count::One),
         Some((base, size)) => {
@@ -55,7 +58,7 @@ fn field(line: &str, of: &str) -> Option<Option<Field>> {
         None if base == "Header" => Kind::Message("std_msgs/Header".to_owned()),
         None => Kind::Message(format!("{}/{base}", of.split_once('/').map_or("", |(p, _)| p))),
     };
-    (!name.is_empty()).then(|| Some(Field { name: name.to_owned(), kind, count }))
+    (!name.is_empty()).then(|| Field { name: name.to_owned(), kind, count })
 }
 
 #[cfg(test)]

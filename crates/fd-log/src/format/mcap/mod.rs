@@ -50,9 +50,10 @@ pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
         let (topic, unfit) = topic.finish();
         recording.unfit.extend(unfit);
         // A topic of texts has messages and no columns.
-        match topic.columns.is_empty() {
-            true => recording.unfit.push((topic.name, "messages without numbers".to_owned())),
-            false => recording.topics.push(topic),
+        if topic.columns.is_empty() {
+            recording.unfit.push((topic.name, "messages without numbers".to_owned()));
+        } else {
+            recording.topics.push(topic);
         }
     }
     recording.unfit.extend(reader.unfit);

@@ -42,15 +42,15 @@ impl<'a> Content<'a> {
 pub(super) fn crc32(bytes: &[u8]) -> u32 {
     const TABLE: [u32; 256] = {
         let mut table = [0; 256];
-        let mut i = 0;
+        let mut i = 0_u32;
         while i < 256 {
-            let mut value = i as u32;
+            let mut value = i;
             let mut bit = 0;
             while bit < 8 {
                 value = if value & 1 == 1 { value >> 1 ^ 0xedb8_8320 } else { value >> 1 };
                 bit += 1;
             }
-            table[i] = value;
+            table[i as usize] = value;
             i += 1;
         }
         table

@@ -1,4 +1,4 @@
-//! Datasets of LeRobot, versions 2 and 3: a folder with `meta/info.json` and `data/chunk-*/*.parquet`.
+//! Datasets of `LeRobot`, versions 2 and 3: a folder with `meta/info.json` and `data/chunk-*/*.parquet`.
 //!
 //! An episode is a log. `DATASET/episode_3` names one of a dataset, and so does its own file where it has one; a
 //! column map can say `rows = [{ column = "episode_index", equals = 3 }]` for the folder. Columns of lists
@@ -141,7 +141,10 @@ pub(in crate::format) fn read_dataset(path: &Path, map: &LogMap) -> Result<Recor
     for data in data_files(folder)? {
         // Version 2 has a file per episode, and says which in its name.
         let stem = data.file_stem().map(Path::new);
-        if stem.and_then(episode).is_some_and(|number| number as f64 != wanted) {
+        if stem
+            .and_then(episode)
+            .is_some_and(|number| !(wanted..=wanted).contains(&(number as f64)))
+        {
             continue;
         }
         let name = name_of_file(&data);

@@ -35,7 +35,7 @@ const BATCH: usize = 1 << 14;
 /// Most columns that lists may become.
 const MOST_COLUMNS: usize = 4096;
 
-/// Reads a file as one table; in a LeRobot dataset, with the names and the pace that the dataset states.
+/// Reads a file as one table; in a dataset of `LeRobot`, with the names and the pace that the dataset states.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     let mut recording = read_plain(file, from, &mut Budget::new(file), &mut |_| true)?;
     lerobot::name_columns(&mut recording)?;
@@ -139,9 +139,10 @@ fn read_columns(
         left.take(&format!("column `{name}`"), 8 * leaf.missing())?;
         for (text, values) in leaf.into_columns(&name) {
             // A name that ends in an index brings no unit.
-            let header = match text == name {
-                true => HeaderColumn::parse(&text),
-                false => HeaderColumn { name: text.clone(), text, unit: None },
+            let header = if text == name {
+                HeaderColumn::parse(&text)
+            } else {
+                HeaderColumn { name: text.clone(), text, unit: None }
             };
             topic.columns.push(header);
             topic.values.push(values);
