@@ -1,5 +1,5 @@
-//! Flight logs of PX4, <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>: every topic is a table with a clock of
-//! its own.
+//! Flight logs of PX4, <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>: every topic is a table with a
+//! clock of its own.
 //!
 //! Columns are `vehicle_attitude.q[0]`; the second instance of a topic is called `sensor_accel_1`. Time is the
 //! `timestamp` of a message, in seconds since the log began.

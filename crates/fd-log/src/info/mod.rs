@@ -49,8 +49,8 @@ pub struct TableInfo {
     pub columns: Vec<ColumnInfo>,
 }
 
-/// Says what is in a log file. Of the map, separators, the column of time and its unit matter, and for a dataset of many
-/// logs the rule that picks one.
+/// Says what is in a log file. Of the map, separators, the column of time and its unit matter, and for a dataset of
+/// many logs the rule that picks one.
 ///
 /// ```
 /// use fd_log::{LogMap, info};

@@ -25,7 +25,8 @@ raw.write(b"ULog\x01\x12\x35\x01" + struct.pack("<Q", START))
 raw.write(message("B", bytes(40)))
 raw.write(message("F", b"attitude:uint64_t timestamp;float[4] q;uint8_t[4] _padding0;"))
 raw.write(message("F", b"inner:float x;int16_t y;uint8_t[2] _padding0;"))
-raw.write(message("F", b"accel:uint64_t timestamp;double temperature;inner[2] parts;bool clipped;char[3] tag;uint8_t[4] _padding0;"))
+accel = b"uint64_t timestamp;double temperature;inner[2] parts;bool clipped;char[3] tag;uint8_t[4] _padding0;"
+raw.write(message("F", b"accel:" + accel))
 key = b"char[4] ver_hw"
 raw.write(message("I", bytes([len(key)]) + key + b"TEST"))
 raw.write(message("A", struct.pack("<BH", 0, 0) + b"attitude"))
@@ -37,7 +38,8 @@ for k in range(50):
     for instance in range(2):
         late = at + 1_000 + instance
         parts = struct.pack("<fh2xfh2x", k, -k, instance, 300)
-        raw.write(message("D", struct.pack("<HQd", 1 + instance, late, 20 + k / 2) + parts + struct.pack("<?3s", k % 2, b"abc")))
+        head = struct.pack("<HQd", 1 + instance, late, 20 + k / 2)
+        raw.write(message("D", head + parts + struct.pack("<?3s", k % 2, b"abc")))
 raw.write(message("O", struct.pack("<H", 15)))
 with tempfile.NamedTemporaryFile(suffix=".ulg") as file:
     file.write(raw.getvalue())

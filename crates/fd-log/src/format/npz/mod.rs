@@ -1,4 +1,5 @@
-//! Arrays of numpy: NPZ archives and single NPY files, <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+//! Arrays of numpy: NPZ archives and single NPY files,
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 //!
 //! Arrays whose first dimensions are equally long are one table: a vector is a column under its name, a matrix
 //! has columns `name[0]`, `name[1]`... , an array of records one per field. Dates (`datetime64`) become seconds
