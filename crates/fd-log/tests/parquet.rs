@@ -1,4 +1,4 @@
-//! Parquet and LeRobot datasets, as pyarrow wrote them, and as nobody should.
+//! Parquet and `LeRobot` datasets, as pyarrow wrote them, and as nobody should.
 
 #![cfg(feature = "parquet")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
