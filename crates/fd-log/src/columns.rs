@@ -14,6 +14,8 @@ pub(super) struct Column {
     pub(super) index: usize,
     pub(super) text: String,
     pub(super) conversion: Conversion,
+    /// The number that it always has, if it is none of the file.
+    pub(super) constant: Option<f64>,
 }
 
 /// Where the time of a row comes from.
@@ -39,7 +41,7 @@ pub(super) fn time_source(
         }
         (None, None) => header
             .iter()
-            .position(|c| ["time", "t", "time_s"].iter().any(|t| c.name.eq_ignore_ascii_case(t)))
+            .position(|column| is_time(column, map))
             .ok_or_else(|| LogError::NoTime { file: file.to_owned(), known: texts(header) })?,
     };
     let seconds = ColumnMap {
@@ -47,22 +49,31 @@ pub(super) fn time_source(
         unit: Some("s".to_owned()),
         column: Some(header[index].text.clone()),
         column_unit: map.time.unit.clone(),
+        constant: None,
     };
     Ok(Time::Column(resolve(file, header, &seconds)?.0))
+}
+
+/// Whether a column is the one of time: the one of the map, or one with a name that says so.
+pub(super) fn is_time(column: &HeaderColumn, map: &LogMap) -> bool {
+    match &map.time.column {
+        Some(wanted) => column.text == *wanted || column.name == *wanted,
+        None => ["time", "t", "time_s"].iter().any(|t| column.name.eq_ignore_ascii_case(t)),
+    }
 }
 
 /// Columns of the rules about rows, in the unit they have.
 pub(super) fn rule_columns(
     file: &str,
     header: &[HeaderColumn],
-    rules: &[RowRule],
+    map: &LogMap,
 ) -> Result<Vec<(RowRule, Column)>, LogError> {
     let column = |rule: &RowRule| {
         let index = find(file, header, &rule.column)?;
         let text = header[index].text.clone();
-        Ok((rule.clone(), Column { index, text, conversion: Conversion::IDENTITY }))
+        Ok((rule.clone(), Column { index, text, conversion: Conversion::IDENTITY, constant: None }))
     };
-    rules.iter().map(column).collect()
+    map.rules(file).map(column).collect()
 }
 
 /// Finds a column and settles its unit.
@@ -71,6 +82,9 @@ pub(super) fn resolve(
     header: &[HeaderColumn],
     map: &ColumnMap,
 ) -> Result<(Column, Channel), LogError> {
+    if let Some(number) = map.constant {
+        return constant(file, map, number);
+    }
     let index = find(file, header, map.column.as_ref().unwrap_or(&map.name))?;
     let HeaderColumn { text, unit: header_unit, .. } = &header[index];
     let column_unit = match (header_unit, &map.column_unit) {
@@ -91,5 +105,28 @@ pub(super) fn resolve(
         column: text.clone(),
         source,
     })?;
-    Ok((Column { index, text: text.clone(), conversion }, Channel::new(map.name.clone(), unit)))
+    let column = Column { index, text: text.clone(), conversion, constant: None };
+    Ok((column, Channel::new(map.name.clone(), unit)))
+}
+
+/// A channel that is no column.
+fn constant(file: &str, map: &ColumnMap, number: f64) -> Result<(Column, Channel), LogError> {
+    let (file, text) = (file.to_owned(), map.name.clone());
+    if map.column.is_some() || !number.is_finite() {
+        return Err(LogError::Constant {
+            file,
+            channel: text,
+            found: number,
+            column: map.column.clone(),
+        });
+    }
+    let unit = map.unit.as_deref().or(map.column_unit.as_deref()).unwrap_or("1");
+    let from = map.column_unit.as_deref().unwrap_or(unit);
+    match Conversion::between(from, unit) {
+        Ok(conversion) => {
+            let column = Column { index: 0, text, conversion, constant: Some(number) };
+            Ok((column, Channel::new(map.name.clone(), unit)))
+        }
+        Err(source) => Err(LogError::Unit { file, column: text, source }),
+    }
 }

@@ -22,6 +22,112 @@ pub enum LogError {
         /// Kind of the refusal.
         kind: io::ErrorKind,
     },
+    /// A file is not what its name or its first bytes say, or is cut off.
+    #[error("{file}: expected sound {format} data, {}", Shown(found))]
+    Damaged {
+        /// Name of the file.
+        file: String,
+        /// The format that was expected.
+        format: &'static str,
+        /// What is wrong with it.
+        found: String,
+    },
+    /// A file would take more memory than a log may.
+    #[error("{file}: {}: expected at most {most} bytes, found {found}", Shown(what))]
+    TooLarge {
+        /// Name of the file.
+        file: String,
+        /// Which part of it.
+        what: String,
+        /// How much it may be.
+        most: u64,
+        /// How much it is.
+        found: u64,
+    },
+    /// The format is known, and its reader was left out of this program.
+    #[error("{file}: this program was built without its reader of {format} (feature `{feature}`)")]
+    NotBuilt {
+        /// Name of the file.
+        file: String,
+        /// Name of the format.
+        format: &'static str,
+        /// Feature that builds the reader.
+        feature: &'static str,
+    },
+    /// A folder or archive holds nothing that can be read as a log.
+    #[error("{file}: expected {expected}, {}", Shown(found))]
+    NoLog {
+        /// Name of the file.
+        file: String,
+        /// What would have been a log.
+        expected: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// What a name stands for is in the file, but is no column of numbers.
+    #[error(
+        "column `{}` of {file}: expected one number per row, found {}",
+        Shown(column),
+        Shown(reason)
+    )]
+    Unfit {
+        /// Name of the file.
+        file: String,
+        /// The name.
+        column: String,
+        /// What it is instead.
+        reason: String,
+    },
+    /// Columns were taken at different instants, and nobody says how they are to be brought together.
+    #[error(
+        "{file}: the columns come from topics with clocks of their own: {}; state in the column map whose clock \
+         counts and how old a value of the others may be: merge = {{ clock = \"...\", max_age_s = ... }}",
+        ShownList(clocks)
+    )]
+    SeveralClocks {
+        /// Name of the file.
+        file: String,
+        /// The topics, with rows and steps.
+        clocks: Vec<String>,
+    },
+    /// The topic whose clock should count is not there.
+    #[error(
+        "{file}: there is no topic `{}` to take the clock of; the topics are {}",
+        Shown(clock),
+        ShownList(known)
+    )]
+    NoClock {
+        /// Name of the file.
+        file: String,
+        /// Topic that was looked for.
+        clock: String,
+        /// Topics there are.
+        known: Vec<String>,
+    },
+    /// A channel is said to be constant, and something else besides.
+    #[error(
+        "{file}: channel `{}`: expected either a finite `constant` or a `column`, found {found}{}",
+        Shown(channel),
+        column.as_ref().map_or(String::new(), |c| format!(" and column `{}`", Shown(c)))
+    )]
+    Constant {
+        /// Name of the file.
+        file: String,
+        /// Name of the channel.
+        channel: String,
+        /// The constant.
+        found: f64,
+        /// The column, if there is one.
+        column: Option<String>,
+    },
+    /// The age up to which values are held is no age.
+    #[error("{file}: `merge.max_age_s`: expected a number of seconds from 0 on, found {found}")]
+    Age {
+        /// Name of the file.
+        file: String,
+        /// What the map says.
+        found: f64,
+    },
     /// There is not a single byte, or only comments.
     #[error("{file}: expected a header and rows, found an empty file")]
     Empty {

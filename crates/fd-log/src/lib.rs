@@ -5,8 +5,17 @@
 //! | record | [`read_log`] with a [`LogMap`] | [`write_log`] |
 //! | huge log, row by row | [`LogReader`] | |
 //! | log in memory | [`LogTable`] | |
+//! | what is in a file | [`info`](fn@info) | |
 //!
-//! A format is one file that implements [`LogSource`], and an entry in the list of [`FORMATS`] beside it.
+//! | feature | formats |
+//! |---------|---------|
+//! | `packed` | CSV and NDJSON in gzip and Zstandard |
+//! | `npz` | arrays of numpy |
+//! | `mcap` | recordings of ROS 2 |
+//! | `ulog` | flight logs of PX4 |
+//! | `parquet` | Parquet, and datasets of `LeRobot` |
+//!
+//! A format is one file that makes a [`LogSource`] or a [`Recording`], and an entry in the list of [`FORMATS`] beside it.
 //!
 //! What a file calls its columns, and in which units, is not what a model calls its channels. A map says
 //! which is which, and a record comes out that has the channels of the model:
@@ -37,11 +46,15 @@
 //! ```
 
 mod columns;
+mod date;
 mod error;
 mod format;
 mod header;
+mod info;
+mod limit;
 mod map;
 mod reader;
+mod recording;
 mod source;
 mod table;
 mod writer;
@@ -50,8 +63,11 @@ pub use self::{
     error::LogError,
     format::{CsvSource, FORMATS, LogFormat, NdjsonSource, format_of, open},
     header::HeaderColumn,
-    map::{ColumnMap, LogMap, RowRule, TimeMap},
+    info::{ClockInfo, ColumnInfo, LogInfo, TableInfo, info},
+    limit::MOST_BYTES,
+    map::{ColumnMap, FileRows, LogMap, MergeMap, RowRule, TimeMap},
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
+    recording::{Recording, Topic},
     source::LogSource,
     table::LogTable,
     writer::{write_log, write_log_to},

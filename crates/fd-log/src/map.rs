@@ -1,5 +1,7 @@
 //! Which columns of a log are time, inputs and outputs.
 
+use std::path::Path;
+
 use fd_model::{Channel, ResamplePolicy, SampleTime, file::LinearModel};
 use serde::{Deserialize, Serialize};
 
@@ -44,8 +46,67 @@ pub struct LogMap {
     /// Which rows are samples of this log: those that every rule lets through; all if there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<RowRule>,
+    /// Which rows of single files are samples, besides what holds for all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub logs: Vec<FileRows>,
+    /// How columns that have clocks of their own are brought together.
+    #[serde(skip_serializing_if = "MergeMap::is_default")]
+    pub merge: MergeMap,
     /// How the samples are put on an even time base.
     pub resample: ResamplePolicy,
+}
+
+/// Rules about the rows of one file.
+///
+/// ```
+/// use fd_log::LogMap;
+///
+/// let map: LogMap = toml::from_str(
+///     r#"
+///     outputs = [{ name = "y" }]
+///     logs = [{ file = "monday.csv", rows = [{ column = "t", from = 5 }] }]
+///     "#,
+/// )?;
+/// assert_eq!(map.logs[0].rows[0].from, Some(5.0));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileRows {
+    /// The file: its name, or the end of its path.
+    pub file: String,
+    /// What its rows must fit.
+    pub rows: Vec<RowRule>,
+}
+
+/// How columns of several topics, each with a clock of its own, become one table: every instant of one clock
+/// gets the last value of the other topics, if it is not too old.
+///
+/// ```
+/// let map: fd_log::LogMap = toml::from_str(
+///     r#"
+///     outputs = [{ name = "q", column = "/joint_states.position[arm]", unit = "rad" }]
+///     merge = { clock = "/joint_states", max_age_s = 0.05 }
+///     "#,
+/// )?;
+/// assert_eq!(map.merge.max_age_s, Some(0.05));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MergeMap {
+    /// The topic whose clock counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock: Option<String>,
+    /// How old a value of another topic may be, in seconds; beyond that it is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_age_s: Option<f64>,
+}
+
+impl MergeMap {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Which rows belong to the log, by the number in one of their columns: a run out of a file of many,
@@ -113,6 +174,9 @@ pub struct ColumnMap {
     /// Unit of the column where the header gives none; without it, `unit`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub column_unit: Option<String>,
+    /// The number that the channel always has, in `column_unit`, else in `unit`; no column is looked for then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constant: Option<f64>,
 }
 
 impl LogMap {
@@ -150,6 +214,23 @@ impl LogMap {
     #[must_use]
     pub fn for_model(model: &LinearModel) -> Self {
         Self::for_channels(&model.input_channels(), &model.output_channels())
+    }
+}
+
+impl LogMap {
+    /// Rules about the rows of a file: those of all files, and those of its own.
+    pub(super) fn rules<'a>(&'a self, file: &'a str) -> impl Iterator<Item = &'a RowRule> {
+        let own = self.logs.iter().filter(move |log| Path::new(file).ends_with(&log.file));
+        self.rows.iter().chain(own.flat_map(|log| &log.rows))
+    }
+
+    /// Headers of all columns that are looked at; time only if it is named.
+    pub(super) fn wanted<'a>(&'a self, file: &'a str) -> impl Iterator<Item = &'a str> {
+        let channels = self.inputs.iter().chain(&self.outputs);
+        let channels = channels.filter(|map| map.constant.is_none());
+        let channels = channels.map(|map| map.column.as_ref().unwrap_or(&map.name));
+        let rules = self.rules(file).map(|rule| &rule.column);
+        channels.chain(rules).chain(&self.time.column).map(String::as_str)
     }
 }
 
@@ -206,7 +287,13 @@ impl ColumnMap {
     /// ```
     #[must_use]
     pub fn new(name: impl Into<String>, column: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: None, column: Some(column.into()), column_unit: None }
+        Self {
+            name: name.into(),
+            unit: None,
+            column: Some(column.into()),
+            column_unit: None,
+            constant: None,
+        }
     }
 
     /// Sets the unit of the channel.
@@ -224,6 +311,7 @@ impl From<&Channel> for ColumnMap {
             unit: Some(channel.unit.clone()),
             column: None,
             column_unit: None,
+            constant: None,
         }
     }
 }

@@ -116,7 +116,7 @@ impl<S: LogSource> LogReader<S> {
         }
         Ok(Self {
             time,
-            rules: rule_columns(file, header, &map.rows)?,
+            rules: rule_columns(file, header, map)?,
             values: vec![f64::NAN; columns.len()],
             columns,
             rows_read: 0,
@@ -201,7 +201,7 @@ impl<S: LogSource> LogReader<S> {
         }
         if rows.is_empty() {
             let file = self.source.file().to_owned();
-            let rules = self.map.rows;
+            let rules: Vec<RowRule> = self.map.rules(&file).cloned().collect();
             return Err(if rules.is_empty() {
                 LogError::NoRows { file }
             } else {
@@ -231,6 +231,10 @@ impl<S: LogSource> LogReader<S> {
 
     /// The number in a column of the current row, in the unit of its channel.
     fn number(&self, column: &Column) -> Result<f64, LogError> {
-        Ok(column.conversion.apply(self.source.number(column.index)?))
+        let number = match column.constant {
+            Some(number) => number,
+            None => self.source.number(column.index)?,
+        };
+        Ok(column.conversion.apply(number))
     }
 }

@@ -1,6 +1,9 @@
 //! The seam between formats and logs: a table whose rows come one after the other.
 
+use std::io;
+
 use fd_model::file::FileAction;
+use thiserror::Error;
 
 use crate::{error::LogError, header::HeaderColumn};
 
@@ -95,7 +98,19 @@ impl<S: LogSource + ?Sized> LogSource for Box<S> {
     }
 }
 
-/// The operating system does not let a file be read.
-pub(crate) fn cannot_read(file: &str, kind: std::io::ErrorKind) -> LogError {
-    LogError::Io { file: file.to_owned(), action: FileAction::Read, kind }
+/// A file cannot be read on: the operating system does not let it, or what it holds is damaged.
+pub(crate) fn cannot_read(file: &str, error: &io::Error) -> LogError {
+    let file = file.to_owned();
+    match error.get_ref().and_then(|inner| inner.downcast_ref::<Unsound>()) {
+        Some(Unsound { format, found }) => LogError::Damaged { file, format, found: found.clone() },
+        None => LogError::Io { file, action: FileAction::Read, kind: error.kind() },
+    }
+}
+
+/// What a reader between the file and its text finds wrong.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("expected sound {format} data, {found}")]
+pub(crate) struct Unsound {
+    pub(crate) format: &'static str,
+    pub(crate) found: String,
 }

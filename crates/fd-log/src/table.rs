@@ -1,6 +1,6 @@
 //! A log that is in memory, and no file.
 
-use std::sync::Arc;
+use std::{borrow::Borrow, sync::Arc};
 
 use crate::{
     error::LogError,
@@ -29,6 +29,8 @@ pub struct LogTable {
     columns: Vec<HeaderColumn>,
     /// One list per column, all of the same length.
     values: Vec<Arc<[f64]>>,
+    /// Time between rows in seconds, if whoever made the table states it.
+    sample_time: Option<f64>,
 }
 
 impl LogTable {
@@ -42,9 +44,20 @@ impl LogTable {
         name: impl Into<String>,
         columns: impl IntoIterator<Item = (C, Vec<f64>)>,
     ) -> Result<Self, LogError> {
-        let mut table = Self { name: name.into(), columns: Vec::new(), values: Vec::new() };
+        let columns = columns.into_iter();
+        let columns =
+            columns.map(|(header, values)| (HeaderColumn::parse(header.as_ref()), values));
+        Self::of_columns(name.into(), columns.collect(), None)
+    }
+
+    /// A table of columns whose names and units are known apart.
+    pub(crate) fn of_columns(
+        name: String,
+        columns: Vec<(HeaderColumn, Vec<f64>)>,
+        sample_time: Option<f64>,
+    ) -> Result<Self, LogError> {
+        let mut table = Self { name, columns: Vec::new(), values: Vec::new(), sample_time };
         for (header, values) in columns {
-            let header = HeaderColumn::parse(header.as_ref());
             let (expected, found) = (table.rows(), values.len());
             if !table.columns.is_empty() && found != expected {
                 let (file, column) = (table.name, header.text);
@@ -79,35 +92,45 @@ impl LogTable {
     pub fn read(&self, map: &LogMap) -> Result<Log, LogError> {
         LogReader::new(Rows { table: self, row: 0 }, map)?.read_all()
     }
+
+    /// The table as a source of rows.
+    pub(crate) fn into_source(self) -> Box<dyn LogSource> {
+        Box::new(Rows { table: self, row: 0 })
+    }
 }
 
 /// A table, row by row.
-struct Rows<'a> {
-    table: &'a LogTable,
+struct Rows<T> {
+    table: T,
     /// Rows that were begun.
     row: usize,
 }
 
-impl LogSource for Rows<'_> {
+impl<T: Borrow<LogTable>> LogSource for Rows<T> {
     fn file(&self) -> &str {
-        &self.table.name
+        &self.table.borrow().name
     }
 
     fn columns(&self) -> &[HeaderColumn] {
-        &self.table.columns
+        &self.table.borrow().columns
+    }
+
+    fn sample_time(&self) -> Option<f64> {
+        self.table.borrow().sample_time
     }
 
     fn next_row(&mut self) -> Result<Option<u64>, LogError> {
         self.row += 1;
-        Ok((self.row <= self.table.rows()).then_some(self.row as u64))
+        Ok((self.row <= self.table.borrow().rows()).then_some(self.row as u64))
     }
 
     fn number(&self, column: usize) -> Result<f64, LogError> {
-        let number = self.table.values[column][self.row - 1];
+        let table = self.table.borrow();
+        let number = table.values[column][self.row - 1];
         if number.is_infinite() {
             return Err(LogError::Number {
-                file: self.table.name.clone(),
-                column: self.table.columns[column].text.clone(),
+                file: table.name.clone(),
+                column: table.columns[column].text.clone(),
                 row: self.row as u64,
                 found: number.to_string(),
             });

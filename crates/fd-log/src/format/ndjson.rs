@@ -10,6 +10,7 @@ use std::io::{BufRead, BufReader, Read};
 use serde_json::{Map, Value};
 
 use crate::{
+    date::Dates,
     error::LogError,
     header::HeaderColumn,
     source::{LogSource, cannot_read},
@@ -25,6 +26,7 @@ pub struct NdjsonSource<R> {
     first: Option<Map<String, Value>>,
     row: u64,
     cells: Map<String, Value>,
+    dates: Dates,
 }
 
 impl<R: Read> NdjsonSource<R> {
@@ -54,6 +56,7 @@ impl<R: Read> NdjsonSource<R> {
             first: None,
             row: 0,
             cells: Map::new(),
+            dates: Dates::default(),
         };
         let first = source.object()?.filter(|object| !object.is_empty());
         let first = first.ok_or_else(|| LogError::Empty { file: file.to_owned() })?;
@@ -68,7 +71,7 @@ impl<R: Read> NdjsonSource<R> {
         loop {
             line.clear();
             let read = self.from.read_until(b'\n', &mut line);
-            if read.map_err(|error| cannot_read(&self.file, error.kind()))? == 0 {
+            if read.map_err(|error| cannot_read(&self.file, &error))? == 0 {
                 return Ok(None);
             }
             self.row += 1;
@@ -117,6 +120,7 @@ impl<R: Read> LogSource for NdjsonSource<R> {
         let number = match cell {
             None | Some(Value::Null) => return Ok(f64::NAN),
             Some(Value::Bool(is_on)) => Some(f64::from(u8::from(*is_on))),
+            Some(Value::String(text)) => self.dates.seconds(text),
             Some(value) => value.as_f64().filter(|number| number.is_finite()),
         };
         number.ok_or_else(|| LogError::Number {

@@ -108,3 +108,10 @@ fn one_run_and_one_stretch_out_of_a_file_of_many() {
     map.rows[0].column = "runs".to_owned();
     assert!(read(&map).unwrap_err().to_string().contains("did you mean `run`?"));
 }
+
+#[test]
+fn the_documented_merge_is_a_map() {
+    let map: LogMap = toml::from_str(&block("clocks.toml")).unwrap();
+    assert_eq!(map.merge.clock.as_deref(), Some("/joint_states"));
+    assert_eq!((map.inputs.len(), map.outputs.len(), map.merge.max_age_s), (1, 1, Some(0.05)));
+}

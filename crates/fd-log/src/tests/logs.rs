@@ -302,3 +302,29 @@ fn records_that_would_not_come_back_are_not_written() {
     assert!(matches!(write(" u", "y"), Err(LogError::Unwritable { .. })));
     assert!(matches!(write("", "y"), Err(LogError::Unwritable { .. })));
 }
+
+#[test]
+fn dates_are_times() {
+    let csv = "time,wf,T_7\n2026-11-23T23:59:59.5Z,1,2\n2026-11-24 00:00:00,1,3\n2026-11-24T01:00:00.500+01:00,1,4\n";
+    let record = read(csv).unwrap().record;
+    assert_eq!((record.ts().seconds(), record.time(0), record.len()), (0.5, 86_399.5, 3));
+    assert!(message("t,wf,T_7\n0,1,2026-11-23\n").ends_with("found `2026-11-23`"));
+}
+
+#[test]
+fn channels_can_be_constant_and_files_can_have_rows_of_their_own() {
+    let map: LogMap = toml::from_str(
+        "inputs = [{ name = 'g', unit = 'm/s^2', constant = 1.0, column_unit = 'g0' }]\n\
+         outputs = [{ name = 'y' }]\n\
+         logs = [{ file = 'run3.csv', rows = [{ column = 't', from = 1 }] }]",
+    )
+    .unwrap();
+    let csv = "t,y\n0,5\n1,6\n2,7\n";
+    let record = read_log_from("data/run3.csv", csv.as_bytes(), &map).unwrap().record;
+    assert_eq!((record.len(), record.u(0), record.y(0)), (2, &[9.80665][..], &[6.0][..]));
+    assert_eq!(read_log_from("run4.csv", csv.as_bytes(), &map).unwrap().record.len(), 3);
+    let both: LogMap =
+        toml::from_str("outputs = [{ name = 'y', column = 'y', constant = 2.0 }]").unwrap();
+    let error = read_log_from("run3.csv", csv.as_bytes(), &both).unwrap_err().to_string();
+    assert!(error.ends_with("found 2 and column `y`"), "{error}");
+}

@@ -21,6 +21,7 @@ Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
   fdiag compensate  learns what the model does not know without a name, to see small faults
   fdiag watch       does that on line, next to the plant, for months
+  fdiag log info    says what is in a log, and what is doubtful about it
   fdiag simulator   says whether a simulator of your own is fit for fdiag gap
   fdiag engine      shows on a simulated jet engine what compensation gains
   fdiag compare     says which residual, compensation and detector find the smallest faults there
@@ -85,6 +86,11 @@ pub(crate) enum Command {
     Simulator {
         #[command(subcommand)]
         command: super::simulator::SimulatorCommand,
+    },
+    /// Say what is in a log file
+    Log {
+        #[command(subcommand)]
+        command: super::log::LogCommand,
     },
     /// Test the gap diagnosis on cases whose cause it does not know
     ///

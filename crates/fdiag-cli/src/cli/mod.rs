@@ -8,6 +8,7 @@ mod compensate;
 mod engine;
 mod failure;
 mod gap;
+mod log;
 mod output;
 mod pool;
 mod progress;
@@ -29,6 +30,7 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
+        Some(Command::Log { command }) => log::run(&command),
         Some(Command::Simulator { command }) => simulator::run(&command),
         Some(Command::Watch(args)) => watch::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),

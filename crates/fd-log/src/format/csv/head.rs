@@ -21,7 +21,7 @@ impl Head {
             Self { header: Vec::new(), lines_before: 0, written_here: false, sample_time: None };
         loop {
             let mut line = Vec::new();
-            from.read_until(b'\n', &mut line).map_err(|error| cannot_read(file, error.kind()))?;
+            from.read_until(b'\n', &mut line).map_err(|error| cannot_read(file, &error))?;
             if head.lines_before == 0 {
                 if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
                     let found = "a UTF-16 byte order mark".to_owned();

@@ -8,6 +8,7 @@ use csv::ByteRecord;
 
 use self::head::{Head, LineCounter, detect_delimiter, utf8};
 use crate::{
+    date::Dates,
     error::LogError,
     header::HeaderColumn,
     map::LogMap,
@@ -25,6 +26,7 @@ pub struct CsvSource<R> {
     decimal_comma: bool,
     columns: Vec<HeaderColumn>,
     sample_time: Option<f64>,
+    dates: Dates,
 }
 
 impl<R: Read> CsvSource<R> {
@@ -76,6 +78,7 @@ impl<R: Read> CsvSource<R> {
             decimal_comma: map.decimal_comma,
             columns,
             sample_time: head.sample_time,
+            dates: Dates::default(),
         })
     }
 }
@@ -117,7 +120,8 @@ impl<R: Read> LogSource for CsvSource<R> {
         } else {
             text.parse::<f64>()
         };
-        parsed.ok().filter(|value| value.is_finite()).ok_or_else(|| LogError::Number {
+        let number = parsed.ok().filter(|value| value.is_finite());
+        number.or_else(|| self.dates.seconds(text)).ok_or_else(|| LogError::Number {
             file: self.file.clone(),
             column: self.columns[column].text.clone(),
             row: self.row,
@@ -132,10 +136,9 @@ fn is_missing(text: &str) -> bool {
 }
 
 fn csv_error(file: &str, error: &csv::Error) -> LogError {
-    let kind = match error.kind() {
-        csv::ErrorKind::Io(error) => error.kind(),
+    match error.kind() {
+        csv::ErrorKind::Io(error) => cannot_read(file, error),
         // Byte records of any length are read, so no other kind can occur.
-        _ => io::ErrorKind::InvalidData,
-    };
-    cannot_read(file, kind)
+        _ => cannot_read(file, &io::ErrorKind::InvalidData.into()),
+    }
 }

@@ -104,6 +104,14 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
     let model = LinearModel::read(&args.model).map_err(Failure::of_input)?;
     let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
+    let mut channels = map.inputs.iter().chain(&map.outputs);
+    if let Some(channel) = channels.find(|channel| channel.constant.is_some()) {
+        let why = format!(
+            "column map: `constant` of channel `{}` is not for samples that come on line",
+            channel.name
+        );
+        return Err(Failure::of_input(why));
+    }
     if let Some(time) = &args.time {
         map.time.column = Some(time.clone());
     }

@@ -1,0 +1,232 @@
+//! Recordings of ROS 2 in MCAP, <https://mcap.dev/spec>: every topic whose messages are CDR with a definition in the
+//! file (`ros2msg`) is a table with a clock of its own.
+//!
+//! Columns are `/topic.field`, `/topic.list[0]`, and `/joint_states.position[elbow]` where the message names its
+//! entries. Time is the time of logging, in seconds since the first message of the file; stamps inside messages are
+//! columns that count from the same instant. Chunks may be packed by Zstandard or LZ4.
+
+mod definition;
+mod record;
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    fs::File,
+    io::{BufReader, Read},
+};
+
+use lz4_flex::frame::FrameDecoder;
+
+use self::record::{Content, HEAD, crc32};
+use super::{
+    message::{Bytes, Definitions, NoMessage, TopicColumns, decode},
+    zstd::Frames,
+};
+use crate::{error::LogError, limit::Budget, recording::Recording, source::cannot_read};
+
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Most bytes of a record, and of a chunk unpacked.
+const MOST_RECORD: u64 = 1 << 30;
+
+const SCHEMA: u8 = 3;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+const ATTACHMENT: u8 = 9;
+const DATA_END: u8 = 15;
+
+/// Reads all messages that are columns.
+pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
+    let mut reader = Reader { left: Budget::new(file), ..Reader::default() };
+    match reader.file(file, &mut BufReader::new(from)) {
+        Ok(()) => {}
+        Err(NoMessage::Large(error)) => return Err(error),
+        Err(NoMessage::Unsound(found)) => {
+            let file = file.to_owned();
+            return Err(LogError::Damaged { file, format: "MCAP", found });
+        }
+    }
+    let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
+    for topic in reader.topics.into_values() {
+        let (topic, unfit) = topic.finish();
+        recording.unfit.extend(unfit);
+        // A topic of texts has messages and no columns.
+        if topic.columns.is_empty() {
+            recording.unfit.push((topic.name, "messages without numbers".to_owned()));
+        } else {
+            recording.topics.push(topic);
+        }
+    }
+    recording.unfit.extend(reader.unfit);
+    if recording.topics.is_empty() {
+        let expected = "messages of ROS 2 with numbers in them";
+        let found = format!("found {:?}", recording.unfit);
+        return Err(LogError::NoLog { file: file.to_owned(), expected, found });
+    }
+    Ok(recording)
+}
+
+/// What is known of a file so far.
+#[derive(Debug, Default)]
+struct Reader {
+    left: Budget,
+    /// Name and definitions; nothing for those of another kind, with the name of the kind.
+    schemas: BTreeMap<u16, Result<(String, Definitions), String>>,
+    /// Topic and schema.
+    channels: BTreeMap<u16, (String, u16)>,
+    /// By channel: two of them may have one topic, and then are two clocks of it.
+    topics: BTreeMap<u16, TopicColumns>,
+    unfit: HashSet<(String, String)>,
+    /// Nanoseconds since 1970 of the first message.
+    start: Option<u64>,
+}
+
+fn unsound(found: impl Into<String>) -> NoMessage {
+    NoMessage::Unsound(found.into())
+}
+
+fn cut() -> NoMessage {
+    unsound("the file ends too early")
+}
+
+impl Reader {
+    fn file(&mut self, file: &str, from: &mut impl Read) -> Result<(), NoMessage> {
+        let mut magic = [0; MAGIC.len()];
+        from.read_exact(&mut magic).map_err(|_| cut())?;
+        if magic != MAGIC {
+            return Err(unsound(format!("found `{}` at its beginning", magic.escape_ascii())));
+        }
+        loop {
+            let mut head = [0; HEAD];
+            from.read_exact(&mut head).map_err(|_| cut())?;
+            let (kind, mut length) = (head[0], Content(&head[1..]));
+            let length = length.u64().ok_or_else(cut)?;
+            if kind == DATA_END {
+                return Ok(());
+            }
+            if kind == ATTACHMENT {
+                let skipped = std::io::copy(&mut from.take(length), &mut std::io::sink());
+                if skipped.map_err(|error| cannot_read(file, &error))? != length {
+                    return Err(cut());
+                }
+                continue;
+            }
+            if length > MOST_RECORD {
+                let found = format!("found a record of {length} bytes, more than {MOST_RECORD}");
+                return Err(unsound(found));
+            }
+            let mut content = Vec::new();
+            // Grows with what is there, not with what is claimed.
+            let read = from.take(length).read_to_end(&mut content);
+            if read.map_err(|error| cannot_read(file, &error))? as u64 != length {
+                return Err(cut());
+            }
+            match kind {
+                CHUNK => self.chunk(Content(&content))?,
+                _ => self.record(kind, Content(&content))?,
+            }
+        }
+    }
+
+    /// Records that are packed together.
+    fn chunk(&mut self, mut content: Content<'_>) -> Result<(), NoMessage> {
+        let mut head = || {
+            content.bytes(16)?;
+            let (size, crc, packing) = (content.u64()?, content.u32()?, content.text()?);
+            let length = content.u64()?;
+            Some((size, crc, packing, content.bytes(length)?))
+        };
+        let (size, crc, packing, packed) = head().ok_or_else(cut)?;
+        if size > MOST_RECORD {
+            return Err(unsound(format!("found a chunk of {size} bytes, more than {MOST_RECORD}")));
+        }
+        let mut unpacked = Vec::new();
+        let read = match packing.as_str() {
+            "" => packed.take(size + 1).read_to_end(&mut unpacked),
+            "zstd" => Frames::new(packed).take(size + 1).read_to_end(&mut unpacked),
+            "lz4" => FrameDecoder::new(packed).take(size + 1).read_to_end(&mut unpacked),
+            other => return Err(unsound(format!("found a chunk that is packed by `{other}`"))),
+        };
+        read.map_err(|error| unsound(format!("found: {error}")))?;
+        if unpacked.len() as u64 != size {
+            let found = unpacked.len();
+            return Err(unsound(format!(
+                "found a chunk of {found} or more bytes instead of {size}"
+            )));
+        }
+        if crc != 0 && crc != crc32(&unpacked) {
+            return Err(unsound("found a chunk whose checksum does not fit"));
+        }
+        let mut records = Content(&unpacked);
+        while !records.0.is_empty() {
+            let (kind, content) = records.record().ok_or_else(cut)?;
+            self.record(kind, content)?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, kind: u8, content: Content<'_>) -> Result<(), NoMessage> {
+        match kind {
+            SCHEMA => self.schema(content).ok_or_else(cut),
+            CHANNEL => self.channel(content).ok_or_else(cut),
+            MESSAGE => self.message(content),
+            _ => Ok(()),
+        }
+    }
+
+    fn schema(&mut self, mut content: Content<'_>) -> Option<()> {
+        let (id, name, encoding, text) =
+            (content.u16()?, content.text()?, content.text()?, content.text()?);
+        let parsed = if encoding == "ros2msg" { definition::parse(&name, &text) } else { None };
+        let parsed = parsed.map(|definitions| (definition::short(&name), definitions));
+        self.schemas.insert(id, parsed.ok_or_else(|| format!("`{name}` ({encoding})")));
+        Some(())
+    }
+
+    fn channel(&mut self, mut content: Content<'_>) -> Option<()> {
+        let (id, schema, topic, encoding) =
+            (content.u16()?, content.u16()?, content.text()?, content.text()?);
+        if encoding == "cdr" {
+            self.channels.insert(id, (topic, schema));
+        } else {
+            self.unfit.insert((topic, format!("messages in {encoding}")));
+        }
+        Some(())
+    }
+
+    fn message(&mut self, mut content: Content<'_>) -> Result<(), NoMessage> {
+        let mut head = || {
+            let id = content.u16()?;
+            content.u32()?;
+            let time = content.u64()?;
+            content.u64()?;
+            Some((id, time))
+        };
+        let (id, time) = head().ok_or_else(cut)?;
+        let start = *self.start.get_or_insert(time);
+        let Some((topic, schema)) = self.channels.get(&id) else { return Ok(()) };
+        let (kind, definitions) = match self.schemas.get(schema) {
+            Some(Ok(known)) => known,
+            other => {
+                let of = other.and_then(|schema| schema.as_ref().err()).map_or("", String::as_str);
+                self.unfit.insert((topic.clone(), format!("messages of another kind {of}")));
+                return Ok(());
+            }
+        };
+        let bytes = Bytes::cdr(content.0)
+            .ok_or_else(|| unsound(format!("found a message of `{topic}` that is no CDR")))?;
+        let into = self.topics.entry(id).or_insert_with(|| TopicColumns::new(topic));
+        // Clocks count from the first message; one that was logged earlier comes before 0.
+        let seconds = (i128::from(time) - i128::from(start)) as f64 * 1e-9;
+        into.begin(seconds, &mut self.left)?;
+        decode(kind, definitions, bytes, start, into, &mut self.left)
+            .map_err(|error| in_topic(error, topic))
+    }
+}
+
+/// Says of which topic a message is wrong.
+fn in_topic(error: NoMessage, topic: &str) -> NoMessage {
+    match error {
+        NoMessage::Unsound(found) => NoMessage::Unsound(format!("{found}, in topic `{topic}`")),
+        large @ NoMessage::Large(_) => large,
+    }
+}
