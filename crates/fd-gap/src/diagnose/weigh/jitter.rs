@@ -24,6 +24,9 @@ const LEVELS: usize = 40;
 /// Smallest level.
 const LEAST: f64 = 0.02;
 
+/// Log-likelihood that a jitter has to gain beyond its price: what a model lacks grows with the slope as well.
+const RELUCTANT: f64 = 10.0;
+
 /// What a jittering clock makes of the errors of an output.
 #[derive(Clone, Debug)]
 pub(super) struct Jitter {
@@ -89,7 +92,7 @@ impl Jitter {
             signal.iter().zip(slopes).map(calm).collect()
         };
         Some(Self {
-            gain: best - gaussian(signals, prior).log + occam,
+            gain: best - gaussian(signals, prior).log + occam - RELUCTANT,
             time: Known { value: time, standard_error: time * relative },
             left: signals.iter().zip(&slopes).map(calm).collect(),
         })
