@@ -22,7 +22,6 @@ pub(super) struct PlantWatch<T> {
     share: T,
     growth: T,
     gains: [T; VIEWS - 1],
-    nu: usize,
     /// Low-passed inputs.
     slow: Vec<T>,
     /// The columns `[1, t, u₁, …]` of the present sample.
@@ -55,7 +54,6 @@ impl<T: Scalar> PlantWatch<T> {
             share: T::from_design(plan.share),
             growth: T::from_design(plan.growth),
             gains: PARTS.map(|parts| T::from_design((1.0 + plan.window as f64 / parts).recip())),
-            nu,
             slow: vec![zero; (VIEWS - 1) * nu],
             phi: vec![zero; columns],
             gram: vec![zero; columns * columns],
@@ -155,17 +153,10 @@ impl<T: Scalar> PlantWatch<T> {
         }
     }
 
-    /// Sum of squares of input `i` as it is, without constant and trend.
-    fn motion(&self, i: usize) -> T {
-        let column = FREE + VIEWS * i;
-        self.gram[column * self.phi.len() + column]
-    }
-
     fn take_as_healthy(&mut self) {
         self.healthy.copy_from_slice(&self.squares);
-        for i in 0..self.nu {
-            self.moved[i] = self.motion(i);
-        }
+        let motions = motions(&self.gram, self.phi.len());
+        self.moved.iter_mut().zip(motions).for_each(|(moved, motion)| *moved = motion);
     }
 
     /// Whether any channel has grown and follows the inputs as it did in the last window.
@@ -173,18 +164,19 @@ impl<T: Scalar> PlantWatch<T> {
         let n = self.phi.len();
         // What rounding leaves of the residual is no change, however it grows.
         let least = T::default_epsilon() * peak * peak * T::from_design(self.window as f64);
-        let livelier =
-            (0..self.nu).fold(T::one(), |most, i| most.max(self.motion(i) / self.moved[i]));
+        let motions = motions(&self.gram, n).zip(&self.moved);
+        let livelier = motions.fold(T::one(), |most, (motion, &moved)| most.max(motion / moved));
         let growth = self.growth * self.growth * livelier;
         let channels = self.squares.iter().zip(&self.healthy);
         let relations = self.cross.chunks_exact(n).zip(self.beta.chunks_exact(n));
         channels.zip(relations).any(|((&squares, &healthy), (cross, beta))| {
             // 2 βᵀ Zᵀr − βᵀ ZᵀZ β: by how much the old relation lowers the sum of squares.
             let mut explained = T::zero();
-            for i in FREE..n {
-                let row = &self.gram[i * n + FREE..(i + 1) * n];
-                let image = row.iter().zip(&beta[FREE..]).fold(T::zero(), |s, (&g, &b)| s + g * b);
-                explained += beta[i] * (cross[i] + cross[i] - image);
+            let rows = self.gram.chunks_exact(n).skip(FREE);
+            for ((row, &cross), &own) in rows.zip(&cross[FREE..]).zip(&beta[FREE..]) {
+                let row = row[FREE..].iter().zip(&beta[FREE..]);
+                let image = row.fold(T::zero(), |sum, (&g, &b)| sum + g * b);
+                explained += own * (cross + cross - image);
             }
             // An input that did not move before leaves nothing to compare with: growth is infinite.
             squares > least && squares >= growth * healthy && explained >= self.share * squares
@@ -243,4 +235,9 @@ impl<T: Scalar> PlantWatch<T> {
         [self.seen, self.windows, _] = counts;
         self.is_changed = counts[2] != 0;
     }
+}
+
+/// Sum of squares of each input as it is, without constant and trend.
+fn motions<T: Scalar>(gram: &[T], n: usize) -> impl Iterator<Item = T> {
+    (FREE..n).step_by(VIEWS).map(move |column| gram[column * n + column])
 }
