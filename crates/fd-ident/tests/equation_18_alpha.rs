@@ -164,7 +164,7 @@ fn a_falling_alpha_tracks_and_a_constant_one_does_not() {
     run(&mut constant, before, &mut theta);
     constant.set_alpha(1e-3);
     // The design says that α is at least 1, so only the next sample has the weight of the old thousand.
-    let one = error(&mut constant.clone(), &after[..N + 1], &mut theta.clone());
+    let one = error(&mut constant.clone(), &after[..=N], &mut theta.clone());
     for row in after.chunks_exact(N + 1) {
         constant.set_alpha(1e-3);
         run(&mut constant, row, &mut theta);
@@ -185,7 +185,9 @@ fn set_alpha_changes_nothing_else() {
         let (mut a, mut b) = ([0.0; N], [0.0; N]);
         run(&mut fresh.clone(), &data, &mut a);
         let mut set = fresh;
-        values.into_iter().for_each(|alpha| set.set_alpha(alpha));
+        for alpha in values {
+            set.set_alpha(alpha);
+        }
         run(&mut set, &data, &mut b);
         assert_eq!(a.map(f64::to_bits), b.map(f64::to_bits));
     }

@@ -92,7 +92,9 @@ fn basis(inputs: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
         remove(&basis, &mut column);
         let length = dot(&column, &column).sqrt();
         if length > 1e-6 * before {
-            column.iter_mut().for_each(|v| *v /= length);
+            for value in &mut column {
+                *value /= length;
+            }
             basis.push(column);
         }
     }
