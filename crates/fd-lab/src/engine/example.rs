@@ -81,7 +81,7 @@ impl Benchmark {
         let mut case = self.case(seed)?;
         let logs = self.logs(&mut case)?;
         let training = logs.training;
-        let trained = self.train(&self.config().pipeline, &case, &training, &logs.calibration)?;
+        let trained = Self::train(&self.config().pipeline, &case, &training, &logs.calibration)?;
         let Some(record) = logs.tests.into_iter().next() else {
             return Err(EngineStudyError::None { setting: "test_runs" });
         };

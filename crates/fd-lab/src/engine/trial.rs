@@ -112,7 +112,7 @@ impl Benchmark {
         let mut case = self.case(seed)?;
         let logs = self.logs(&mut case)?;
         let trained =
-            self.train(&self.config().pipeline, &case, &logs.training, &logs.calibration)?;
+            Self::train(&self.config().pipeline, &case, &logs.training, &logs.calibration)?;
         let tests = self.tests(&trained, &logs.tests)?;
         let vector = self.best_thresholds(&case, &logs)?;
         let (primary, compensated) = trained.calibration();
@@ -173,7 +173,6 @@ impl Benchmark {
 
     /// Learns from one run and calibrates on others.
     pub(super) fn train(
-        &self,
         spec: &PipelineSpec,
         case: &Case,
         training: &Record,

@@ -31,7 +31,7 @@ impl Benchmark {
         let spec = PipelineSpec { weighting: None, ..self.config().pipeline.clone() };
         let channels = self.fault_channels()?;
         let unknown = Pair { primary: f64::NAN, compensated: f64::NAN };
-        let Ok(trained) = self.train(&spec, case, &logs.training, &logs.calibration) else {
+        let Ok(trained) = Self::train(&spec, case, &logs.training, &logs.calibration) else {
             return Ok(vec![unknown; channels.len()]);
         };
         let tests = self.tests(&trained, &logs.tests)?;

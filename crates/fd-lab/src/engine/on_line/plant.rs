@@ -47,7 +47,7 @@ impl Benchmark {
     }
 
     /// The first samples of a long run.
-    pub(super) fn shorter(&self, draw: &Draw, samples: usize) -> Result<Draw, EngineStudyError> {
+    pub(super) fn shorter(draw: &Draw, samples: usize) -> Result<Draw, EngineStudyError> {
         let inputs = part(&draw.inputs, 0, samples.min(draw.inputs.len()))?;
         Ok(Draw { inputs, output_noise: draw.output_noise.clone() })
     }

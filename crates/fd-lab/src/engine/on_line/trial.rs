@@ -110,13 +110,13 @@ impl Benchmark {
         let longest = self.samples(config.longest_s);
         let (lead, after) = (self.samples(config.lead_s), self.samples(config.after_s));
         let whole = self.draw_long(case, longest + lead + after)?;
-        let training = self.run(&case.training, &self.shorter(&whole, longest)?, &[])?;
+        let training = self.run(&case.training, &Self::shorter(&whole, longest)?, &[])?;
         let mut spec = PipelineSpec {
             compensation: config.compensation.clone(),
             ..self.config().pipeline.clone()
         };
         spec.bias.learning = LearningSpec::Recursive(config.learning);
-        let trained = match self.train(&spec, case, &training, &logs.calibration) {
+        let trained = match Self::train(&spec, case, &training, &logs.calibration) {
             Ok(trained) => trained,
             Err(EngineStudyError::Training(
                 error @ (TrainingError::NotConverged { .. } | TrainingError::UnstableBias { .. }),
@@ -141,7 +141,7 @@ impl Benchmark {
             opened,
             begins: opened + lead,
         };
-        let draw = self.shorter(&whole, opened + lead + after)?;
+        let draw = Self::shorter(&whole, opened + lead + after)?;
         let open = self.opened(case, logs, line, &draw)?;
         Ok(Some(OnLine { opened_s: Some(opened as f64 * ts), refused: None, open: Some(open) }))
     }

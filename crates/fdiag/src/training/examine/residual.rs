@@ -203,8 +203,7 @@ mod tests {
     #[test]
     fn a_jump_is_found_where_it_is() {
         let inputs = vec![steps(1500)];
-        for seed in 0..50 {
-            let at = 200 + 20 * seed as usize;
+        for (seed, at) in (0..50).zip((200..).step_by(20)) {
             let mut e = coloured(seed, 1500, 0.5);
             e[at..].iter_mut().for_each(|e| *e -= 1.5);
             let found = shape(&inputs, &e);
