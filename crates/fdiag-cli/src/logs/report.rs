@@ -55,7 +55,8 @@ impl LogStudy {
         let voids = self.logs.iter().filter_map(|log| {
             log.void.as_ref().map(|void| format!("{}: {}.", file_name(log), void.in_words()))
         });
-        doubts.chain(voids).map(|sentence| format!(" {sentence}")).collect()
+        let all: Vec<String> = doubts.chain(voids).collect();
+        if all.is_empty() { String::new() } else { format!(" {}", all.join(" ")) }
     }
 
     /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
