@@ -90,6 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (what, to, change) in CHANGES.iter().filter(|(_, to, _)| to.contains(&only)) {
         // Seeds that the default configuration was not chosen on.
         let mut config = EngineConfig { seeds, first_seed: 50_001, ..EngineConfig::default() };
+        config.on_line.run = false;
         change(&mut config);
         let row = match Benchmark::new(config)?.study(&()) {
             Ok(study) => {

@@ -32,6 +32,8 @@ pub enum EventKind {
     OperatingPointLeft,
     /// The input is back in the range that the bias was learned in.
     OperatingPointRegained,
+    /// The plant itself has changed: what is left of the residual follows the inputs.
+    CharacteristicsChanged,
     /// A safeguard of the identifier acted for the first time since the last reset.
     WindUpGuard,
     /// The decision rule raised an alarm.
@@ -52,6 +54,7 @@ impl fmt::Display for EventKind {
             Self::HardFaultWhileTraining => "hard fault while training",
             Self::OperatingPointLeft => "operating point left the trained range",
             Self::OperatingPointRegained => "operating point back in the trained range",
+            Self::CharacteristicsChanged => "characteristics of the plant changed",
             Self::WindUpGuard => "wind-up guard acted",
             Self::AlarmRaised => "alarm raised",
             Self::AlarmCleared => "alarm cleared",

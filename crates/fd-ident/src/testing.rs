@@ -20,7 +20,8 @@ use crate::{
     instrumental::{IvDesign, RecursiveIv},
     random_walk::{Drift, KalmanRls, RandomWalkDesign},
     rls::{
-        ConventionalRls, Forgetting, QrRls, RlsDesign, RlsKernel, UdRls, WindowDesign, WindowRls,
+        ConventionalRls, Falling, Forgetting, QrRls, RlsDesign, RlsKernel, UdRls, WindowDesign,
+        WindowRls,
     },
     scheduled::{RecursiveScheduled, Regions, ScheduledModel},
     subspace::StateSpaceBias,
@@ -49,10 +50,12 @@ pub fn every_identifier<T: Scalar>(
         |forgetting| RlsDesign { prior_variance: 1e2, ..RlsDesign::forgetting(forgetting) };
     let plain = design(Forgetting::None);
     let lambda = 0.95;
+    let falling = Some(Falling { ratio: 0.95, least: 0.1 });
     let mut all: Identifiers<T> = Vec::new();
     for (name, forgetting) in [
         ("arx", Forgetting::None),
-        ("arx, equation 18", Forgetting::Equation18 { alpha: 0.5 }),
+        ("arx, equation 18", Forgetting::Equation18 { alpha: 0.5, falling: None }),
+        ("arx, equation 18 with a falling alpha", Forgetting::Equation18 { alpha: 1.0, falling }),
         ("arx, exponential", Forgetting::Exponential { lambda }),
         ("arx, directional", Forgetting::Directional { lambda }),
         ("arx, bounded", Forgetting::Bounded { lambda, variance: 10.0 }),

@@ -59,7 +59,7 @@ fn blocks<T: LaneScalar>(n: usize, streams: &Streams<T>, length: usize) -> Vec<S
 fn designs(count: usize, prior_variance: f64, guard: Guard) -> Vec<RlsDesign> {
     let kinds = [
         Forgetting::None,
-        Forgetting::Equation18 { alpha: 0.3 },
+        Forgetting::Equation18 { alpha: 0.3, falling: None },
         Forgetting::Exponential { lambda: 0.9 },
         Forgetting::Exponential { lambda: 0.99 },
         Forgetting::Exponential { lambda: 0.999 },

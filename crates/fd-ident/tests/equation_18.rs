@@ -15,7 +15,7 @@ const N: usize = 3;
 const SAMPLES: usize = 40;
 
 fn design(alpha: f64, prior_variance: f64) -> RlsDesign {
-    let forgetting = Forgetting::Equation18 { alpha };
+    let forgetting = Forgetting::Equation18 { alpha, falling: None };
     RlsDesign { prior_variance, forgetting, guard: Guard::default() }
 }
 
@@ -65,11 +65,17 @@ fn silence_is_measured_by_alpha() {
 /// K(k)   = P(k) φ(k) / α(k)                                  (18c)
 /// θ(k)   = θ(k−1) + K(k) [μ(k) − θᵀ(k−1) φ(k)]               (18a)
 /// ```
-fn as_printed(alpha: f64, prior_variance: f64, data: &[f64]) -> Vec<([f64; N], [f64; N])> {
+fn as_printed(
+    alpha: impl Fn(i32) -> f64,
+    prior_variance: f64,
+    data: &[f64],
+) -> Vec<([f64; N], [f64; N])> {
     let mut information = Scale(prior_variance.recip()) * Mat::<f64>::identity(N, N);
     let mut theta = Col::<f64>::zeros(N);
     data.chunks_exact(N + 1)
-        .map(|row| {
+        .zip(0..)
+        .map(|(row, k)| {
+            let alpha = alpha(k);
             let phi = Col::from_fn(N, |i| row[i]);
             information += Scale(alpha.recip()) * &phi * phi.transpose();
             let p = information.partial_piv_lu().inverse();
@@ -90,27 +96,28 @@ fn assert_close(what: &str, found: &[f64], expected: &[f64]) {
     }
 }
 
+fn follow(
+    what: &str,
+    mut kernel: impl RlsKernel<f64>,
+    data: &[f64],
+    expected: &[([f64; N], [f64; N])],
+) {
+    let (mut theta, mut variance) = ([0.0; N], [0.0; N]);
+    for (row, (expected_theta, expected_variance)) in data.chunks_exact(N + 1).zip(expected) {
+        kernel.update(&row[..N], row[N], &mut theta);
+        kernel.variance_into(&mut variance);
+        assert_close(what, &theta, expected_theta);
+        assert_close(what, &variance, expected_variance);
+    }
+}
+
 /// Sample by sample, for values of `α` on both sides of one; none of them is a forgetting that the
 /// limit of the trace would hold back.
 #[test]
 fn every_sample_as_printed() {
-    fn follow(
-        what: &str,
-        mut kernel: impl RlsKernel<f64>,
-        data: &[f64],
-        expected: &[([f64; N], [f64; N])],
-    ) {
-        let (mut theta, mut variance) = ([0.0; N], [0.0; N]);
-        for (row, (expected_theta, expected_variance)) in data.chunks_exact(N + 1).zip(expected) {
-            kernel.update(&row[..N], row[N], &mut theta);
-            kernel.variance_into(&mut variance);
-            assert_close(what, &theta, expected_theta);
-            assert_close(what, &variance, expected_variance);
-        }
-    }
     let data = noise(18, SAMPLES * (N + 1));
     for alpha in [0.05, 0.25, 1.0, 3.0] {
-        let expected = as_printed(alpha, 100.0, &data);
+        let expected = as_printed(|_| alpha, 100.0, &data);
         let design = design(alpha, 100.0);
         follow("UD", UdRls::<f64, Heap>::new(N, &design).unwrap(), &data, &expected);
         follow("P", ConventionalRls::<f64, Heap>::new(N, &design).unwrap(), &data, &expected);
@@ -133,7 +140,7 @@ fn side_by_side_as_printed() {
         }
         batch.update(&block).unwrap();
         for estimator in 0..estimators {
-            let all = as_printed(alpha, 100.0, &data(estimator));
+            let all = as_printed(|_| alpha, 100.0, &data(estimator));
             let (theta, variance) = all.last().unwrap();
             let (mut found, mut found_variance) = ([0.0; N], [0.0; N]);
             batch.theta_into(estimator, &mut found);

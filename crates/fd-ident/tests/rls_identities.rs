@@ -9,8 +9,8 @@ use fd_core::{Heap, Snapshot, testing::nonsense};
 use fd_ident::{
     least_squares::LeastSquares,
     rls::{
-        Conventional, Covariance, Forgetting, Guard, QrRls, Rls, RlsDesign, RlsKernel, RlsStorage,
-        Static, Ud, WindowDesign, WindowRls,
+        Conventional, Covariance, Falling, Forgetting, Guard, QrRls, Rls, RlsDesign, RlsKernel,
+        RlsStorage, Static, Ud, WindowDesign, WindowRls,
     },
 };
 use proptest::prelude::*;
@@ -75,7 +75,11 @@ fn close(found: &[f64; N], expected: &[f64; N], tolerance: f64) -> Result<(), Te
 fn any_forgetting() -> impl Strategy<Value = Forgetting> {
     prop_oneof![
         Just(Forgetting::None),
-        (0.1..10.0).prop_map(|alpha| Forgetting::Equation18 { alpha }),
+        (0.1..10.0).prop_map(|alpha| Forgetting::Equation18 { alpha, falling: None }),
+        (0.1..10.0, 0.9..1.0).prop_map(|(alpha, ratio)| {
+            let falling = Some(Falling { ratio, least: 0.01 * alpha });
+            Forgetting::Equation18 { alpha, falling }
+        }),
         (0.9..1.0).prop_map(|lambda| Forgetting::Exponential { lambda }),
         (0.9..1.0).prop_map(|lambda| Forgetting::Directional { lambda }),
         (0.9..1.0, 1.0..100.0)
@@ -134,7 +138,7 @@ proptest! {
         let design = |prior_variance, forgetting| {
             RlsDesign { prior_variance, forgetting, guard: Guard::default() }
         };
-        let paper = run(rls::<UdHeap>(&design(100.0, Forgetting::Equation18 { alpha })), &data);
+        let paper = run(rls::<UdHeap>(&design(100.0, Forgetting::Equation18 { alpha, falling: None })), &data);
         let plain = run(rls::<UdHeap>(&design(100.0 / alpha, Forgetting::None)), &data);
         close(&paper.0, &plain.0, 1e-11)?;
         // P of the paper is α times larger.
@@ -305,7 +309,7 @@ fn settings_out_of_range_are_named() {
         "forgetting factor must be above 0 and at most 1, got 1.5"
     );
     assert_eq!(
-        message(Forgetting::Equation18 { alpha: 0.0 }),
+        message(Forgetting::Equation18 { alpha: 0.0, falling: None }),
         "alpha of eq. (18) must be positive and finite, got 0"
     );
     let wrong_size = Rls::<f64, Ud<f64, Static<3>>>::new(N, &RlsDesign::default()).unwrap_err();

@@ -4,7 +4,7 @@
 use std::{f64::consts::PI, path::PathBuf};
 
 use faer::{Mat, MatRef, c64};
-use fd_lab::engine::{Benchmark, EngineConfig, Study, TrainingRun};
+use fd_lab::engine::{Benchmark, EngineConfig, OnLineConfig, Study, TrainingRun};
 use fdiag::{
     core::{Heap, IoDims},
     ident::{
@@ -57,7 +57,9 @@ fn results_do_not_depend_on_threads_and_seeds_mean_something() {
 /// least 5 times smaller at equal false-alarm rate, as medians. Seeds that nobody tuned on.
 #[test]
 fn compensation_delivers_on_fresh_seeds() {
-    let config = EngineConfig { first_seed: 700_001, seeds: 40, ..EngineConfig::default() };
+    let on_line = OnLineConfig { run: false, ..OnLineConfig::default() };
+    let config =
+        EngineConfig { first_seed: 700_001, seeds: 40, on_line, ..EngineConfig::default() };
     let study = study(config, 0);
     let summary = &study.summary;
     assert!(study.failed.len() <= 2, "{:?}", study.failed);
@@ -119,6 +121,7 @@ fn every_example_configuration_is_valid() {
 fn recursive_learning_freezes_close_to_batch() {
     let with = |learning| {
         let mut config = EngineConfig { seeds: 6, ..EngineConfig::default() };
+        config.on_line.run = false;
         // Raw noise makes the parameters wander for longer than a minute.
         config.training.duration_s = 300.0;
         let levels = (5..24).map(|i| (12.0 * f64::from(i), 0.2 * (2.1 * f64::from(i)).sin()));

@@ -32,6 +32,7 @@ where
         self.convergence.reset();
         self.trial.reset();
         self.jump.reset();
+        self.plant_watch.reset();
         self.mu_hat.fill(T::zero());
         self.age = 0;
         self.guard_reported = false;
@@ -40,7 +41,8 @@ where
     /// Enters the first activity of a compensator that has no memory.
     pub(super) fn begin(&mut self) {
         self.activity = match &self.start {
-            Start::Training => Activity::Learning,
+            Start::Training { settling: 0 } => Activity::Learning,
+            Start::Training { .. } => Activity::Filling,
             Start::Compensating { fit, theta } => {
                 self.frozen.copy_from_slice(theta);
                 self.operating_point.set_range(&fit.input_low, &fit.input_high);
@@ -56,15 +58,20 @@ where
         Phase::Training { samples: self.convergence.learned() }
     }
 
-    /// Fills the histories of a pre-fitted model; `μ̂ = 0`.
+    /// Fills the histories of the models; `μ̂ = 0`.
     fn fill(&mut self, u: &[T], r: &[T]) -> Phase {
         self.predictor.observe(u, r);
         self.simulator.observe(u, r);
         self.age += 1;
-        if let Start::Compensating { fit, .. } = &self.start
-            && self.age >= fit.filling
-        {
-            self.activity = Activity::Compensating;
+        match &self.start {
+            Start::Compensating { fit, .. } if self.age >= fit.filling => {
+                self.activity = Activity::Compensating;
+            }
+            Start::Training { settling } if self.age >= *settling => {
+                self.activity = Activity::Learning;
+                self.age = 0;
+            }
+            _ => {}
         }
         Phase::Training { samples: 0 }
     }
@@ -200,7 +207,9 @@ where
             return Phase::Training { samples: 0 };
         }
         subtract(r, &self.mu_hat, r_star);
-        if self.operating_point.watch(u, events) {
+        // Both watch every sample, whatever the other says.
+        let has_moved = self.operating_point.watch(u, events);
+        if self.plant_watch.watch(u, r_star, self.peak, events) || has_moved {
             self.retrain();
         }
         Phase::Compensating
@@ -264,6 +273,7 @@ where
         self.trial.visit_state(visitor);
         self.jump.visit_state(visitor);
         self.operating_point.visit_state(visitor);
+        self.plant_watch.visit_state(visitor);
         self.identifier.visit_state(visitor);
         self.predictor.visit_state(visitor);
         self.simulator.visit_state(visitor);

@@ -2,12 +2,14 @@
 
 use fd_core::{Scalar, StateVisitor, stage::Identifier};
 
-use super::design::Convergence;
+use super::design::{Convergence, ConvergenceRule};
 
 /// Counts the samples in a row in which the parameters hardly moved.
 #[derive(Clone, Debug)]
 pub(super) struct ConvergenceTest<T> {
     tolerance: T,
+    /// `μ` of the paper's rule, else infinite.
+    bound: T,
     consecutive: u64,
     least_samples: u64,
     relative_standard_error: Option<T>,
@@ -21,9 +23,14 @@ pub(super) struct ConvergenceTest<T> {
 
 impl<T: Scalar> ConvergenceTest<T> {
     pub(super) fn new(plan: &Convergence, theta_len: usize, residual_len: usize) -> Self {
+        let (tolerance, bound, consecutive) = match plan.rule {
+            ConvergenceRule::InARow => (plan.tolerance, f64::INFINITY, plan.consecutive),
+            ConvergenceRule::TwoConstants { epsilon, mu } => (epsilon, mu, 1),
+        };
         Self {
-            tolerance: T::from_design(plan.tolerance),
-            consecutive: plan.consecutive,
+            tolerance: T::from_design(tolerance),
+            bound: T::from_design(bound),
+            consecutive,
             least_samples: plan.least_samples,
             relative_standard_error: plan.relative_standard_error.map(T::from_design),
             previous: vec![T::zero(); theta_len],
@@ -60,7 +67,8 @@ impl<T: Scalar> ConvergenceTest<T> {
         }
         let theta = identifier.theta();
         let moved = norm(theta.iter().zip(&self.previous).map(|(&new, &old)| new - old));
-        let still = moved <= self.tolerance * norm(self.previous.iter().copied());
+        let relative = self.tolerance * norm(self.previous.iter().copied());
+        let still = moved <= relative.min(self.bound);
         self.streak = if still { self.streak + 1 } else { 0 };
         self.streak >= self.consecutive
             && self.learned >= self.least_samples

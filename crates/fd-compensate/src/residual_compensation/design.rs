@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::CompensationError;
+use super::{error::CompensationError, plant_change::PlantChange};
 use crate::rows::SampleRows;
 
 /// Every choice of the two-stage method.
@@ -27,6 +27,8 @@ pub struct CompensationPlan {
     pub hard_fault: HardFault,
     /// The guard of the trained operating range.
     pub operating_point: OperatingPoint,
+    /// The watch for a plant that changes while its operating range stays.
+    pub plant_change: PlantChange,
 }
 
 /// How `μ̂` is computed once the parameters are frozen.
@@ -45,13 +47,15 @@ pub enum Mode {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Convergence {
-    /// `ε` of the test `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖`; default 1e-3. A smaller one mostly buys time:
+    /// Which test ends it; default [`ConvergenceRule::InARow`].
+    pub rule: ConvergenceRule,
+    /// With the rule `in-a-row`: `ε` of the test `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖`; default 1e-3. A smaller one mostly buys time:
     /// for a second-order bias under white noise of 1 % of its peak, recursive least squares passes
     /// 1e-3 after 3 000 to 10 000 samples and 1e-4 not within 20 000, while what is left of the bias
     /// is the same within some per cent from 3e-3 on.
     pub tolerance: f64,
-    /// `μ`: samples in a row that must pass the test, more than the order of the bias model;
-    /// default 50.
+    /// With the rule `in-a-row`: samples in a row that must pass the test, more than the order of the bias
+    /// model; default 50.
     pub consecutive: u64,
     /// Least samples learned from, counted without those that the identifier skipped; default 200.
     pub least_samples: u64,
@@ -70,6 +74,7 @@ pub struct Convergence {
 impl Default for Convergence {
     fn default() -> Self {
         Self {
+            rule: ConvergenceRule::default(),
             tolerance: 1e-3,
             consecutive: 50,
             least_samples: 200,
@@ -79,6 +84,23 @@ impl Default for Convergence {
             relative_standard_error: None,
         }
     }
+}
+
+/// Which test ends a training; the other settings of [`Convergence`] are demanded besides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ConvergenceRule {
+    /// `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖` in so many samples in a row, with `tolerance` as `ε` and `consecutive`.
+    #[default]
+    InARow,
+    /// The paper's test with its two small constants, in one sample: `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖` and
+    /// `‖θ(k+1) − θ(k)‖ ≤ μ`. How the garbled print is read is said [above](super).
+    TwoConstants {
+        /// `ε`, bound of the relative change.
+        epsilon: f64,
+        /// `μ`, bound of the change itself, in the units of `θ`.
+        mu: f64,
+    },
 }
 
 /// What follows a training that reached its longest duration.
@@ -279,8 +301,12 @@ impl CompensationPlan {
     ///
     /// Returns the first number that is out of its range.
     pub fn check(&self) -> Result<(), CompensationError> {
-        let Self { convergence, trial, hard_fault, operating_point, .. } = self;
+        let Self { convergence, trial, hard_fault, operating_point, plant_change, .. } = self;
         positive("convergence.tolerance", convergence.tolerance)?;
+        if let ConvergenceRule::TwoConstants { epsilon, mu } = convergence.rule {
+            positive("convergence.rule.epsilon", epsilon)?;
+            positive("convergence.rule.mu", mu)?;
+        }
         at_least("convergence.least_input_span", convergence.least_input_span, 0.0)?;
         if let Some(bound) = convergence.relative_standard_error {
             positive("convergence.relative_standard_error", bound)?;
@@ -296,7 +322,7 @@ impl CompensationPlan {
         if let RangePolicy::RetrainAfter { band, .. } = operating_point.policy {
             at_least("operating_point.policy.band", band, 0.0)?;
         }
-        Ok(())
+        plant_change.check()
     }
 }
 

@@ -8,8 +8,7 @@
 //!
 //! and while the plant is healthy that bias *is* the residual, `μ(k) = r(k)`. Hence two stages:
 //!
-//! 1. **Training.** The identifier learns `θ` from `(u, r)` (eq. 18) until
-//!    `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖` for `μ` samples in a row. No sample of this stage may be judged
+//! 1. **Training.** The identifier learns `θ` from `(u, r)` (eq. 18) until it has converged, see below. No sample of this stage may be judged
 //!    by a threshold for `r*`; decision rules are muted by [`Phase::Training`](fd_core::stage::Phase).
 //! 2. **Compensation.** The switch opens (event `Frozen`), `θ* = θ` stays fixed, `μ̂` is *simulated*
 //!    from `u` and its own past (eq. 16), and `r* = r − μ̂` (eq. 17). The histories of the model
@@ -17,6 +16,35 @@
 //!
 //! The sample that carries the event `Frozen` still belongs to the training; the next one is the first
 //! that is compensated.
+//!
+//! # The convergence test
+//!
+//! The paper's equation is garbled in print. What can be read is the change of the parameters,
+//! `‖θ(k+1) − θ(k)‖ ≤ μ`, after a factor that ends in the exponent −1, and "where `ε` and `μ` are small
+//! positive constants which are chosen a priori". [`ConvergenceRule::TwoConstants`] reads it as a relative
+//! change below `ε` with `μ` as a bound on the change itself:
+//!
+//! ```text
+//! ‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖   and   ‖θ(k+1) − θ(k)‖ ≤ μ
+//! ```
+//!
+//! The factor may have been `[‖θ(k)‖ + ε]⁻¹`, which makes `μ` the bound of the relative change and `ε` a
+//! guard against a division by zero. That is the same test with `ε` in the place of `μ` and a large `μ`, but
+//! for parameters of the size of that guard. Either passes in the first sample with a small innovation;
+//! [`ConvergenceRule::InARow`], the default, asks for many such samples in a row.
+//!
+//! # A plant that changes
+//!
+//! "When the system operating conditions change or the system characteristics vary, the parameter
+//! identification will be started again." The first is watched by [`OperatingPoint`], the second by
+//! [`PlantChange`]. It is told apart from a fault by the rule of section 3: while parameters adapt, only
+//! hard faults can be seen, as jumps ([`HardFault`]); incipient ones only while the switch is open. So a
+//! change of the plant is looked for only while the switch is open too, where `θ*` stands still and `r*`
+//! shows what has come since. What a changed plant adds to `r*` is driven by `u`, as the bias is; what a
+//! sensor fault adds is not. Training starts again only when `r*` has grown *and* the inputs explain it by a
+//! relation that was found in one window and holds in the next; all else stays with the detector. A fault
+//! that acts through the inputs, such as a loss of gain, is a change of the plant and is learned again, which
+//! is what [`ChangePolicy::Warn`] is for.
 //!
 //! # What `r*` is during training
 //!
@@ -45,13 +73,13 @@
 //! * The plant is healthy during training. A fault that is present then is learned as bias and is
 //!   never seen; an abrupt one is caught by the hard-fault test, an incipient one cannot be.
 //! * The bias is a stable linear function of `u` near the operating point of the training. The guard
-//!   of [`OperatingPoint`] watches that `u` stays there; it cannot see a change of the plant itself.
+//!   of [`OperatingPoint`] watches that `u` stays there, that of [`PlantChange`] that the plant does.
 //! * Faults do not act through `u`. A fault of the *measured* `u` (or a controller that reacts to a
 //!   sensor fault) moves `μ̂` as well.
 //! * Re-training forgets what was learned elsewhere, except by an identifier of local models
 //!   (`fd_ident::scheduled`), which forgets only where it is.
-//! * Re-training is itself a training: under [`RangePolicy::Retrain`] a fault that is present
-//!   when the operating point moves is learned as bias.
+//! * Re-training is itself a training: under [`RangePolicy::Retrain`] and [`ChangePolicy::Retrain`] a fault
+//!   that is present when training starts again is learned as bias.
 //! * The paper's convergence test is weak: the gain of recursive least squares falls like `1/k`, so it
 //!   passes sooner or later whether or not `θ` is any good. Hence the least number of samples, the
 //!   demand that the input moves, the optional bound on the standard error, and the [`Trial`]: a
@@ -64,16 +92,19 @@ mod error;
 mod fixed;
 mod jump;
 mod operating_point;
+mod plant_change;
+mod plant_watch;
 mod run;
 mod trial;
 
 pub use self::{
     design::{
-        CompensationPlan, Convergence, HardFault, Mode, OperatingPoint, PreFitted, RangePolicy,
-        Timeout, Trial,
+        CompensationPlan, Convergence, ConvergenceRule, HardFault, Mode, OperatingPoint, PreFitted,
+        RangePolicy, Timeout, Trial,
     },
     error::CompensationError,
     fixed::FixedParameters,
+    plant_change::{ChangePolicy, PlantChange},
     run::ResidualCompensator,
 };
 
@@ -102,6 +133,10 @@ where
     let one_step = CompensationPlan { mode: Mode::OneStep, ..simulated.clone() };
     let mut trains_again = simulated.clone();
     trains_again.operating_point.policy = RangePolicy::Retrain;
+    let mut follows = simulated.clone();
+    follows.convergence.rule = ConvergenceRule::TwoConstants { epsilon: 1e-2, mu: 1.0 };
+    follows.plant_change =
+        PlantChange { policy: ChangePolicy::Retrain, window: 40, ..PlantChange::default() };
     let on_line = |plan| ResidualCompensator::new(identifier.clone(), model.clone(), plan);
     let fit = PreFitted {
         theta: identifier.theta().iter().map(|v| v.to_report()).collect(),
@@ -117,6 +152,7 @@ where
         ("simulation", Box::new(on_line(&simulated)?)),
         ("one step", Box::new(on_line(&one_step)?)),
         ("training again", Box::new(on_line(&trains_again)?)),
+        ("following the plant", Box::new(on_line(&follows)?.settling(10))),
         ("fitted beforehand", Box::new(fitted?)),
     ])
 }

@@ -11,6 +11,7 @@ use super::{
     error::CompensationError,
     jump::JumpTest,
     operating_point::OperatingPointGuard,
+    plant_watch::PlantWatch,
     trial::TrialRun,
 };
 
@@ -38,6 +39,7 @@ pub struct ResidualCompensator<T, I, M> {
     pub(super) trial: TrialRun<T>,
     pub(super) jump: JumpTest<T>,
     pub(super) operating_point: OperatingPointGuard<T>,
+    pub(super) plant_watch: PlantWatch<T>,
     /// The candidate or frozen parameters `θ*`.
     pub(super) frozen: Vec<T>,
     pub(super) mu_hat: Vec<T>,
@@ -51,7 +53,7 @@ pub struct ResidualCompensator<T, I, M> {
 /// How a compensator begins and, on reset, begins again.
 #[derive(Clone, Debug)]
 pub(super) enum Start<T> {
-    Training,
+    Training { settling: u64 },
     Compensating { fit: PreFitted, theta: Vec<T> },
 }
 
@@ -64,7 +66,7 @@ pub(super) enum Activity {
     Trying,
     /// Waiting for a hard fault to go away.
     Paused,
-    /// Filling the histories of a pre-fitted model.
+    /// Waiting at the start, while the generator settles or the histories of a fitted model fill.
     Filling,
     /// The switch is open.
     Compensating,
@@ -145,12 +147,13 @@ where
             at_longest: plan.convergence.at_longest,
             least_input_span: T::from_design(plan.convergence.least_input_span),
             divergence: T::from_design(plan.trial.divergence),
-            start: Start::Training,
+            start: Start::Training { settling: 0 },
             activity: Activity::Learning,
             convergence: ConvergenceTest::new(&plan.convergence, theta_len, residual_len),
             trial: TrialRun::new(&plan.trial, residual_len),
             jump: JumpTest::new(&plan.hard_fault, residual_len),
             operating_point: OperatingPointGuard::new(&plan.operating_point, nu),
+            plant_watch: PlantWatch::new(&plan.plant_change, nu, residual_len),
             frozen: vec![T::zero(); theta_len],
             mu_hat: vec![T::zero(); residual_len],
             peak: T::zero(),
@@ -182,11 +185,24 @@ where
         Ok(compensator)
     }
 
+    /// Sets the samples at the start that a training on line does not learn from, while the residual
+    /// generator forgets where it started (phase `Training`, `r* = r`). A fitted compensator has
+    /// [`PreFitted::filling`] for that and stays as it is.
+    #[must_use]
+    pub fn settling(mut self, samples: u64) -> Self {
+        if let Start::Training { settling } = &mut self.start {
+            *settling = samples;
+            self.begin();
+        }
+        self
+    }
+
     /// The frozen parameters `θ*`, or the candidate that is being tried; `None` while there is none.
     #[must_use]
     pub fn theta(&self) -> Option<&[T]> {
         match self.activity {
             Activity::Learning | Activity::Paused => None,
+            Activity::Filling if matches!(self.start, Start::Training { .. }) => None,
             Activity::Trying | Activity::Filling | Activity::Compensating => Some(&self.frozen),
         }
     }

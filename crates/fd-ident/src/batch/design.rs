@@ -24,7 +24,10 @@ impl<T: LaneScalar> LaneDesign<T> {
         design.check()?;
         let [noise, scale, growth, kept] = match design.forgetting {
             Forgetting::None => [1.0; 4],
-            Forgetting::Equation18 { alpha } => [alpha, 1.0, 1.0, 1.0],
+            Forgetting::Equation18 { falling: Some(_), .. } => {
+                return Err(refused("equation18 with a falling alpha"));
+            }
+            Forgetting::Equation18 { alpha, .. } => [alpha, 1.0, 1.0, 1.0],
             Forgetting::Exponential { lambda } => [lambda, lambda.recip(), lambda.recip(), 1.0],
             // What is forgotten lifts P along φ alone, and its trace by 1/λ at most.
             Forgetting::Directional { lambda } => [1.0, 1.0, lambda.recip(), lambda],
@@ -33,7 +36,7 @@ impl<T: LaneScalar> LaneDesign<T> {
         };
         let t = T::from_design;
         let silence = match design.forgetting {
-            Forgetting::Equation18 { alpha } if design.guard.skip_silence => {
+            Forgetting::Equation18 { alpha, .. } if design.guard.skip_silence => {
                 T::default_epsilon() * t(alpha)
             }
             _ if design.guard.skip_silence => T::default_epsilon(),

@@ -12,15 +12,20 @@ use crate::error::IdentError;
 /// | kind | update | when not to use |
 /// |---|---|---|
 /// | `None` | `R⁺ = R + φφᵀ` | when the plant changes: the gain goes to zero |
-/// | `Equation18` | `R⁺ = R + φφᵀ/α` | it does not forget, see below |
+/// | `Equation18` | `R⁺ = R + φφᵀ/α(k)` | with a constant `α` it does not forget, see below |
 /// | `Exponential` | `R⁺ = λR + φφᵀ` | when excitation may stop: `P` grows as `λ⁻ᵏ` up to the guard, and the estimate wanders |
 /// | `Directional` | `R⁺ = R + (λ − (1−λ)/φᵀPφ) φφᵀ` | when parameters drift in directions seldom excited |
 /// | `Bounded` | `R⁺ = λR + φφᵀ + (1−λ)/c I` | when a bias-free covariance is needed: `P` is too small by the regularisation |
 /// | `Resetting` | as `Exponential`, `P ← P₀` when `tr P` falls below a floor | when jumps of the gain, hence of the estimate, are not acceptable |
 ///
 /// `Equation18` is eq. (18) of Patton & Chen (1992) as printed: `P(k)⁻¹ = P(k−1)⁻¹ +
-/// φφᵀ/α(k)`, `K = Pφ/α(k)`. With a constant `α` it is ordinary least squares that starts from
-/// `P₀/α`: the paper calls `α` a forgetting factor, but nothing is forgotten.
+/// φφᵀ/α(k)`, `K = Pφ/α(k)`. Sample `k` thus has the weight `1/α(k)`. With a constant `α` it is
+/// ordinary least squares that starts from `P₀/α`: the paper calls `α` a forgetting factor, but
+/// nothing is forgotten. What it says of the tracking speed, that it "can be improved by changing the
+/// forgetting factor", holds for an `α(k)` that falls, [`Falling`]: as `α λᵏ` it gives the estimate of
+/// `Exponential` to the digit, with `P` smaller by `α(k)`. No number can fall for ever, so `α` stops at
+/// a least value, and then nothing more is forgotten. To forget for ever take `Exponential`, which is
+/// the same with `P` counted anew in each sample.
 ///
 /// `Directional` is Kulhavý (1987) in the form of Bittanti, Bolzern & Campi (1990): only what
 /// the present regressor tells about anew is forgotten. `Bounded` adds the regularisation one
@@ -38,10 +43,13 @@ pub enum Forgetting<T = f64> {
     /// Every sample counts the same.
     #[default]
     None,
-    /// The paper's eq. (18) with a constant `α > 0`.
+    /// The paper's eq. (18).
     Equation18 {
-        /// Variance that the paper divides by.
+        /// `α > 0` of the first sample, the variance that the paper divides by.
         alpha: T,
+        /// How `α(k)` falls from there; none keeps it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        falling: Option<Falling<T>>,
     },
     /// A sample of age `k` counts `λᵏ`.
     Exponential {
@@ -67,6 +75,33 @@ pub enum Forgetting<T = f64> {
         /// Trace of `P`, as a part of its initial value, below which it is reset.
         floor: T,
     },
+}
+
+/// The course of `α(k)` in eq. (18): `α(k+1) = max(ratio α(k), least)`.
+///
+/// ```
+/// use fd_ident::rls::{Falling, Forgetting, RlsDesign};
+///
+/// let falling = Falling { ratio: 0.99, least: 1e-3 };
+/// assert!((falling.after(2.0_f64) - 1.98).abs() < 1e-15 && falling.after(1e-3) == 1e-3);
+/// let design = RlsDesign::forgetting(Forgetting::Equation18 { alpha: 1.0, falling: Some(falling) });
+/// # let _ = design;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Falling<T = f64> {
+    /// What a learned sample multiplies `α` by, above 0 and at most 1; skipped samples leave it alone.
+    pub ratio: T,
+    /// Where `α` stops: positive, at most its first value.
+    pub least: T,
+}
+
+impl<T: Scalar> Falling<T> {
+    /// `α` of the sample after one with `alpha`.
+    #[must_use]
+    pub fn after(&self, alpha: T) -> T {
+        (self.ratio * alpha).max(self.least)
+    }
 }
 
 /// Safeguards against wind-up.
@@ -149,7 +184,14 @@ impl RlsDesign {
         }
         match self.forgetting {
             Forgetting::None => Ok(()),
-            Forgetting::Equation18 { alpha } => positive("alpha of eq. (18)", alpha),
+            Forgetting::Equation18 { alpha, falling } => {
+                positive("alpha of eq. (18)", alpha)?;
+                let Some(Falling { ratio, least }) = falling else { return Ok(()) };
+                let (setting, expected) = ("falling.ratio of eq. (18)", "above 0 and at most 1");
+                in_range(setting, expected, 0.0 < ratio && ratio <= 1.0, ratio)?;
+                let (setting, expected) = ("falling.least of eq. (18)", "positive, at most alpha");
+                in_range(setting, expected, 0.0 < least && least <= alpha, least)
+            }
             Forgetting::Exponential { lambda } | Forgetting::Directional { lambda } => {
                 forgetting_factor(lambda)
             }
@@ -172,7 +214,11 @@ impl Forgetting {
         let t = T::from_design;
         match self {
             Self::None => Forgetting::None,
-            Self::Equation18 { alpha } => Forgetting::Equation18 { alpha: t(alpha) },
+            Self::Equation18 { alpha, falling } => Forgetting::Equation18 {
+                alpha: t(alpha),
+                falling: falling
+                    .map(|Falling { ratio, least }| Falling { ratio: t(ratio), least: t(least) }),
+            },
             Self::Exponential { lambda } => Forgetting::Exponential { lambda: t(lambda) },
             Self::Directional { lambda } => Forgetting::Directional { lambda: t(lambda) },
             Self::Bounded { lambda, variance } => {

@@ -32,7 +32,7 @@ mod window;
 pub use self::{
     conventional::Conventional,
     covariance::Covariance,
-    forgetting::{Forgetting, Guard, RlsDesign},
+    forgetting::{Falling, Forgetting, Guard, RlsDesign},
     kernel::RlsKernel,
     qr::QrRls,
     recursion::Rls,

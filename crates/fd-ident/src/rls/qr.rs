@@ -10,7 +10,7 @@ use crate::{
     error::IdentError,
     rls::{
         RlsKernel,
-        forgetting::{Forgetting, RlsDesign},
+        forgetting::{Falling, Forgetting, RlsDesign},
         storage::{Grid, RlsStorage},
     },
 };
@@ -46,8 +46,11 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct QrRls<T: Scalar = f64, S: RlsStorage<T> = Heap> {
-    /// Square roots of the weights of a new sample and of what is known.
-    gain: T,
+    /// `α(k)` of eq. (18), else 1: a new sample has the weight `1/α`.
+    alpha: T,
+    designed_alpha: T,
+    falling: Option<Falling<T>>,
+    /// Square root of the weight of what is known.
     memory: T,
     designed_memory: T,
     prior: T,
@@ -70,9 +73,9 @@ impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
     /// `Resetting`, or the storage is fixed and has another size.
     pub fn new(n: usize, design: &RlsDesign) -> Result<Self, IdentError> {
         design.check()?;
-        let (gain, memory, kept) = match design.forgetting {
+        let (alpha, memory, kept) = match design.forgetting {
             Forgetting::None => (1.0, 1.0, 1.0),
-            Forgetting::Equation18 { alpha } => (alpha.sqrt().recip(), 1.0, 1.0),
+            Forgetting::Equation18 { alpha, .. } => (alpha, 1.0, 1.0),
             Forgetting::Exponential { lambda } => (1.0, lambda.sqrt(), 1.0),
             Forgetting::Directional { lambda } => (1.0, 1.0, lambda.sqrt()),
             Forgetting::Bounded { lambda, .. } | Forgetting::Resetting { lambda, .. } => {
@@ -84,7 +87,12 @@ impl<T: Scalar, S: RlsStorage<T>> QrRls<T, S> {
             }
         };
         let mut rls = Self {
-            gain: T::from_design(gain),
+            alpha: T::from_design(alpha),
+            designed_alpha: T::from_design(alpha),
+            falling: match design.forgetting.freeze() {
+                Forgetting::Equation18 { falling, .. } => falling,
+                _ => None,
+            },
             memory: T::from_design(memory),
             designed_memory: T::from_design(memory),
             prior: T::from_design(design.prior_variance.sqrt().recip()),
@@ -174,8 +182,9 @@ impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for QrRls<T, S> {
             return;
         }
         let (r, row, z) = (self.r.as_mut_slice(), self.row.as_mut(), self.z.as_mut());
-        row.iter_mut().zip(phi).for_each(|(row, &phi)| *row = self.gain * phi);
-        let mut rest = self.gain * innovation;
+        let gain = self.alpha.sqrt().recip();
+        row.iter_mut().zip(phi).for_each(|(row, &phi)| *row = gain * phi);
+        let mut rest = gain * innovation;
         for i in 0..n {
             let line = &mut r[i * n..(i + 1) * n];
             let (a, b) = (self.memory * line[i], row[i]);
@@ -198,6 +207,9 @@ impl<T: Scalar, S: RlsStorage<T>> RlsKernel<T> for QrRls<T, S> {
         }
         if self.kept < T::one() {
             self.forget_along(phi);
+        }
+        if let Some(falling) = self.falling {
+            self.alpha = falling.after(self.alpha);
         }
     }
 
@@ -226,12 +238,14 @@ impl<T: Scalar, S: RlsStorage<T>> Stage<T> for QrRls<T, S> {
         let prior = self.prior;
         self.r.as_mut_slice().iter_mut().step_by(n + 1).for_each(|r| *r = prior);
         self.memory = self.designed_memory;
+        self.alpha = self.designed_alpha;
         self.skipped = 0;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         visitor.reals("information factor R", self.r.as_mut_slice());
         visitor.reals("memory", std::slice::from_mut(&mut self.memory));
+        visitor.reals("alpha", std::slice::from_mut(&mut self.alpha));
         visitor.counts("skipped", std::slice::from_mut(&mut self.skipped));
     }
 }

@@ -36,8 +36,10 @@ use crate::{
 pub struct Rls<T: Scalar, C: Covariance<T>> {
     forgetting: Forgetting<T>,
     prior_variance: T,
-    /// Samples with `φᵀPφ` of this or less are skipped.
+    /// Samples with `φᵀPφ` of `α` times this or less are skipped.
     silence: T,
+    /// `α(k)` of eq. (18), else 1.
+    alpha: T,
     /// What forgetting multiplies `P` by, and at least what it multiplies the trace by.
     growth: T,
     growth_of_trace: T,
@@ -66,21 +68,21 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
         let covariance = C::isotropic(n, prior_variance)?;
         let initial_trace = covariance.trace();
         let forgetting: Forgetting<T> = design.forgetting.freeze();
-        let (noise, growth) = match forgetting {
+        let (alpha, growth) = match forgetting {
             Forgetting::None | Forgetting::Directional { .. } => (T::one(), T::one()),
-            Forgetting::Equation18 { alpha } => (alpha, T::one()),
+            Forgetting::Equation18 { alpha, .. } => (alpha, T::one()),
             Forgetting::Exponential { lambda }
             | Forgetting::Bounded { lambda, .. }
             | Forgetting::Resetting { lambda, .. } => (T::one(), T::one() / lambda),
         };
-        let silence =
-            if design.guard.skip_silence { T::default_epsilon() * noise } else { -T::one() };
+        let silence = if design.guard.skip_silence { T::default_epsilon() } else { -T::one() };
         // Learning lowers the trace. What the factors are rounded by is less than the margin.
         let margin = T::one() + T::from_design(8.0) * T::default_epsilon();
         Ok(Self {
             forgetting,
             prior_variance,
             silence,
+            alpha,
             growth,
             growth_of_trace: growth * margin,
             initial_trace,
@@ -97,6 +99,16 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
     #[must_use]
     pub fn covariance(&self) -> &C {
         &self.covariance
+    }
+
+    /// Sets `α(k)` of eq. (18) for the next sample, for a course that somebody else decides about; from
+    /// there it goes on as the design says. Other kinds of forgetting have no `α`, and what is not
+    /// positive and finite is ignored.
+    pub fn set_alpha(&mut self, alpha: T) {
+        let fits = matches!(self.forgetting, Forgetting::Equation18 { .. });
+        if fits && T::zero() < alpha && alpha.is_finite() {
+            self.alpha = alpha;
+        }
     }
 
     /// Moves the estimate along `Pφ`.
@@ -183,7 +195,7 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
         let innovation = target - dot(phi, theta);
         // Not a number when the innovation is not finite.
         let size = (energy + T::zero() * innovation).abs();
-        let is_loud = self.silence < size && size.is_finite();
+        let is_loud = self.silence * self.alpha < size && size.is_finite();
         if !is_loud {
             self.report.skipped += 1;
             return;
@@ -194,7 +206,7 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
                 return;
             }
             Forgetting::None => (T::one(), false),
-            Forgetting::Equation18 { alpha } => (alpha, false),
+            Forgetting::Equation18 { .. } => (self.alpha, false),
             Forgetting::Bounded { lambda, .. }
             | Forgetting::Exponential { lambda }
             | Forgetting::Resetting { lambda, .. } => (lambda, true),
@@ -216,6 +228,9 @@ impl<T: Scalar, C: Covariance<T>> RlsKernel<T> for Rls<T, C> {
                 self.trace_bound = self.initial_trace;
                 self.report.bounded += 1;
             }
+            Forgetting::Equation18 { falling: Some(falling), .. } => {
+                self.alpha = falling.after(self.alpha);
+            }
             _ => {}
         }
     }
@@ -235,6 +250,9 @@ impl<T: Scalar, C: Covariance<T>> Stage<T> for Rls<T, C> {
         self.trace_bound = self.initial_trace;
         self.report = GuardReport::default();
         self.axis = 0;
+        if let Forgetting::Equation18 { alpha, .. } = self.forgetting {
+            self.alpha = alpha;
+        }
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
@@ -243,5 +261,8 @@ impl<T: Scalar, C: Covariance<T>> Stage<T> for Rls<T, C> {
         let mut counts = [self.report.skipped, self.report.bounded, self.axis];
         visitor.counts("skipped, bounded, axis", &mut counts);
         [self.report.skipped, self.report.bounded, self.axis] = counts;
+        if matches!(self.forgetting, Forgetting::Equation18 { .. }) {
+            visitor.reals("alpha", std::slice::from_mut(&mut self.alpha));
+        }
     }
 }

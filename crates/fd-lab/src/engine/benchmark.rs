@@ -2,7 +2,7 @@
 
 use fd_core::{Heap, Limits};
 use fd_jetengine::{
-    EngineModel,
+    EngineModel, PerturbedEngine,
     engine17::{Engine17, Health, HealthParameter, Parameters},
 };
 use fd_model::{
@@ -16,7 +16,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{
-    config::{CONFIG_VERSION, EngineChoice, EngineConfig, ReductionConfig},
+    config::{CONFIG_VERSION, EngineChoice, EngineConfig, PlantConfig, ReductionConfig},
     error::EngineStudyError,
     reality::Reality,
 };
@@ -44,14 +44,14 @@ pub(crate) struct Case {
     pub(super) plant: Option<StateSpace<Discrete>>,
     pub(crate) model: StateSpace<Discrete>,
     pub(super) redraws: usize,
-    rng: Xoshiro256PlusPlus,
+    pub(super) rng: Xoshiro256PlusPlus,
 }
 
 /// What is random in a run, so that it can be repeated with a fault.
 #[derive(Clone)]
 pub(crate) struct Draw {
-    inputs: Inputs,
-    output_noise: Vec<SignalSpec>,
+    pub(super) inputs: Inputs,
+    pub(super) output_noise: Vec<SignalSpec>,
 }
 
 /// Where a run without faults stands before a sample.
@@ -111,6 +111,10 @@ impl Benchmark {
         &self.nominal.name
     }
 
+    pub(super) fn inputs(&self) -> &[Channel] {
+        &self.nominal.inputs
+    }
+
     pub(crate) fn ts(&self) -> SampleTime {
         self.ts
     }
@@ -138,12 +142,7 @@ impl Benchmark {
     /// Draws everything for one seed.
     pub(crate) fn case(&self, seed: u64) -> Result<Case, EngineStudyError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let draw = match (&self.engine, &self.config.plant.engine) {
-            (Some(engine), EngineChoice::Engine17 { fuel_kg_s }) => {
-                self.config.plant.perturbation.draw_engine17(engine, *fuel_kg_s, rng.next_u64())?
-            }
-            _ => self.config.plant.perturbation.draw(&self.nominal, rng.next_u64())?,
-        };
+        let draw = self.perturbed(rng.next_u64())?;
         let drawn = &draw.model.model;
         let rejected = draw.rejected;
         if let (
@@ -184,6 +183,17 @@ impl Benchmark {
             model: self.observer_model(&self.nominal.model)?,
             redraws: rejected,
             rng,
+        })
+    }
+
+    /// A linear engine of the type, perturbed.
+    pub(super) fn perturbed(&self, seed: u64) -> Result<PerturbedEngine, EngineStudyError> {
+        let PlantConfig { engine: choice, perturbation, .. } = &self.config.plant;
+        Ok(match (&self.engine, choice) {
+            (Some(engine), EngineChoice::Engine17 { fuel_kg_s }) => {
+                perturbation.draw_engine17(engine, *fuel_kg_s, seed)?
+            }
+            _ => perturbation.draw(&self.nominal, seed)?,
         })
     }
 
@@ -315,7 +325,7 @@ impl Benchmark {
         Ok(whole)
     }
 
-    fn noise(&self, rng: &mut Xoshiro256PlusPlus) -> Vec<SignalSpec> {
+    pub(super) fn noise(&self, rng: &mut Xoshiro256PlusPlus) -> Vec<SignalSpec> {
         let sigma = self.config.plant.noise;
         let outputs = if sigma > 0.0 { self.nominal.outputs.len() } else { 0 };
         (0..outputs).map(|_| WhiteNoise::new(sigma, rng.next_u64()).into()).collect()

@@ -13,7 +13,10 @@ use fdiag::spec::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::excitation::{FreshRun, TrainingRun};
+use super::{
+    excitation::{FreshRun, TrainingRun},
+    on_line::OnLineConfig,
+};
 
 /// The version of the configuration format.
 pub const CONFIG_VERSION: u32 = 1;
@@ -56,6 +59,8 @@ pub struct EngineConfig {
     pub faults: FaultConfig,
     /// The diagnosis.
     pub pipeline: PipelineSpec,
+    /// The same with the bias learned on line.
+    pub on_line: OnLineConfig,
 }
 
 /// The plant and what makes it differ from its model.
@@ -162,6 +167,7 @@ impl Default for EngineConfig {
             test_runs: 10,
             faults: FaultConfig::default(),
             pipeline: default_pipeline(),
+            on_line: OnLineConfig::default(),
         }
     }
 }
@@ -226,6 +232,8 @@ impl EngineConfig {
         for (what, duration) in [
             ("training.duration_s / sample_time_s", self.training.duration_s),
             ("fresh.duration_s / sample_time_s", self.fresh.duration_s),
+            ("on_line.longest_s / sample_time_s", self.on_line.longest_s),
+            ("on_line.after_s / sample_time_s", self.on_line.after_s),
         ] {
             limits.check(Resource::Samples, what, duration / self.sample_time_s)?;
         }

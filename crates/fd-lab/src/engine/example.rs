@@ -79,11 +79,12 @@ impl Benchmark {
     /// As [`Benchmark::trial`].
     pub fn example(&self, seed: u64) -> Result<Example, EngineStudyError> {
         let mut case = self.case(seed)?;
-        let trained = self.trained(&mut case)?;
-        let record = self.test_run(&mut case)?;
-        // Drawn again, the same case gives the same training run.
-        let mut again = self.case(seed)?;
-        let training = self.training_run(&mut again)?;
+        let logs = self.logs(&mut case)?;
+        let training = logs.training;
+        let trained = Self::train(&self.config().pipeline, &case, &training, &logs.calibration)?;
+        let Some(record) = logs.tests.into_iter().next() else {
+            return Err(EngineStudyError::None { setting: "test_runs" });
+        };
         let run = |record: &Record| -> Result<(Trace, Trace), EngineStudyError> {
             let with =
                 Trace::of(&mut trained.compensated()?, record).map_err(TrainingError::from)?;

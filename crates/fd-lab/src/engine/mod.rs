@@ -5,10 +5,13 @@ mod config;
 mod error;
 mod example;
 mod excitation;
+mod on_line;
 mod reality;
 mod report;
 mod study;
 mod trial;
+mod vector;
+mod watch;
 
 pub use self::{
     benchmark::Benchmark,
@@ -18,6 +21,10 @@ pub use self::{
     error::EngineStudyError,
     example::{Example, FaultyRun, Residuals, TrainingTrace},
     excitation::{FreshRun, TrainingRun},
+    on_line::{
+        Afterwards, Drift, InTraining, OnLine, OnLineConfig, OnLineSummary, Opened, TrainingFault,
+        TrainingFaultSummary,
+    },
     report::NamedPicture,
     study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
     trial::{FaultOutcome, Pair, Trial},

@@ -1,5 +1,7 @@
 //! The plant that a benchmark run watches, linear or not, healthy or with faults.
 
+use std::ops::Range;
+
 use fd_core::stage::Plant;
 use fd_jetengine::{
     EngineError,
@@ -63,21 +65,26 @@ impl Reality {
 
     /// The state before step `k` of a run from rest without faults.
     pub(crate) fn state_at(&self, inputs: &Inputs, k: usize) -> Vec<f64> {
+        let mut x = self.rest();
+        self.advance(&mut x, inputs, 0..k);
+        x
+    }
+
+    /// Takes a state through some steps without faults.
+    pub(crate) fn advance(&self, x: &mut Vec<f64>, inputs: &Inputs, steps: Range<usize>) {
         let plant: &dyn Plant<f64> = match self {
             Self::Linear(plant) => plant,
             Self::Core(plant, _) => plant.as_ref(),
             Self::Extended(plant, _) => plant.as_ref(),
         };
-        let mut x = self.rest();
         let mut next = x.clone();
-        for k in 0..k {
-            plant.advance(&x, inputs.u(k), &mut next);
-            std::mem::swap(&mut x, &mut next);
+        for k in steps {
+            plant.advance(x, inputs.u(k), &mut next);
+            std::mem::swap(x, &mut next);
         }
-        x
     }
 
-    fn rest(&self) -> Vec<f64> {
+    pub(crate) fn rest(&self) -> Vec<f64> {
         match self {
             Self::Linear(plant) => vec![0.0; plant.nx()],
             Self::Core(_, rest) => rest.to_vec(),

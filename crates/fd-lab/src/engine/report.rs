@@ -40,10 +40,29 @@ impl Study {
             .collect();
         format!(
             "Compensation makes the largest fault-free residual {} times smaller and shows {} at \
-             the same threshold rule (medians over {} engines).",
+             the same threshold rule (medians over {} engines).{}",
             figure(s.fault_free_ratio.median),
             if faults.is_empty() { "no faults".to_owned() } else { faults.join(" and ") },
             self.trials.len(),
+            self.fair_words(),
+        )
+    }
+
+    /// How much of that is left next to the best constant threshold.
+    fn fair_words(&self) -> String {
+        let ratios: Vec<String> = self
+            .summary
+            .faults
+            .iter()
+            .filter(|fault| fault.fair_ratio.median.is_finite())
+            .map(|fault| format!("{} for {}", figure(fault.fair_ratio.median), fault.sensor))
+            .collect();
+        if ratios.is_empty() {
+            return String::new();
+        }
+        format!(
+            " Next to the best constant threshold on the whole residual vector it is {} times.",
+            ratios.join(", ")
         )
     }
 
@@ -102,7 +121,10 @@ impl Study {
                 range(&fault.estimated),
             ]);
         }
-        vec![residuals, faults, found, self.bias_table()]
+        let mut tables = vec![residuals, faults, found, self.vector_table()];
+        tables.extend(self.on_line_tables());
+        tables.push(self.bias_table());
+        tables
     }
 
     /// The orders that were used and the parameters, one row per structure.
@@ -339,14 +361,14 @@ impl Example {
     }
 }
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     format!("{} %", figure(100.0 * share))
 }
 
-fn range(r: &Range) -> String {
+pub(super) fn range(r: &Range) -> String {
     scaled_range(r, 1.0)
 }
 
-fn scaled_range(r: &Range, by: f64) -> String {
+pub(super) fn scaled_range(r: &Range, by: f64) -> String {
     format!("{} [{} .. {}]", figure(by * r.median), figure(by * r.low), figure(by * r.high))
 }

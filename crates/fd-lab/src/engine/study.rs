@@ -4,7 +4,10 @@ use fd_numeric::quantile;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, trial::Trial};
+use super::{
+    benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, on_line::OnLineSummary,
+    trial::Trial,
+};
 use crate::Watcher;
 
 /// The version of the JSON report.
@@ -44,6 +47,9 @@ pub struct Summary {
     pub false_alarms_compensated: f64,
     /// One entry per faulty sensor.
     pub faults: Vec<FaultSummary>,
+    /// What happened on line.
+    #[serde(default)]
+    pub on_line: Option<OnLineSummary>,
 }
 
 /// Medians and ranges for one faulty sensor.
@@ -59,6 +65,14 @@ pub struct FaultSummary {
     pub smallest_compensated: Range,
     /// How many times the compensation made it smaller.
     pub smallest_ratio: Range,
+    /// Smallest detectable size with the best constant threshold on the residual vector.
+    pub vector_primary: Range,
+    /// The same on the compensated vector.
+    pub vector_compensated: Range,
+    /// How many times smaller compensation made it next to the best constant threshold on the vector.
+    pub fair_ratio: Range,
+    /// How many times smaller it became with the best constant threshold on either vector.
+    pub vector_ratio: Range,
     /// Share of runs in which the fault of the configured size is found without compensation.
     pub found_primary: f64,
     /// The same with compensation.
@@ -81,7 +95,7 @@ pub struct Range {
 }
 
 impl Range {
-    fn of(values: impl Iterator<Item = f64>) -> Self {
+    pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.collect();
         let low = quantile(&mut values, 0.05);
         let median = quantile(&mut values, 0.5);
@@ -161,6 +175,12 @@ impl Summary {
             smallest_primary: range(&|t| t.faults[i].smallest.primary),
             smallest_compensated: range(&|t| t.faults[i].smallest.compensated),
             smallest_ratio: range(&|t| t.faults[i].smallest.ratio()),
+            vector_primary: range(&|t| t.faults[i].smallest_of_vector.primary),
+            vector_compensated: range(&|t| t.faults[i].smallest_of_vector.compensated),
+            fair_ratio: range(&|t| {
+                t.faults[i].smallest_of_vector.primary / t.faults[i].smallest.compensated
+            }),
+            vector_ratio: range(&|t| t.faults[i].smallest_of_vector.ratio()),
             found_primary: mean(&|t| t.faults[i].found.primary),
             found_compensated: mean(&|t| t.faults[i].found.compensated),
             estimated: range(&|t| t.faults[i].estimated),
@@ -174,6 +194,7 @@ impl Summary {
             false_alarms_primary: mean(&|t| t.false_alarms.primary),
             false_alarms_compensated: mean(&|t| t.false_alarms.compensated),
             faults: faults.collect(),
+            on_line: OnLineSummary::of(trials),
         }
     }
 }

@@ -1,26 +1,23 @@
 //! One perturbed engine from training to the smallest faults that are found.
 
-use fd_compensate::{
-    DrivenRows, SampleRows,
-    decide::Debouncing,
-    evaluate::{alarms, smallest_detectable_by_search},
-};
 use fd_core::{
     Event,
     stage::{Detector, Stage},
 };
 use fd_model::{Channel, Record};
 use fd_numeric::median;
-use fdiag::training::{Trace, Trained, TrainingError, sensor_sizes, train_on};
+use fdiag::{
+    spec::PipelineSpec,
+    training::{Trace, Trained, TrainingError, sensor_sizes, train_on},
+};
 use serde::{Deserialize, Serialize};
 
 use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
+    on_line::OnLine,
+    watch::{Run, Watch},
 };
-
-/// Largest fault that is tried, relative to the reading.
-const LARGEST_FAULT: f64 = 10.0;
 
 /// What came out for one seed. Residuals and fault sizes are per unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,10 +40,13 @@ pub struct Trial {
     pub false_alarms: Pair,
     /// One entry per faulty sensor.
     pub faults: Vec<FaultOutcome>,
+    /// What came out when the bias was learned on line, if that was asked for.
+    #[serde(default)]
+    pub on_line: Option<OnLine>,
 }
 
 /// A figure without and with compensation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// Of the primary residual.
     pub primary: f64,
@@ -72,6 +72,11 @@ pub struct FaultOutcome {
     /// Median smallest detectable size over test runs and both signs, relative to the reading;
     /// infinite when most runs cannot show it at all.
     pub smallest: Pair,
+    /// The same for the best constant threshold on the whole residual vector: on the combination of its
+    /// channels that shows this sensor best next to the healthy runs. NaN when a channel of the vector
+    /// could not be learned.
+    #[serde(default)]
+    pub smallest_of_vector: Pair,
     /// Share of test runs in which the fault of the configured size is found.
     pub found: Pair,
     /// Median estimate of the size of that fault at the end of the run, relative to its true size,
@@ -83,17 +88,18 @@ pub struct FaultOutcome {
     pub delay_s: Pair,
 }
 
-/// Residuals of the test runs and what is needed to judge them.
-struct Tests {
-    start: usize,
-    primary: Vec<Run>,
-    compensated: Vec<Run>,
+/// Everything that is simulated for one seed before a diagnosis is made.
+pub(super) struct Logs {
+    pub(super) training: Record,
+    pub(super) calibration: Vec<Record>,
+    pub(super) tests: Vec<Record>,
 }
 
-/// A residual and the input that drove the plant, row by row.
-struct Run {
-    inputs: Vec<f64>,
-    residual: Vec<f64>,
+/// Residuals of the test runs and what is needed to judge them.
+pub(super) struct Tests {
+    pub(super) start: usize,
+    pub(super) primary: Vec<Run>,
+    pub(super) compensated: Vec<Run>,
 }
 
 impl Benchmark {
@@ -104,8 +110,11 @@ impl Benchmark {
     /// Returns what stopped it; training can fail on unlucky data.
     pub fn trial(&self, seed: u64) -> Result<Trial, EngineStudyError> {
         let mut case = self.case(seed)?;
-        let trained = self.trained(&mut case)?;
-        let tests = self.tests(&mut case, &trained)?;
+        let logs = self.logs(&mut case)?;
+        let trained =
+            Self::train(&self.config().pipeline, &case, &logs.training, &logs.calibration)?;
+        let tests = self.tests(&trained, &logs.tests)?;
+        let vector = self.best_thresholds(&case, &logs)?;
         let (primary, compensated) = trained.calibration();
         let mut plain = Watch::new(&trained, primary)?;
         let mut compensated = Watch::new(&trained, compensated)?;
@@ -114,7 +123,7 @@ impl Benchmark {
             compensated: compensated.false_alarms(&tests.compensated)?,
         };
         let mut faults = Vec::new();
-        for channel in self.fault_channels()? {
+        for (channel, smallest_of_vector) in self.fault_channels()?.into_iter().zip(vector) {
             let (phi, phi_star) = self.unit_fault_response(&trained, channel)?;
             let size = self.config().faults.size;
             let a = plain.find(&tests.primary, &phi, size, tests.start)?;
@@ -125,6 +134,7 @@ impl Benchmark {
                 sensor: self.readings()[channel].0.name.clone(),
                 residual_gain: phi[last..].iter().fold(0.0, |m, v| v.abs().max(m)),
                 smallest: Pair { primary: a.smallest, compensated: b.smallest },
+                smallest_of_vector,
                 estimated: self.estimated_size(&trained, &tests.compensated, &phi_star, channel)?,
                 found: Pair { primary: a.share, compensated: b.share },
                 delay_s: Pair { primary: seconds(a.delay), compensated: seconds(b.delay) },
@@ -144,20 +154,38 @@ impl Benchmark {
             },
             false_alarms,
             faults,
+            on_line: self.on_line(&mut case, &logs)?,
         })
     }
 
-    /// Trains on one run and calibrates on fresh ones.
-    pub(super) fn trained(&self, case: &mut Case) -> Result<Trained, EngineStudyError> {
+    /// The runs of a seed.
+    pub(super) fn logs(&self, case: &mut Case) -> Result<Logs, EngineStudyError> {
         let training = self.training_run(case)?;
-        let mut calibration = Vec::new();
+        let (mut calibration, mut tests) = (Vec::new(), Vec::new());
         for _ in 0..self.config().calibration_runs {
             calibration.push(self.calibration_run(case)?);
         }
-        Ok(train_on(&self.config().pipeline, &case.model, &training, &calibration)?)
+        for _ in 0..self.config().test_runs {
+            tests.push(self.test_run(case)?);
+        }
+        Ok(Logs { training, calibration, tests })
     }
 
-    fn tests(&self, case: &mut Case, trained: &Trained) -> Result<Tests, EngineStudyError> {
+    /// Learns from one run and calibrates on others.
+    pub(super) fn train(
+        spec: &PipelineSpec,
+        case: &Case,
+        training: &Record,
+        calibration: &[Record],
+    ) -> Result<Trained, EngineStudyError> {
+        Ok(train_on(spec, &case.model, training, calibration)?)
+    }
+
+    pub(super) fn tests(
+        &self,
+        trained: &Trained,
+        records: &[Record],
+    ) -> Result<Tests, EngineStudyError> {
         let mut tests = Tests {
             start: self.samples(self.config().faults.start_s),
             primary: Vec::new(),
@@ -165,10 +193,9 @@ impl Benchmark {
         };
         // Calibrating the detector is the dear part of a pipeline, so one serves all runs.
         let mut pipeline = trained.compensated()?;
-        for _ in 0..self.config().test_runs {
-            let record = self.test_run(case)?;
+        for record in records {
             pipeline.reset();
-            let trace = Trace::of(&mut pipeline, &record).map_err(TrainingError::from)?;
+            let trace = Trace::of(&mut pipeline, record).map_err(TrainingError::from)?;
             let inputs: Vec<f64> = record.samples().flat_map(|(u, _)| u.iter().copied()).collect();
             tests.primary.push(Run { inputs: inputs.clone(), residual: trace.residual });
             tests.compensated.push(Run { inputs, residual: trace.compensated });
@@ -179,7 +206,7 @@ impl Benchmark {
     /// What an incipient fault of size 1 adds to both residuals. The generator and the compensation
     /// are linear in `y`, so the difference between a plant at rest with and without the fault is
     /// what it adds to any run. Without one-step compensation the two are the same.
-    fn unit_fault_response(
+    pub(super) fn unit_fault_response(
         &self,
         trained: &Trained,
         channel: usize,
@@ -256,88 +283,4 @@ impl Benchmark {
 
 fn largest(runs: &[Run]) -> f64 {
     runs.iter().flat_map(|run| &run.residual).fold(0.0, |m, v| v.abs().max(m))
-}
-
-/// The calibrated detector of one of the two residuals.
-struct Watch {
-    detector: Box<dyn Detector>,
-    rule: Debouncing,
-    nu: usize,
-    channels: usize,
-}
-
-/// What a detector finds of a fault.
-struct Found {
-    smallest: f64,
-    share: f64,
-    /// In samples.
-    delay: f64,
-}
-
-impl Watch {
-    fn new(trained: &Trained, healthy: &[f64]) -> Result<Self, TrainingError> {
-        let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
-        let detector = trained.detector(healthy)?;
-        Ok(Self { detector, rule: trained.spec().rule, nu, channels })
-    }
-
-    /// First sample with a reported fault.
-    fn first_alarm(
-        &mut self,
-        inputs: &[f64],
-        residual: &[f64],
-    ) -> Result<Option<usize>, TrainingError> {
-        self.detector.reset();
-        let margins: Vec<f64> = inputs
-            .chunks_exact(self.nu)
-            .zip(residual.chunks_exact(self.channels))
-            .map(|(u, r)| {
-                let verdict = self.detector.update(u, r);
-                verdict.statistic - verdict.threshold
-            })
-            .collect();
-        Ok(alarms(&margins, 0.0, self.rule)?.iter().position(|&alarm| alarm))
-    }
-
-    fn false_alarms(&mut self, runs: &[Run]) -> Result<f64, TrainingError> {
-        let mut count = 0;
-        for run in runs {
-            count += usize::from(self.first_alarm(&run.inputs, &run.residual)?.is_some());
-        }
-        Ok(count as f64 / runs.len() as f64)
-    }
-
-    /// A fault of size `s` makes the residual `r + s φ` exactly, so no run is simulated again.
-    fn find(
-        &mut self,
-        runs: &[Run],
-        phi: &[f64],
-        size: f64,
-        start: usize,
-    ) -> Result<Found, TrainingError> {
-        let (mut sizes, mut delays, mut looks) = (Vec::new(), Vec::new(), 0_usize);
-        for Run { inputs, residual: r } in runs {
-            // A run that alarms by itself is a false alarm, counted as such and not as a find.
-            if self.first_alarm(inputs, r)?.is_some() {
-                continue;
-            }
-            let healthy = SampleRows::new(self.channels, r)?;
-            let healthy = DrivenRows::new(SampleRows::new(self.nu, inputs)?, healthy)?;
-            for sign in [1.0, -1.0] {
-                looks += 1;
-                let response: Vec<f64> = phi.iter().map(|v| sign * v).collect();
-                let rows = SampleRows::new(self.channels, &response)?;
-                let (detector, rule) = (self.detector.as_mut(), self.rule);
-                let smallest =
-                    smallest_detectable_by_search(detector, rule, healthy, rows, LARGEST_FAULT)?;
-                sizes.push(smallest.unwrap_or(f64::INFINITY));
-                let faulty: Vec<f64> = r.iter().zip(&response).map(|(r, g)| r + size * g).collect();
-                if let Some(k) = self.first_alarm(inputs, &faulty)? {
-                    delays.push(k.saturating_sub(start) as f64);
-                }
-            }
-        }
-        let share = if looks > 0 { delays.len() as f64 / looks as f64 } else { f64::NAN };
-        Ok(Found { smallest: median(&mut sizes), share, delay: median(&mut delays) })
-    }
 }

@@ -1,6 +1,7 @@
 //! The road on a user's own model and logs: learn from the healthy ones, diagnose the others.
 
 mod error;
+mod healthy;
 mod material;
 mod named;
 mod report;
@@ -8,6 +9,7 @@ mod study;
 
 pub use self::{
     error::LogStudyError,
+    healthy::{LogDoubt, Void, VoidReason},
     material::{Material, Request, StudiedLog},
     named::NamedFault,
     study::{BiasSummary, LogResult, LogStudy, REPORT_VERSION, SignalUnit, Traces},

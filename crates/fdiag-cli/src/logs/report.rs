@@ -5,7 +5,10 @@ use fd_numeric::rms;
 use fd_report::{Line, Page, Picture, PictureError, Table};
 use fdiag::training::Trace;
 
-use super::study::{LogResult, LogStudy, SignalUnit, Traces};
+use super::{
+    healthy::LogDoubt,
+    study::{LogResult, LogStudy, SignalUnit, Traces},
+};
 
 impl LogStudy {
     /// What came out, in one sentence.
@@ -40,9 +43,20 @@ impl LogStudy {
             format!("{} times larger", figure(after / before))
         };
         format!(
-            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}",
-            self.warning()
+            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}{}",
+            self.warning(),
+            self.cautions(),
         )
+    }
+
+    /// What speaks against the healthy logs and the thresholds from them, as sentences.
+    fn cautions(&self) -> String {
+        let doubts = self.doubts.iter().map(LogDoubt::sentence);
+        let voids = self.logs.iter().filter_map(|log| {
+            log.void.as_ref().map(|void| format!("{}: {}.", file_name(log), void.in_words()))
+        });
+        let all: Vec<String> = doubts.chain(voids).collect();
+        if all.is_empty() { String::new() } else { format!(" {}", all.join(" ")) }
     }
 
     /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
@@ -108,7 +122,16 @@ impl LogStudy {
         if let Some(selection) = &self.bias.selection {
             bias.push(["order criteria".to_owned(), selection.clone()]);
         }
-        vec![logs, bias]
+        let mut tables = vec![logs, bias];
+        if !self.doubts.is_empty() {
+            let mut doubts = Table::new("Doubts about the healthy logs", &["log", "doubt"]);
+            for doubt in &self.doubts {
+                let log = doubt.log.clone().unwrap_or_else(|| "all".to_owned());
+                doubts.push([log, doubt.words.clone()]);
+            }
+            tables.push(doubts);
+        }
+        tables
     }
 
     /// The whole report as a page.

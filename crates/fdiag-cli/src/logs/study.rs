@@ -8,12 +8,13 @@ use fd_model::{Record, TimeBaseReport};
 use fd_numeric::rms;
 use fdiag::{
     spec::PipelineSpec,
-    training::{Healthy, Trace, TrainingError, sensor_sizes, train_within},
+    training::{Healthy, Names, Trace, TrainingError, examine, sensor_sizes, train_within},
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
     error::LogStudyError,
+    healthy::{LogDoubt, Void},
     material::{Material, StudiedLog},
     named::NamedFault,
 };
@@ -36,6 +37,9 @@ pub struct LogStudy {
     pub spec: PipelineSpec,
     /// The learned bias.
     pub bias: BiasSummary,
+    /// What speaks against learning from the healthy logs.
+    #[serde(default)]
+    pub doubts: Vec<LogDoubt>,
     /// Every log, healthy ones first.
     pub logs: Vec<LogResult>,
 }
@@ -87,6 +91,9 @@ pub struct LogResult {
     pub first_alarm_s: (Option<f64>, Option<f64>),
     /// Share of samples in alarm without and with compensation.
     pub alarm_share: (f64, f64),
+    /// Where the threshold states no rate of false alarms; none when it does throughout.
+    #[serde(default)]
+    pub void: Option<Void>,
     /// After an alarm that stands at the end of the log: the size that a lasting fault of each
     /// output's sensor would have to explain it, in the unit of the output.
     pub sensor_sizes: Option<Vec<f64>>,
@@ -176,6 +183,7 @@ impl LogStudy {
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
+                void: Void::of(&with),
                 sensor_sizes: sensor_sizes(&trained, &with)?
                     .map(|sizes| sizes.iter().zip(&outputs).map(|(s, o)| s * o.scale).collect()),
                 named: NamedFault::of(&with, &spec.isolation, &file.inputs, &file.outputs),
@@ -185,12 +193,26 @@ impl LogStudy {
             traces.push((without, with));
             watcher.advance();
         }
+        let residuals = residual_units(spec, &outputs, trained.design().residual_len());
+        let examination = examine(&trained, &healthy)?;
+        let names = Names {
+            residuals: residuals.iter().map(|r| (&r.name[..], &r.unit[..], r.scale)).collect(),
+            inputs: file.inputs.iter().map(|input| &input.channel.name[..]).collect(),
+        };
+        let files =
+            material.logs.iter().filter(|log| log.healthy).map(|log| Some(log.file.as_path()));
+        let mut doubts: Vec<LogDoubt> = Vec::new();
+        for (log, found) in
+            files.chain([None]).zip(examination.logs.into_iter().chain([examination.together]))
+        {
+            doubts.extend(found.into_iter().map(|doubt| LogDoubt::new(log, doubt, &names)));
+        }
         let bias = trained.bias_model();
         let poles = bias.pole_radii().map_err(TrainingError::from)?;
         let study = Self {
             version: REPORT_VERSION,
             model: material.name.clone(),
-            residuals: residual_units(spec, &outputs, trained.design().residual_len()),
+            residuals,
             outputs,
             spec: spec.clone(),
             bias: BiasSummary {
@@ -200,6 +222,7 @@ impl LogStudy {
                 selection: trained.order_selection().map(|t| t.verdict().to_string()),
                 events: trained.events().to_vec(),
             },
+            doubts,
             logs,
         };
         Ok((study, Traces { logs: traces }))

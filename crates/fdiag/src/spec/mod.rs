@@ -12,6 +12,7 @@ mod isolation;
 mod limits;
 mod place;
 mod signature;
+mod start;
 #[cfg(feature = "testing")]
 pub mod testing;
 
@@ -33,6 +34,7 @@ pub use self::{
     limits::check_limits,
     place::FaultPlace,
     signature::FaultSites,
+    start::StartSpec,
 };
 
 /// Every choice of a diagnosis.
@@ -46,6 +48,8 @@ pub struct PipelineSpec {
     pub weighting: Option<Vec<Vec<f64>>>,
     /// The bias model and how it is learned.
     pub bias: BiasSpec,
+    /// Whether a running diagnosis begins with the fitted bias or learns it on line first.
+    pub start: StartSpec,
     /// When training ends, and what guards the compensation.
     pub compensation: CompensationPlan,
     /// Compensated residuals to test statistics.
@@ -72,6 +76,7 @@ impl Default for PipelineSpec {
             generator: GeneratorSpec::Simulation {},
             weighting: None,
             bias: BiasSpec::default(),
+            start: StartSpec::default(),
             compensation: CompensationPlan::default(),
             detector: DetectorSpec::default(),
             calibration: CalibrationPlan::default(),

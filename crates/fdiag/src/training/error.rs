@@ -71,6 +71,15 @@ pub enum TrainingError {
         /// Samples of the log.
         samples: usize,
     },
+    /// A diagnosis that starts in training did not get beyond it in the healthy logs.
+    #[error(
+        "start = \"training\": the switch did not open in any healthy log (at most {samples} samples to \
+         calibrate on), so there is no threshold: give a longer log, or relax compensation.convergence"
+    )]
+    NeverOpened {
+        /// Samples to calibrate on, in the longest log.
+        samples: usize,
+    },
     /// No order could be fitted.
     #[error("no bias model of order 1 to {most} could be fitted to the healthy logs")]
     NoOrder {

@@ -7,8 +7,10 @@
 //!
 //! The engine benchmark and a user's own model and logs are trained the same way.
 
+mod begin;
 mod bias;
 mod error;
+mod examine;
 mod learn;
 mod replay;
 mod residuals;
@@ -22,6 +24,7 @@ mod train;
 pub use self::{
     bias::LearnedBias,
     error::TrainingError,
+    examine::{Doubt, Examination, Names, examine},
     replay::{Primary, Subtracted, Subtraction},
     residuals::residual_record,
     running::RunningBias,

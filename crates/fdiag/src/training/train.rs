@@ -16,6 +16,7 @@ use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::{
+    begin::{pre_fitted, settling_samples},
     bias::LearnedBias,
     error::TrainingError,
     learn::learn,
@@ -25,7 +26,7 @@ use super::{
     structure::{DynIdentifier, stand_by},
     trace::Trace,
 };
-use crate::spec::{DetectorData, DetectorSpec, PipelineSpec};
+use crate::spec::{DetectorData, DetectorSpec, PipelineSpec, StartSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -155,6 +156,10 @@ pub fn train_within(
     for log in healthy.iter().filter(|log| !log.calibrate.is_empty()) {
         trained.calibrate_on(log)?;
     }
+    let longest = healthy.iter().map(|log| log.calibrate.len()).max().unwrap_or(0);
+    if spec.start == StartSpec::Training && longest > 0 && trained.compensated.is_empty() {
+        return Err(TrainingError::NeverOpened { samples: longest });
+    }
     Ok(trained)
 }
 
@@ -226,13 +231,25 @@ impl Trained {
         &self.inputs
     }
 
-    /// A fresh pipeline that subtracts the learned bias.
+    /// A fresh pipeline that subtracts the learned bias, or, when the spec starts in training, learns it on
+    /// line first, as [`Trained::learning`].
     ///
     /// # Errors
     ///
     /// Returns an error when there was no calibration data, or it does not fit the detector.
     pub fn compensated(&self) -> Result<DynPipeline, TrainingError> {
         self.pipeline(Box::new(self.compensator()?), &self.compensated)
+    }
+
+    /// A fresh pipeline that learns the bias on line from its first sample, whatever the spec says of the
+    /// start. Its detector is calibrated as that of [`Trained::compensated`], and decides nothing before the
+    /// switch is open.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trained::compensated`].
+    pub fn learning(&self) -> Result<DynPipeline, TrainingError> {
+        self.pipeline(Box::new(self.compensator_from(StartSpec::Training)?), &self.compensated)
     }
 
     /// A fresh pipeline without compensation, its detector calibrated in the same way.
@@ -314,11 +331,26 @@ impl Trained {
     pub(super) fn compensator(
         &self,
     ) -> Result<ResidualCompensator<f64, DynIdentifier, RunningBias>, TrainingError> {
+        self.compensator_from(self.spec.start)
+    }
+
+    fn compensator_from(
+        &self,
+        start: StartSpec,
+    ) -> Result<ResidualCompensator<f64, DynIdentifier, RunningBias>, TrainingError> {
         let nu = self.design.io().nu;
         let identifier = stand_by(&self.bias, &self.spec.bias.learning, nu)?;
         let plan = &self.spec.compensation;
         let simulator = self.bias.freeze()?;
-        Ok(ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?)
+        Ok(match start {
+            StartSpec::Fitted => {
+                ResidualCompensator::pre_fitted(identifier, simulator, self.fit.clone(), plan)?
+            }
+            StartSpec::Training => {
+                let settling = self.fit.filling;
+                ResidualCompensator::new(identifier, simulator, plan)?.settling(settling)
+            }
+        })
     }
 
     /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
@@ -356,42 +388,4 @@ impl Trained {
         }
         Ok(())
     }
-}
-
-/// Ranges of the learning data, complete samples only.
-fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, TrainingError> {
-    let (mut u, mut r) = (Vec::new(), Vec::new());
-    for record in records {
-        for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
-            u.extend_from_slice(record.u(k));
-            r.extend_from_slice(record.y(k));
-        }
-    }
-    let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
-    Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
-}
-
-/// Samples until the generator has forgotten where it started.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "checked, not negative"
-)]
-fn settling_samples(
-    spec: &PipelineSpec,
-    design: &dyn GeneratorDesign,
-) -> Result<usize, TrainingError> {
-    let form = design.form()?;
-    let ts = form.system().domain().ts.seconds();
-    if let Some(found) = spec.settle_s {
-        if !(found >= 0.0 && found.is_finite()) {
-            let (setting, expected) = ("settle_s", "finite and not negative");
-            return Err(TrainingError::Setting { setting, expected, found });
-        }
-        return Ok((found / ts).round() as usize);
-    }
-    // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
-    let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
-    Ok(samples as usize)
 }

@@ -1,0 +1,22 @@
+//! The benchmark on line: recursive least squares from the first sample, the switch opened by the convergence
+//! test, and what happens then.
+//!
+//! ```text
+//! first sample ──learning──▶ open ──lead──▶ drift of the plant, or a fault, or nothing ──after──▶ end
+//!                    └ a fault sets in half way
+//! ```
+//!
+//! The input is one fresh run after the other without a stop between them. Only linear engines: their drift is
+//! a way from one perturbed engine to another.
+
+mod config;
+mod plant;
+mod report;
+mod summary;
+mod trial;
+
+pub use self::{
+    config::{OnLineConfig, TrainingFault},
+    summary::{OnLineSummary, TrainingFaultSummary},
+    trial::{Afterwards, Drift, InTraining, OnLine, Opened},
+};

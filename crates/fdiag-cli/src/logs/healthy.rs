@@ -1,0 +1,108 @@
+//! What speaks against the healthy logs, and where the thresholds that came from them are void, in words.
+
+use std::path::Path;
+
+use fd_core::EventKind;
+use fdiag::training::{Doubt, Names, Trace};
+use serde::{Deserialize, Serialize};
+
+/// A doubt about a healthy log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogDoubt {
+    /// The log; none when it is about all of them together.
+    pub log: Option<String>,
+    /// What it is.
+    pub doubt: Doubt,
+    /// The same in words.
+    pub words: String,
+}
+
+impl LogDoubt {
+    pub(super) fn new(log: Option<&Path>, doubt: Doubt, names: &Names<'_>) -> Self {
+        let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let words = doubt.in_words(names);
+        Self { log: log.and_then(name), doubt, words }
+    }
+
+    /// The log and what is said of it.
+    pub(super) fn sentence(&self) -> String {
+        match &self.log {
+            Some(log) => format!("{log}: {}.", self.words),
+            None => format!("The healthy logs together: {}.", self.words),
+        }
+    }
+}
+
+/// Samples of a log for which the threshold states no rate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Void {
+    /// Time in s of the first one.
+    pub since_s: f64,
+    /// Share of the samples.
+    pub share: f64,
+    /// Whether the first alarm is among them.
+    pub first_alarm: bool,
+    /// Why.
+    pub reason: VoidReason,
+}
+
+/// Why a threshold states no rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VoidReason {
+    /// The inputs left the range of the healthy logs.
+    OperatingPoint,
+    /// The plant was found to have changed.
+    PlantChanged,
+}
+
+impl Void {
+    /// From the events of a log. Thresholds are void while the inputs are outside the range that was learned,
+    /// and for good once the bias was learned again elsewhere or the plant has changed: they were set on what
+    /// the old bias left.
+    pub(super) fn of(trace: &Trace) -> Option<Self> {
+        let (mut since, mut reason) = (None, None);
+        let mut void = vec![false; trace.len()];
+        let mut events = trace.events.iter().peekable();
+        for (k, void) in void.iter_mut().enumerate() {
+            let at = k + trace.refused;
+            while let Some(event) = events.next_if(|event| event.k <= at as u64) {
+                let why = match event.kind {
+                    EventKind::OperatingPointLeft => Some(VoidReason::OperatingPoint),
+                    EventKind::CharacteristicsChanged => Some(VoidReason::PlantChanged),
+                    _ => None,
+                };
+                if why.is_some() {
+                    since = Some(k);
+                    reason = reason.or(why);
+                } else if event.kind == EventKind::OperatingPointRegained {
+                    since = None;
+                }
+            }
+            *void = since.is_some();
+        }
+        let first = void.iter().position(|void| *void)?;
+        let count = void.iter().filter(|void| **void).count();
+        Some(Self {
+            since_s: trace.time[first],
+            share: count as f64 / trace.len() as f64,
+            first_alarm: trace.first_alarm(0).is_some_and(|k| void[k]),
+            reason: reason?,
+        })
+    }
+
+    /// What is void and why, as a sentence without its full stop.
+    pub(super) fn in_words(&self) -> String {
+        let why = match self.reason {
+            VoidReason::OperatingPoint => "the inputs leave the range of the healthy logs",
+            VoidReason::PlantChanged => "the plant has changed since the healthy logs",
+        };
+        let alarm = if self.first_alarm { ", the first alarm among them" } else { "" };
+        format!(
+            "from {:.1} s on {why}: the threshold states no rate of false alarms for {:.0} % of the \
+             samples{alarm}",
+            self.since_s,
+            100.0 * self.share
+        )
+    }
+}

@@ -1,0 +1,46 @@
+//! How a running diagnosis begins: what a fitted bias was fitted on, and how long the generator settles.
+
+use fd_compensate::{SampleRows, residual_compensation::PreFitted};
+use fd_model::Record;
+use fd_residual::GeneratorDesign;
+
+use super::error::TrainingError;
+use crate::spec::PipelineSpec;
+
+/// Ranges of the learning data, complete samples only.
+pub(super) fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, TrainingError> {
+    let (mut u, mut r) = (Vec::new(), Vec::new());
+    for record in records {
+        for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
+            u.extend_from_slice(record.u(k));
+            r.extend_from_slice(record.y(k));
+        }
+    }
+    let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
+    Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
+}
+
+/// Samples until the generator has forgotten where it started.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked, not negative"
+)]
+pub(super) fn settling_samples(
+    spec: &PipelineSpec,
+    design: &dyn GeneratorDesign,
+) -> Result<usize, TrainingError> {
+    let form = design.form()?;
+    let ts = form.system().domain().ts.seconds();
+    if let Some(found) = spec.settle_s {
+        if !(found >= 0.0 && found.is_finite()) {
+            let (setting, expected) = ("settle_s", "finite and not negative");
+            return Err(TrainingError::Setting { setting, expected, found });
+        }
+        return Ok((found / ts).round() as usize);
+    }
+    // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
+    let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
+    Ok(samples as usize)
+}
