@@ -15,7 +15,7 @@ use crate::structures::{Structure, structure};
 /// Sets of equations as bits, all of them.
 fn subsets(equations: usize) -> impl Iterator<Item = Vec<usize>> {
     (0..1_usize << equations)
-        .map(move |bits| (0..equations).filter(|e| bits >> e & 1 == 1).collect())
+        .map(move |bits| (0..equations).filter(|e| (bits >> e) & 1 == 1).collect())
 }
 
 /// Structural rank, by trying rows one after the other (Kuhn's algorithm): another one than the library's.

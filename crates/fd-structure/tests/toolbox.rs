@@ -3,7 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use fd_structure::{analysis::Causality, model::StructuralModel, redundancy::Supports};
+use fd_structure::{
+    analysis::Causality, generator::Flow, model::StructuralModel, redundancy::Supports,
+};
 use serde_json::Value;
 
 const GOLDEN: &str = include_str!("golden/toolbox.json");
@@ -110,4 +112,30 @@ fn the_same_detectability_and_isolability_in_every_causality() {
             assert_eq!(isolability, texts(&expected["isolability"]), "{} {key}", case["name"]);
         }
     }
+}
+
+#[test]
+fn the_same_causality_of_every_residual() {
+    let (mut compared, mut seen) = (0, BTreeMap::new());
+    for case in &golden() {
+        let model = model(case);
+        for (set, flows) in sets(&case["mso"]).iter().zip(texts(&case["sweep"])) {
+            let flows: Vec<&str> = flows.split(' ').collect();
+            assert_eq!(set.len(), flows.len());
+            for (&residual, expected) in set.iter().zip(flows) {
+                let sequence = model.sequence(set, residual).unwrap();
+                let flow = match sequence.flow {
+                    Flow::Algebraic => "algebraic",
+                    Flow::Integral => "int",
+                    Flow::Derivative => "der",
+                    Flow::Mixed => "mixed",
+                };
+                assert_eq!(flow, expected, "{}: {residual} of {set:?}", case["name"]);
+                *seen.entry(flow).or_insert(0) += 1;
+                compared += 1;
+            }
+        }
+    }
+    // All four occur, so that none of them is right by default.
+    assert!(compared > 1_000 && seen.len() == 4, "{compared}: {seen:?}");
 }

@@ -95,11 +95,13 @@ impl StructuralModel {
         let mut done: Vec<(usize, Vec<bool>)> = Vec::new();
         for (j, fault) in self.faults.iter().enumerate() {
             let known = done.iter().find(|(equation, _)| *equation == fault.equation);
-            let seen = known.map(|(_, seen)| seen.clone()).unwrap_or_else(|| {
+            let seen = if let Some((_, seen)) = known {
+                seen.clone()
+            } else {
                 let others: Vec<usize> =
                     all.iter().copied().filter(|&equation| equation != fault.equation).collect();
                 self.seen_in(&self.overdetermined(&others, causality))
-            });
+            };
             for (i, &is_seen) in seen.iter().enumerate() {
                 isolable[i][j] = is_seen;
             }

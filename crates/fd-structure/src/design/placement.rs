@@ -12,8 +12,8 @@ use crate::{
     model::{Equation, Fault, StructuralModel},
 };
 
-/// How many sets of sensors are looked at before the search is given up.
-const MOST_NODES: usize = 5_000;
+/// How many equations are decomposed, each time anew, before the search for all sets is given up: seconds at most.
+const MOST_WORK: usize = 500_000;
 /// So many sensors of the same unknown do all that sensors of it can do: one may have failed, and the
 /// other two test each other.
 const COPIES: usize = 3;
@@ -172,18 +172,22 @@ impl Search<'_> {
     fn all(&self) -> (Vec<Vec<usize>>, bool) {
         let mut found: Vec<Vec<usize>> = Vec::new();
         let mut level = BTreeSet::from([Vec::new()]);
-        let mut nodes = 0;
+        let mut work = 0;
         while !level.is_empty() {
             let mut next = BTreeSet::new();
             for set in level {
                 if found.iter().any(|smaller| is_part(smaller, &set)) {
                     continue;
                 }
-                nodes += 1;
-                if MOST_NODES < nodes {
+                if MOST_WORK < work {
                     return (found, false);
                 }
-                match self.open(&set).into_iter().min_by_key(Vec::len) {
+                let mut first = None;
+                self.visit_open(&set, &mut work, &mut |choices| {
+                    first = choices.into_iter().min_by_key(Vec::len);
+                    false
+                });
+                match first {
                     None => found.push(set),
                     Some(choices) => next.extend(choices.into_iter().map(|x| with(&set, x))),
                 }
@@ -219,6 +223,21 @@ impl Search<'_> {
 
     /// For each requirement that is not met with these sensors, the candidates one of which has to be added.
     fn open(&self, set: &[usize]) -> Vec<Vec<usize>> {
+        let mut open = Vec::new();
+        self.visit_open(set, &mut 0, &mut |choices| {
+            open.extend(choices);
+            true
+        });
+        open
+    }
+
+    /// As [`Search::open`], in groups, until `goes_on` has seen enough. Isolation is looked at when everything is detected.
+    fn visit_open(
+        &self,
+        set: &[usize],
+        work: &mut usize,
+        goes_on: &mut dyn FnMut(Vec<Vec<usize>>) -> bool,
+    ) {
         let model = self.model.with_sensors(set, self.sensors.may_fail);
         let (old, all) = (self.model.faults.len(), model.faults.len());
         let new =
@@ -226,37 +245,28 @@ impl Search<'_> {
                 Requirement::Detect(i) => old <= i,
                 Requirement::Isolate(i, j) => old <= i.max(j),
             });
-        let requirements: Vec<Requirement> = self.requirements.iter().copied().chain(new).collect();
         let equation = |fault: usize| model.faults[fault].equation;
-
-        let mut open = Vec::new();
-        let healthy = self.situation(&model, None);
-        let mut wanted: Vec<usize> = requirements
-            .iter()
-            .map(|requirement| match *requirement {
-                Requirement::Detect(i) | Requirement::Isolate(i, _) => i,
-            })
-            .collect();
+        // What is left out, and what has to have redundancy then; first nothing is.
+        let mut wanted: Vec<(Option<usize>, usize)> = Vec::new();
+        for requirement in self.requirements.iter().copied().chain(new) {
+            match requirement {
+                Requirement::Detect(i) => wanted.push((None, equation(i))),
+                Requirement::Isolate(i, j) => {
+                    wanted.extend([(None, equation(i)), (Some(equation(j)), equation(i))]);
+                }
+            }
+        }
         wanted.sort_unstable();
         wanted.dedup();
-        open.extend(wanted.iter().filter_map(|&i| healthy.helpful(equation(i))));
-        if !open.is_empty() {
-            return open; // Isolation is looked at when everything is detected.
+        for group in wanted.chunk_by(|a, b| a.0 == b.0) {
+            let left_out = group.first().and_then(|(left_out, _)| *left_out);
+            *work += model.equations.len();
+            let choices = self.situation(&model, left_out).helpful(group.iter().map(|pair| pair.1));
+            let is_detection = left_out.is_none();
+            if !choices.is_empty() && (!goes_on(choices) || is_detection) {
+                return;
+            }
         }
-        let mut pairs: Vec<(usize, usize)> = requirements
-            .into_iter()
-            .filter_map(|requirement| match requirement {
-                Requirement::Isolate(i, j) => Some((equation(j), equation(i))),
-                Requirement::Detect(_) => None,
-            })
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        for group in pairs.chunk_by(|a, b| a.0 == b.0) {
-            let without = self.situation(&model, group.first().map(|pair| pair.0));
-            open.extend(group.iter().filter_map(|pair| without.helpful(pair.1)));
-        }
-        open
     }
 
     fn situation(&self, model: &StructuralModel, left_out: Option<usize>) -> Situation<'_> {
@@ -282,17 +292,24 @@ struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// The unknowns whose measurement would give an equation redundancy; `None` if it has some.
-    fn helpful(&self, equation: usize) -> Option<Vec<usize>> {
-        if self.is_over[equation] {
-            return None;
+    /// For each of these equations without redundancy, the unknowns whose measurement would give it some.
+    fn helpful(&self, equations: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
+        let open: Vec<usize> = equations.filter(|&equation| !self.is_over[equation]).collect();
+        if open.is_empty() {
+            return Vec::new();
         }
-        let row = self.equations.binary_search(&equation).ok();
-        let helps = |x: &usize| {
-            let (Some(row), Some(from)) = (row, self.matching.row_of()[*x]) else { return false };
-            self.matching.reach(&self.graph, [from])[row]
+        let reached = |x: &usize| {
+            let from = self.matching.row_of().get(*x).copied().flatten();
+            self.matching.reach(&self.graph, from)
         };
-        Some(self.candidates.iter().copied().filter(helps).collect())
+        let reached: Vec<Vec<bool>> = self.candidates.iter().map(reached).collect();
+        let of = |equation: usize| {
+            let row = self.equations.binary_search(&equation);
+            let helps = |place: &usize| row.is_ok_and(|row| reached[*place][row]);
+            let places = (0..self.candidates.len()).filter(helps);
+            places.map(|place| self.candidates[place]).collect()
+        };
+        open.into_iter().map(of).collect()
     }
 }
 

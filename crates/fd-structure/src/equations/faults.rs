@@ -14,6 +14,7 @@ use super::EquationsError;
 /// The default is what is usually asked for: every sensor, every input from outside or from a controller, and every law of
 /// motion that is more than the name of another quantity (`theta' = omega` cannot break).
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct FaultPlaces {
     /// Outputs.
     pub sensors: bool,

@@ -18,6 +18,9 @@ import faultdiagnosistoolbox as fdt
 import numpy as np
 from faultdiagnosistoolbox import models
 
+# For so many minimal overdetermined sets of each structure the causality of residuals is compared.
+SWEPT = 6
+
 
 def random_structure(seed):
     """A structure with states, redundancy 1 to 4, and no unknown that nothing determines for want of equations."""
@@ -57,6 +60,10 @@ def judged(name, rows, faults):
         "mso": sets(model.MSO()),
         "mtes": sets(model.MTES()),
     }
+    # The causality of each residual of the first sets.
+    result["sweep"] = [
+        " ".join(model.MSOCausalitySweep(np.array(mso), diffres="int")) for mso in result["mso"][:SWEPT]
+    ]
     for causality in ["mixed", "int", "der"]:
         isolability = model.IsolabilityAnalysis(causality=causality)
         detected, _ = model.DetectabilityAnalysis(causality=causality)
