@@ -70,10 +70,11 @@ fn json_is_printed_when_asked_for() {
 }
 
 #[test]
-fn every_example_is_read() {
+fn every_example_and_a_linear_model_are_read() {
     let directory = tempfile::tempdir().unwrap();
     let models = std::fs::read_dir(example("models")).unwrap();
-    let models: Vec<PathBuf> = models.map(|entry| entry.unwrap().path()).collect();
+    let mut models: Vec<PathBuf> = models.map(|entry| entry.unwrap().path()).collect();
+    models.push(example("turbine.toml").into());
     for model in models.iter().filter(|model| model.extension().is_some_and(|e| e == "toml")) {
         let output = structure(directory.path(), &["--model", &model.display().to_string()]);
         let (out, err) = said(&output);

@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// How many equations are decomposed, each time anew, before the search for all sets is given up: seconds at most.
-const MOST_WORK: usize = 500_000;
+const MOST_WORK: usize = 100_000;
 /// So many sensors of the same unknown do all that sensors of it can do: one may have failed, and the
 /// other two test each other.
 const COPIES: usize = 3;

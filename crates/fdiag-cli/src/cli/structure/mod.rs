@@ -5,13 +5,17 @@ mod pictures;
 mod study;
 mod tables;
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use fd_report::Page;
 use fd_structure::equations::EquationModel;
 use fdiag::{
     gap_study::{Request, Subject},
-    sim::model::Model,
+    model::{SampleTime, file::LinearModel},
+    sim::model::{LinearOptions, Model},
 };
 
 pub(crate) use self::args::{STRUCTURE_HELP, StructureArgs};
@@ -52,15 +56,29 @@ fn model(args: &StructureArgs) -> Result<Model, Failure> {
         Ok(about) if about.len() <= request.limits.bytes => std::fs::read_to_string(file).ok(),
         _ => None,
     };
-    let kind = text.and_then(|text| text.parse::<toml::Table>().ok());
+    let kind = text.as_ref().and_then(|text| text.parse::<toml::Table>().ok());
     let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
-    if let Some(kind) = kind.filter(|kind| !["equations", "state-space"].contains(kind)) {
-        let reason = format!(
-            "a model of kind `{kind}` has no equations to look into: expected `equations` or \
-             `state-space`"
-        );
-        return Err(Failure::input(file, reason));
+    match (kind, &text) {
+        (Some("state-space"), Some(text)) => return linear(file, text),
+        (Some("equations") | None, _) | (_, None) => {}
+        (Some(kind), _) => {
+            let reason = format!(
+                "a model of kind `{kind}` has no equations to look into: expected `equations` or \
+                 `state-space`"
+            );
+            return Err(Failure::input(file, reason));
+        }
     }
     let subject = Subject::of(&request).map_err(Failure::of_input)?;
     Ok(subject.model().clone())
+}
+
+/// A linear model as equations. One without a sample time gets that of a second, on which its structure does not depend.
+fn linear(file: &Path, text: &str) -> Result<Model, Failure> {
+    let linear =
+        LinearModel::parse(&file.display().to_string(), text).map_err(Failure::of_input)?;
+    let second = SampleTime::new(1.0).map_err(Failure::of_input)?;
+    let ts = linear.system.sample_time().unwrap_or(second);
+    Model::from_linear(&linear, ts, &LinearOptions::default())
+        .map_err(|error| Failure::input(file, error))
 }
