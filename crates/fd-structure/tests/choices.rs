@@ -1,4 +1,5 @@
 //! Sensors and tests that are chosen, compared with all choices there are.
+#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 mod structures;
 

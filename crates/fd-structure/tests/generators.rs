@@ -1,5 +1,6 @@
 //! Residual generators of equation models, run along simulations: zero while the plant is healthy, and moved by those
 //! faults that the structure says.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use fd_sim::{
     model::Model,

@@ -67,7 +67,7 @@ pub struct Residual {
     /// Whether each known signal is drawn as a straight line between samples, or held.
     pub(super) is_linear: Vec<bool>,
     pub(super) blocks: Vec<Block>,
-    pub(super) residual: Program,
+    pub(super) difference: Program,
     /// Values of the fast inputs near which iterations start.
     pub(super) guess: Program,
 }
@@ -224,7 +224,7 @@ impl EquationModel {
                 EquationSimulator::<f64>::at(&self.source, ts)?.substeps()
             },
             blocks: blocks?,
-            residual: Program::compile(&scope, &[left.clone() - right.clone()])?,
+            difference: Program::compile(&scope, &[left.clone() - right.clone()])?,
             guess: guesses(self, &knowns)?,
             knowns,
             solves,

@@ -61,7 +61,7 @@ impl<'a> RunningResidual<'a> {
         fast[1] = 1.0;
         Self {
             workspaces: design.blocks.iter().map(|block| prepared(&block.program)).collect(),
-            residual: prepared(&design.residual),
+            residual: prepared(&design.difference),
             fast,
             last: None,
             samples: 0,
@@ -130,7 +130,7 @@ impl<'a> RunningResidual<'a> {
         self.solve()?;
         let mut value = [f64::NAN];
         self.residual.fast_mut().copy_from_slice(&self.fast);
-        self.design.residual.run(&mut self.residual, &mut value);
+        self.design.difference.run(&mut self.residual, &mut value);
         if value[0].is_finite() { Ok(value[0]) } else { Err(StepError::NotFinite) }
     }
 

@@ -42,23 +42,21 @@ impl Decomposition {
     #[must_use]
     pub fn of(graph: &Graph) -> Self {
         let matching = Matching::maximum(graph);
-        let (rows, columns) = (graph.rows().len(), graph.columns());
-
         let is_over = matching.reach(graph, matching.free_rows());
         // The mirror image: from free columns along any row to the column that has it.
         let is_under = reach_from_free_columns(graph, &matching);
 
         let mut parts = Self::default();
-        for row in 0..rows {
+        for (row, &over) in is_over.iter().enumerate() {
             match matching.column_of()[row] {
-                _ if is_over[row] => parts.over.rows.push(row),
+                _ if over => parts.over.rows.push(row),
                 Some(column) if is_under[column] => parts.under.rows.push(row),
                 _ => {}
             }
         }
-        for column in 0..columns {
+        for (column, &under) in is_under.iter().enumerate() {
             match matching.row_of()[column] {
-                _ if is_under[column] => parts.under.columns.push(column),
+                _ if under => parts.under.columns.push(column),
                 Some(row) if is_over[row] => parts.over.columns.push(column),
                 _ => {}
             }

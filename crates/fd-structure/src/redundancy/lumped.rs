@@ -101,7 +101,9 @@ impl Lumped {
         let mut is_outside = vec![false; graph.columns()];
         for (index, columns) in graph.rows().iter().enumerate() {
             if class.binary_search(&index).is_err() {
-                columns.iter().for_each(|&column| is_outside[column] = true);
+                for &column in columns {
+                    is_outside[column] = true;
+                }
             }
         }
         let members = || class.iter().map(|&index| &self.rows[index]);
