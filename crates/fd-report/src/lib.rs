@@ -21,6 +21,7 @@
 mod bars;
 mod corner;
 mod decimate;
+mod matrix;
 mod page;
 mod picture;
 mod table;
@@ -28,6 +29,7 @@ mod table;
 pub use self::{
     bars::{Bar, Bars, Shares},
     decimate::decimate,
+    matrix::{Frame, Mark, Matrix},
     page::Page,
     picture::{Line, Picture, PictureError},
     table::{Table, markdown_text},

@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
     bars::{Bars, Shares},
+    matrix::Matrix,
     picture::{Picture, PictureError},
     table::Table,
 };
@@ -27,6 +28,7 @@ enum Block {
     Text(String),
     Picture { svg: String, caption: String },
     Gallery(Vec<Exhibit>),
+    Matrix { svg: String, caption: String },
     Bars(Bars),
     Shares(Shares),
     Warning(String),
@@ -77,6 +79,21 @@ impl Page {
     ) -> Result<(), PictureError> {
         let svg = picture.to_svg(PICTURE_SIZE.0, PICTURE_SIZE.1)?;
         self.blocks.push(Block::Picture { svg, caption: caption.into() });
+        Ok(())
+    }
+
+    /// Adds a matrix with a caption.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the matrix cannot be drawn.
+    pub fn matrix(
+        &mut self,
+        matrix: &Matrix,
+        caption: impl Into<String>,
+    ) -> Result<(), PictureError> {
+        let svg = matrix.to_svg()?;
+        self.blocks.push(Block::Matrix { svg, caption: caption.into() });
         Ok(())
     }
 
@@ -156,6 +173,9 @@ impl Block {
             Self::Picture { svg, caption } => html! {
                 figure { (PreEscaped(svg)) figcaption { (caption) } }
             },
+            Self::Matrix { svg, caption } => html! {
+                figure { div.matrix { (PreEscaped(svg)) } figcaption { (caption) } }
+            },
             Self::Gallery(pictures) => html! {
                 div.gallery {
                     @for Exhibit { svg, legend, caption } in pictures {
@@ -212,6 +232,8 @@ h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
 .headline { font-size: 1.15rem; padding: .8rem 1rem; background: #eaf3fb; border-left: 4px solid #0072b2; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; }
+figure .matrix { overflow-x: auto; }
+figure .matrix svg { width: auto; max-width: none; }
 figcaption { font-size: .9rem; color: #555; }
 .gallery { display: grid; gap: .5rem 1.5rem;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); }

@@ -19,7 +19,7 @@ const FINENESS: u32 = 4;
 const PIXEL: i32 = FINENESS.cast_signed();
 
 /// Line colours that stay apart for the colour-blind (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 6] = [
+pub(super) const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

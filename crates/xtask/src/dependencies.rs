@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 20] = [
+const ALLOWED: [(&str, &[&[&str]]); 21] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -16,6 +16,7 @@ const ALLOWED: [(&str, &[&[&str]]); 20] = [
     ("fd-ident", &[MODELS]),
     ("fd-compensate", &[MODELS]),
     ("fd-jetengine", &[MODELS]),
+    ("fd-structure", &[MODELS, &["fd-sim"]]),
     ("fd-effect", &[MODELS, &["fd-sim"]]),
     ("fd-gap", &[MODELS, &["fd-sim", "fd-effect", "fd-residual", "fd-ident", "fd-compensate"]]),
     ("fdiag", &[MODELS, METHODS]),
@@ -33,6 +34,7 @@ const MODELS: &[&str] = &["fd-core", "fd-numeric", "fd-model"];
 const METHODS: &[&str] = &[
     "fd-log",
     "fd-sim",
+    "fd-structure",
     "fd-residual",
     "fd-ident",
     "fd-compensate",

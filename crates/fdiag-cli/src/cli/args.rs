@@ -22,6 +22,7 @@ Which command:
   fdiag compensate  learns what the model does not know without a name, to see small faults
   fdiag watch       does that on line, next to the plant, for months
   fdiag log info    says what is in a log, and what is doubtful about it
+  fdiag structure   says which faults a model can show at all, and what more sensors would add
   fdiag simulator   says whether a simulator of your own is fit for fdiag gap
   fdiag engine      shows on a simulated jet engine what compensation gains
   fdiag compare     says which residual, compensation and detector find the smallest faults there
@@ -78,6 +79,15 @@ pub(crate) enum Command {
     /// simulator with the cause in it. How to read the answer: docs/gap.md.
     #[command(after_help = GAP_HELP)]
     Gap(Box<GapArgs>),
+    /// Say which faults a model can show at all, by which tests, and what more sensors would add
+    ///
+    /// Looks only at which quantity is in which equation of a model file (docs/model-equations.md, docs/formats.md),
+    /// before any number and any log: which faults can be detected and isolated, also by tests that only
+    /// integrate or only differentiate, which equations make the tests, which few residuals isolate as much as all
+    /// of them, and which sensors would have to be added to isolate everything. Writes report.html, report.json, structure.svg
+    /// and isolability.svg.
+    #[command(after_help = super::structure::STRUCTURE_HELP)]
+    Structure(Box<super::structure::StructureArgs>),
     /// Check a simulator of your own, or serve one of a model file
     ///
     /// `fdiag gap` takes any program that speaks a small protocol on its standard input and output

@@ -13,6 +13,7 @@ mod output;
 mod pool;
 mod progress;
 mod simulator;
+mod structure;
 mod toml_file;
 mod watch;
 
@@ -31,6 +32,7 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
         Some(Command::Log { command }) => log::run(&command),
+        Some(Command::Structure(args)) => structure::run(&args),
         Some(Command::Simulator { command }) => simulator::run(&command),
         Some(Command::Watch(args)) => watch::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),

@@ -1,0 +1,11 @@
+//! What to measure, and which tests to run.
+
+mod placement;
+mod requirement;
+mod selection;
+
+pub use self::{
+    placement::{PlacementError, Placements, Sensors},
+    requirement::Requirement,
+    selection::{Selection, select_tests},
+};
