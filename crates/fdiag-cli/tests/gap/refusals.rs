@@ -98,7 +98,7 @@ fn wrong_logs_are_refused() {
     spoiled(
         &|desk| desk.spoil("monday.csv", |k, row| row[0] = (10 * k).to_string()),
         3,
-        &["10 s apart", "0.01 s", "unit = \"ms\""],
+        &["10.0 s apart", "0.01 s", "unit = \"ms\""],
     );
     spoiled(
         &|desk| {
