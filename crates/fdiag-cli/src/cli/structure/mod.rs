@@ -42,7 +42,9 @@ pub(crate) fn run(args: &StructureArgs) -> Result<ExitCode, Failure> {
     page.heading("Equations");
     page.matrix(&structure, pictures::STRUCTURE).map_err(Failure::analysis)?;
     page.heading("Tables");
-    tables.iter().for_each(|table| page.table(table.clone()));
+    for table in &tables {
+        page.table(table.clone());
+    }
     output.finish(&headline, &tables, &page, &study)?;
     Ok(ExitCode::SUCCESS)
 }
