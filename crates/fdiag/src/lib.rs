@@ -68,6 +68,7 @@ pub use fd_log as log;
 pub use fd_model as model;
 pub use fd_residual as residual;
 pub use fd_sim as sim;
+pub use fd_structure as structure;
 
 /// The example of the README compiles.
 #[cfg(doctest)]
