@@ -10,11 +10,12 @@ use std::f64::consts::PI;
 use super::{
     gaussian::{count, gaussian},
     known::slopes,
-    stronger_noise::Known,
+    stronger_noise::{Known, WHITE},
 };
 use crate::{
     evidence::{DECADES, NoisePrior},
     fit::Problem,
+    quality::Autoregression,
 };
 
 /// Jitters that are tried, of the one that would explain all errors by itself.
@@ -91,10 +92,16 @@ impl Jitter {
         let calm = |(signal, slopes): (&Vec<f64>, &Vec<f64>)| {
             signal.iter().zip(slopes).map(calm).collect()
         };
+        let left: Vec<Vec<f64>> = signals.iter().zip(&slopes).map(calm).collect();
+        // A lag is wrong by the slope as well, but always the same way; a clock is late and early by chance.
+        let even: Vec<&[f64]> = left.iter().map(Vec::as_slice).collect();
+        if Autoregression::fit(&even, Autoregression::HIGHEST_ORDER).innovation() < WHITE {
+            return None;
+        }
         Some(Self {
             gain: best - gaussian(signals, prior).log + occam - RELUCTANT,
             time: Known { value: time, standard_error: time * relative },
-            left: signals.iter().zip(&slopes).map(calm).collect(),
+            left,
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Least innovation of an autoregression of what may be stronger noise with which it is white.
-const WHITE: f64 = 0.95;
+pub(super) const WHITE: f64 = 0.95;
 /// Degrees of freedom of heavy tails.
 const FREEDOMS: [f64; 4] = [3.0, 4.0, 6.0, 10.0];
 
