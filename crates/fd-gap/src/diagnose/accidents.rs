@@ -10,10 +10,7 @@
 use fd_model::Record;
 
 use super::{case::Case, judge::judged::Judged, result::Verdict};
-use crate::quality::{Defect, Finding, MOST_ACCIDENTS, neighbours};
-
-/// Neighbours on either side that are shown beside a wrong sample.
-const SHOWN: usize = 2;
+use crate::quality::{Finding, MOST_ACCIDENTS, wrong_sample};
 
 /// Samples of the fitted logs that are wrong by accident.
 #[derive(Debug)]
@@ -32,7 +29,7 @@ impl Accidents {
         }
         let (outputs, plan) =
             (judged.singles.base.simulator().outputs(), judged.singles.base.plan());
-        let mut all = Self { findings: Vec::new(), logs: case.logs.to_vec() };
+        let mut places = Vec::new();
         for (c, (channel, signals)) in outputs.iter().zip(&judged.best.errors).enumerate() {
             let mut counts = vec![0; case.logs.len()];
             for (errors, segment) in signals.iter().zip(plan.segments()) {
@@ -41,24 +38,28 @@ impl Accidents {
                 let left_out = (segment.from..).zip(errors).filter(|(_, error)| error.is_nan());
                 for (row, _) in left_out.filter(|(row, _)| is_measured(*row)) {
                     counts[segment.log] += 1;
-                    all.leave_out(segment.log, &channel.name, row)?;
+                    places.push((segment.log, channel.name.as_str(), row));
                 }
             }
             if counts.iter().any(|count| MOST_ACCIDENTS < *count) {
                 return None;
             }
         }
-        (!all.findings.is_empty()).then_some(all)
+        if places.is_empty() {
+            return None;
+        }
+        let mut all = Self { findings: Vec::new(), logs: case.logs.to_vec() };
+        for (log, channel, row) in places {
+            all.leave_out(log, channel, row)?;
+        }
+        Some(all)
     }
 
     /// Takes a sample out of a log.
     fn leave_out(&mut self, log: usize, channel: &str, row: usize) -> Option<()> {
         let record = self.logs.get_mut(log)?;
-        let c = record.outputs().iter().position(|known| known.name == channel)?;
-        let signal: Vec<f64> = record.output(c).collect();
-        let around = neighbours(&signal, row, SHOWN);
-        let around = [*around.first()?, *around.last()?];
-        let defect = Defect::WrongSample { row, found: signal[row], around };
+        let c = record.output_index(channel)?;
+        let defect = wrong_sample(&record.output(c).collect::<Vec<f64>>(), row)?;
         self.findings.push(Finding { log: log + 1, channel: channel.to_owned(), defect });
         record.y_mut(row)[c] = f64::NAN;
         Some(())

@@ -31,5 +31,5 @@ pub(crate) use self::{
     direct_path::passes_at_once,
     distribution::OUTLIER_WIDTHS,
     spectrum::transform,
-    wrong_sample::{MOST_ACCIDENTS, neighbours},
+    wrong_sample::{MOST_ACCIDENTS, neighbours, wrong_sample},
 };

@@ -54,14 +54,19 @@ pub fn leave_out_wrong_samples(record: &mut Record) -> Vec<(String, Defect)> {
     for c in 0..record.outputs().len() {
         let signal: Vec<f64> = record.output(c).collect();
         for row in wrong_samples(&signal) {
-            let around = neighbours(&signal, row, NEIGHBOURS);
-            let around = [around[0], around[around.len() - 1]];
-            let defect = Defect::WrongSample { row, found: signal[row], around };
+            let Some(defect) = wrong_sample(&signal, row) else { continue };
             found.push((record.outputs()[c].name.clone(), defect));
             record.y_mut(row)[c] = f64::NAN;
         }
     }
     found
+}
+
+/// A wrong sample beside its neighbours; `None` where it has none.
+pub(crate) fn wrong_sample(signal: &[f64], row: usize) -> Option<Defect> {
+    let around = neighbours(signal, row, NEIGHBOURS);
+    let around = [*around.first()?, *around.last()?];
+    Some(Defect::WrongSample { row, found: *signal.get(row)?, around })
 }
 
 /// How far a sample is from its neighbours.

@@ -56,10 +56,16 @@ enum Reading {
     #[cfg(feature = "packed")]
     Packed(fn(Box<dyn Read>) -> Box<dyn Read>),
     /// As a whole, column by column.
-    #[allow(dead_code)]
+    #[allow(
+        dead_code,
+        reason = "each format that is one, or is not built, is a matter of a feature"
+    )]
     Columns(fn(&str, File) -> Result<Recording, LogError>),
     /// Not in this program, for want of a feature.
-    #[allow(dead_code)]
+    #[allow(
+        dead_code,
+        reason = "each format that is one, or is not built, is a matter of a feature"
+    )]
     NotBuilt(&'static str),
 }
 

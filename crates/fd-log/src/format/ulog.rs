@@ -20,14 +20,7 @@ const MAGIC: &[u8] = b"ULog\x01\x12\x35";
 /// Reads all messages of data.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     let mut reader = Reader { left: Budget::new(file), ..Reader::default() };
-    match reader.file(file, &mut BufReader::new(from)) {
-        Ok(()) => {}
-        Err(NoMessage::Large(error)) => return Err(error),
-        Err(NoMessage::Unsound(found)) => {
-            let file = file.to_owned();
-            return Err(LogError::Damaged { file, format: "ULog", found });
-        }
-    }
+    reader.file(file, &mut BufReader::new(from)).map_err(|error| error.of(file, "ULog"))?;
     let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
     for (_, topic) in reader.topics.into_values() {
         let (topic, unfit) = topic.finish();
@@ -139,12 +132,8 @@ impl Reader {
             .ok_or_else(|| unsound(format!("found a message of `{topic}` without a time stamp")))?;
         let seconds = (i128::from(stamp) - i128::from(self.start)) as f64 * 1e-6;
         into.begin(seconds, &mut self.left)?;
-        decode(kind, &self.definitions, Bytes::dense(data), 0, into, &mut self.left).map_err(
-            |error| match error {
-                NoMessage::Unsound(found) => unsound(format!("{found}, in topic `{topic}`")),
-                large @ NoMessage::Large(_) => large,
-            },
-        )
+        decode(kind, &self.definitions, Bytes::dense(data), 0, into, &mut self.left)
+            .map_err(|error| error.in_topic(&topic))
     }
 }
 

@@ -29,9 +29,11 @@ pub(super) fn by_evidence<'a>(
     let settings = context.settings;
     let Weighed { singles, pairs: fitted, best: simulated, lack_of_fit } = weighed;
     let seen = ties(&singles.causes, &singles.searched, settings);
-    let is_single = simulated.effects == 1;
-    let held = if is_single { held_out } else { &[] };
-    let (singles, law) = law_before_curves(singles, &seen, &lack_of_fit.floor, held, context)?;
+    let (singles, law) = if simulated.effects == 1 {
+        law_before_curves(singles, &seen, &lack_of_fit.floor, held_out, context)?
+    } else {
+        (singles, None)
+    };
     let (simulated, lack_of_fit, ties) = match law {
         Some(law) => {
             let lack_of_fit = singles.lack_of_fit(&law);

@@ -27,11 +27,8 @@ pub(super) fn law_before_curves<'a>(
     held_out: &[Log],
     context: &Context<'a>,
 ) -> Result<(Singles<'a>, Option<Answer>), FitError> {
-    let is_curve = |singles: &Singles<'_>, place: usize| match singles.causes[place].basis {
-        Basis::Simulation(id) => follows_anything(singles.searched.trial(id).candidate),
-        Basis::Measurement(_) => false,
-    };
-    if held_out.is_empty() || ties.tied.len() < 2 || !is_curve(&singles, 0) {
+    let is_curve = |place: usize| singles.simulated(place).is_some_and(follows_anything);
+    if held_out.is_empty() || ties.tied.len() < 2 || !is_curve(0) {
         return Ok((singles, None));
     }
     let mut losses = vec![0.0; singles.causes.len()];
@@ -41,7 +38,7 @@ pub(super) fn law_before_curves<'a>(
         let Basis::Simulation(id) = ranked.basis else { continue };
         let Some(answer) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
         let loss = validate(&answer, floor, &singles, held_out, context.settings)?.loss;
-        if is_curve(&singles, *place) {
+        if is_curve(*place) {
             losses[*place] = loss;
         } else {
             does_a_law_forecast |= loss <= 0.0;

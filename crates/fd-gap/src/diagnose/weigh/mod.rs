@@ -72,8 +72,7 @@ pub(super) fn weigh<'a>(
     searched: Searched<'a>,
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
-    let searched = with_slow_noise(searched, context.settings.finalists)?;
-    let left = searched.best_errors()?;
+    let (searched, left) = with_slow_noise(searched, context.settings.finalists)?;
     if searched.noise.reach(&left) <= NEAR {
         colour_then_pairs(searched, &left, context)
     } else {
@@ -81,18 +80,26 @@ pub(super) fn weigh<'a>(
     }
 }
 
-/// The search, once outputs with slow noise of unknown size have that noise: as long as it counts as a gap, it leads
+/// Errors in sigma: outputs, segments, samples.
+type Errors = Vec<Vec<Vec<f64>>>;
+
+/// The search and what its best single fit leaves, once outputs with slow noise of unknown size have that noise: as long as it counts as a gap, it leads
 /// the fits of all other outputs astray.
-fn with_slow_noise(searched: Searched<'_>, finalists: usize) -> Result<Searched<'_>, FitError> {
+fn with_slow_noise(
+    searched: Searched<'_>,
+    finalists: usize,
+) -> Result<(Searched<'_>, Errors), FitError> {
     let left = searched.best_errors()?;
     let searched = Searched { noise: with_slow(&searched, &left)?, ..searched };
     if !searched.noise.slow.contains(&true) || searched.noise.reach(&left) <= NEAR {
-        return Ok(searched);
+        return Ok((searched, left));
     }
-    let Some(weights) = colour_of(&searched, &searched.noise, &left) else { return Ok(searched) };
+    let Some(weights) = colour_of(&searched, &searched.noise, &left) else {
+        return Ok((searched, left));
+    };
     let searched = with_colour(searched, &weights, finalists)?;
     let left = searched.best_errors()?;
-    Ok(Searched { noise: with_slow(&searched, &left)?, ..searched })
+    Ok((Searched { noise: with_slow(&searched, &left)?, ..searched }, left))
 }
 
 /// The noise takes the colour of what the best single fit leaves; pairs are tried if something is

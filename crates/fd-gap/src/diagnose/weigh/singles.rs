@@ -1,5 +1,7 @@
 //! Single causes, weighed with the noise as it is taken to be.
 
+use fd_effect::Candidate;
+
 use super::{
     answer::{Answer, Proposal},
     explain::explain,
@@ -66,9 +68,14 @@ impl<'a> Singles<'a> {
 
     /// Whether the first cause is a free curve, which is no law.
     pub(in crate::diagnose) fn is_first_a_curve(&self) -> bool {
-        match self.causes.first().map(|first| first.basis) {
-            Some(Basis::Simulation(id)) => is_free_curve(self.searched.trial(id).candidate),
-            Some(Basis::Measurement(_)) | None => false,
+        self.simulated(0).is_some_and(is_free_curve)
+    }
+
+    /// What is tried as the cause at a place of the ranking; `None` for one of the measurement, and beyond the last.
+    pub(in crate::diagnose) fn simulated(&self, place: usize) -> Option<&'a Candidate> {
+        match self.causes.get(place)?.basis {
+            Basis::Simulation(id) => Some(self.searched.trial(id).candidate),
+            Basis::Measurement(_) => None,
         }
     }
 

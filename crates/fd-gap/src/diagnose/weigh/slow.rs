@@ -25,13 +25,17 @@ pub(super) fn with_slow(
     left: &[Vec<Vec<f64>>],
 ) -> Result<KnownNoise, FitError> {
     let mut noise = searched.noise.clone();
+    let may_be: Vec<bool> =
+        (0..left.len()).map(|c| noise.stated[c].is_none() && !noise.is_coarse(c)).collect();
+    if !may_be.contains(&true) {
+        return Ok(noise);
+    }
     let mut problem = searched.null.problem.clone();
     let outputs = problem.outputs(&searched.null.minimum.z).ok_or(FitError::Diverged)?;
     let inputs = searched.model.external_inputs().len();
     let signals = signals(Known { problem: &problem, inputs, outputs: &outputs });
-    for (c, errors) in left.iter().enumerate() {
-        let may_be = noise.stated[c].is_none() && !noise.is_coarse(c);
-        noise.slow[c] |= may_be && pattern(errors, &signals) < SOMETHING;
+    for ((is_slow, errors), may_be) in noise.slow.iter_mut().zip(left).zip(may_be) {
+        *is_slow |= may_be && pattern(errors, &signals) < SOMETHING;
     }
     Ok(noise)
 }

@@ -37,14 +37,7 @@ const DATA_END: u8 = 15;
 /// Reads all messages that are columns.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     let mut reader = Reader { left: Budget::new(file), ..Reader::default() };
-    match reader.file(file, &mut BufReader::new(from)) {
-        Ok(()) => {}
-        Err(NoMessage::Large(error)) => return Err(error),
-        Err(NoMessage::Unsound(found)) => {
-            let file = file.to_owned();
-            return Err(LogError::Damaged { file, format: "MCAP", found });
-        }
-    }
+    reader.file(file, &mut BufReader::new(from)).map_err(|error| error.of(file, "MCAP"))?;
     let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
     for topic in reader.topics.into_values() {
         let (topic, unfit) = topic.finish();
@@ -219,14 +212,6 @@ impl Reader {
         let seconds = (i128::from(time) - i128::from(start)) as f64 * 1e-9;
         into.begin(seconds, &mut self.left)?;
         decode(kind, definitions, bytes, start, into, &mut self.left)
-            .map_err(|error| in_topic(error, topic))
-    }
-}
-
-/// Says of which topic a message is wrong.
-fn in_topic(error: NoMessage, topic: &str) -> NoMessage {
-    match error {
-        NoMessage::Unsound(found) => NoMessage::Unsound(format!("{found}, in topic `{topic}`")),
-        large @ NoMessage::Large(_) => large,
+            .map_err(|error| error.in_topic(topic))
     }
 }

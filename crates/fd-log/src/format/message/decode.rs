@@ -15,6 +15,24 @@ pub(in crate::format) enum NoMessage {
     Large(LogError),
 }
 
+impl NoMessage {
+    /// The error of a file of a format.
+    pub(in crate::format) fn of(self, file: &str, format: &'static str) -> LogError {
+        match self {
+            Self::Large(error) => error,
+            Self::Unsound(found) => LogError::Damaged { file: file.to_owned(), format, found },
+        }
+    }
+
+    /// The same, with the topic that the message belongs to.
+    pub(in crate::format) fn in_topic(self, topic: &str) -> Self {
+        match self {
+            Self::Unsound(found) => Self::Unsound(format!("{found}, in topic `{topic}`")),
+            large @ Self::Large(_) => large,
+        }
+    }
+}
+
 impl From<LogError> for NoMessage {
     fn from(error: LogError) -> Self {
         Self::Large(error)
