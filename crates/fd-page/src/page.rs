@@ -41,6 +41,12 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
     for objection in &report.diagnosis.objections {
         page.text(format!("{}.", capital(&words::objection(objection))));
     }
+    if !report.stopped.is_empty() {
+        page.warning(format!(
+            "It was stopped, and has not come to: {}.",
+            report.stopped.join(", ")
+        ));
+    }
     if let Some(trace) = &study.trace {
         page.gallery(&pictures::runs(trace))?;
     }

@@ -90,7 +90,11 @@ pub(crate) fn law(law: &Law, cause: &Cause) -> Captioned {
     let picture = Picture {
         title: words::effect(cause),
         x_label: format!("{} [{}]", law.over, law.over_unit),
-        y_label: format!("[{}]", law.unit),
+        y_label: format!(
+            "{} [{}]",
+            law.expression.split_once(" = ").map_or("", |(name, _)| name),
+            law.unit
+        ),
         lines,
         ..Picture::default()
     };
@@ -100,7 +104,7 @@ pub(crate) fn law(law: &Law, cause: &Cause) -> Captioned {
         ". The points are what the model with its own parameters refitted lacks here; with the law \
          in it, these parameters are others"
     };
-    (picture, format!("{}{data}.", law.expression))
+    (picture, format!("`{}`{data}.", words::formula(&law.expression)))
 }
 
 /// Where the gap lies: frequency, region, time.

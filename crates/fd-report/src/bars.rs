@@ -2,6 +2,8 @@
 
 use maud::{Markup, html};
 
+use super::inline::inline;
+
 /// Horizontal bars.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bars {
@@ -62,8 +64,8 @@ impl Bars {
             @if !self.title.is_empty() { h3 { (self.title) } }
             div.bars {
                 @for bar in &self.bars {
-                    div.label { (bar.label) }
-                    div.track {
+                    div.label { (inline(&bar.label)) }
+                    div.track role="img" aria-label=(format!("{}: {}", bar.label, bar.text)) {
                         div class=(if bar.is_strong { "bar strong" } else { "bar" })
                             style=(format!("width:{:.1}%", percent(bar.value))) {}
                         @if let Some([low, high]) = bar.interval {
@@ -85,7 +87,7 @@ impl Shares {
     pub(super) fn markup(&self) -> Markup {
         html! {
             @if !self.title.is_empty() { h3 { (self.title) } }
-            div.wide {
+            div.wide tabindex="0" {
                 table.shares {
                     thead { tr {
                         th { (self.corner) }

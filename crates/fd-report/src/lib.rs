@@ -21,6 +21,8 @@
 mod bars;
 mod corner;
 mod decimate;
+mod inline;
+mod lively;
 mod matrix;
 mod page;
 mod picture;

@@ -1,13 +1,19 @@
-//! A report as one self-contained HTML page: no script, no font, no picture from elsewhere.
+//! A report as one self-contained HTML page: nothing in it is from elsewhere.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
     bars::{Bars, Shares},
+    inline::inline,
     matrix::Matrix,
     picture::{Picture, PictureError},
     table::Table,
 };
+
+/// How it looks, light and dark.
+const STYLE: &str = include_str!("page.css");
+/// Values under the pointer, and zoom.
+const SCRIPT: &str = include_str!("plot.js");
 
 /// Size of the pictures in the page, in pixels before scaling to the page.
 const PICTURE_SIZE: (u32, u32) = (720, 400);
@@ -20,13 +26,15 @@ pub struct Page {
     title: String,
     headline: String,
     blocks: Vec<Block>,
+    files: Vec<String>,
+    provenance: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
 enum Block {
     Heading(String),
     Text(String),
-    Picture { svg: String, caption: String },
+    Picture { plot: Plot, caption: String },
     Gallery(Vec<Exhibit>),
     Matrix { svg: String, caption: String },
     Bars(Bars),
@@ -36,11 +44,18 @@ enum Block {
     Details { summary: String, text: String },
 }
 
+/// A drawing, and what the script knows of it.
+#[derive(Clone, Debug)]
+struct Plot {
+    svg: String,
+    data: String,
+}
+
 /// A picture of a gallery, with its legend and caption beside it, where a phone shows them large
 /// enough.
 #[derive(Clone, Debug)]
 struct Exhibit {
-    svg: String,
+    plot: Plot,
     legend: Vec<(String, String)>,
     caption: String,
 }
@@ -54,7 +69,7 @@ impl Page {
     /// ```
     #[must_use]
     pub fn new(title: impl Into<String>, headline: impl Into<String>) -> Self {
-        Self { title: title.into(), headline: headline.into(), blocks: Vec::new() }
+        Self { title: title.into(), headline: headline.into(), ..Self::default() }
     }
 
     /// Begins a section.
@@ -77,8 +92,8 @@ impl Page {
         picture: &Picture,
         caption: impl Into<String>,
     ) -> Result<(), PictureError> {
-        let svg = picture.to_svg(PICTURE_SIZE.0, PICTURE_SIZE.1)?;
-        self.blocks.push(Block::Picture { svg, caption: caption.into() });
+        let plot = Plot::of(picture, picture, PICTURE_SIZE)?;
+        self.blocks.push(Block::Picture { plot, caption: caption.into() });
         Ok(())
     }
 
@@ -105,7 +120,7 @@ impl Page {
     pub fn gallery(&mut self, pictures: &[(Picture, String)]) -> Result<(), PictureError> {
         let draw = |(picture, caption): &(Picture, String)| {
             Ok(Exhibit {
-                svg: picture.without_legend().to_svg(SMALL_SIZE.0, SMALL_SIZE.1)?,
+                plot: Plot::of(&picture.without_legend(), picture, SMALL_SIZE)?,
                 legend: picture.legend(),
                 caption: caption.clone(),
             })
@@ -140,6 +155,16 @@ impl Page {
         self.blocks.push(Block::Details { summary: summary.into(), text: text.into() });
     }
 
+    /// Names a file beside the page, which is linked at its end.
+    pub fn file(&mut self, name: impl Into<String>) {
+        self.files.push(name.into());
+    }
+
+    /// Says at the end where the page is from: a version, a command, an input with its hash.
+    pub fn provenance(&mut self, line: impl Into<String>) {
+        self.provenance.push(line.into());
+    }
+
     /// The page as an HTML document.
     #[must_use]
     pub fn to_html(&self) -> String {
@@ -155,13 +180,50 @@ impl Page {
                 body {
                     main {
                         h1 { (self.title) }
-                        p.headline { (self.headline) }
+                        p.headline { (inline(&self.headline)) }
                         @for block in &self.blocks { (block.markup()) }
+                        (self.footer())
                     }
+                    script { (PreEscaped(SCRIPT)) }
                 }
             }
         }
         .into_string()
+    }
+
+    fn footer(&self) -> Markup {
+        html! {
+            @if !self.files.is_empty() || !self.provenance.is_empty() {
+                footer {
+                    @if !self.files.is_empty() {
+                        p {
+                            "Beside this page: "
+                            @for (i, name) in self.files.iter().enumerate() {
+                                @if 0 < i { ", " }
+                                a href=(name) { (name) }
+                            }
+                        }
+                    }
+                    @for line in &self.provenance { div { (inline(line)) } }
+                }
+            }
+        }
+    }
+}
+
+impl Plot {
+    /// A picture as it is `drawn`, of which the script knows the names of the `whole` one.
+    fn of(
+        drawn: &Picture,
+        whole: &Picture,
+        (width, height): (u32, u32),
+    ) -> Result<Self, PictureError> {
+        let (svg, data) = drawn.to_lively_svg(whole, width, height)?;
+        Ok(Self { svg, data })
+    }
+
+    fn markup(&self) -> Markup {
+        html! { div.plot data-plot=(self.data) { (PreEscaped(&self.svg)) } }
     }
 }
 
@@ -169,44 +231,44 @@ impl Block {
     fn markup(&self) -> Markup {
         match self {
             Self::Heading(text) => html! { h2 { (text) } },
-            Self::Text(text) => html! { p { (text) } },
-            Self::Picture { svg, caption } => html! {
-                figure { (PreEscaped(svg)) figcaption { (caption) } }
+            Self::Text(text) => html! { p { (inline(text)) } },
+            Self::Picture { plot, caption } => html! {
+                figure { (plot.markup()) figcaption { (inline(caption)) } }
             },
             Self::Matrix { svg, caption } => html! {
-                figure { div.matrix { (PreEscaped(svg)) } figcaption { (caption) } }
+                figure { div.matrix { (PreEscaped(svg)) } figcaption { (inline(caption)) } }
             },
             Self::Gallery(pictures) => html! {
                 div.gallery {
-                    @for Exhibit { svg, legend, caption } in pictures {
+                    @for Exhibit { plot, legend, caption } in pictures {
                         figure {
-                            (PreEscaped(svg))
+                            (plot.markup())
                             div.legend {
                                 @for (name, colour) in legend {
                                     span { i style=(format!("background:{colour}")) {} (name) }
                                 }
                             }
-                            figcaption { (caption) }
+                            figcaption { (inline(caption)) }
                         }
                     }
                 }
             },
             Self::Bars(bars) => bars.markup(),
             Self::Shares(shares) => shares.markup(),
-            Self::Warning(text) => html! { p.warning { (text) } },
+            Self::Warning(text) => html! { p.warning role="note" { (inline(text)) } },
             Self::Table(table) => html! {
                 @if !table.title.is_empty() { h3 { (table.title) } }
-                div.wide {
+                div.wide tabindex="0" {
                     table {
                         thead { tr {
                             @for (i, cell) in table.header.iter().enumerate() {
-                                th.text[table.is_text(i)] { (cell) }
+                                th.text[table.is_text(i)] scope="col" { (cell) }
                             }
                         } }
                         tbody {
                             @for row in &table.rows { tr {
                                 @for (i, cell) in row.iter().enumerate() {
-                                    td.text[table.is_text(i)] { (cell) }
+                                    td.text[table.is_text(i)] { (inline(cell)) }
                                 }
                             } }
                         }
@@ -219,49 +281,3 @@ impl Block {
         }
     }
 }
-
-const STYLE: &str = "
-:root { color-scheme: light; }
-body { margin: 0; background: #f4f5f7; color: #1c1e21;
-  font: 16px/1.5 system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif; }
-main { max-width: 60rem; margin: 0 auto; padding: 1rem; background: #fff; }
-h1, h2, h3, .headline { overflow-wrap: anywhere; }
-h1 { font-size: 1.5rem; margin: .5rem 0; }
-h2 { font-size: 1.2rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ddd; }
-h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
-.headline { font-size: 1.15rem; padding: .8rem 1rem; background: #eaf3fb; border-left: 4px solid #0072b2; }
-figure { margin: 1rem 0; }
-figure svg { display: block; width: 100%; height: auto; }
-figure .matrix { overflow-x: auto; }
-figure .matrix svg { width: auto; max-width: none; }
-figcaption { font-size: .9rem; color: #555; }
-.gallery { display: grid; gap: .5rem 1.5rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); }
-.gallery figure { margin: .5rem 0; min-width: 0; max-width: 36rem; }
-.legend { display: flex; flex-wrap: wrap; gap: .1rem 1rem; font-size: .85rem; }
-.legend i { display: inline-block; width: 1.1rem; height: .3rem; margin-right: .4rem;
-  vertical-align: middle; border-radius: 2px; }
-.warning { padding: .6rem 1rem; background: #fdf1e3; border-left: 4px solid #d55e00; }
-.bars { display: grid; gap: .35rem .8rem; align-items: center; margin: .5rem 0;
-  grid-template-columns: minmax(8rem, 18rem) 1fr minmax(4rem, max-content); font-size: .95rem; }
-.bars .track { position: relative; height: 1.1rem; background: #eef0f3; border-radius: 3px; }
-.bars .bar { height: 100%; background: #9cc3dd; border-radius: 3px; }
-.bars .strong { background: #0072b2; }
-.bars .interval { position: absolute; top: 40%; height: 20%; background: #1c1e21; min-width: 2px; }
-.bars .value { font-variant-numeric: tabular-nums; white-space: nowrap; }
-.bars .label { overflow-wrap: anywhere; }
-@media (max-width: 36rem) {
-  .bars { grid-template-columns: 1fr max-content; }
-  .bars .label { grid-column: 1 / -1; margin-bottom: -.3rem; }
-}
-.shares td:not(:first-child), .shares th:not(:first-child) { text-align: center; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .6rem; border-bottom: 1px solid #e3e3e3; text-align: right; }
-th:first-child, td:first-child, .text { text-align: left; }
-th { background: #f7f7f8; }
-pre { overflow-x: auto; background: #f7f7f8; padding: .8rem; font-size: .8rem; }
-details { margin: 1rem 0; }
-summary { cursor: pointer; }
-@media print { body { background: #fff; } }
-";

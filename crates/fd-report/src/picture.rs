@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::{corner::emptiest, decimate::decimate};
 
 /// Most points drawn per line; more would only make the file large.
-const MAX_POINTS: usize = 2_000;
+pub(super) const MAX_POINTS: usize = 2_000;
 
 /// Pixels drawn per pixel asked for: the drawing library rounds to whole pixels, which shows as
 /// stairs on smooth lines otherwise.
@@ -72,6 +72,15 @@ impl Line {
     }
 }
 
+/// Where the axes of a drawing are, and what they show.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axes {
+    /// Left, top, right and bottom, in units of the drawing.
+    pub(super) frame: [i32; 4],
+    pub(super) x: (f64, f64),
+    pub(super) y: (f64, f64),
+}
+
 /// A picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("picture `{title}` cannot be drawn: {reason}")]
@@ -89,37 +98,38 @@ impl Picture {
     ///
     /// Returns an error when the drawing library fails.
     pub fn to_svg(&self, width: u32, height: u32) -> Result<String, PictureError> {
+        Ok(self.drawn(width, height)?.0)
+    }
+
+    /// The drawing, and where its axes are.
+    pub(super) fn drawn(&self, width: u32, height: u32) -> Result<(String, Axes), PictureError> {
         let mut svg = String::new();
-        {
+        let axes = {
             let size = (width * FINENESS, height * FINENESS);
             let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-            self.draw(&area)
-                .map_err(|reason| PictureError { title: self.title.clone(), reason })?;
-        }
+            self.draw(&area).map_err(|reason| PictureError { title: self.title.clone(), reason })?
+        };
         // A drawing scales with the page instead of having a size of its own.
         let size = format!("width=\"{}\" height=\"{}\" ", width * FINENESS, height * FINENESS);
-        Ok(svg.replacen(&size, "", 1))
+        Ok((svg.replacen(&size, "", 1), axes))
     }
 
     /// Names and CSS colours of the lines that have a name, in order.
     #[must_use]
-    pub fn legend(&self) -> Vec<(String, String)> {
-        let colours = COLOURS.iter().cycle();
-        let named = self.lines.iter().zip(colours).filter(|(line, _)| !line.name.is_empty());
-        named
-            .map(|(line, RGBColor(r, g, b))| (line.name.clone(), format!("rgb({r},{g},{b})")))
-            .collect()
+    pub(super) fn legend(&self) -> Vec<(String, String)> {
+        let named = self.lines.iter().enumerate().filter(|(_, line)| !line.name.is_empty());
+        named.map(|(i, line)| (line.name.clone(), css_colour(i))).collect()
     }
 
     /// The same picture, of which the legend stands elsewhere.
     #[must_use]
-    pub fn without_legend(&self) -> Self {
+    pub(super) fn without_legend(&self) -> Self {
         let mut picture = self.clone();
         picture.lines.iter_mut().for_each(|line| line.name.clear());
         picture
     }
 
-    fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), String> {
+    fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<Axes, String> {
         let (x, y) = (self.range(self.log_x, |p| p.0), self.range(self.log_y, |p| p.1));
         let (lx, ly) = ((x.0..x.1).log_scale(), (y.0..y.1).log_scale());
         match (self.log_x, self.log_y) {
@@ -137,7 +147,7 @@ impl Picture {
         y: Y,
         x_range: (f64, f64),
         y_range: (f64, f64),
-    ) -> Result<(), String>
+    ) -> Result<Axes, String>
     where
         X: AsRangedCoord<Value = f64>,
         Y: AsRangedCoord<Value = f64>,
@@ -194,7 +204,7 @@ impl Picture {
         }
         for (line, colour) in self.lines.iter().zip(COLOURS.iter().cycle()) {
             let mut label = line.name.as_str();
-            for run in runs(&line.points, self.log_x, self.log_y) {
+            for run in self.runs(&line.points) {
                 let points = decimate(run, MAX_POINTS);
                 let style = colour.stroke_width(2 * FINENESS);
                 let drawn = if line.dots {
@@ -235,7 +245,20 @@ impl Picture {
                 .draw()
                 .map_err(|e| e.to_string())?;
         }
-        Ok(())
+        let (across, down) = chart.plotting_area().get_pixel_range();
+        Ok(Axes { frame: [across.start, down.start, across.end, down.end], x: x_range, y: y_range })
+    }
+
+    /// Unbroken stretches of drawable points.
+    pub(super) fn runs<'a>(
+        &self,
+        points: &'a [(f64, f64)],
+    ) -> impl Iterator<Item = &'a [(f64, f64)]> + use<'a> {
+        let (log_x, log_y) = (self.log_x, self.log_y);
+        let drawable = |v: f64, log: bool| v.is_finite() && (!log || v > 0.0);
+        points
+            .split(move |p| !drawable(p.0, log_x) || !drawable(p.1, log_y))
+            .filter(|run| !run.is_empty())
     }
 
     /// Range of one axis over all lines and, vertically, levels; never empty.
@@ -267,6 +290,11 @@ impl Picture {
     }
 }
 
+/// The colour of a line by its number, in the style of a page.
+pub(super) fn css_colour(line: usize) -> String {
+    format!("var(--line-{})", line % COLOURS.len() + 1)
+}
+
 /// Where a value lies within a range, from 0 to 1.
 fn place(value: f64, (low, high): (f64, f64), log: bool) -> f64 {
     if log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
@@ -274,14 +302,6 @@ fn place(value: f64, (low, high): (f64, f64), log: bool) -> f64 {
 
 fn within(value: f64, range: (f64, f64)) -> bool {
     range.0 <= value && value <= range.1
-}
-
-/// Unbroken stretches of drawable points.
-fn runs(points: &[(f64, f64)], log_x: bool, log_y: bool) -> impl Iterator<Item = &[(f64, f64)]> {
-    let drawable = move |v: f64, log: bool| v.is_finite() && (!log || v > 0.0);
-    points
-        .split(move |p| !drawable(p.0, log_x) || !drawable(p.1, log_y))
-        .filter(|run| !run.is_empty())
 }
 
 /// A short label for a tick of an axis with this range.

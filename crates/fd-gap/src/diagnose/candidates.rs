@@ -48,6 +48,6 @@ pub(crate) fn is_free_curve(candidate: &Candidate) -> bool {
 }
 
 /// Whether it follows one log as it pleases: a free curve, or a parameter that wanders.
-pub(super) fn follows_anything(candidate: &Candidate) -> bool {
+pub(crate) fn follows_anything(candidate: &Candidate) -> bool {
     is_free_curve(candidate) || candidate.label == WANDERS
 }

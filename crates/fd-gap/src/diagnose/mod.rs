@@ -157,9 +157,9 @@ use self::{
     weigh::weigh,
 };
 pub(crate) use self::{
-    candidates::is_free_curve,
+    candidates::{follows_anything, is_free_curve},
     prepare::prepare,
-    weigh::{explain::settle, values::FittedValues},
+    weigh::{answer::is_a_pair, explain::settle, values::FittedValues},
 };
 pub use self::{
     case::Case,

@@ -14,6 +14,11 @@ pub trait Monitor: Sync {
         false
     }
 
+    /// Whether nobody wants to wait any longer: what has not been begun is left out, and the answer is the best so far.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
     /// What is going to be done, where that takes long, in a sentence.
     fn plan(&self, _text: &str) {}
 }

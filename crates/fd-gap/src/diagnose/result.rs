@@ -12,6 +12,7 @@ use crate::{fit::Horizon, quality::Finding, shrink::Closed};
 
 /// The answer to: which effect, how sure, how far does the gap shrink?
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[expect(clippy::struct_excessive_bools, reason = "facts that do not depend on each other")]
 pub struct Diagnosis {
     /// The answer in one word.
     pub verdict: Verdict,
@@ -72,6 +73,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// What could not be tried, and why.
     pub not_tested: Vec<NotTested>,
+    /// Whether it was stopped before its end: causes and pairs may be missing.
+    pub is_stopped: bool,
     /// Simulations of all logs that were made.
     pub simulations: usize,
 }

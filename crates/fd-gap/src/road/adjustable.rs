@@ -1,8 +1,9 @@
 //! Models with causes in them that can still be adjusted.
 
+use fd_effect::Candidate;
 use fd_model::SampleTime;
 use fd_sim::{
-    model::{Model, Parameter, State},
+    model::{Model, Parameter},
     simulate::{Nominal, SimulateError, Simulator},
 };
 
@@ -32,25 +33,22 @@ impl Nominal for With<'_> {
     }
 }
 
-/// The model of a cause, as a nominal model that knows its parameters only so well. What the `base` model
-/// knows of its own parameters and initial states stays as it is: a fit after a fit must not wander off.
-pub(super) fn adjustable(cause: &Cause, base: &Model) -> Model {
-    let mut draft = cause.model.clone().into_draft();
-    for parameter in &mut draft.parameters {
-        if let Some(known) = base.parameters.iter().find(|known| known.name == parameter.name) {
-            *parameter = known.clone();
-        } else if let Some(found) = cause.parameters.iter().find(|p| p.name == parameter.name) {
-            let relative = (ERRORS * found.standard_error / found.value).abs();
-            let tolerance = if relative.is_finite() { relative } else { MOST };
-            parameter.tolerance = tolerance.clamp(LEAST, MOST);
-        }
+/// The model of a candidate, as a nominal model that knows its parameters only so well as they were found for a `cause`.
+/// What is known of all other parameters and initial states stays as it is: a fit after a fit must not wander off.
+pub(super) fn adjustable(candidate: &Candidate, cause: &Cause) -> Model {
+    let mut draft = candidate.model.clone().into_draft();
+    // Steps only become shorter.
+    draft.step = cause.model.step.or(draft.step);
+    for (own, found) in candidate.parameters.iter().zip(&cause.parameters) {
+        let Some(parameter) = draft.parameters.iter_mut().find(|p| p.name == own.name) else {
+            continue;
+        };
+        let relative = (ERRORS * found.standard_error / found.value).abs();
+        let tolerance = if relative.is_finite() { relative } else { MOST };
+        parameter.value = found.value;
+        parameter.tolerance = tolerance.clamp(LEAST, MOST);
     }
-    for state in &mut draft.states {
-        if let Some(known) = base.states.iter().find(|known| known.name == state.name) {
-            *state = State { initial: known.initial, ..state.clone() };
-        }
-    }
-    Model::try_from(draft).unwrap_or_else(|_| cause.model.clone())
+    Model::try_from(draft).unwrap_or_else(|_| candidate.model.clone())
 }
 
 /// The model without one of the causes in it: its strengths are zero, and nothing of it is adjustable.

@@ -2,13 +2,15 @@
 
 use fd_effect::{Candidate, Offers, SiteRef, Suspects};
 
+use super::list::Listed;
+
 /// Suspects beside a cause.
 #[derive(Debug)]
 pub(super) struct Beside<'a> {
     /// All suspects of the study.
     pub(super) suspects: &'a dyn Suspects,
-    /// All causes so far, one at least; the model of the last one has all of them.
-    pub(super) known: &'a [Candidate],
+    /// All causes so far; the model of the last one has all of them.
+    pub(super) known: &'a [Listed],
     /// Parameters of the model as it came: an error of a parameter of a cause is no cause.
     pub(super) parameters: &'a [String],
 }
@@ -17,7 +19,8 @@ impl Beside<'_> {
     fn filter(&self, mut offers: Offers) -> Offers {
         offers.retain(|offer| match offer {
             Ok(candidate) => {
-                let is_known = self.known.iter().any(|k| k.identity() == candidate.identity());
+                let is_known =
+                    self.known.iter().any(|k| k.candidate.identity() == candidate.identity());
                 !is_known && self.is_of_the_plant(&candidate.site)
             }
             Err(refusal) => self.is_of_the_plant(&refusal.site),
@@ -35,8 +38,10 @@ impl Beside<'_> {
 
 impl Suspects for Beside<'_> {
     fn alone(&self) -> Offers {
-        let last = self.known.last();
-        self.filter(last.map_or_else(Vec::new, |last| self.suspects.beside(last)))
+        self.filter(match self.known.last() {
+            None => self.suspects.alone(),
+            Some(last) => self.suspects.beside(&last.candidate),
+        })
     }
 
     fn beside(&self, first: &Candidate) -> Offers {

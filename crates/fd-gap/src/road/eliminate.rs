@@ -7,7 +7,7 @@ use super::{
     result::Milestone,
 };
 use crate::{
-    diagnose::{Case, FittedValues, Settings, prepare, settle},
+    diagnose::{Case, FittedValues, Regime, Settings, prepare, settle},
     fit::{FitError, Horizon, Log},
     shrink::{closed, forecast_errors, with_free_starts},
 };
@@ -23,6 +23,8 @@ pub(super) struct Judge<'a> {
     pub(super) sigma: &'a [f64],
     /// Noise floor, in sigma.
     pub(super) floor: f64,
+    /// What the causes were found by: what evidence has found beside all others only loses by forecasts that contradict it.
+    pub(super) regime: Regime,
 }
 
 impl Judge<'_> {
@@ -49,12 +51,21 @@ impl Judge<'_> {
         Ok(Eliminated { model, refitted, dropped })
     }
 
-    /// Whether held-out forecasts of the fuller model are clearly better; where one of the two diverges, nobody knows.
+    /// Whether held-out forecasts of the fuller model are clearly better, or, where evidence has spoken, not clearly
+    /// worse; where one of the two diverges, nobody knows.
     fn is_missed(&self, plainer: Option<&Refitted>, fuller: Option<&Refitted>) -> bool {
         let (Some(before), Some(after)) = (plainer, fuller) else { return true };
         let Settings { replicas, seed, .. } = *self.settings;
         let share = closed(&before.errors, &after.errors, self.floor, replicas, seed);
-        share.is_some_and(|share| 0.0 < share.between_runs().interval[0])
+        let [low, high] = match share {
+            Some(share) => share.between_runs().interval,
+            // Nothing is left to be shared out.
+            None => return self.regime == Regime::AtTheFloor,
+        };
+        match self.regime {
+            Regime::AtTheFloor => 0.0 <= high,
+            Regime::AboveTheFloor => 0.0 < low,
+        }
     }
 
     /// Refits a model and forecasts with it; `None` when it diverges.

@@ -15,8 +15,13 @@
 
 mod adjustable;
 mod beside;
+mod by_evidence;
+mod by_forecasts;
 mod drive;
 mod eliminate;
+mod finish;
+mod list;
+mod milestone;
 mod result;
 
 pub use self::{

@@ -22,10 +22,21 @@ outputs = { y = { unit = "V", value = "x", noise = 0.002 } }
 
 const SAMPLES: usize = 700;
 
-/// Reality: a dead zone of 0.4 V, an end at 1.1 V, and a sensor that lags by 0.4 s. Steps of the command are
-/// held over a sample, so that both lags are exact.
-fn reality(model: &Model, seed: u64) -> Record {
-    let noise = WhiteNoise::new(0.002, seed).values(SAMPLES).unwrap();
+/// A dead zone, an end and the lag of a sensor that the model does not know, and noise.
+#[derive(Clone, Copy)]
+struct Real {
+    dead_zone: f64,
+    end: f64,
+    lag: f64,
+    noise: f64,
+}
+
+/// Far above the noise.
+const LARGE: Real = Real { dead_zone: 0.4, end: 1.1, lag: 0.4, noise: 0.002 };
+
+/// Steps of the command are held over a sample, so that both lags are exact.
+fn reality(model: &Model, real: Real, seed: u64) -> Record {
+    let noise = WhiteNoise::new(real.noise, seed).values(SAMPLES).unwrap();
     let command = |k: usize| {
         let t = k as f64 + 1000.0 * seed as f64;
         1.3 * (0.031 * t).sin() + 0.7 * (0.13 * t).sin() + 0.3 * (0.41 * t).cos()
@@ -34,10 +45,10 @@ fn reality(model: &Model, seed: u64) -> Record {
     let rows = (0..SAMPLES).map(|k| {
         let u = command(k);
         let y = seen + noise[k];
-        let acts = (u - u.clamp(-0.4, 0.4)).clamp(-1.1, 1.1);
+        let acts = (u - u.clamp(-real.dead_zone, real.dead_zone)).clamp(-real.end, real.end);
         // Ten Euler steps: the sensor follows what moves within the sample.
         for _ in 0..100 {
-            seen += 0.001 * (x - seen) / 0.4;
+            seen += 0.001 * (x - seen) / real.lag;
             x += 0.001 * (acts - x) / 0.5;
         }
         ([u], [y])
@@ -47,13 +58,11 @@ fn reality(model: &Model, seed: u64) -> Record {
     Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
 }
 
-#[test]
-fn causes_come_one_after_another_with_shares_that_add_up() {
-    let model: Model = MODEL.parse().unwrap();
-    let (fitted, held_out) = (reality(&model, 1), reality(&model, 2));
+/// A few effects that could be at work here.
+fn suspects<'a>(model: &'a Model, fitted: &Record) -> EverySite<'a> {
     let ts = model.sample_time().unwrap();
     let u: Vec<f64> = (0..SAMPLES).flat_map(|k| fitted.u(k).to_vec()).collect();
-    let scales = ReplayScales::of(&model, ts, &u, SAMPLES).unwrap();
+    let scales = ReplayScales::of(model, ts, &u, SAMPLES).unwrap();
     let few = [
         "input-dead-zone",
         "input-saturation",
@@ -65,7 +74,40 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
         "input-offset",
     ];
     let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
-    let suspects = EverySite::new(effects, &model, scales);
+    EverySite::new(effects, model, scales)
+}
+
+/// Two causes come near the noise, so that evidence judges, and it asks for the third.
+#[test]
+fn near_the_noise_evidence_asks_for_a_third_cause() {
+    let model: Model = MODEL.replace("noise = 0.002", "noise = 0.02").parse().unwrap();
+    let small = Real { dead_zone: 0.3, end: 1.5, lag: 0.05, noise: 0.02 };
+    let (fitted, held_out) = (reality(&model, small, 1), reality(&model, small, 2));
+    let suspects = suspects(&model, &fitted);
+    let (logs, held_out) = ([fitted], [held_out]);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let settings = Settings::default();
+    let first = diagnose(&case, &settings, &()).unwrap();
+    assert_eq!(first.regime, Regime::AtTheFloor);
+
+    let found = road(&case, &first, &settings, 8, &()).unwrap().unwrap();
+    let mut labels: Vec<&str> = found.causes.iter().map(|m| m.cause.label).collect();
+    labels.sort_unstable();
+    // Lags before and behind a lag are the same.
+    assert!(labels[1].ends_with("-lag") || labels[2].ends_with("-lag"), "{labels:?}");
+    labels.retain(|label| !label.ends_with("-lag"));
+    assert_eq!(labels, ["input-dead-zone", "input-saturation"]);
+    assert_eq!(found.end, End::AtTheNoise);
+
+    let short = road(&case, &first, &settings, 2, &()).unwrap();
+    assert!(short.is_none(), "two causes are what the diagnosis has said: {short:?}");
+}
+
+#[test]
+fn causes_come_one_after_another_with_shares_that_add_up() {
+    let model: Model = MODEL.parse().unwrap();
+    let (fitted, held_out) = (reality(&model, LARGE, 1), reality(&model, LARGE, 2));
+    let suspects = suspects(&model, &fitted);
     let (logs, held_out) = ([fitted], [held_out]);
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
     let settings = Settings::default();

@@ -279,7 +279,7 @@ fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let json = serde_json::to_string_pretty(&score).map_err(Failure::analysis)?;
     output.write("score.json", &json)?;
     let page = score.page().map_err(Failure::analysis)?;
-    output.finish(&score.headline(), &score.tables(), &page, &score)?;
+    output.finish(&score.headline(), &score.tables(), page, &score, &[])?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -35,7 +35,13 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
     let tables: Vec<Table> = comparison.tables();
     output.write("report.md", &comparison.markdown(&command()))?;
-    output.finish(&comparison.headline(), &tables, &page, &comparison)?;
+    output.finish(
+        &comparison.headline(),
+        &tables,
+        page,
+        &comparison,
+        args.config.as_deref().as_slice(),
+    )?;
     // Everything in it is in the report now.
     fs::remove_file(&journal).map_err(|error| Failure::output(&journal, error))?;
     Ok(ExitCode::SUCCESS)

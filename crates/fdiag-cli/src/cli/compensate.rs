@@ -1,6 +1,9 @@
 //! `fdiag compensate`: a user's own model and logs.
 
-use std::process::ExitCode;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use fdiag::{core::Limits, spec::PipelineSpec, training::TrainingError};
 use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
@@ -48,7 +51,10 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let mut page = study.page(&traces).map_err(Failure::analysis)?;
     page.heading("Settings");
     page.details("Show the spec", toml::to_string(&study.spec).map_err(Failure::analysis)?);
-    output.finish(&study.headline(), &study.tables(), &page, &study)?;
+    let files = [&args.model].into_iter().chain(&args.healthy).chain(&args.logs);
+    let files = files.chain(&args.spec).chain(&args.columns).map(PathBuf::as_path);
+    let inputs: Vec<&Path> = files.collect();
+    output.finish(&study.headline(), &study.tables(), page, &study, &inputs)?;
     let alarmed = study.logs.iter().any(|log| !log.healthy && log.first_alarm_s.1.is_some());
     Ok(if args.fail_on_alarm && alarmed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
     let engines = benchmark.config().seeds;
     time.push([engines.to_string(), figure(seconds), figure(1e3 * seconds / engines as f64)]);
     tables.push(time);
-    output.finish(&study.headline(), &tables, &page, &study)?;
+    output.finish(&study.headline(), &tables, page, &study, args.config.as_deref().as_slice())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,6 +1,11 @@
 //! `fdiag gap`: a user's simulator and logs of the real system.
 
-use std::{process::ExitCode, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::{Arc, atomic::AtomicBool},
+    time::Instant,
+};
 
 use fd_page::{page, tables};
 use fdiag::{
@@ -11,9 +16,14 @@ use fdiag::{
     sim::outside::Counts,
 };
 
+use signal_hook::{consts::SIGINT, flag};
+
 use super::{
     args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,
 };
+
+/// Exit code of a program that Ctrl-C has ended, as shells have it.
+const INTERRUPTED: i32 = 130;
 
 pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let request = request(args)?;
@@ -21,10 +31,11 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
         print!("{}", Subject::of(&request).map_err(|error| refusal(&error))?);
         return Ok(ExitCode::SUCCESS);
     }
+    let is_stopped = interrupted()?;
     let output = Output::prepare(&args.output)?;
     let pool = pool(args.output.threads)?;
     let begun = Instant::now();
-    let progress = Stages::new();
+    let progress = Stages::new().stopped_by(is_stopped);
     let study = pool.install(|| GapStudy::run(&request, &progress));
     progress.finish();
     let mut study = study.map_err(|error| refusal(&error))?;
@@ -34,7 +45,8 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     for model in &study.report.models {
         output.write(&model.file, &model.text)?;
     }
-    output.finish(&study.report.headline, &tables(&study.report), &page, &study.report)?;
+    let report = &study.report;
+    output.finish(&report.headline, &tables(report), page, report, &inputs(args))?;
     if let Some((counts, trouble)) = &study.outside {
         eprintln!("{}", work(counts));
         if let Some(trouble) = trouble {
@@ -42,6 +54,21 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether Ctrl-C was pressed; pressed once more, it ends the program at once.
+fn interrupted() -> Result<Arc<AtomicBool>, Failure> {
+    let is_stopped = Arc::new(AtomicBool::new(false));
+    flag::register_conditional_shutdown(SIGINT, INTERRUPTED, Arc::clone(&is_stopped))
+        .and_then(|_| flag::register(SIGINT, Arc::clone(&is_stopped)))
+        .map_err(Failure::analysis)?;
+    Ok(is_stopped)
+}
+
+/// The files that were read.
+fn inputs(args: &GapArgs) -> Vec<&Path> {
+    let logs = args.logs.iter().chain(&args.held_out).chain(&args.columns);
+    std::iter::once(&args.model).chain(logs).map(PathBuf::as_path).collect()
 }
 
 fn request(args: &GapArgs) -> Result<Request, Failure> {

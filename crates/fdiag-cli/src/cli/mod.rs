@@ -12,6 +12,7 @@ mod log;
 mod output;
 mod pool;
 mod progress;
+mod provenance;
 mod simulator;
 mod structure;
 mod toml_file;

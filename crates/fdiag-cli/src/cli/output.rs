@@ -1,6 +1,7 @@
 //! Where results go: whole files only, and standard output for what was asked for.
 
 use std::{
+    cell::RefCell,
     fs,
     io::{IsTerminal, Write},
     path::Path,
@@ -10,7 +11,7 @@ use fd_report::{Page, Table};
 use fdiag::model::file::write_atomically;
 use serde::Serialize;
 
-use super::{args::OutputArgs, failure::Failure};
+use super::{args::OutputArgs, failure::Failure, provenance::provenance};
 
 /// Width of tables when the terminal does not say.
 const DEFAULT_WIDTH: u16 = 110;
@@ -24,6 +25,8 @@ pub(crate) struct Output<'a> {
     compact: bool,
     /// Directories that were not there before, innermost first.
     made: Vec<&'a Path>,
+    /// Names of files that were written, in order.
+    written: RefCell<Vec<String>>,
 }
 
 impl Drop for Output<'_> {
@@ -40,7 +43,8 @@ impl<'a> Output<'a> {
     pub(crate) fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let made = args.out.ancestors().take_while(missing).collect();
-        let output = Self { directory: &args.out, json: args.json, compact: false, made };
+        let (directory, json, written) = (&*args.out, args.json, RefCell::default());
+        let output = Self { directory, json, compact: false, made, written };
         fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
         Ok(output)
     }
@@ -56,22 +60,32 @@ impl<'a> Output<'a> {
     pub(crate) fn write(&self, name: &str, content: &str) -> Result<(), Failure> {
         let path = self.directory.join(name);
         write_atomically(&path, |out| out.write_all(content.as_bytes()))
-            .map_err(|e| Failure::output(&path, e))
+            .map_err(|e| Failure::output(&path, e))?;
+        self.written.borrow_mut().push(name.to_owned());
+        Ok(())
     }
 
-    /// Writes the page and its data, then prints tables or JSON.
+    /// Writes the page and its data, then prints tables or JSON. The page says at its end which files are beside it,
+    /// and what it was made of: the `inputs`.
     pub(crate) fn finish(
         &self,
         headline: &str,
         tables: &[Table],
-        page: &Page,
+        mut page: Page,
         data: &impl Serialize,
+        inputs: &[&Path],
     ) -> Result<(), Failure> {
         let written =
             if self.compact { serde_json::to_string } else { serde_json::to_string_pretty };
         let json =
             written(data).map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
         self.write("report.json", &json)?;
+        for name in self.written.borrow().iter() {
+            page.file(name);
+        }
+        for line in provenance(inputs) {
+            page.provenance(line);
+        }
         self.write("report.html", &page.to_html())?;
         let mut out = std::io::stdout().lock();
         let printed = if self.json {

@@ -2,7 +2,11 @@
 
 use std::{
     io::IsTerminal,
-    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+        mpsc::{RecvTimeoutError, Sender, channel},
+    },
     thread::JoinHandle,
     time::Duration,
 };
@@ -60,6 +64,8 @@ pub(crate) struct Stages {
     /// Dropped at the end, which the thread that shows the bar hears.
     ended: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,
+    /// Whether nobody wants to wait any longer.
+    is_stopped: Arc<AtomicBool>,
 }
 
 impl Stages {
@@ -79,7 +85,14 @@ impl Stages {
                 }
             })
         });
-        Self { bar, ended: Some(ended), shown }
+        Self { bar, ended: Some(ended), shown, is_stopped: Arc::default() }
+    }
+
+    /// The same, stopped by a flag.
+    pub(crate) fn stopped_by(self, is_stopped: Arc<AtomicBool>) -> Self {
+        let mut stages = self;
+        stages.is_stopped = is_stopped;
+        stages
     }
 
     pub(crate) fn finish(mut self) {
@@ -111,6 +124,10 @@ impl Monitor for Stages {
 
     fn advance(&self) {
         self.bar.inc(1);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.is_stopped.load(Relaxed)
     }
 
     fn plan(&self, text: &str) {

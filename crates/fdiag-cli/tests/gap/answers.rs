@@ -1,8 +1,13 @@
 //! What it says and writes.
 
-use std::fs;
+use std::{
+    fs,
+    process::{Command, Stdio},
+    time::Duration,
+};
 
 use serde_json::json;
+use sha2::{Digest, Sha256};
 
 use crate::desk::{Desk, FEW, refuses, stdout};
 
@@ -23,8 +28,16 @@ fn the_answer_is_one_sentence_and_tables() {
     assert!(output.stderr.is_empty(), "nothing is said to nobody: {output:?}");
     let page = desk.read("out/report.html");
     assert!(page.contains("<svg") && page.contains("Coulomb friction at rail"));
-    let outside = ["<script", "href=", "src=", "@import", "url("];
+    let outside = ["src=", "@import", "url(", "http://", "https://"];
+    let page = page.replace("url(#", "").replace("http://www.w3.org/2000/svg", "");
     assert!(outside.iter().all(|o| !page.contains(o)), "the page needs something from elsewhere");
+    for link in page.split("href=\"").skip(1) {
+        let (file, _) = link.split_once('"').unwrap();
+        assert!(desk.path("out").join(file).is_file(), "{file} is not beside the page");
+    }
+    let log = Sha256::digest(fs::read(desk.path("friday.csv")).unwrap());
+    let hash = u64::from_be_bytes(*log.first_chunk().unwrap());
+    assert!(page.contains(&format!("SHA-256 {hash:016x}…")), "where the page is from");
     let mut files: Vec<String> = fs::read_dir(desk.path("out"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -56,7 +69,9 @@ fn threads_change_nothing() {
         assert!(desk.gap(&["--threads", threads]).status.success());
         (desk.read("out/report.json"), desk.read("out/report.html"), desk.read("out/patched.toml"))
     });
-    for (json, ..) in &mut reports {
+    for (json, page, _) in &mut reports {
+        // The footer has the command and the time.
+        page.truncate(page.find("<footer>").unwrap());
         let timing = json.find("\"timing\"").unwrap();
         assert!(json[timing..].matches('{').count() == 1, "timing comes last");
         json.truncate(timing);
@@ -209,4 +224,26 @@ fn half_of_a_log_says_what_the_whole_one_does() {
     assert!(stdout(&output).starts_with("Coulomb friction at rail ("), "{output:?}");
     let closed = &desk.report()["diagnosis"]["held_out"][0]["closed_of_refit"]["interval"];
     assert!(0.8 < closed[1].as_f64().unwrap(), "{closed}");
+}
+
+/// Ctrl-C ends a study that would take minutes, with what there is.
+#[test]
+fn ctrl_c_ends_with_the_best_answer_so_far() {
+    let desk = Desk::new();
+    let long = ["--held-out", "friday.csv", "--calibrate", "10000"];
+    let mut child = desk.command(&long).stdout(Stdio::null()).spawn().unwrap();
+    // The folder is made when everything has been read that is asked for, and before the work begins.
+    while !desk.path("out").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert!(child.wait().unwrap().success());
+    let report = desk.report();
+    let left_out = report["stopped"].as_array().unwrap();
+    assert!(left_out.contains(&json!("the self-calibration")), "{left_out:?}");
+    let headline = report["headline"].as_str().unwrap();
+    assert!(headline.starts_with("Stopped before the end; so far: "), "{headline}");
+    assert!(desk.read("out/report.html").contains("It was stopped, and has not come to: "));
 }

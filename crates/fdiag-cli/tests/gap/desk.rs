@@ -65,15 +65,25 @@ impl Desk {
         self.put(file, &spoiled);
     }
 
-    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
+    fn in_folder(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fdiag"));
-        command.current_dir(self.folder.path()).arg("gap").args(arguments).output().unwrap()
+        command.current_dir(self.folder.path()).arg("gap").args(arguments);
+        command
     }
 
-    /// Runs the plain command with more arguments.
-    pub(crate) fn gap(&self, more: &[&str]) -> Output {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
+        self.in_folder(arguments).output().unwrap()
+    }
+
+    /// The plain command with more arguments.
+    pub(crate) fn command(&self, more: &[&str]) -> Command {
         let plain = ["--model", "model.toml", "--log", "monday.csv", "--out", "out"];
-        self.run(&[&plain, more].concat())
+        self.in_folder(&[&plain, more].concat())
+    }
+
+    /// Runs it.
+    pub(crate) fn gap(&self, more: &[&str]) -> Output {
+        self.command(more).output().unwrap()
     }
 
     /// What `report.json` says; every one that a test reads is checked against the schema.

@@ -1,13 +1,8 @@
 //! From files to an answer.
 
 use fd_gap::{
-    calibrate::self_calibrate,
-    ceiling::ceiling,
-    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict},
-    experiment::{Reach, next},
+    diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Horizon, Log},
-    locate::locate,
-    road::road,
 };
 use fd_model::{Record, SampleTime};
 use fd_sim::{
@@ -21,10 +16,12 @@ use super::{
     error::GapError,
     findings::findings,
     follow::follow,
+    further::{Asked, Further},
     headline::headline,
     law::law,
     memory::Memory,
     patched::patched_models,
+    pause::Pause,
     report::{Inputs, LogPart, REPORT_VERSION, Report, StudySettings, Timing},
     request::{HorizonChoice, Request},
     subject::Subject,
@@ -108,15 +105,19 @@ impl GapStudy {
             }
             Err(_) => None,
         };
+        let pause = Pause::of(monitor);
         let richer = whole.as_ref().and_then(|whole| with_unlike(&data, whole, follower.as_ref()));
+        let richer = richer.filter(|_| pause.goes_on("windows that are unlike the others"));
         let as_read = match &richer {
             Some(data) => Attempt::new(request, subject, nominal, data, monitor),
             None => first,
         };
         // What follows a log makes up for many a mistake of reading.
         let mended = match follower {
-            None => mended(request, subject, &data, &as_read),
-            Some(_) => None,
+            None if pause.goes_on("mistakes of reading") => {
+                mended(request, subject, &data, &as_read)
+            }
+            _ => None,
         };
         let (attempt, reading) = confirmed(request, subject, mended.as_ref(), monitor)
             .map_or_else(
@@ -125,7 +126,9 @@ impl GapStudy {
             )?;
         let is_unknown = reading.is_none() && !attempt.diagnosis.is_explained();
         let inner = match follower {
-            None if is_unknown => attempt.subject.with_inner_places(),
+            None if is_unknown && pause.goes_on("places inside the model") => {
+                attempt.subject.with_inner_places()
+            }
             _ => None,
         };
         let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
@@ -142,28 +145,15 @@ impl GapStudy {
         };
         let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let road = match request.most {
-            0 | 1 => None,
-            most => road(&case, &diagnosis, &settings, most, monitor)?,
+        let asked = Asked {
+            request,
+            settings: &settings,
+            is_followed: follower.is_some(),
+            is_dear: sparing.is_some(),
+            pause: &pause,
         };
-        let location = locate(&case, &diagnosis, monitor)?;
-        // With logged outputs among the inputs, a black box would explain each output by itself, and other
-        // inputs cannot be tried.
-        let is_followed = follower.is_some();
-        let ceiling =
-            if is_followed { None } else { ceiling(&case, &diagnosis, &settings, monitor)? };
-        let is_open = match diagnosis.verdict {
-            Verdict::Tied | Verdict::Unclear => !is_followed,
-            Verdict::Pair => !is_followed && 1 < diagnosis.tied_pairs.len(),
-            _ => false,
-        };
-        let reach = Reach { seed: request.seed, ..Reach::default() };
-        let advice = is_open.then(|| next(&case, &diagnosis, &reach, monitor)).transpose()?;
-        let calibration = request
-            .calibrate
-            .filter(|_| !is_followed)
-            .map(|replicas| self_calibrate(&case, &diagnosis, &settings, replicas, monitor))
-            .transpose()?;
+        let further = Further::of(&case, &diagnosis, asked, monitor)?;
+        let Further { road, location, ceiling, advice, calibration } = further;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
         let models = patched_models(subject, &diagnosis, road.as_ref(), data);
         let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
@@ -179,9 +169,10 @@ impl GapStudy {
             calibration,
             findings: findings(&diagnosis, data, model),
             whole,
+            stopped: pause.left_out(&diagnosis),
             sparing: sparing.as_ref().map(|(sparing, _)| sparing.clone()),
             inputs: Inputs::of(request, model, data, memory),
-            settings: StudySettings::of(request, &settings, ts.seconds(), is_followed),
+            settings: StudySettings::of(request, &settings, ts.seconds(), follower.is_some()),
             models,
             timing: Timing::default(),
             diagnosis,

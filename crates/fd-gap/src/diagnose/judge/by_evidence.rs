@@ -14,7 +14,7 @@ use crate::{
     diagnose::{
         context::Context,
         result::Regime,
-        weigh::{Weighed, rank::Basis, singles::Singles},
+        weigh::{Weighed, pair::FittedPair, rank::Basis, singles::Singles},
     },
     fit::{FitError, Log},
 };
@@ -41,6 +41,7 @@ pub(super) fn by_evidence<'a>(
         }
         None => (simulated, lack_of_fit, seen),
     };
+    let simulated_effects = simulated.effects;
     let beside = Beside::of(&singles, &simulated, context.candidates);
     let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
         Some(Beside { measured, .. }) => {
@@ -52,10 +53,14 @@ pub(super) fn by_evidence<'a>(
     };
     let measured =
         beside.map_or_else(Vec::new, |beside| beside.with_ties(&singles.causes, &ties.tied));
+    let is_curve = match (best.effects, simulated_effects) {
+        (1, _) => singles.is_first_a_curve(),
+        (_, 2) => fitted.first().is_some_and(FittedPair::follows_anything),
+        _ => false,
+    };
     let NamedPairs { pairs, tied, fitted } =
         name_pairs(fitted, measured, &singles.causes, settings);
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
-    let is_curve = best.effects == 1 && singles.is_first_a_curve();
     let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
     let Believed { others: probabilities, causes, pairs } = bounded(
         believe(singles.causes, pairs, &best, gain, settings),

@@ -6,7 +6,7 @@ use crate::{
         result::{Pair, PairId},
         settings::Settings,
         weigh::{
-            answer::{Fit, PAIR},
+            answer::{Fit, is_a_pair},
             pair::FittedPair,
             rank::RankedCause,
         },
@@ -43,7 +43,7 @@ pub(super) fn name_pairs(
     settings: &Settings,
 ) -> NamedPairs {
     let single = causes.first().map_or(0.0, |ranked| ranked.cause.log_evidence.max(0.0));
-    let is_worth_it = |pair: &Pair| single + PAIR < pair.log_evidence;
+    let is_worth_it = |pair: &Pair| is_a_pair(pair.log_evidence, single);
     let mut fitted: Vec<FittedPair> = fitted.into_iter().filter(|f| is_worth_it(&f.pair)).collect();
     let ties = are_tied(&mut fitted, settings);
     let each = fitted.iter().zip(ties);

@@ -135,6 +135,7 @@ pub(super) fn report(
         held_out,
         findings,
         not_tested,
+        is_stopped: context.monitor.is_stopped(),
         simulations,
     })
 }

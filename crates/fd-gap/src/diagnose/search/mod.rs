@@ -17,6 +17,8 @@ use crate::{
     quality::spectral_peaks,
 };
 
+/// Why a candidate was not tried.
+const STOPPED: &str = "the diagnosis was stopped before";
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
@@ -39,6 +41,10 @@ pub(super) fn search<'a>(
         .enumerate()
         .map(|(index, candidate)| {
             let refuse = |reason: String| NotTested::of(candidate, reason);
+            // The first one is the best proposal, if they have an order.
+            if 0 < index && monitor.is_stopped() {
+                return Err(refuse(STOPPED.to_owned()));
+            }
             let tried =
                 Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
             let screened = tried.map(|mut trial| {
@@ -59,14 +65,22 @@ pub(super) fn search<'a>(
     }
     let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
     monitor.begin(Stage::Fit, trials.len());
-    trials.par_iter_mut().for_each(|trial| {
-        trial.short_fits(&null, most);
-        monitor.advance();
-    });
+    let late: Vec<usize> = trials
+        .par_iter_mut()
+        .filter_map(|trial| {
+            if 0 < trial.index && monitor.is_stopped() {
+                return Some(trial.index);
+            }
+            trial.short_fits(&null, most);
+            monitor.advance();
+            None
+        })
+        .collect();
     trials.retain(|trial| {
         if trial.best.is_none() {
-            let reason = "its simulation diverges".to_owned();
-            not_tested.push(NotTested::of(trial.candidate, reason));
+            let is_late = late.contains(&trial.index);
+            let reason = if is_late { STOPPED } else { "its simulation diverges" };
+            not_tested.push(NotTested::of(trial.candidate, reason.to_owned()));
         }
         trial.best.is_some()
     });

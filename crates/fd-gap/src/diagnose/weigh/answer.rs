@@ -12,6 +12,11 @@ use crate::{
 /// Evidence over that of the best single cause from which a second cause is accepted.
 pub(in crate::diagnose) const PAIR: f64 = 5.0;
 
+/// Whether the evidence of two causes is so much more than that of one that a second is worth its name.
+pub(crate) fn is_a_pair(two: f64, one: f64) -> bool {
+    one + PAIR < two
+}
+
 /// An explanation with what it rests on.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Answer {

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     diagnose::{
-        candidates::is_same_cause,
+        candidates::{follows_anything, is_same_cause},
         result::{Cause, Pair},
         search::trial::Trial,
     },
@@ -101,6 +101,11 @@ impl FittedPair {
     pub(super) fn are_both_there(&self) -> bool {
         let is_there = |cause: &Cause| cause.significance().is_none_or(|ratio| THERE <= ratio);
         self.pair.causes.iter().all(is_there)
+    }
+
+    /// Whether one of them follows a log as it pleases: beside another cause it may stand for anything.
+    pub(in crate::diagnose) fn follows_anything(&self) -> bool {
+        self.members.iter().any(follows_anything)
     }
 
     /// Both causes.

@@ -31,9 +31,12 @@ const HOPEFUL: usize = 6;
 /// Second causes of each first one that are fitted to the end.
 const FINALISTS: usize = 3;
 
-/// Pairs of simulated causes, the best first.
+/// Pairs of simulated causes, the best first; none where the settings have no room for them.
 pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<FittedPair> {
     let monitor = context.monitor;
+    if context.settings.two <= 0.0 {
+        return Vec::new();
+    }
     let trial = |ranked: &RankedCause| match ranked.basis {
         Basis::Simulation(id) => Some(singles.searched.trial(id)),
         Basis::Measurement(_) => None,
@@ -50,6 +53,9 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Fi
     let found: Vec<Vec<FittedPair>> = firsts
         .par_iter()
         .map(|first| {
+            if monitor.is_stopped() {
+                return Vec::new();
+            }
             let pairs = beside(first, &best, singles, context).unwrap_or_default();
             monitor.advance();
             pairs

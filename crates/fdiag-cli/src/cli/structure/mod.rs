@@ -45,7 +45,7 @@ pub(crate) fn run(args: &StructureArgs) -> Result<ExitCode, Failure> {
     for table in &tables {
         page.table(table.clone());
     }
-    output.finish(&headline, &tables, &page, &study)?;
+    output.finish(&headline, &tables, page, &study, &[&args.model])?;
     Ok(ExitCode::SUCCESS)
 }
 

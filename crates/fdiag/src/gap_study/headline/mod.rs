@@ -30,6 +30,11 @@ const SHOWN: f64 = 0.05;
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
     let answer = answer(report);
+    let answer = if report.stopped.is_empty() {
+        answer
+    } else {
+        format!("Stopped before the end; so far: {answer}")
+    };
     let Some(reading) = &report.reading else { return answer };
     format!(
         "The log reads as if {} ({}); with that mended: {answer}",

@@ -101,6 +101,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         }],
         findings: Vec::new(),
         not_tested: Vec::new(),
+        is_stopped: false,
         simulations: 0,
     }
 }
@@ -136,6 +137,7 @@ fn report(verdict: Verdict) -> Report {
         road: None,
         whole: None,
         sparing: None,
+        stopped: Vec::new(),
         next: Vec::new(),
         law: None,
         ceiling: None,

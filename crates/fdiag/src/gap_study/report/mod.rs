@@ -66,6 +66,8 @@ pub struct Report {
     pub whole: Option<Whole>,
     /// How a simulator outside of this program was diagnosed with few runs; `null` elsewhere.
     pub sparing: Option<Sparing>,
+    /// What was left out because nobody wanted to wait any longer; empty if it came to its end.
+    pub stopped: Vec<String>,
     /// What was diagnosed.
     pub inputs: Inputs,
     /// How it was made.

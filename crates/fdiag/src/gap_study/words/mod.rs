@@ -17,7 +17,7 @@ pub use self::{
     defects::{defect, time_policy},
     further::{advice, answers, rivals, truths},
     labels::{at, capital, family, label, list, site},
-    numbers::{four, p, percent, probability, share, with_error},
+    numbers::{formula, four, p, percent, probability, share, with_error},
     objection::objection,
     regions::{region_of, region_on},
     units::shown,

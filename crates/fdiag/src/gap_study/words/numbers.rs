@@ -2,6 +2,8 @@
 
 use fd_model::figure;
 
+/// Characters of a number in a formula that is written as it is.
+const SHORT: usize = 6;
 /// Magnitudes that are written without an exponent.
 const PLAIN: [i32; 2] = [-4, 5];
 
@@ -41,6 +43,56 @@ pub fn four(value: f64) -> String {
     }
     let places = usize::try_from(3 - magnitude).unwrap_or(0);
     format!("{value:.places$}")
+}
+
+/// A formula with its numbers as people write them, of four digits.
+///
+/// ```
+/// use fdiag::gap_study::words::formula;
+///
+/// assert_eq!(formula("tanh(x2/0.007381378883627106) + 1.23456789e-9*k^2"), "tanh(x2/0.007381) + 1.235e-9*k^2");
+/// ```
+#[must_use]
+pub fn formula(expression: &str) -> String {
+    let mut written = String::with_capacity(expression.len());
+    let mut rest = expression;
+    while let Some(first) = rest.chars().next() {
+        let of_name = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+        let length = if first.is_ascii_digit() {
+            number_length(rest)
+        } else {
+            rest.find(|c| !of_name(c)).unwrap_or(rest.len()).max(first.len_utf8())
+        };
+        let (token, after) = rest.split_at(length);
+        match token.parse() {
+            Ok(value) if SHORT < length => written.push_str(&shortened(value)),
+            _ => written.push_str(token),
+        }
+        rest = after;
+    }
+    written
+}
+
+/// A number of four digits, without zeros at its end.
+fn shortened(value: f64) -> String {
+    let text = format!("{value:.3e}");
+    let rounded = text.parse().unwrap_or(value);
+    let is_plain = (PLAIN[0]..=PLAIN[1]).contains(&exponent(value.abs()));
+    if is_plain { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+/// Bytes of the number that a text begins with.
+fn number_length(text: &str) -> usize {
+    let digits = |text: &str| {
+        text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len()
+    };
+    let mantissa = digits(text);
+    let exponent =
+        text[mantissa..].strip_prefix(['e', 'E']).map(|e| e.strip_prefix(['+', '-']).unwrap_or(e));
+    match exponent.map(|e| (e, digits(e))) {
+        Some((e, n)) if 0 < n => text.len() - e.len() + n,
+        _ => mantissa,
+    }
 }
 
 /// The exponent of the first digit.

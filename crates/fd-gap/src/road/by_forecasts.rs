@@ -1,0 +1,77 @@
+//! Far above the noise: one cause after another, each only if it improves forecasts.
+
+use super::{
+    adjustable::With,
+    drive::Journey,
+    finish::{Found, at, total},
+    list::Listed,
+    milestone::milestone,
+    result::End,
+};
+use crate::{
+    diagnose::{
+        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Verdict, diagnose, is_free_curve,
+    },
+    fit::FitError,
+};
+
+/// Causes as long as held-out forecasts improve by more than their interval.
+pub(super) fn by_forecasts(
+    journey: &Journey<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Option<Found>, FitError> {
+    let Journey { case, first, settings, most, lists, horizon } = *journey;
+    let sized = |diagnosis: &Diagnosis, of: fn(&HeldOut) -> &Vec<f64>| {
+        total(at(diagnosis, horizon), &first.sigma, of)
+    };
+    let mut list: Vec<Listed> = Vec::new();
+    let mut gaps = vec![sized(first, |h| &h.refit)];
+    let mut diagnosis = first.clone();
+    let end = loop {
+        if list.len() == most {
+            break End::Enough;
+        }
+        let Some(next) = accepted(journey, &diagnosis, &list) else {
+            break if is_noise(&diagnosis) { End::AtTheNoise } else { End::NothingHelps };
+        };
+        gaps.push(sized(&diagnosis, |h| &h.after));
+        let is_curve = is_free_curve(&next.candidate);
+        list.push(next);
+        if is_curve {
+            break End::AtACurve;
+        }
+        let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
+        let suspects = lists.beside(&list);
+        let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
+        diagnosis = diagnose(&here, settings, monitor)?;
+        if diagnosis.verdict == Verdict::NoGap {
+            break End::AtTheNoise;
+        }
+        if diagnosis.is_stopped {
+            break End::NothingHelps;
+        }
+    };
+    Ok(Some(Found { list, gaps, end }))
+}
+
+/// The first cause of a diagnosis, if it improves held-out forecasts by more than their interval; without held-out logs,
+/// if it is more probable than not.
+fn accepted(journey: &Journey<'_>, diagnosis: &Diagnosis, list: &[Listed]) -> Option<Listed> {
+    let cause = diagnosis.causes.first()?;
+    let closed = at(diagnosis, journey.horizon).and_then(|h| h.closed_of_refit);
+    let is_better = match (closed, diagnosis.held_out.is_empty()) {
+        (Some(closed), _) => 0.0 < closed.interval[0],
+        (None, true) => 0.5 < 1.0 - diagnosis.no_gap - diagnosis.none_of_these,
+        (None, false) => false,
+    };
+    let is_forbidden = diagnosis.objections.iter().any(Objection::forbids);
+    if !is_better || is_forbidden {
+        return None;
+    }
+    journey.lists.listed(list, milestone(diagnosis, cause, journey.horizon))
+}
+
+/// Whether the refitted model comes down to the noise.
+fn is_noise(diagnosis: &Diagnosis) -> bool {
+    diagnosis.regime == Regime::AtTheFloor && 0.5 < diagnosis.no_gap
+}

@@ -1,0 +1,67 @@
+//! A list of causes, each patched into the model that has those before it.
+
+use fd_effect::{Candidate, Suspects};
+use fd_sim::model::Model;
+
+use super::{adjustable::adjustable, beside::Beside, result::Milestone};
+use crate::diagnose::Cause;
+
+/// A cause that was accepted, and the candidate that it is: its model has all causes so far, adjustable.
+#[derive(Clone, Debug)]
+pub(super) struct Listed {
+    pub(super) milestone: Milestone,
+    pub(super) candidate: Candidate,
+}
+
+/// What lists are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lists<'a> {
+    /// All suspects of the study.
+    pub(super) suspects: &'a dyn Suspects,
+    /// The model as it came.
+    pub(super) model: &'a Model,
+    /// Its parameters: an error of a parameter of a cause is no cause.
+    pub(super) parameters: &'a [String],
+}
+
+impl Lists<'_> {
+    /// The model with all causes of a list in it.
+    pub(super) fn model<'l>(&'l self, list: &'l [Listed]) -> &'l Model {
+        list.last().map_or(self.model, |last| &last.candidate.model)
+    }
+
+    /// What can be tried beside a list.
+    pub(super) fn beside<'l>(&'l self, list: &'l [Listed]) -> Beside<'l> {
+        Beside { suspects: self.suspects, known: list, parameters: self.parameters }
+    }
+
+    /// The candidate that a cause is, on top of a list.
+    pub(super) fn candidate(&self, list: &[Listed], cause: &Cause) -> Option<Candidate> {
+        let is_it = |c: &Candidate| c.identity() == cause.identity() && c.law == cause.law;
+        self.beside(list).alone().into_iter().flatten().find(is_it)
+    }
+
+    /// A cause on top of a list, adjustable around what was found of it; `None` if it cannot be there.
+    pub(super) fn listed(&self, list: &[Listed], milestone: Milestone) -> Option<Listed> {
+        let candidate = self.candidate(list, &milestone.cause)?;
+        let model = adjustable(&candidate, &milestone.cause);
+        let mut milestone = milestone;
+        for (estimate, parameter) in
+            milestone.cause.parameters.iter_mut().zip(&candidate.parameters)
+        {
+            estimate.name.clone_from(&parameter.name);
+        }
+        Some(Listed { milestone, candidate: Candidate { model, ..candidate } })
+    }
+
+    /// The same causes, one on top of the other; `None` if one cannot be there without those that are missing.
+    pub(super) fn of(
+        &self,
+        milestones: impl IntoIterator<Item = Milestone>,
+    ) -> Option<Vec<Listed>> {
+        milestones.into_iter().try_fold(Vec::new(), |mut list, milestone| {
+            list.push(self.listed(&list, milestone)?);
+            Some(list)
+        })
+    }
+}

@@ -1,0 +1,30 @@
+//! A cause of a diagnosis as a milestone.
+
+use super::{finish::at, result::Milestone};
+use crate::{
+    diagnose::{Cause, Diagnosis},
+    fit::Horizon,
+};
+
+/// A cause with what the diagnosis says of it.
+pub(super) fn milestone(
+    diagnosis: &Diagnosis,
+    cause: &Cause,
+    horizon: Option<Horizon>,
+) -> Milestone {
+    let tied = diagnosis.tied.iter().filter_map(|id| diagnosis.cause(*id));
+    let (same, tied): (Vec<&Cause>, Vec<&Cause>) =
+        tied.partition(|tied| tied.identity() == cause.identity());
+    // Those that the log cannot tell from the first one say nothing of another.
+    let tied = if same.is_empty() { Vec::new() } else { tied };
+    // That something else is missing as well is what the road is about.
+    let known = (1.0 - diagnosis.no_gap - diagnosis.none_of_these).max(f64::MIN_POSITIVE);
+    let together: f64 = cause.probability + tied.iter().map(|tied| tied.probability).sum::<f64>();
+    Milestone {
+        cause: cause.clone(),
+        probability: (together / known).min(1.0),
+        tied: tied.iter().map(|cause| cause.label.to_owned()).collect(),
+        share: None,
+        closed: at(diagnosis, horizon).and_then(|h| h.closed_of_refit),
+    }
+}

@@ -1,0 +1,72 @@
+//! What is asked once there is a diagnosis.
+
+use fd_gap::{
+    calibrate::{Confusion, self_calibrate},
+    ceiling::{Ceiling, ceiling},
+    diagnose::{Case, Diagnosis, Monitor, Regime, Settings, Verdict},
+    experiment::{Advice, Reach, next},
+    locate::{Location, locate},
+    road::{Road, road},
+};
+
+use super::{error::GapError, pause::Pause, request::Request};
+
+/// Answers to further questions; `None` where a question makes no sense or was not asked.
+pub(super) struct Further {
+    pub(super) road: Option<Road>,
+    pub(super) location: Location,
+    pub(super) ceiling: Option<Ceiling>,
+    pub(super) advice: Option<Advice>,
+    pub(super) calibration: Option<Confusion>,
+}
+
+/// How they are asked.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) request: &'a Request,
+    pub(super) settings: &'a Settings,
+    /// Whether the simulator follows the logs: with logged outputs among the inputs, a black box would explain each
+    /// output by itself, and other inputs cannot be tried.
+    pub(super) is_followed: bool,
+    /// Whether runs of the simulator are counted.
+    pub(super) is_dear: bool,
+    pub(super) pause: &'a Pause<'a>,
+}
+
+impl Further {
+    pub(super) fn of(
+        case: &Case<'_>,
+        diagnosis: &Diagnosis,
+        Asked { request, settings, is_followed, is_dear, pause }: Asked<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GapError> {
+        // Near the noise each further cause asks for many runs.
+        let is_cheap = !is_dear || diagnosis.regime == Regime::AboveTheFloor;
+        let road = match request.most {
+            2.. if is_cheap && pause.goes_on("further causes") => {
+                road(case, diagnosis, settings, request.most, monitor)?
+            }
+            _ => None,
+        };
+        let location = locate(case, diagnosis, monitor)?;
+        let ceiling = if !is_followed && pause.goes_on("black boxes") {
+            ceiling(case, diagnosis, settings, monitor)?
+        } else {
+            None
+        };
+        let is_open = match diagnosis.verdict {
+            Verdict::Tied | Verdict::Unclear => true,
+            Verdict::Pair => 1 < diagnosis.tied_pairs.len(),
+            _ => false,
+        };
+        let reach = Reach { seed: request.seed, ..Reach::default() };
+        let is_asked = is_open && !is_followed && pause.goes_on("experiments that would decide");
+        let advice = is_asked.then(|| next(case, diagnosis, &reach, monitor)).transpose()?;
+        let calibration = request
+            .calibrate
+            .filter(|_| !is_followed && pause.goes_on("the self-calibration"))
+            .map(|replicas| self_calibrate(case, diagnosis, settings, replicas, monitor))
+            .transpose()?;
+        Ok(Self { road, location, ceiling, advice, calibration })
+    }
+}
