@@ -80,7 +80,7 @@ function lively(plot, data) {
   }
   function draw() {
     live.replaceChildren();
-    const size = svg.viewBox.baseVal.width / 55;
+    const size = 48;
     const label = (x, y, anchor, words) =>
       add(live, "text", { x, y, "text-anchor": anchor, "font-size": size, "font-family": "sans-serif", fill: "var(--ink)" }, words);
     add(live, "rect", { x: left, y: top, width: right - left, height: bottom - top, fill: "none", stroke: "var(--muted)", "stroke-width": 3 });

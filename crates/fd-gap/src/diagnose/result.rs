@@ -73,6 +73,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// What could not be tried, and why.
     pub not_tested: Vec<NotTested>,
+    /// Parameters that are not known exactly and move no output in these logs: nothing here speaks of their values.
+    pub idle: Vec<String>,
     /// Whether it was stopped before its end: causes and pairs may be missing.
     pub is_stopped: bool,
     /// Simulations of all logs that were made.

@@ -202,16 +202,16 @@ impl Study {
             self.config.calibration_runs,
             self.config.test_runs,
         ));
-        for table in self.tables() {
-            page.table(table);
-        }
+        let ratios = self.ratio_picture();
+        page.picture(&ratios.picture, ratios.caption)?;
         page.heading(format!("One engine closely: seed {}", example.seed));
         for named in example.pictures() {
             page.picture(&named.picture, named.caption)?;
         }
         page.heading("All engines");
-        let ratios = self.ratio_picture();
-        page.picture(&ratios.picture, ratios.caption)?;
+        for table in self.tables() {
+            page.table(table);
+        }
         if !self.failed.is_empty() {
             let mut failed = Table::new("Seeds without a diagnosis", &["seed", "reason"]);
             for (seed, reason) in &self.failed {

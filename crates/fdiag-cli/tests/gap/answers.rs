@@ -247,3 +247,19 @@ fn ctrl_c_ends_with_the_best_answer_so_far() {
     assert!(headline.starts_with("Stopped before the end; so far: "), "{headline}");
     assert!(desk.read("out/report.html").contains("It was stopped, and has not come to: "));
 }
+
+/// The commonest silent mistake: a parameter that the simulator does not take.
+#[test]
+fn a_parameter_that_moves_nothing_is_named() {
+    let desk = Desk::new();
+    let spare = "[parameters]\nspare = { unit = \"N\", value = 2.0, tolerance = 0.1 }";
+    let model = desk.read("model.toml").replace("[parameters]", spare);
+    desk.put("model.toml", &model.replace("(force - d*v)/m", "(force - d*v + 0*spare)/m"));
+    assert!(desk.gap(&FEW).status.success());
+    let report = desk.report();
+    assert_eq!(report["diagnosis"]["idle"], json!(["spare"]));
+    let next = report["next"].as_array().unwrap();
+    let says =
+        |text: &serde_json::Value| text.as_str().unwrap().contains("`spare` moves no output");
+    assert!(next.iter().any(says), "{next:?}");
+}

@@ -34,7 +34,7 @@ use super::{
     },
 };
 use crate::{
-    fit::{FitError, Log, Minimum, Problem},
+    fit::{FitError, Log, Minimum, NullFit, Problem},
     shrink::with_free_starts,
 };
 
@@ -51,6 +51,7 @@ pub(super) fn report(
 ) -> Result<Diagnosis, FitError> {
     let not_tested = not_tested(&judged.singles, context);
     let simulations = simulations(&judged);
+    let idle = idle(&judged.singles.searched.null);
     let Judged { verdict, regime, mut probabilities, singles, ties, pairs, horizons, .. } = judged;
     let (answer, lack_of_fit) = match verdict {
         Verdict::NoGap => (singles.refit.clone(), singles.lack_of_fit(&singles.refit)),
@@ -135,6 +136,7 @@ pub(super) fn report(
         held_out,
         findings,
         not_tested,
+        idle,
         is_stopped: context.monitor.is_stopped(),
         simulations,
     })
@@ -147,6 +149,15 @@ fn not_tested(singles: &Singles<'_>, context: &Context<'_>) -> Vec<NotTested> {
     let unseen = unseen.map(|c| NotTested::of(c, "there is nothing of it in the log".into()));
     let refused = context.candidates.refused.iter().chain(&singles.searched.not_tested);
     refused.cloned().chain(unseen).collect()
+}
+
+/// Parameters on which no residual depends.
+fn idle(null: &NullFit) -> Vec<String> {
+    let parameters = &null.problem.simulator().parameters();
+    let nuisances = null.problem.plan().nuisances().iter().zip(&null.minimum.slopes);
+    let idle = nuisances.filter(|(_, slopes)| slopes.iter().all(|slope| *slope == 0.0));
+    let names = idle.map(|(variable, _)| variable.name.clone());
+    names.filter(|name| parameters.iter().any(|known| known.name == *name)).collect()
 }
 
 /// Simulations of all logs that were made.

@@ -101,6 +101,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         }],
         findings: Vec::new(),
         not_tested: Vec::new(),
+        idle: Vec::new(),
         is_stopped: false,
         simulations: 0,
     }

@@ -40,7 +40,9 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
         steps.extend(liftable(report));
         steps.push(of_what_is_left(report));
     }
-    if is_open && steps.is_empty() {
+    let is_mute = is_open && steps.is_empty();
+    steps.extend(idle(&diagnosis.idle));
+    if is_mute {
         steps.push(
             "No excitation, sensor or sampling within the range of this log would separate the \
              candidates: they are the same in this plant, unless it is taken apart."
@@ -48,6 +50,20 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
         );
     }
     steps
+}
+
+/// Parameters that nothing depends on.
+fn idle(names: &[String]) -> Option<String> {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    let move_ = if names.len() == 1 { "moves" } else { "move" };
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} {move_} no output in these logs, which therefore say nothing of {}: if that is not meant, see whether \
+             the simulator takes it.",
+            list(&quoted, "and"),
+            if names.len() == 1 { "its value" } else { "their values" }
+        )
+    })
 }
 
 /// What was taken for noise, and how to say otherwise.
