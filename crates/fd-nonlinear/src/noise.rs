@@ -62,7 +62,7 @@ impl NoisyModel {
                 return Err(NonlinearError::Length { what, expected, found });
             }
         }
-        let checks: [(&'static str, &[f64], &'static str, fn(f64) -> bool); 4] = [
+        let checks: [Check<'_>; 4] = [
             ("initial state", &start, "a finite number", f64::is_finite),
             ("process noise", &noise.process, "finite and not negative", is_deviation),
             ("initial deviation", &noise.initial, "finite and not negative", is_deviation),
@@ -111,6 +111,9 @@ impl NoisyModel {
         &self.noise
     }
 }
+
+/// What some numbers are, the numbers, what they have to be, and whether one is.
+type Check<'a> = (&'static str, &'a [f64], &'static str, fn(f64) -> bool);
 
 fn is_deviation(value: f64) -> bool {
     value.is_finite() && 0.0 <= value

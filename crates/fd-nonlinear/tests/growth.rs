@@ -49,15 +49,16 @@ fn exact(y: &[Vec<f64>]) -> Vec<f64> {
     means
 }
 
-fn runs() -> Vec<(Vec<Vec<f64>>, Vec<Vec<f64>>)> {
+/// States and outputs of each seed.
+fn runs() -> Vec<[Vec<Vec<f64>>; 2]> {
     let u = vec![Vec::new(); SAMPLES];
-    (0..SEEDS).map(|seed| run(&growth(), &u, 300 + seed)).collect()
+    (0..SEEDS).map(|seed| run(&growth(), &u, 300 + seed).into()).collect()
 }
 
 /// Root mean square distances of the means of a particle filter to the exact ones.
 fn distance(particles: usize) -> f64 {
     let mut all = Vec::new();
-    for (seed, (_, y)) in (0..).zip(runs()) {
+    for (seed, [_, y]) in (0..).zip(runs()) {
         let mut filter = ParticleDesign::new(growth(), particles, seed).unwrap().freeze();
         for (k, (y, exact)) in (0..).zip(y.iter().zip(exact(&y))) {
             let (mut r, mut mean) = ([0.0], [0.0]);
@@ -66,7 +67,7 @@ fn distance(particles: usize) -> f64 {
             all.push(mean[0] - exact);
         }
     }
-    fd_numeric::rms(all.into_iter())
+    fd_numeric::rms(all)
 }
 
 /// Twenty times the particles are √20 = 4.5 times nearer.
@@ -82,7 +83,7 @@ fn particles_converge_to_bayes_rule() {
 #[test]
 fn slopes_lose_a_state_of_two_humps() {
     let mut squares = [const { Vec::new() }; 4];
-    for (seed, (x, y)) in (0..).zip(runs()) {
+    for (seed, [x, y]) in (0..).zip(runs()) {
         let mut extended = ExtendedDesign::new(growth()).freeze();
         let mut unscented = UnscentedDesign::new(growth(), None).unwrap().freeze();
         let mut particles = ParticleDesign::new(growth(), 500, seed).unwrap().freeze();
@@ -98,7 +99,7 @@ fn slopes_lose_a_state_of_two_humps() {
         }
     }
     let [bayes, particles, unscented, extended] =
-        squares.map(|errors: Vec<f64>| fd_numeric::rms(errors.into_iter()));
+        squares.map(|errors: Vec<f64>| fd_numeric::rms(errors));
     assert!(particles < 1.1 * bayes, "{particles} {bayes}");
     assert!(bayes < 0.8 * unscented, "{bayes} {unscented}");
     assert!(unscented < extended, "{unscented} {extended}");

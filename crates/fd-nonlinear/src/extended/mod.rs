@@ -1,8 +1,8 @@
 //! The extended Kalman filter: a Kalman filter on the slopes of the model at the estimate.
 //!
 //! * **Equations.** `x̂(k|k−1) = f(x̂(k−1), u(k−1))`, `r = y − h(x̂(k|k−1), u)`, and the covariance of a Kalman
-//!   filter with `F = ∂f/∂x` at `x̂(k−1)` and `H = ∂h/∂x` at `x̂(k|k−1)` (Smith, Schmidt and McGee 1962; Jazwinski
-//!   1970, theorem 8.1). On a linear model it is the Kalman filter.
+//!   filter with `F = ∂f/∂x` at `x̂(k−1)` and `H = ∂h/∂x` at `x̂(k|k−1)` (Jazwinski 1970,
+//!   theorem 8.1). On a linear model it is the Kalman filter.
 //! * **Slopes** are central differences along the columns of the factor `S`, which is all that the update
 //!   needs: `F S` and `H S`, with steps near the cube root of the rounding unit. The relative error is some
 //!   `1e-10`; no Jacobian has to be written.

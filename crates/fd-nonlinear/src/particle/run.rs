@@ -109,7 +109,9 @@ impl BootstrapFilter {
             total += *weight;
             mean.iter_mut().zip(&*y).for_each(|(mean, y)| *mean += *weight * y);
         }
-        mean.iter_mut().for_each(|mean| *mean /= total);
+        for mean in &mut *mean {
+            *mean /= total;
+        }
         total > 0.0 && mean.iter().all(|mean| mean.is_finite())
     }
 

@@ -8,7 +8,8 @@
 //!   smoothed residual is outside of what healthy logs showed. Wear is slow and goes along `Ψ`; a fault is what
 //!   neither explains. What is slower than the walk allows, and looks like wear, is taken for wear.
 //! * **Assumptions.** The plant is stable, so that its start is forgotten; the cause is the right one, see
-//!   `fd-gap`, which finds it and writes the model; parameters stay where `Ψ a` is nearly straight.
+//!   `fd-gap`, which finds it and writes the model; parameters stay where `Ψ a` is nearly straight: of a way of a tenth some per
+//!   cent are missed, of a quarter of a rate constant a fifth. After longer ways diagnose and patch again.
 //! * **Do not use** it for a bias whose cause is unknown: that is what bias models are for. They also take what
 //!   this one leaves. Do not track a parameter that a fault would change: the fault would be followed.
 
