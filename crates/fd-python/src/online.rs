@@ -12,7 +12,7 @@ use fd_core::{
 use fd_log::{LogMap, read_log};
 use fd_model::{ChannelScale, Record, Scaling, file::LinearModel};
 use fdiag::{
-    spec::PipelineSpec,
+    spec::{NominalPlant, PipelineSpec},
     training::{self, Healthy, train},
 };
 use numpy::{
@@ -93,7 +93,8 @@ impl Trained {
             let plant = model.system.sampled(ts).map_err(|error| error.to_string())?;
             let healthy: Vec<Healthy<'_>> =
                 records.iter().map(|record| Healthy::split(record, learn_share)).collect();
-            train(&spec, &plant, &healthy).map_err(|error| error.to_string())
+            let plant = NominalPlant::from(&plant).in_units(model.scaling());
+            train(&spec, plant, &healthy).map_err(|error| error.to_string())
         });
         let trained = trained.map_err(|error| analysis(py, &error))?;
         Ok(Self { learned: trained, model, sample_time: ts.seconds() })

@@ -6,7 +6,7 @@ use fd_model::{
     file::LinearModel,
 };
 use fdiag::{
-    spec::{FaultPlace, PipelineSpec},
+    spec::{FaultPlace, NominalPlant, PipelineSpec},
     training::{Healthy, Trained, TrainingError, train_within},
 };
 use thiserror::Error;
@@ -270,7 +270,8 @@ impl Plan {
         }
         let split = |record| Healthy::split(record, self.share_to_learn);
         let healthy: Vec<Healthy<'_>> = records.iter().map(split).collect();
-        Ok(train_within(&self.spec, &self.plant, &healthy, &self.limits)?)
+        let plant = NominalPlant::from(&self.plant).in_units(self.model.scaling());
+        Ok(train_within(&self.spec, plant, &healthy, &self.limits)?)
     }
 }
 

@@ -66,6 +66,7 @@ pub use fd_ident as ident;
 pub use fd_jetengine as jetengine;
 pub use fd_log as log;
 pub use fd_model as model;
+pub use fd_nonlinear as nonlinear;
 pub use fd_residual as residual;
 pub use fd_sim as sim;
 pub use fd_structure as structure;

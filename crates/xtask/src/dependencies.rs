@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 21] = [
+const ALLOWED: [(&str, &[&[&str]]); 22] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -17,6 +17,7 @@ const ALLOWED: [(&str, &[&[&str]]); 21] = [
     ("fd-compensate", &[MODELS]),
     ("fd-jetengine", &[MODELS]),
     ("fd-structure", &[MODELS, &["fd-sim"]]),
+    ("fd-nonlinear", &[MODELS, &["fd-sim"]]),
     ("fd-effect", &[MODELS, &["fd-sim"]]),
     ("fd-gap", &[MODELS, &["fd-sim", "fd-effect", "fd-residual", "fd-ident", "fd-compensate"]]),
     ("fdiag", &[MODELS, METHODS]),
@@ -35,6 +36,7 @@ const METHODS: &[&str] = &[
     "fd-log",
     "fd-sim",
     "fd-structure",
+    "fd-nonlinear",
     "fd-residual",
     "fd-ident",
     "fd-compensate",

@@ -4,11 +4,11 @@ use std::cell::LazyCell;
 
 use fd_jetengine::engine17::HealthParameter;
 use fd_model::{
-    Discrete, Record, StateSpace,
+    Discrete, Record, Scaling, StateSpace,
     fault::{ChannelRef, FaultProfile, FaultSpec, Site},
 };
 use fdiag::{
-    spec::PipelineSpec,
+    spec::{NominalPlant, PipelineSpec},
     training::{Trained, TrainingError, train_on},
 };
 
@@ -32,6 +32,8 @@ pub(super) struct Scene<'a> {
 pub(super) struct Runs {
     /// The model that watches it.
     pub(super) model: StateSpace<Discrete>,
+    /// What its signals are in physical units.
+    scaling: Scaling,
     /// The run that the bias is learned from.
     pub(super) training: Record,
     /// Fault-free runs that scale the detectors.
@@ -45,7 +47,8 @@ pub(super) struct Runs {
 impl Runs {
     /// A pipeline that has learned from these runs.
     pub(super) fn train(&self, spec: &PipelineSpec) -> Result<Trained, TrainingError> {
-        train_on(spec, &self.model, &self.training, &self.calibration)
+        let plant = NominalPlant::from(&self.model).in_units(self.scaling.clone());
+        train_on(spec, plant, &self.training, &self.calibration)
     }
 }
 
@@ -153,6 +156,7 @@ impl<'a> Scene<'a> {
             training: run(before, &training)?,
             calibration: calibration.iter().map(|d| run(before, d)).collect::<Result<_, _>>()?,
             model: case.model.clone(),
+            scaling: case.plant().scaling(),
             healthy,
             faulty,
         })

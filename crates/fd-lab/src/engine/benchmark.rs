@@ -6,12 +6,13 @@ use fd_jetengine::{
     engine17::{Engine17, Health, HealthParameter, Parameters},
 };
 use fd_model::{
-    Channel, Continuous, Discrete, Inputs, Record, SampleTime, Simulation, SimulationError,
-    StateSpace,
+    Channel, ChannelScale, Continuous, Discrete, Inputs, Record, SampleTime, Scaling, Simulation,
+    SimulationError, StateSpace,
     fault::FaultSpec,
     reduce,
     signal::{SignalSpec, WhiteNoise},
 };
+use fdiag::spec::NominalPlant;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -43,8 +44,18 @@ pub(crate) struct Case {
     /// The perturbed plant, when it is linear.
     pub(super) plant: Option<StateSpace<Discrete>>,
     pub(crate) model: StateSpace<Discrete>,
+    /// What its signals are in physical units, where they are deviations from its own equilibrium.
+    scaling: Option<Scaling>,
     pub(super) redraws: usize,
     pub(super) rng: Xoshiro256PlusPlus,
+}
+
+impl Case {
+    /// The model that is to watch it, and what its signals are in physical units.
+    pub(crate) fn plant(&self) -> NominalPlant<'_> {
+        let plant = NominalPlant::from(&self.model);
+        self.scaling.iter().fold(plant, |plant, scaling| plant.in_units(scaling.clone()))
+    }
 }
 
 /// What is random in a run, so that it can be repeated with a fault.
@@ -162,7 +173,12 @@ impl Benchmark {
             }
             let engine = engine.clone().with_health(health);
             let about = |fuel| Reality::nonlinear(&engine, &engine, *unmodelled, fuel, self.ts);
+            let rest = engine.trim(*fuel_kg_s)?.outputs();
+            let per_unit = |value: &f64| ChannelScale::per_unit(*value, *value);
+            let (inputs, outputs) =
+                (vec![per_unit(fuel_kg_s)], rest.iter().map(per_unit).collect());
             return Ok(Case {
+                scaling: Some(Scaling { inputs, outputs }),
                 training: about(*fuel_kg_s)?,
                 moved: about(moved_to_kg_s.unwrap_or(*fuel_kg_s))?,
                 engine: Some(engine.clone()),
@@ -176,6 +192,7 @@ impl Benchmark {
         let plant = drawn.sample_zoh(self.ts)?;
         let running = plant.freeze::<f64, Heap>()?;
         Ok(Case {
+            scaling: None,
             training: Reality::Linear(running.clone()),
             moved: Reality::Linear(running),
             engine: None,

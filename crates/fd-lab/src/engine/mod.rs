@@ -5,6 +5,7 @@ mod config;
 mod error;
 mod example;
 mod excitation;
+pub mod joined;
 mod on_line;
 mod reality;
 mod report;

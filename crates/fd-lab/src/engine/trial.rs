@@ -178,7 +178,7 @@ impl Benchmark {
         training: &Record,
         calibration: &[Record],
     ) -> Result<Trained, EngineStudyError> {
-        Ok(train_on(spec, &case.model, training, calibration)?)
+        Ok(train_on(spec, case.plant(), training, calibration)?)
     }
 
     pub(super) fn tests(

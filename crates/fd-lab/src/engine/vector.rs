@@ -7,7 +7,10 @@
 
 use faer::{Mat, linalg::solvers::Solve};
 use fd_compensate::detect::{DEFAULT_MARGIN, Magnitude};
-use fdiag::spec::{DetectorSpec, PipelineSpec};
+use fdiag::{
+    spec::{DetectorSpec, PipelineSpec},
+    training::Trained,
+};
 
 use super::{
     benchmark::{Benchmark, Case},
@@ -29,16 +32,25 @@ impl Benchmark {
         logs: &Logs,
     ) -> Result<Vec<Pair>, EngineStudyError> {
         let spec = PipelineSpec { weighting: None, ..self.config().pipeline.clone() };
-        let channels = self.fault_channels()?;
         let unknown = Pair { primary: f64::NAN, compensated: f64::NAN };
-        let Ok(trained) = Self::train(&spec, case, &logs.training, &logs.calibration) else {
-            return Ok(vec![unknown; channels.len()]);
-        };
-        let tests = self.tests(&trained, &logs.tests)?;
+        match Self::train(&spec, case, &logs.training, &logs.calibration) {
+            Ok(trained) => self.best_thresholds_of(&trained, logs),
+            Err(_) => Ok(vec![unknown; self.fault_channels()?.len()]),
+        }
+    }
+
+    /// The same for any diagnosis of the whole residual vector that has learned from these runs.
+    pub(super) fn best_thresholds_of(
+        &self,
+        trained: &Trained,
+        logs: &Logs,
+    ) -> Result<Vec<Pair>, EngineStudyError> {
+        let channels = self.fault_channels()?;
+        let tests = self.tests(trained, &logs.tests)?;
         let (primary, compensated) = trained.calibration();
         let mut pairs = Vec::new();
         for channel in channels {
-            let (phi, phi_star) = self.unit_fault_response(&trained, channel)?;
+            let (phi, phi_star) = self.unit_fault_response(trained, channel)?;
             let nu = trained.design().io().nu;
             let smallest = |healthy: &[f64], runs: &[Run], phi: &[f64]| {
                 self.smallest_of(

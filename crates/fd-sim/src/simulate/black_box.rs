@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fd_core::{Heap, Shape, ShapeError, stage::Plant};
+use fd_core::{Heap, Shape, ShapeError, StateVisitor, stage::Plant};
 use fd_model::{Channel, Continuous, Discrete, Lti, ModelError, SampleTime, StateSpace};
 
 use super::simulator::{Initial, Port, Simulator};
@@ -154,6 +154,11 @@ impl Simulator for BlackBox {
 
     fn state(&self) -> &[f64] {
         &self.x
+    }
+
+    fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) -> bool {
+        visitor.reals_with_holes("states of the black box", &mut self.x);
+        true
     }
 
     fn boxed(&self) -> Box<dyn Simulator> {

@@ -1,6 +1,6 @@
 //! The past values of a delayed expression.
 
-use fd_core::Scalar;
+use fd_core::{Scalar, StateVisitor};
 
 use crate::equation::Value;
 
@@ -19,6 +19,18 @@ pub(super) struct DelayLine<V> {
     fraction: V,
     /// Number of values so far.
     age: u64,
+}
+
+impl DelayLine<f64> {
+    /// Shows the past values and the place in the ring.
+    pub(super) fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        visitor.reals_with_holes("past values of a delay", &mut self.past);
+        let mut counts = [self.now as u64, self.age];
+        visitor.counts("place and age of a delay", &mut counts);
+        // A number from a file is brought into range.
+        self.now = usize::try_from(counts[0]).unwrap_or(0) % self.past.len().max(1);
+        self.age = counts[1];
+    }
 }
 
 impl<V: Value> DelayLine<V> {

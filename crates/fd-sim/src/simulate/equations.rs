@@ -2,15 +2,17 @@
 
 mod engine;
 mod lanes;
+mod memory;
 mod steps;
 mod system;
 
 use std::sync::Arc;
 
-use fd_core::Scalar;
+use fd_core::{Scalar, StateVisitor};
 use fd_model::{Channel, SampleTime};
 
-use self::{engine::Engine, lanes::Many, system::System};
+use self::lanes::Many;
+pub(super) use self::{engine::Engine, system::System};
 use super::{
     error::SimulateError,
     run::{Outcome, Run, drive},
@@ -177,6 +179,11 @@ impl Simulator for EquationSimulator<f64> {
 
     fn go_on_from(&mut self, x: &[f64]) -> bool {
         self.engine.x.copy_from_slice(x);
+        true
+    }
+
+    fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) -> bool {
+        self.engine.visit_memory(visitor);
         true
     }
 

@@ -67,6 +67,16 @@ pub enum SimulateError {
         /// Name of the delayed value.
         delay: String,
     },
+    /// Something that remembers more than states can say, so that there is no map from state to state.
+    #[error(
+        "`{name}` is {what}, which remembers more than states: there is no map from state to state"
+    )]
+    Remembers {
+        /// Kind of entry.
+        what: &'static str,
+        /// Name of the entry.
+        name: String,
+    },
     /// A black box that steps at another rate than the log.
     #[error(
         "the simulator steps every {own} s and samples come every {ts} s: it must step a whole number of times per sample"

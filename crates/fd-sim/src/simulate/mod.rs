@@ -37,6 +37,7 @@ mod nominal;
 mod run;
 mod shell;
 mod simulator;
+mod state_map;
 mod timing;
 
 pub(crate) use self::run::as_tapes;
@@ -52,4 +53,5 @@ pub use self::{
     run::{Outcome, Run, Tape},
     shell::{Shell, ShellSimulator},
     simulator::{Initial, Port, Simulator},
+    state_map::StateMap,
 };

@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
 use super::run::{Outcome, Run, Tape, drive, one_by_one};
@@ -61,7 +62,7 @@ use crate::model::Parameter;
 ///
 /// A pure black box has no parameters, no initial states and no ports: empty lists, and it can still be
 /// diagnosed for what lies before its inputs and behind its outputs. Each list that is not empty lets the
-/// diagnosis ask more. `measure`, `go_on_from` and `simulate_many` have default bodies that say "no" or do
+/// diagnosis ask more. `measure`, `go_on_from`, `visit_memory` and `simulate_many` have default bodies that say "no" or do
 /// it one by one; override them when there is something better.
 ///
 /// # How it composes
@@ -226,6 +227,16 @@ pub trait Simulator: Debug + Send + Sync {
     /// everything else that the simulator remembers. Returns `false`, and does nothing, if that is
     /// not possible.
     fn go_on_from(&mut self, _x: &[f64]) -> bool {
+        false
+    }
+
+    /// Shows every number that influences the rest of the run to `visitor`, always in the same order, and
+    /// says whether it can. A simulator started with the same values and then given these numbers goes on
+    /// to the bit; the values of the start are not among them.
+    ///
+    /// A simulator of which the inside cannot be read says no, and shows nothing. What runs on line needs
+    /// one that can, see `patched` in `fd-nonlinear`.
+    fn visit_memory(&mut self, _visitor: &mut dyn StateVisitor<f64>) -> bool {
         false
     }
 

@@ -5,13 +5,13 @@ use std::{
     process::ExitCode,
 };
 
-use fdiag::{core::Limits, spec::PipelineSpec, training::TrainingError};
+use fdiag::{core::Limits, training::TrainingError};
 use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
 
 use super::{args::CompensateArgs, failure::Failure, output::Output, progress::Bar, toml_file};
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
-    let spec = args.spec.as_deref().map(toml_file::read::<PipelineSpec>).transpose()?;
+    let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
     let spec = spec.unwrap_or_default();
     if args.print_spec {
         print!("{}", toml::to_string(&spec).map_err(Failure::analysis)?);
@@ -37,10 +37,12 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let (study, traces) = studied.map_err(|error| {
         let reason = error.to_string();
         match error {
-            LogStudyError::Training(TrainingError::Limit(_)) => match &args.spec {
-                Some(spec) => Failure::input(spec, reason),
-                None => Failure::analysis(reason),
-            },
+            LogStudyError::Training(TrainingError::Limit(_) | TrainingError::Nonlinear(_)) => {
+                match &args.spec {
+                    Some(spec) => Failure::input(spec, reason),
+                    None => Failure::analysis(reason),
+                }
+            }
             LogStudyError::Training(_) | LogStudyError::Model(_) | LogStudyError::NoExcitation => {
                 Failure::analysis(reason)
             }

@@ -7,7 +7,7 @@ use fd_lab::Watcher;
 use fd_model::{Record, TimeBaseReport};
 use fd_numeric::rms;
 use fdiag::{
-    spec::PipelineSpec,
+    spec::{NominalPlant, PipelineSpec},
     training::{Healthy, Names, Trace, TrainingError, examine, sensor_sizes, train_within},
 };
 use serde::{Deserialize, Serialize};
@@ -155,7 +155,12 @@ impl LogStudy {
         if !healthy.iter().any(|log| input_moves(log.record)) {
             return Err(LogStudyError::NoExcitation);
         }
-        let trained = train_within(spec, &model, &healthy, &material.limits)?;
+        let trained = train_within(
+            spec,
+            NominalPlant::from(&model).in_units(file.scaling()),
+            &healthy,
+            &material.limits,
+        )?;
         let outputs: Vec<SignalUnit> = file
             .outputs
             .iter()

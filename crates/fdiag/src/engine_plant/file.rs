@@ -249,8 +249,7 @@ impl EngineFile {
     /// those of a shell around it.
     pub fn nominal(&self, ts: SampleTime) -> Result<Box<dyn Nominal>, EnginePlantError> {
         let known = self.known(ts)?;
-        let noise: Vec<Option<f64>> =
-            self.outputs.iter().map(|name| self.noise.get(name).copied()).collect();
+        let noise = self.noise_of_outputs();
         if self.simulator == Kind::Linear {
             return Ok(Box::new(linear_engine(&known, &noise)?));
         }
@@ -259,6 +258,16 @@ impl EngineFile {
             None => shell.with_noise(&noise),
             Some(text) => shell.with_model(text.parse::<Model>()?)?,
         }))
+    }
+
+    /// Standard deviations of the noise of what is measured, where the file states them.
+    pub(crate) fn noise_of_outputs(&self) -> Vec<Option<f64>> {
+        self.outputs.iter().map(|name| self.noise.get(name).copied()).collect()
+    }
+
+    /// Whether there are equations around the engine, or it is not the nonlinear one.
+    pub(crate) fn is_changed(&self) -> bool {
+        self.equations.is_some() || self.simulator == Kind::Linear
     }
 
     /// The simulator with another model: that of its own with other tolerances or noise.
@@ -281,7 +290,7 @@ impl EngineFile {
         Ok(Shell::new(ENGINE_KIND, Box::new(EngineSimulator::new(known)?))?)
     }
 
-    fn known(&self, ts: SampleTime) -> Result<EngineKnowledge, EnginePlantError> {
+    pub(crate) fn known(&self, ts: SampleTime) -> Result<EngineKnowledge, EnginePlantError> {
         let all = all_outputs();
         let place = |name: &String| all.iter().position(|known| known == name);
         let ts = self.sample_time.map_or(Ok(ts), SampleTime::new)?;

@@ -12,7 +12,9 @@ mod linear;
 mod noise;
 mod nominal;
 mod simulator;
+mod state_equations;
 
+pub(crate) use self::state_equations::EngineEquations;
 pub use self::{
     effects::{
         BLEED_LEAK, COMBUSTION, EngineEffect, FLOW_CAPACITY, HEAT_SOAK, MODULE_EFFICIENCY,

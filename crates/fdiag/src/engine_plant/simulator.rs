@@ -1,5 +1,6 @@
 //! The nonlinear engine as a simulator with exposed parameters.
 
+use fd_core::StateVisitor;
 use fd_jetengine::{
     EngineError,
     engine17::{
@@ -271,6 +272,13 @@ impl Simulator for EngineSimulator {
 
     fn state(&self) -> &[f64] {
         &self.deviation
+    }
+
+    fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) -> bool {
+        // In surge it is NaN. The deviation follows from the state.
+        visitor.reals_with_holes("states of the engine", &mut self.x);
+        self.note_deviation();
+        true
     }
 
     fn boxed(&self) -> Box<dyn Simulator> {

@@ -1,35 +1,35 @@
 //! Which residual generator, as a line of a spec.
 
+mod deviations;
 mod disturbance;
+mod error;
+#[cfg(feature = "testing")]
+mod every;
 mod fault;
+mod filter;
+mod linear;
+mod model_source;
 mod parameter;
+mod tracked;
 
-use faer::{Mat, c64};
-use fd_model::{Discrete, Record, StateSpace};
-use fd_residual::{
-    DesignError, GeneratorDesign,
-    adaptive::{AdaptiveDesign, ParameterNoise},
-    analysis::UnknownInputs,
-    decouple::DecoupledDesign,
-    directional::BeardDesign,
-    eigenstructure::EigenstructureDesign,
-    estimation::{FaultEstimatorDesign, FaultNoise},
-    observer::{ErrorPoles, ObserverDesign},
-    optimal::{Exposure, OptimalDesign},
-    parity::ParityDesign,
-    simulation::SimulationDesign,
-    structured::{RowMethod, StructuredDesign},
-    unknown_input::UnknownInputObserver,
-    weighted::WeightedDesign,
-};
+use std::{collections::BTreeMap, path::Path};
+
+use fd_model::Record;
+use fd_residual::{GeneratorDesign, weighted::WeightedDesign};
 use serde::{Deserialize, Serialize};
 
-use self::parameter::dense;
+#[cfg(feature = "testing")]
+pub(super) use self::every::EVERY;
 pub use self::{
+    deviations::DeviationSpec,
     disturbance::DisturbanceSpec,
+    error::GeneratorSpecError,
     fault::{FaultEntry, SignatureSpec},
+    model_source::ModelSource,
     parameter::{ParameterSpec, ShiftSpec},
 };
+use self::{filter::FilterSpec, parameter::dense, tracked::PatchedSpec};
+use super::NominalPlant;
 
 /// A residual generator and its settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -147,29 +147,73 @@ pub enum GeneratorSpec {
         /// Variance of the step that each fault takes per sample.
         drift: f64,
     },
+    /// The extended Kalman filter of a nonlinear model.
+    Extended {
+        /// The model file.
+        model: ModelSource,
+        /// Standard deviation of the noise that drives each state, per root of a second.
+        process_noise: DeviationSpec,
+        /// Standard deviation of the noise of each output; without it that of the model file.
+        #[serde(default)]
+        output_noise: Option<DeviationSpec>,
+        /// Standard deviation of each state at the start; without it that of the model file.
+        #[serde(default)]
+        initial: Option<DeviationSpec>,
+    },
+    /// The unscented Kalman filter of a nonlinear model.
+    Unscented {
+        /// The model file.
+        model: ModelSource,
+        /// Standard deviation of the noise that drives each state, per root of a second.
+        process_noise: DeviationSpec,
+        /// Standard deviation of the noise of each output; without it that of the model file.
+        #[serde(default)]
+        output_noise: Option<DeviationSpec>,
+        /// Standard deviation of each state at the start; without it that of the model file.
+        #[serde(default)]
+        initial: Option<DeviationSpec>,
+        /// How far out the points lie; none takes what suits the number of states.
+        #[serde(default)]
+        kappa: Option<f64>,
+    },
+    /// The bootstrap particle filter of a nonlinear model.
+    Particle {
+        /// The model file.
+        model: ModelSource,
+        /// Standard deviation of the noise that drives each state, per root of a second.
+        process_noise: DeviationSpec,
+        /// Standard deviation of the noise of each output; without it that of the model file.
+        #[serde(default)]
+        output_noise: Option<DeviationSpec>,
+        /// Standard deviation of each state at the start; without it that of the model file.
+        #[serde(default)]
+        initial: Option<DeviationSpec>,
+        /// How many particles.
+        #[serde(default = "default_particles")]
+        particles: usize,
+        /// Seed of the random numbers.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// Measured minus simulated output of a model with a known cause in it, whose strength is tracked.
+    Patched {
+        /// The model file, as `fdiag gap` writes it.
+        model: ModelSource,
+        /// Parameters that wear: standard deviation of how far each walks, per root of a second, in its unit.
+        #[serde(default)]
+        track: BTreeMap<String, f64>,
+        /// A fault is suspected, and nothing followed, when the smoothed residual is so many times what the
+        /// healthy logs showed.
+        #[serde(default = "default_suspicion")]
+        suspicion: f64,
+        /// Time in s over which the residual is smoothed for that.
+        #[serde(default = "default_memory")]
+        memory_s: f64,
+        /// Time in s at the start of each healthy log that is not learned from for that.
+        #[serde(default)]
+        settle_s: f64,
+    },
 }
-
-/// Lines of specs, at least one of each kind, for a model of one input, two states and two outputs.
-#[cfg(feature = "testing")]
-pub(super) const EVERY: [&str; 17] = [
-    r#"kind = "simulation""#,
-    r#"kind = "observer", rate = 2.0"#,
-    r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
-    r#"kind = "parity", order = 2"#,
-    r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }, rate = 2.0"#,
-    r#"kind = "decoupled", disturbance = { kind = "learned", rank = 1, duration_s = 2.0 }, rate = 2.0"#,
-    r#"kind = "eigenstructure", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }"#,
-    r#"kind = "eigenstructure", disturbance = { kind = "learned", rank = 1 }, rate = 3.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "perturbed", rank = 1, models = 20, perturbation = { fraction = 0.03 } }, rate = 2.0"#,
-    r#"kind = "unknown-input", disturbance = { kind = "models", rank = 1, shifts = [{ a = [[0.02, -0.01], [0.01, 0.02]], b = [[-0.01], [0.01]] }] }, rate = 2.0"#,
-    r#"kind = "optimal", process_noise = 0.01, output_noise = 1.0, attenuated = { kind = "learned", rank = 1 }"#,
-    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "dedicated" }"#,
-    r#"kind = "structured", faults = [{ sensor = 1 }, { sensor = 2 }], structure = { kind = "rows", rows = ["10", "11"] }, rate = 2.0"#,
-    r#"kind = "directional", rate = 2.0"#,
-    r#"kind = "adaptive", parameters = { kind = "state-rates" }, process_noise = 0.1, output_noise = 1e-4"#,
-    r#"kind = "fault-estimate", faults = [{ actuator = 1 }, { sensor = 2 }], process_noise = 1e-4, output_noise = 1e-2, drift = 1e-4"#,
-];
 
 fn unit_rate() -> f64 {
     1.0
@@ -177,6 +221,18 @@ fn unit_rate() -> f64 {
 
 fn default_prior() -> f64 {
     0.3
+}
+
+fn default_particles() -> usize {
+    1000
+}
+
+fn default_suspicion() -> f64 {
+    1.5
+}
+
+fn default_memory() -> f64 {
+    5.0
 }
 
 impl GeneratorSpec {
@@ -199,13 +255,17 @@ impl GeneratorSpec {
     /// assert_eq!(design.residual_len(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn design(
+    pub fn design<'a>(
         &self,
-        model: &StateSpace<Discrete>,
+        model: impl Into<NominalPlant<'a>>,
         weighting: Option<&[Vec<f64>]>,
         healthy: &[Record],
-    ) -> Result<Box<dyn GeneratorDesign>, DesignError> {
-        let design = self.unweighted(model, healthy)?;
+    ) -> Result<Box<dyn GeneratorDesign>, GeneratorSpecError> {
+        let plant = model.into();
+        let design = match self.nonlinear(&plant, healthy) {
+            Some(design) => design?,
+            None => self.linear(plant.system, healthy)?,
+        };
         let Some(rows) = weighting else { return Ok(design) };
         Ok(Box::new(WeightedDesign::new(design, dense(rows).as_ref())?))
     }
@@ -219,7 +279,11 @@ impl GeneratorSpec {
             | Self::Kalman { .. }
             | Self::UnknownInput { .. }
             | Self::Directional { .. }
-            | Self::Adaptive { .. } => true,
+            | Self::Adaptive { .. }
+            | Self::Extended { .. }
+            | Self::Unscented { .. }
+            | Self::Particle { .. }
+            | Self::Patched { .. } => true,
             Self::Parity { .. }
             | Self::Decoupled { .. }
             | Self::Eigenstructure { .. }
@@ -229,103 +293,43 @@ impl GeneratorSpec {
         }
     }
 
-    fn unweighted(
-        &self,
-        model: &StateSpace<Discrete>,
-        healthy: &[Record],
-    ) -> Result<Box<dyn GeneratorDesign>, DesignError> {
-        Ok(match self {
-            Self::Simulation {} => Box::new(SimulationDesign::new(model)?),
-            Self::Observer { rate } => {
-                let pole = c64::new((-rate * model.domain().ts.seconds()).exp(), 0.0);
-                Box::new(ObserverDesign::place(model, &vec![pole; model.nx()])?)
-            }
-            Self::Kalman { process_noise, output_noise } => {
-                Box::new(ObserverDesign::kalman(model, *process_noise, *output_noise)?)
-            }
-            Self::Parity { order } => Box::new(ParityDesign::all(model, *order)?),
-            Self::UnknownInput { disturbance, rate } => {
-                let e = disturbance.columns(model, healthy)?;
-                let poles = ErrorPoles::Rate(*rate);
-                Box::new(UnknownInputObserver::place(model, e.as_ref(), &poles)?)
-            }
-            Self::Decoupled { disturbance, rate } => {
-                let unknown = disturbance.unknown(model, healthy)?;
-                Box::new(DecoupledDesign::new(model, &unknown, &ErrorPoles::Rate(*rate))?)
-            }
-            Self::Eigenstructure { disturbance, rate } => {
-                let e = disturbance.columns(model, healthy)?;
-                let poles = rate.map_or(ErrorPoles::DeadBeat, ErrorPoles::Rate);
-                Box::new(EigenstructureDesign::new(model, e.as_ref(), &poles)?)
-            }
-            Self::Optimal { faults, process_noise, output_noise, decoupled, attenuated, rate } => {
-                let faults = match faults.as_slice() {
-                    [] => (0..model.ny()).map(|i| FaultEntry::Sensor(i + 1)).collect(),
-                    given => given.to_vec(),
-                };
-                let mut noise = independent_noises(model, *process_noise, *output_noise)?;
-                if let Some(more) = attenuated {
-                    noise = noise.and(&more.unknown(model, healthy)?)?;
-                }
-                let exposure = Exposure {
-                    faults: &FaultEntry::unknown(&faults, model)?,
-                    disturbances: &unknown(decoupled.as_ref(), model, healthy)?,
-                    noise: &noise,
-                };
-                Box::new(OptimalDesign::new(model, &exposure, *rate)?)
-            }
-            Self::Structured { faults, structure, disturbance, rate } => {
-                let faults = FaultEntry::unknown(faults, model)?;
-                let unknown = unknown(disturbance.as_ref(), model, healthy)?;
-                // No residual needs a longer window than that.
-                let longest = model.nx() + faults.len() + unknown.len();
-                let method =
-                    rate.map_or(RowMethod::Parity { longest }, |rate| RowMethod::Filter { rate });
-                let structure = structure.structure();
-                Box::new(StructuredDesign::new(model, &faults, &unknown, &structure, method)?)
-            }
-            Self::Directional { events, rate } if events.is_empty() => {
-                Box::new(BeardDesign::full_state(model, *rate)?)
-            }
-            Self::Directional { events, rate } => {
-                let given = DisturbanceSpec::Directions { columns: events.clone() };
-                let e = given.columns(model, healthy)?;
-                Box::new(BeardDesign::for_events(model, e.as_ref(), *rate)?)
-            }
-            Self::Adaptive { parameters, process_noise, output_noise, prior, drift, bound } => {
-                let observer = ObserverDesign::kalman(model, *process_noise, 1.0)?;
-                let (prior, drift, output, bound) = (*prior, *drift, *output_noise, *bound);
-                let noise = ParameterNoise { prior, drift, output, bound };
-                Box::new(AdaptiveDesign::new(observer, parameters.shifts(model)?, noise)?)
-            }
-            Self::FaultEstimate { faults, process_noise, output_noise, drift } => {
-                let faults = FaultEntry::unknown(faults, model)?;
-                let (process, output, drift) = (*process_noise, *output_noise, *drift);
-                let noise = FaultNoise { process, output, drift };
-                Box::new(FaultEstimatorDesign::new(model, &faults, &noise)?)
-            }
-        })
+    /// Lets the path of a model file begin in the folder of the spec.
+    pub fn begin_in(&mut self, folder: &Path) {
+        match self {
+            Self::Extended { model, .. }
+            | Self::Unscented { model, .. }
+            | Self::Particle { model, .. }
+            | Self::Patched { model, .. } => model.begin_in(folder),
+            _ => {}
+        }
     }
-}
 
-/// White noise on all states and outputs, of unit intensity.
-fn independent_noises(
-    model: &StateSpace<Discrete>,
-    process: f64,
-    output: f64,
-) -> Result<UnknownInputs, DesignError> {
-    let (n, ny) = (model.nx(), model.ny());
-    let on = |rows: usize, from: usize, variance: f64| {
-        let deviation = variance.sqrt();
-        Mat::from_fn(rows, n + ny, |i, j| if i + from == j { deviation } else { 0.0 })
-    };
-    UnknownInputs::new("noise", on(n, 0, process), on(ny, n, output))
-}
-
-fn unknown(
-    disturbance: Option<&DisturbanceSpec>,
-    model: &StateSpace<Discrete>,
-    healthy: &[Record],
-) -> Result<UnknownInputs, DesignError> {
-    disturbance.map_or_else(|| Ok(UnknownInputs::none(model)), |d| d.unknown(model, healthy))
+    /// The generators that have a nonlinear model of their own.
+    fn nonlinear(
+        &self,
+        plant: &NominalPlant<'_>,
+        healthy: &[Record],
+    ) -> Option<Result<Box<dyn GeneratorDesign>, GeneratorSpecError>> {
+        if let Self::Patched { model, track, suspicion, memory_s, settle_s } = self {
+            let (suspicion, memory_s, settle_s) = (*suspicion, *memory_s, *settle_s);
+            let spec = PatchedSpec { model, track, suspicion, memory_s, settle_s };
+            return Some(spec.design(plant, healthy).map(|design| Box::new(design) as _));
+        }
+        let (Self::Extended { model, process_noise, output_noise, initial }
+        | Self::Unscented { model, process_noise, output_noise, initial, .. }
+        | Self::Particle { model, process_noise, output_noise, initial, .. }) = self
+        else {
+            return None;
+        };
+        let (output_noise, initial) = (output_noise.as_ref(), initial.as_ref());
+        let filter = FilterSpec { model, process_noise, output_noise, initial };
+        let design = match self {
+            Self::Unscented { kappa, .. } => filter.unscented(plant, healthy, *kappa),
+            Self::Particle { particles, seed, .. } => {
+                filter.particle(plant, healthy, (*particles, *seed))
+            }
+            _ => filter.extended(plant, healthy),
+        };
+        Some(design.map(|design| Box::new(design) as Box<dyn GeneratorDesign>))
+    }
 }

@@ -11,6 +11,7 @@ mod generator;
 mod isolation;
 mod limits;
 mod place;
+mod plant;
 mod signature;
 mod start;
 #[cfg(feature = "testing")]
@@ -28,11 +29,13 @@ pub use self::{
     bias::{BiasSpec, LearningSpec, OrderSpec, StructureSpec},
     detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
-        DisturbanceSpec, FaultEntry, GeneratorSpec, ParameterSpec, ShiftSpec, SignatureSpec,
+        DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec, GeneratorSpecError, ModelSource,
+        ParameterSpec, ShiftSpec, SignatureSpec,
     },
     isolation::{IsolationSpec, IsolationSpecError},
     limits::check_limits,
     place::FaultPlace,
+    plant::NominalPlant,
     signature::FaultSites,
     start::StartSpec,
 };

@@ -1,7 +1,7 @@
 //! How a running diagnosis begins: what a fitted bias was fitted on, and how long the generator settles.
 
 use fd_compensate::{SampleRows, residual_compensation::PreFitted};
-use fd_model::Record;
+use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::error::TrainingError;
@@ -29,9 +29,9 @@ pub(super) fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitte
 pub(super) fn settling_samples(
     spec: &PipelineSpec,
     design: &dyn GeneratorDesign,
+    model: &StateSpace<Discrete>,
 ) -> Result<usize, TrainingError> {
-    let form = design.form()?;
-    let ts = form.system().domain().ts.seconds();
+    let ts = model.domain().ts.seconds();
     if let Some(found) = spec.settle_s {
         if !(found >= 0.0 && found.is_finite()) {
             let (setting, expected) = ("settle_s", "finite and not negative");
@@ -40,7 +40,7 @@ pub(super) fn settling_samples(
         return Ok((found / ts).round() as usize);
     }
     // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
-    let radius = form.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let radius = design.form()?.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
     Ok(samples as usize)
 }

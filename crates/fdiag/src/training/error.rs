@@ -7,7 +7,7 @@ use fd_model::ModelError;
 use fd_residual::DesignError;
 use thiserror::Error;
 
-use crate::spec::{DetectorSpecError, IsolationSpecError};
+use crate::spec::{DetectorSpecError, GeneratorSpecError, IsolationSpecError};
 
 /// A diagnosis cannot be trained or run.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -104,6 +104,9 @@ pub enum TrainingError {
     /// The residual generator.
     #[error("residual generator: {0}")]
     Generator(#[from] DesignError),
+    /// The residual generator of a nonlinear model.
+    #[error("residual generator: {0}")]
+    Nonlinear(Box<GeneratorSpecError>),
     /// The identification of the bias.
     #[error("bias model: {0}")]
     Bias(#[from] IdentError),
@@ -128,4 +131,13 @@ pub enum TrainingError {
     /// A sample of a log.
     #[error("log: {0}")]
     Frame(#[from] FrameError),
+}
+
+impl From<GeneratorSpecError> for TrainingError {
+    fn from(error: GeneratorSpecError) -> Self {
+        match error {
+            GeneratorSpecError::Design(error) => Self::Generator(error),
+            other => Self::Nonlinear(Box::new(other)),
+        }
+    }
 }

@@ -26,7 +26,7 @@ use super::{
     structure::{DynIdentifier, stand_by},
     trace::Trace,
 };
-use crate::spec::{DetectorData, DetectorSpec, PipelineSpec, StartSpec};
+use crate::spec::{DetectorData, DetectorSpec, NominalPlant, PipelineSpec, StartSpec};
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -97,9 +97,9 @@ pub struct Trained {
 ///
 /// Returns a setting that is beyond the default [`Limits`], or the first step that the model or the logs
 /// do not allow.
-pub fn train(
+pub fn train<'a>(
     spec: &PipelineSpec,
-    model: &StateSpace<Discrete>,
+    model: impl Into<NominalPlant<'a>>,
     healthy: &[Healthy<'_>],
 ) -> Result<Trained, TrainingError> {
     train_within(spec, model, healthy, &Limits::default())
@@ -110,18 +110,19 @@ pub fn train(
 /// # Errors
 ///
 /// As [`train`].
-pub fn train_within(
+pub fn train_within<'a>(
     spec: &PipelineSpec,
-    model: &StateSpace<Discrete>,
+    model: impl Into<NominalPlant<'a>>,
     healthy: &[Healthy<'_>],
     limits: &Limits,
 ) -> Result<Trained, TrainingError> {
     spec.check_limits(limits)?;
+    let plant: NominalPlant<'_> = model.into();
     let to_learn = healthy.iter().filter(|log| !log.learn.is_empty());
     let learned_from: Vec<Record> =
         to_learn.clone().map(|log| log.record.slice(log.learn.start, log.learn.end)).collect();
-    let design = spec.generator.design(model, spec.weighting.as_deref(), &learned_from)?;
-    let settle = settling_samples(spec, design.as_ref())?;
+    let design = spec.generator.design(plant.clone(), spec.weighting.as_deref(), &learned_from)?;
+    let settle = settling_samples(spec, design.as_ref(), plant.system)?;
     let mut generator = design.build()?;
     let mut records = Vec::new();
     for log in to_learn {
@@ -142,7 +143,7 @@ pub fn train_within(
     let fit = pre_fitted(learned.bias.loaded(), &records)?.filling(filling as u64);
     let mut trained = Trained {
         spec: spec.clone(),
-        nominal: model.clone(),
+        nominal: plant.system.clone(),
         design,
         bias: learned.bias,
         selection: learned.selection,
@@ -168,9 +169,9 @@ pub fn train_within(
 /// # Errors
 ///
 /// As [`train`].
-pub fn train_on(
+pub fn train_on<'a>(
     spec: &PipelineSpec,
-    model: &StateSpace<Discrete>,
+    model: impl Into<NominalPlant<'a>>,
     training: &Record,
     calibration: &[Record],
 ) -> Result<Trained, TrainingError> {

@@ -12,13 +12,13 @@ use crate::{
 
 /// A running model.
 #[derive(Clone, Debug)]
-pub(super) struct Engine<V> {
-    pub(super) system: Arc<System>,
+pub(in crate::simulate) struct Engine<V> {
+    pub(in crate::simulate) system: Arc<System>,
     pub(super) rates: Workspace<V>,
     pub(super) updates: Workspace<V>,
     pub(super) outputs: Workspace<V>,
     pub(super) control: Option<Workspace<V>>,
-    pub(super) x: Vec<V>,
+    pub(in crate::simulate) x: Vec<V>,
     pub(super) u: Vec<V>,
     pub(super) u_next: Vec<V>,
     /// Signals of a sampled controller, then delayed values.
@@ -27,17 +27,17 @@ pub(super) struct Engine<V> {
     pub(super) delays: Vec<Workspace<V>>,
     pub(super) delay_times: Workspace<V>,
     /// Whether this is the first integration step of a run.
-    pub(super) is_first: bool,
+    pub(in crate::simulate) is_first: bool,
     /// The four slopes of Runge-Kutta.
     pub(super) k: [Vec<V>; 4],
     /// Results of update laws and of the controller, until they are stored.
     pub(super) updated: Vec<V>,
     /// Sample number.
-    pub(super) sample: u64,
+    pub(in crate::simulate) sample: u64,
 }
 
 impl<V: Value> Engine<V> {
-    pub(super) fn new(system: Arc<System>) -> Self {
+    pub(in crate::simulate) fn new(system: Arc<System>) -> Self {
         let zeros = |n: usize| vec![V::constant(0.0); n];
         let (nx, nu) = (system.nx, system.inputs.len() + system.ports.len());
         let signals = system.control.as_ref().map_or(0, |control| control.signals);
@@ -63,7 +63,7 @@ impl<V: Value> Engine<V> {
     }
 
     /// Starts a run at a sample.
-    pub(super) fn restart(&mut self, theta: &[V], x0: &[V], first: u64) {
+    pub(in crate::simulate) fn restart(&mut self, theta: &[V], x0: &[V], first: u64) {
         let system = &*self.system;
         let h = V::constant(system.timing.h());
         let prepare = |program: &Program, workspace: &mut Workspace<V>| {
@@ -94,7 +94,13 @@ impl<V: Value> Engine<V> {
     }
 
     /// Writes the outputs of a sample and moves on to the next.
-    pub(super) fn advance(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [V]) {
+    pub(in crate::simulate) fn advance(
+        &mut self,
+        u: &[f64],
+        u_next: &[f64],
+        f: &[f64],
+        y: &mut [V],
+    ) {
         let inputs = self.system.inputs.len();
         load(&mut self.u[..inputs], &u[..inputs]);
         load(&mut self.u[inputs..], f);
@@ -127,7 +133,7 @@ impl<V: Value> Engine<V> {
 
     /// Writes the outputs of this sample without moving on; not with delays or a sampled
     /// controller, which remember what they have seen.
-    pub(super) fn measure_now(&mut self, u: &[f64], y: &mut [V]) -> bool {
+    pub(in crate::simulate) fn measure_now(&mut self, u: &[f64], y: &mut [V]) -> bool {
         let inputs = self.system.inputs.len();
         load(&mut self.u[..inputs], &u[..inputs]);
         let is_plain = self.lines.is_empty() && self.system.control.is_none();

@@ -19,16 +19,16 @@ use crate::{
 /// is the first step of a run, states, external inputs (ports last), held control signals, delayed
 /// values.
 #[derive(Clone, Debug)]
-pub(super) struct System {
-    pub(super) ts: SampleTime,
+pub(in crate::simulate) struct System {
+    pub(in crate::simulate) ts: SampleTime,
     pub(super) timing: Timing,
     pub(super) hold: Hold,
     pub(super) nx: usize,
-    pub(super) inputs: Vec<Channel>,
+    pub(in crate::simulate) inputs: Vec<Channel>,
     pub(super) ports: Vec<Port>,
-    pub(super) channels: Vec<Channel>,
+    pub(in crate::simulate) channels: Vec<Channel>,
     pub(super) parameters: Vec<Parameter>,
-    pub(super) initial: Vec<Initial>,
+    pub(in crate::simulate) initial: Vec<Initial>,
     pub(super) is_continuous: bool,
     pub(super) rates: Program,
     pub(super) updates: Program,
@@ -55,7 +55,7 @@ pub(super) struct Control {
 impl System {
     /// Compiles a model of which the inputs named in `ports` (with the site they belong to) are
     /// ports.
-    pub(super) fn new(
+    pub(in crate::simulate) fn new(
         model: &Model,
         ts: SampleTime,
         ports: &[(String, Port)],

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
 use super::wiring::{Source, Wiring};
@@ -351,6 +352,20 @@ impl Simulator for ShellSimulator {
 
     fn state(&self) -> &[f64] {
         self.inside.state()
+    }
+
+    fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) -> bool {
+        if !self.inside.visit_memory(visitor) {
+            return false;
+        }
+        for part in self.before.iter_mut().chain(&mut self.after) {
+            part.equations.visit_memory(visitor);
+        }
+        visitor.reals_with_holes("raw outputs of the shell", &mut self.raw);
+        let mut counts = [u64::from(self.has_diverged)];
+        visitor.counts("shell has diverged", &mut counts);
+        self.has_diverged = counts[0] != 0;
+        true
     }
 
     fn boxed(&self) -> Box<dyn Simulator> {

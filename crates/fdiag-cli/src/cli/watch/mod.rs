@@ -14,10 +14,7 @@ use std::{
 
 use fd_log::{LogMap, read_log};
 use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
-use fdiag::{
-    model::{SampleTime, file::LinearModel},
-    spec::PipelineSpec,
-};
+use fdiag::model::{SampleTime, file::LinearModel};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use self::{pulse::Pulse, watching::Watching};
@@ -100,7 +97,7 @@ fn board(_: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
 
 /// What is watched, and where it is found in the stream.
 fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
-    let spec = args.spec.as_deref().map(toml_file::read::<PipelineSpec>).transpose()?;
+    let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
     let model = LinearModel::read(&args.model).map_err(Failure::of_input)?;
     let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));

@@ -1,0 +1,131 @@
+//! Running the extended Kalman filter.
+
+use fd_core::{
+    Frame, IoDims, StateVisitor,
+    stage::{ResidualGenerator, Stage},
+};
+
+use super::slopes::{moved, step_along};
+use crate::{
+    gaussian::{Deviations, Estimate},
+    model::StateEquations,
+    noise::NoisyModel,
+};
+
+/// A running extended Kalman filter; its residual is the innovation.
+#[derive(Clone, Debug)]
+pub struct ExtendedKalman {
+    equations: Box<dyn StateEquations>,
+    io: IoDims,
+    estimate: Estimate,
+    deviations: Deviations,
+    /// A state to be asked about, and what is answered at both ends of a step: states, or outputs.
+    asked: Vec<f64>,
+    ends: [Vec<f64>; 2],
+    next: Vec<f64>,
+}
+
+impl ExtendedKalman {
+    pub(super) fn new(model: &NoisyModel) -> Self {
+        let (nx, io) = (model.nx(), model.io());
+        let longest = nx.max(io.ny);
+        Self {
+            equations: model.equations(),
+            io,
+            estimate: Estimate::new(model, nx),
+            deviations: Deviations::new(nx, io.ny, nx),
+            asked: vec![0.0; nx],
+            ends: [vec![0.0; longest], vec![0.0; longest]],
+            next: vec![0.0; nx],
+        }
+    }
+
+    /// Estimate of the state from all samples so far.
+    #[must_use]
+    pub fn state(&self) -> &[f64] {
+        &self.estimate.x
+    }
+
+    /// Time update; `false` when the model has no finite answer.
+    fn predict(&mut self, u: &[f64]) -> bool {
+        let Self { equations, estimate, deviations, asked, ends, next, .. } = self;
+        let (sample, Some(before)) = estimate.at() else { return true };
+        let nx = estimate.nx();
+        equations.advance(sample - 1, &estimate.x, before, u, next);
+        for column in 0..nx {
+            let step = step_along(&estimate.x, &estimate.s, column);
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                if let Some(step) = step {
+                    moved(&estimate.x, &estimate.s, column, sign * step, asked);
+                    equations.advance(sample - 1, asked, before, u, &mut end[..nx]);
+                }
+            }
+            for i in 0..nx {
+                deviations.x[i * nx + column] = slope(ends, i, step);
+            }
+        }
+        let is_finite = next.iter().chain(&deviations.x).all(|value| value.is_finite());
+        if is_finite {
+            estimate.x.copy_from_slice(next);
+            estimate.predict(deviations);
+        }
+        is_finite
+    }
+
+    /// The innovation, with the deviations of states and outputs; `false` when the model has no finite answer.
+    fn innovate(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) -> bool {
+        let Self { equations, estimate, deviations, asked, ends, io, .. } = self;
+        let (nx, ny, u) = (estimate.nx(), io.ny, frame.u());
+        let (sample, _) = estimate.at();
+        equations.output(sample, &estimate.x, u, r);
+        r.iter_mut().zip(frame.y()).for_each(|(r, y)| *r = y - *r);
+        for column in 0..nx {
+            let step = step_along(&estimate.x, &estimate.s, column);
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                if let Some(step) = step {
+                    moved(&estimate.x, &estimate.s, column, sign * step, asked);
+                    equations.output(sample, asked, u, &mut end[..ny]);
+                }
+            }
+            for i in 0..ny {
+                deviations.y[i * nx + column] = slope(ends, i, step);
+            }
+        }
+        deviations.x.copy_from_slice(&estimate.s);
+        r.iter().chain(&deviations.y).all(|value| value.is_finite())
+    }
+}
+
+/// Entry `i` of the slope between both ends; zero where there was no step.
+fn slope(ends: &[Vec<f64>; 2], i: usize, step: Option<f64>) -> f64 {
+    step.map_or(0.0, |step| (ends[0][i] - ends[1][i]) / (2.0 * step))
+}
+
+impl Stage for ExtendedKalman {
+    fn reset(&mut self) {
+        self.estimate.restart();
+    }
+
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+        self.estimate.visit_state(visitor);
+    }
+}
+
+impl ResidualGenerator for ExtendedKalman {
+    fn io(&self) -> IoDims {
+        self.io
+    }
+
+    fn residual_len(&self) -> usize {
+        self.io.ny
+    }
+
+    fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
+        if self.predict(frame.u()) && self.innovate(frame, r) {
+            self.estimate.update(&self.deviations, r, frame.u());
+        } else {
+            r.fill(f64::NAN);
+            self.estimate.lose();
+        }
+    }
+}
