@@ -21,7 +21,7 @@ fn stream(plant: &str) -> String {
     (0..samples)
         .map(|k| {
             let (u, y) = (run.u(k)[0], run.y(k));
-            let gain = 1.0 - 0.1 * (k as f64 / samples as f64);
+            let gain = 1.0 - 0.5 * (k as f64 / samples as f64);
             let time = 0.1 * k as f64;
             format!(
                 "{{\"rig\":\"{plant}\",\"time\":{time},\"fuel\":{u},\"speed\":{},\"temperature\":{}}}\n",
@@ -44,7 +44,7 @@ fn a_unit_that_moves_away_for_long_is_studied_and_nobody_waits() {
     let plant = Plant::new();
     let stream = stream("a");
     let plain = plant.run(WATCH, &stream);
-    let line = format!("{WATCH} --diagnose 0.0556 --diagnose-samples 1500 --unit rig");
+    let line = format!("{WATCH} --diagnose 0.0556 --diagnose-samples 300 --unit rig");
     let mut child = plant.spawn(&line);
     let mut stdin = child.stdin.take().unwrap();
     let mut out = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
@@ -64,7 +64,7 @@ fn a_unit_that_moves_away_for_long_is_studied_and_nobody_waits() {
     let begun = until(&|what| matches!(what, What::GapStudyStarted { .. }), &mut said);
     assert_eq!(
         (begun.unit.as_deref(), begun.what),
-        (Some("a"), What::GapStudyStarted { samples: 1500 })
+        (Some("a"), What::GapStudyStarted { samples: 300 })
     );
 
     // While it is studied, samples are judged as fast as ever: a new unit says at once that it has a hole.

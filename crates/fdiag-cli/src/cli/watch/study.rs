@@ -4,8 +4,11 @@ use std::{
     fmt::Write as _,
     fs::{self, File},
     path::{Path, PathBuf},
-    process::{Command, Stdio},
-    sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+    process::{Child, Command, Stdio},
+    sync::{
+        Arc, Mutex, PoisonError,
+        mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+    },
     time::{Duration, Instant},
 };
 
@@ -20,7 +23,11 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) struct Studies {
     stretches: SyncSender<Stretch>,
     answers: Receiver<Event>,
+    running: Running,
 }
+
+/// The process of the present study.
+type Running = Arc<Mutex<Option<Child>>>;
 
 /// What a study needs besides the samples.
 #[derive(Clone)]
@@ -39,6 +46,8 @@ impl Studies {
         // One waits while one is studied; what comes meanwhile will have grown again another night.
         let (stretches, next) = sync_channel::<Stretch>(1);
         let (answer, answers) = sync_channel(8);
+        let running = Running::default();
+        let present = Arc::clone(&running);
         std::thread::spawn(move || {
             for stretch in next {
                 let samples = stretch.rows.len() / plan.header.split(',').count().max(1);
@@ -50,7 +59,7 @@ impl Studies {
                 if answer.send(tell(What::GapStudyStarted { samples: samples as u64 })).is_err() {
                     return;
                 }
-                let what = match study(&plan, &stretch) {
+                let what = match study(&plan, &stretch, &present) {
                     Ok(headline) => What::GapStudied { answer: headline },
                     Err(reason) => What::GapStudyFailed { reason },
                 };
@@ -59,7 +68,7 @@ impl Studies {
                 }
             }
         });
-        Self { stretches, answers }
+        Self { stretches, answers, running }
     }
 
     /// Hands a stretch over; an event when nothing can be made of it now.
@@ -77,7 +86,18 @@ impl Studies {
     }
 }
 
-fn study(plan: &StudyPlan, stretch: &Stretch) -> Result<String, String> {
+/// A study ends with its monitor.
+impl Drop for Studies {
+    fn drop(&mut self) {
+        let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(child) = &mut *running {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+fn study(plan: &StudyPlan, stretch: &Stretch, running: &Running) -> Result<String, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let log = folder.path().join("recent.csv");
     fs::write(&log, text(&plan.header, &stretch.rows)).map_err(|error| error.to_string())?;
@@ -89,7 +109,7 @@ fn study(plan: &StudyPlan, stretch: &Stretch) -> Result<String, String> {
     if cfg!(unix) {
         command.args(["-n", "19"]).arg(&program);
     }
-    let mut child = command
+    let child = command
         .args(["gap", "--json", "--threads", "1", "--drop-disorder", "--model"])
         .arg(&plan.model)
         .arg("--log")
@@ -101,16 +121,22 @@ fn study(plan: &StudyPlan, stretch: &Stretch) -> Result<String, String> {
         .stderr(file(&wrong)?)
         .spawn()
         .map_err(|error| error.to_string())?;
+    *running.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
     let begun = Instant::now();
     let status = loop {
+        let mut present = running.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(child) = &mut *present else { return Err("it has gone".to_owned()) };
         if let Some(status) = child.try_wait().map_err(|error| error.to_string())? {
+            *present = None;
             break status;
         }
         if plan.longest < begun.elapsed() {
             let _ = child.kill();
             let _ = child.wait();
+            *present = None;
             return Err(format!("it took longer than {} s", plan.longest.as_secs_f64()));
         }
+        drop(present);
         std::thread::sleep(LOOK);
     };
     let read = |path| fs::read_to_string(path).map_err(|error| error.to_string());
