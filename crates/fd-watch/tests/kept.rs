@@ -24,7 +24,7 @@ fn keep(state: &mut StateFolder, monitor: &mut Monitor, rows: &[(f64, Vec<f64>)]
 fn open(folder: &Path) -> (StateFolder, Monitor, Vec<Message>) {
     let mut monitor = Monitor::new(plan());
     let (mut state, mut messages) = StateFolder::open(folder, &mut monitor).unwrap();
-    state.replay(&mut monitor, |monitor, row| monitor.take(row)).unwrap().unwrap();
+    state.replay(&mut monitor, Monitor::take).unwrap().unwrap();
     let mut again = monitor.take_messages();
     state.promise(&mut again).unwrap();
     messages.extend(again);
@@ -81,7 +81,7 @@ fn what_was_cut_off_was_not_promised_and_what_is_damaged_is_refused() {
     fs::write(&path, [b"nonsense\n", &bytes[..]].concat()).unwrap();
     let mut monitor = Monitor::new(plan());
     let (mut state, _) = StateFolder::open(folder.path(), &mut monitor).unwrap();
-    let error = state.replay(&mut monitor, |monitor, row| monitor.take(row)).unwrap_err();
+    let error = state.replay(&mut monitor, Monitor::take).unwrap_err();
     assert!(matches!(error, StateError::Damaged { .. }), "{error}");
     assert!(error.to_string().contains("0.ndjson: line 1"), "{error}");
 }

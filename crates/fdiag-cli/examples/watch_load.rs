@@ -83,9 +83,9 @@ fn line(out: &mut impl Write, bodies: &[String], unit: usize, k: u64) -> std::io
 fn start(folder: &Path) -> Child {
     fs::write(folder.join("model.toml"), MODEL).unwrap();
     fs::write(folder.join("spec.toml"), SPEC).unwrap();
-    let mut log = "time,fuel,speed,temperature\n".to_owned();
+    let mut log = b"time,fuel,speed,temperature\n".to_vec();
     for (k, [u, speed, temperature]) in period(1).into_iter().enumerate() {
-        log.push_str(&format!("{:.1},{u:.4},{speed:.5},{temperature:.5}\n", k as f64 / 10.0));
+        writeln!(log, "{:.1},{u:.4},{speed:.5},{temperature:.5}", k as f64 / 10.0).unwrap();
     }
     fs::write(folder.join("healthy.csv"), log).unwrap();
     let own = std::env::current_exe().unwrap();

@@ -1,6 +1,7 @@
 //! The live page, `/metrics` and `/healthz` of a monitor that runs.
 #![cfg(feature = "http")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(clippy::format_collect, reason = "a short stream")]
 
 mod watching;
 

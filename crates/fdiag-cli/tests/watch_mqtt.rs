@@ -1,6 +1,7 @@
 //! A broker between plant and monitor: kills of either lose nothing and double nothing.
 #![cfg(feature = "mqtt")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(clippy::print_stdout, reason = "figures")]
 
 #[path = "watching/broker.rs"]
 #[allow(clippy::expect_used, clippy::unwrap_used, unreachable_pub, dead_code, missing_docs)]
@@ -195,7 +196,7 @@ fn through_mosquitto_kills_of_monitor_and_broker_lose_and_double_nothing() {
 /// A week of three plants with a sample every 10 s: drifts and steps, kills, a broker that goes away.
 /// `--nocapture` gives the figures of `docs/results/watch.md`.
 #[test]
-#[ignore = "needs mosquitto, and minutes"]
+#[ignore = "needs mosquitto"]
 fn through_mosquitto_a_week_finds_every_fault_once() {
     let plant = Plant::new();
     let (stream, faults) = week::write(&plant);
@@ -207,10 +208,9 @@ fn through_mosquitto_a_week_finds_every_fault_once() {
 
     let begun = Instant::now();
     let mut trial = Trial::begin(&plant, "");
-    let (mut publish, samples) = (trial.broker.publisher(), messages(&stream));
+    let (publish, samples) = (trial.broker.publisher(), messages(&stream));
     let sent = samples.len();
-    let publisher =
-        std::thread::spawn(move || samples.chunks(500).for_each(|piece| publish(piece)));
+    let publisher = std::thread::spawn(move || samples.chunks(500).for_each(publish));
     while !publisher.is_finished() {
         trial.disturb(Duration::from_secs(4));
     }

@@ -64,10 +64,8 @@ type Watched = Arc<Mutex<Option<(Instant, Vec<u8>)>>>;
 
 fn tried(name: &str, input: &[u8], target: &Target<'_>, watched: &Watched) -> String {
     *watched.lock().unwrap() = Some((Instant::now(), input.to_vec()));
-    match catch_unwind(AssertUnwindSafe(|| target(input))) {
-        Ok(outcome) => outcome,
-        Err(_) => panic!("{name}: a panic, of the input {}", kept(name, input)),
-    }
+    let outcome = catch_unwind(AssertUnwindSafe(|| target(input))).ok();
+    outcome.unwrap_or_else(|| panic!("{name}: a panic, of the input {}", kept(name, input)))
 }
 
 /// Words without numbers and names in quotes, so that the same outcome is the same.

@@ -4,6 +4,11 @@
 //! is changed at random from a seed or from an earlier input of which something new became. What was found is kept in
 //! the folder `found` as `TARGET-WHAT`, and is a seed ever after.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "how many inputs were tried, and which failed"
+)]
 #![allow(unreachable_pub, reason = "modules of one test binary")]
 
 mod engine;

@@ -43,11 +43,12 @@ pub fn write(plant: &Plant) -> (String, Vec<Fault>) {
             let mut y = [y[0], y[1]];
             // Day and night, of which nobody should hear.
             let day = 2e-4 * (k as f64 * std::f64::consts::TAU / 8640.0).sin();
-            y.iter_mut().for_each(|y| *y += day);
+            y = y.map(|y| y + day);
             let is_fault = 0 < number && phase < LASTS;
             if is_fault {
                 // In turn a step and a drift, of either sensor.
-                let size = if number % 2 == 0 { 0.1 } else { 0.2 * phase as f64 / LASTS as f64 };
+                let size =
+                    if number.is_multiple_of(2) { 0.1 } else { 0.2 * phase as f64 / LASTS as f64 };
                 y[number / 2 % 2] += size;
             }
             if is_fault && phase == 0 {

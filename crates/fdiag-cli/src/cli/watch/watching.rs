@@ -200,8 +200,7 @@ impl<W: Write> Watching<W> {
     /// Takes again what a broker was told to forget and what no unit remembers.
     pub(super) fn replay(&mut self) -> Result<(), Failure> {
         let Some(state) = &mut self.state else { return Ok(()) };
-        let take = |monitor: &mut Monitor, row: fd_watch::Row<'_>| monitor.take(row);
-        let taken = state.replay(&mut self.monitor, take).map_err(failures::of_state)?;
+        let taken = state.replay(&mut self.monitor, Monitor::take).map_err(failures::of_state)?;
         taken.map_err(failures::of_plan)?;
         self.publish()
     }

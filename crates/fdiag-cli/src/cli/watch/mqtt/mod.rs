@@ -1,6 +1,6 @@
 //! Samples from a broker, alarms to it (MQTT 3.1.1).
 //!
-//! In: a persistent session at QoS 1. A message is acknowledged only after its samples are in the state folder, so what
+//! In: a persistent session at quality of service 1. A message is acknowledged only after its samples are in the state folder, so what
 //! a kill interrupts the broker sends again. Out: a cursor over the journal, moved on only when the broker has
 //! acknowledged, so what it does not hear while it is away it hears later.
 
