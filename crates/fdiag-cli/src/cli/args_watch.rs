@@ -12,8 +12,7 @@ Examples:
   fdiag watch --model model.toml --healthy healthy.csv --format csv < later.csv
   fdiag watch --model model.toml --learn 1400 --unit rig --state state < samples.ndjson
   fdiag watch --model model.toml --healthy healthy.csv --format csv --follow growing.csv
-  fdiag watch --model model.toml --learn 1400 --unit rig --state state --mqtt localhost --mqtt-in 'plant/+' \
-              --mqtt-out fdiag
+  mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --unit rig
 
 Exit codes: as for all commands; 0 also after SIGTERM or Ctrl-C, when all units have been saved.";
 
