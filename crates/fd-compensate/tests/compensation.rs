@@ -4,7 +4,10 @@
 mod support;
 
 use fd_compensate::residual_compensation::{CompensationPlan, RangePolicy, Timeout};
-use fd_core::{EventKind, Scalar, Snapshot, stage::Stage};
+use fd_core::{
+    EventKind, Scalar, Snapshot,
+    stage::{Compensator, Stage},
+};
 use proptest::prelude::*;
 use support::{Subject, bits, kinds, paper_input, response, run, subject};
 
@@ -171,6 +174,27 @@ fn the_operating_point_is_watched() {
     // A band that the sinusoid never satisfies: no re-training.
     let restless = RangePolicy::RetrainAfter { samples: 100, band: 0.01 };
     assert_eq!(kinds(&events(restless))[2..], [OperatingPointLeft, OperatingPointRegained]);
+}
+
+#[test]
+fn training_again_can_be_a_question() {
+    let u = moved_input();
+    let r = response::<2>(&THETA, &u);
+    let plan = CompensationPlan { ask: true, ..plan_with(RangePolicy::Retrain) };
+    let unanswered = run(&mut subject::<f64>(&plan), &u, &r).1;
+    let expected = [
+        OperatingPointLeft,
+        EventKind::RetrainingWanted,
+        OperatingPointRegained,
+        EventKind::RetrainingWithdrawn,
+    ];
+    assert_eq!(kinds(&unanswered)[2..], expected, "asked once, and nothing is trained");
+
+    let mut compensator = subject::<f64>(&plan);
+    run(&mut compensator, &u[..2000], &r[..2000]);
+    assert!(Compensator::<f64>::retrain(&mut compensator));
+    let answered = run(&mut compensator, &u[2000..2900], &r[2000..2900]).1;
+    assert_eq!(kinds(&answered), [TrainingStarted, Frozen]);
 }
 
 #[test]

@@ -34,6 +34,10 @@ pub enum EventKind {
     OperatingPointRegained,
     /// The plant itself has changed: what is left of the residual follows the inputs.
     CharacteristicsChanged,
+    /// Training would start again if nobody had to be asked.
+    RetrainingWanted,
+    /// What training was to start again for is over.
+    RetrainingWithdrawn,
     /// A safeguard of the identifier acted for the first time since the last reset.
     WindUpGuard,
     /// The decision rule raised an alarm.
@@ -55,6 +59,8 @@ impl fmt::Display for EventKind {
             Self::OperatingPointLeft => "operating point left the trained range",
             Self::OperatingPointRegained => "operating point back in the trained range",
             Self::CharacteristicsChanged => "characteristics of the plant changed",
+            Self::RetrainingWanted => "training again is wanted",
+            Self::RetrainingWithdrawn => "training again is not wanted any more",
             Self::WindUpGuard => "wind-up guard acted",
             Self::AlarmRaised => "alarm raised",
             Self::AlarmCleared => "alarm cleared",

@@ -3,7 +3,7 @@
 use std::{
     collections::{HashMap, VecDeque},
     fmt::Write,
-    sync::{Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc::SyncSender},
     time::Duration,
 };
 
@@ -33,6 +33,8 @@ pub struct Health {
     pub events: u64,
     /// Units by what they do: learning, settling, watched, alarmed.
     pub units: [u64; 4],
+    /// Bytes of the journal that a broker has not confirmed, where there is one.
+    pub unheard: Option<u64>,
     /// Units that wait to be saved.
     pub unsaved: u64,
     /// Whether the last saving failed.
@@ -56,10 +58,23 @@ struct Card {
     time: f64,
     statistic: f64,
     threshold: f64,
+    wish: Option<String>,
+}
+
+/// Whether to train a unit again, as somebody has said it on the page.
+#[derive(Debug)]
+pub struct Answer {
+    /// The question.
+    pub id: String,
+    /// Whether to train again.
+    pub confirmed: bool,
+    /// Takes what became of it: an error in words, for whoever has answered.
+    pub heard: SyncSender<Result<(), String>>,
 }
 
 #[derive(Default)]
 struct Inner {
+    answers: Vec<Answer>,
     health: Health,
     cards: Vec<Card>,
     /// Of pictured units: time, statistic, threshold.
@@ -117,7 +132,7 @@ impl Board {
         inner.look += 1;
         let mut cards: Vec<(bool, Card)> = Vec::new();
         for unit in monitor.units() {
-            let is_alarmed = unit.doing == Doing::Alarmed;
+            let is_alarmed = unit.doing == Doing::Alarmed || unit.wish.is_some();
             if !is_alarmed && PICTURED <= cards.len() {
                 continue;
             }
@@ -130,6 +145,7 @@ impl Board {
                 time: latest.time,
                 statistic: latest.statistic,
                 threshold: latest.threshold,
+                wish: unit.wish.map(str::to_owned),
             };
             cards.push((!is_alarmed, card));
         }
@@ -150,6 +166,21 @@ impl Board {
         inner.cards = cards;
         drop(inner);
         self.changed.notify_all();
+    }
+
+    /// Answers that were given since it was last asked.
+    pub fn take_answers(&self) -> Vec<Answer> {
+        std::mem::take(&mut self.lock().answers)
+    }
+
+    /// Hands an answer to whoever runs the monitor; false when too many wait.
+    pub(crate) fn put_answer(&self, answer: Answer) -> bool {
+        let mut inner = self.lock();
+        let has_room = inner.answers.len() < MESSAGES;
+        if has_room {
+            inner.answers.push(answer);
+        }
+        has_room
     }
 
     /// In the text format of Prometheus.
@@ -188,6 +219,10 @@ impl Board {
             "Units that wait to be saved.",
             &[("", count(health.unsaved))],
         );
+        if let Some(unheard) = health.unheard {
+            let help = "Bytes of alarms that the broker has not confirmed.";
+            add("unheard_bytes", "gauge", help, &[("", count(unheard))]);
+        }
         let failing = f64::from(u8::from(health.cannot_save));
         add("saving_failed", "gauge", "1 while units cannot be saved.", &[("", failing)]);
         let lag = "Time that the newest lines waited before they were judged.";

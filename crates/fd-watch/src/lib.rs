@@ -28,12 +28,12 @@ mod unit;
 #[cfg(feature = "http")]
 pub use self::http::serve;
 pub use self::{
-    board::{Board, Health},
+    board::{Answer, Board, Health},
     input::{ColumnsError, Format, InputMap, Row, RowReader},
     memory::{LearnedRows, MemoryError, UnitMemory},
     message::{Alarm, Cleared, Event, Message, What, Why},
     monitor::{Counts, Monitor, UnitStatus},
     plan::{Learning, Plan, PlanError, Request},
-    state::{Identity, StateError, StateFolder},
+    state::{Identity, Outbox, StateError, StateFolder},
     unit::{Doing, Latest},
 };

@@ -19,6 +19,7 @@ pub struct UnitMemory {
     clock: Clock,
     phase: PhaseMemory,
     standing: Option<Standing>,
+    wish: Option<String>,
     time: Option<u64>,
     refused: u64,
 }
@@ -94,6 +95,7 @@ impl UnitMemory {
                 },
             },
             standing: unit.standing.clone(),
+            wish: unit.wish.clone(),
             time: unit.time.map(f64::to_bits),
             refused: unit.refused.count,
         }
@@ -140,6 +142,7 @@ impl UnitMemory {
         unit.clock = self.clock;
         unit.clock.resume();
         unit.standing = self.standing;
+        unit.wish = self.wish;
         unit.refused.count = self.refused;
         Ok(unit)
     }

@@ -215,6 +215,53 @@ pub enum What {
         /// Why.
         reason: String,
     },
+    /// A unit would be trained again, and somebody has to say whether.
+    RetrainingWanted {
+        /// What the answer has to name: unit and time of the sample.
+        id: String,
+    },
+    /// Nobody has answered, and there is no reason any more.
+    RetrainingWithdrawn {
+        /// The question.
+        id: String,
+    },
+    /// Somebody has answered.
+    RetrainingAnswered {
+        /// The question.
+        id: String,
+        /// Whether the unit is trained again.
+        confirmed: bool,
+    },
+    /// The residual of a unit has grown for long, and its recent samples are being compared with the model.
+    GapStudyStarted {
+        /// How many.
+        samples: u64,
+    },
+    /// Which effect the difference looks like.
+    GapStudied {
+        /// The answer in one sentence.
+        answer: String,
+    },
+    /// No answer was found.
+    GapStudyFailed {
+        /// Why.
+        reason: String,
+    },
+    /// A broker was reached.
+    Connected {
+        /// Its address.
+        broker: String,
+        /// Whether it remembers this monitor. If it did not although the monitor was there before, samples that came
+        /// meanwhile are lost.
+        session: bool,
+    },
+    /// A broker cannot be reached, or the connection broke; it is tried again and again.
+    Disconnected {
+        /// Its address.
+        broker: String,
+        /// Why.
+        reason: String,
+    },
     /// Something within the diagnosis.
     Diagnosis {
         /// What.

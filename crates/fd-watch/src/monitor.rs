@@ -68,6 +68,8 @@ pub struct UnitStatus<'a> {
     pub doing: Doing,
     /// Its latest judged sample.
     pub latest: Latest,
+    /// The question whether to train it again that waits for an answer.
+    pub wish: Option<&'a str>,
 }
 
 impl Monitor {
@@ -112,6 +114,14 @@ impl Monitor {
         Ok(())
     }
 
+    /// The source of the rows begins anew somewhere before where it was, as a broker does when a connection is made
+    /// again: rows that are not newer than what was taken are no surprise, and left out.
+    pub fn resume(&mut self) {
+        for unit in &mut self.units {
+            unit.clock.resume();
+        }
+    }
+
     /// Takes a row.
     ///
     /// # Errors
@@ -132,6 +142,20 @@ impl Monitor {
         unit.take(&self.plan, row.time, row.values, &mut self.messages);
         self.count(before);
         Ok(())
+    }
+
+    /// Answers the question whether to train a unit again, and returns the unit; none when no such question waits.
+    /// The unit waits to be saved before all others: an answer should be kept before it is acknowledged.
+    pub fn answer(&mut self, id: &str, confirmed: bool) -> Option<&str> {
+        let index = self.units.iter().position(|unit| unit.wish.as_deref() == Some(id))?;
+        let before = self.messages.len();
+        let unit = &mut self.units[index];
+        unit.answer(confirmed, &mut self.messages);
+        unit.is_dirty = true;
+        self.dirty.retain(|other| *other != index);
+        self.dirty.push_front(index);
+        self.count(before);
+        Some(&self.units[index].name)
     }
 
     fn index(&mut self, name: &str) -> Result<Option<usize>, PlanError> {
@@ -207,11 +231,13 @@ impl Monitor {
     /// All units, in the order in which they came.
     #[must_use]
     pub fn units(&self) -> impl ExactSizeIterator<Item = UnitStatus<'_>> {
-        self.units.iter().map(|unit| UnitStatus {
-            name: &unit.name,
-            doing: unit.doing(),
-            latest: unit.latest,
-        })
+        self.units.iter().map(Unit::status)
+    }
+
+    /// One unit, if it has come.
+    #[must_use]
+    pub fn unit(&self, name: &str) -> Option<UnitStatus<'_>> {
+        self.names.get(name).and_then(|index| self.units.get(*index)).map(Unit::status)
     }
 
     /// What went through so far.

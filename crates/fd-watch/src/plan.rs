@@ -66,6 +66,8 @@ pub struct Request {
     pub longest_gap: Option<f64>,
     /// Most units; samples of further ones are refused.
     pub most_units: usize,
+    /// Whether somebody is asked before a unit is trained again, see [`Monitor::answer`](crate::Monitor::answer).
+    pub ask: bool,
     /// How large numbers of the spec and the learned stretch may be.
     pub limits: Limits,
 }
@@ -145,6 +147,7 @@ impl Request {
             sample_time: None,
             longest_gap: None,
             most_units: 100_000,
+            ask: false,
             limits: Limits::default(),
         }
     }
@@ -155,7 +158,7 @@ impl Request {
     ///
     /// Returns what is missing, contradicts itself, or cannot be learned.
     pub fn plan(self) -> Result<Plan, PlanError> {
-        let Self { model, spec, learning, share_to_learn, .. } = self;
+        let Self { model, mut spec, learning, share_to_learn, .. } = self;
         spec.check_limits(&self.limits).map_err(TrainingError::from)?;
         if !(0.0 < share_to_learn && share_to_learn < 1.0) {
             let expected = "between 0 and 1, both excluded";
@@ -195,6 +198,8 @@ impl Request {
             }
         };
         let identity = Identity::of(&model, &spec, &learning, share_to_learn, step, gap);
+        // Not a part of the identity: somebody may choose to be asked, or not any more, in the midst of it.
+        spec.compensation.ask |= self.ask;
         let scaling = model.scaling();
         let mut plan = Plan {
             plant: model.system.sampled(step)?,

@@ -10,6 +10,7 @@ use crate::{
     clock::{Clock, Tick},
     input::Runs,
     message::{Alarm, Cleared, Event, Message, What, Why},
+    monitor::UnitStatus,
     plan::{Plan, PlanError},
 };
 
@@ -58,6 +59,8 @@ pub(crate) struct Unit {
     pub(crate) clock: Clock,
     pub(crate) phase: Phase,
     pub(crate) standing: Option<Standing>,
+    /// The question whether to train again, until it is answered.
+    pub(crate) wish: Option<String>,
     /// Time of the last sample on the grid.
     pub(crate) time: Option<f64>,
     pub(crate) refused: Runs,
@@ -86,6 +89,7 @@ impl Unit {
             is_own: matches!(phase, Phase::Learning { .. }),
             phase,
             standing: None,
+            wish: None,
             time: None,
             refused: Runs::default(),
             held: Runs::default(),
@@ -106,6 +110,15 @@ impl Unit {
             }
             Phase::Watching(_) if self.settled => Doing::Watched,
             Phase::Watching(_) => Doing::Settling,
+        }
+    }
+
+    pub(crate) fn status(&self) -> UnitStatus<'_> {
+        UnitStatus {
+            name: &self.name,
+            doing: self.doing(),
+            latest: self.latest,
+            wish: self.wish.as_deref(),
         }
     }
 
@@ -145,6 +158,10 @@ impl Unit {
                 }
             }
             Phase::Watching(pipeline) => pipeline.reset(),
+        }
+        // The diagnosis begins as it began: what it asked is settled.
+        if let Some(id) = self.wish.take() {
+            self.tell(time, What::RetrainingWithdrawn { id }, messages);
         }
         self.settled = false;
         self.refused = Runs::default();
@@ -230,6 +247,17 @@ impl Unit {
                                 self.tell(time, what, messages);
                             }
                         }
+                        EventKind::RetrainingWanted => {
+                            let id = format!("{}/retraining/{time}", self.name);
+                            self.wish = Some(id.clone());
+                            self.tell(time, What::RetrainingWanted { id }, messages);
+                        }
+                        // Of what was answered there is nothing to take back.
+                        EventKind::RetrainingWithdrawn => {
+                            if let Some(id) = self.wish.take() {
+                                self.tell(time, What::RetrainingWithdrawn { id }, messages);
+                            }
+                        }
                         // An alarm says more than this.
                         EventKind::AlarmRaised | EventKind::AlarmCleared => {}
                         what => self.tell(time, What::Diagnosis { what }, messages),
@@ -248,6 +276,17 @@ impl Unit {
             // The rows have the channels of the model, as the pipeline has.
             Err(FrameError::Length { .. } | _) => {}
         }
+    }
+
+    /// Trains again or not, as somebody has answered.
+    pub(crate) fn answer(&mut self, confirmed: bool, messages: &mut Vec<Message>) {
+        let Some(id) = self.wish.take() else { return };
+        if confirmed && let Phase::Watching(pipeline) = &mut self.phase {
+            pipeline.retrain();
+            self.settled = false;
+        }
+        let what = What::RetrainingAnswered { id, confirmed };
+        self.tell(self.time.unwrap_or(0.0), what, messages);
     }
 
     fn judge(

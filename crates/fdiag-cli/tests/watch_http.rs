@@ -1,6 +1,7 @@
 //! The live page, `/metrics` and `/healthz` of a monitor that runs.
 #![cfg(feature = "http")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+#![allow(clippy::format_collect, reason = "a short stream")]
 
 mod watching;
 
@@ -79,4 +80,68 @@ fn whoever_looks_sees_how_it_goes() {
 
     drop(stdin);
     assert!(child.wait().unwrap().success());
+}
+
+/// Posts an answer; status and body.
+fn post(address: &str, kind: &str, body: &str) -> (u16, String) {
+    let mut stream = TcpStream::connect(address).unwrap();
+    write!(
+        stream,
+        "POST /answer HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: {kind}\r\n\
+         Content-Length: {}\r\n\r\n{body}",
+        body.len()
+    )
+    .unwrap();
+    let mut text = String::new();
+    stream.read_to_string(&mut text).unwrap();
+    let status = text.split(' ').nth(1).unwrap().parse().unwrap();
+    (status, text.split("\r\n\r\n").nth(1).unwrap_or_default().to_owned())
+}
+
+/// The input leaves the trained range; whoever is asked confirms, and it is kept before it is acknowledged.
+#[test]
+fn whoever_is_asked_can_answer_on_the_page() {
+    let plant = Plant::new();
+    let more =
+        "compensation.operating_point = { policy = { kind = \"retrain\" }, time_constant = 20 }\n";
+    std::fs::write(plant.path("spec.toml"), more.to_owned() + watching::SPEC).unwrap();
+    let line = "watch --model model.toml --spec spec.toml --healthy healthy.csv --ask \
+                --http 127.0.0.1:0 --state state --save-every 1000000";
+    let mut child = plant.spawn(line);
+    let mut said = String::new();
+    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
+    let address = said.trim().strip_prefix("live page: http://").unwrap().trim_end_matches('/');
+    let mut out = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let mut stdin = child.stdin.take().unwrap();
+    for k in 0..400 {
+        let u = if k < 200 { 0.0 } else { 10.0 };
+        let time = 0.1 * f64::from(k);
+        writeln!(stdin, "{{\"time\":{time},\"fuel\":{u},\"speed\":0,\"temperature\":0}}").unwrap();
+    }
+    stdin.flush().unwrap();
+    let wanted = out.find(|line| line.contains("retraining-wanted")).unwrap();
+    let id = wanted.split("\"id\":\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+    let confirm = format!("{{\"id\":\"{id}\",\"answer\":\"confirm\"}}");
+
+    // A form on somebody else's page can post this much, and no more.
+    assert_eq!(post(address, "text/plain", &confirm).0, 415);
+    assert_eq!(post(address, "application/json", "{\"id\":1}").0, 400);
+    assert_eq!(post(address, "application/json", "{\"id\":\"x\",\"answer\":\"confirm\"}").0, 409);
+    assert_eq!(get(address, "/answer").1, 404);
+    assert_eq!(post(address, "application/json", &confirm), (200, "kept\n".to_owned()));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = std::fs::read_to_string(plant.path("state/units/plant.unit")).unwrap();
+    assert!(kept.contains("\"wish\":null"), "the answer outlives a kill");
+
+    let rest: String = (400..420)
+        .map(|k| {
+            format!(
+                "{{\"time\":{},\"fuel\":10,\"speed\":0,\"temperature\":0}}\n",
+                0.1 * f64::from(k)
+            )
+        })
+        .collect();
+    let again = watching::text(&plant.run(line, &rest).stdout);
+    assert!(again.contains("training-started"), "{again}");
 }

@@ -36,6 +36,7 @@ where
         self.mu_hat.fill(T::zero());
         self.age = 0;
         self.guard_reported = false;
+        self.has_asked = false;
     }
 
     /// Enters the first activity of a compensator that has no memory.
@@ -209,10 +210,27 @@ where
         subtract(r, &self.mu_hat, r_star);
         // Both watch every sample, whatever the other says.
         let has_moved = self.operating_point.watch(u, events);
-        if self.plant_watch.watch(u, r_star, self.peak, events) || has_moved {
+        let is_wanted = self.plant_watch.watch(u, r_star, self.peak, events) || has_moved;
+        if self.asks {
+            self.ask(is_wanted, events);
+        } else if is_wanted {
             self.retrain();
         }
         Phase::Compensating
+    }
+
+    /// Asks once to train again, and takes it back when there is no reason any more.
+    fn ask(&mut self, is_wanted: bool, events: &mut Events) {
+        if is_wanted && !self.has_asked {
+            self.has_asked = true;
+            events.push(EventKind::RetrainingWanted);
+        } else if self.has_asked
+            && !self.operating_point.is_outside()
+            && !self.plant_watch.is_changed()
+        {
+            self.has_asked = false;
+            events.push(EventKind::RetrainingWithdrawn);
+        }
     }
 }
 
@@ -244,6 +262,11 @@ where
         };
         Compensation { phase, events }
     }
+
+    fn retrain(&mut self) -> bool {
+        Self::retrain(self);
+        true
+    }
 }
 
 impl<T, I, M> Stage<T> for ResidualCompensator<T, I, M>
@@ -259,12 +282,14 @@ where
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         let activity = Activity::ALL.iter().position(|&a| a == self.activity).unwrap_or(0);
-        let mut counts = [activity as u64, self.age, u64::from(self.guard_reported)];
-        visitor.counts("compensator activity, age, guard reported", &mut counts);
+        let (reported, asked) = (u64::from(self.guard_reported), u64::from(self.has_asked));
+        let mut counts = [activity as u64, self.age, reported, asked];
+        visitor.counts("compensator activity, age, guard reported, asked", &mut counts);
         let activity = usize::try_from(counts[0]).ok().and_then(|i| Activity::ALL.get(i));
         self.activity = activity.copied().unwrap_or(Activity::Learning);
-        [_, self.age, _] = counts;
+        self.age = counts[1];
         self.guard_reported = counts[2] != 0;
+        self.has_asked = counts[3] != 0;
 
         visitor.reals("compensator parameters", &mut self.frozen);
         visitor.reals("compensator bias", &mut self.mu_hat);

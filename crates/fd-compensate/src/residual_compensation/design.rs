@@ -29,6 +29,9 @@ pub struct CompensationPlan {
     pub operating_point: OperatingPoint,
     /// The watch for a plant that changes while its operating range stays.
     pub plant_change: PlantChange,
+    /// Whether either of the two only asks to train again, by events, instead of doing it; default false. A bias
+    /// model that diverges is learned again without asking: nothing could be compensated with it.
+    pub ask: bool,
 }
 
 /// How `μ̂` is computed once the parameters are frozen.

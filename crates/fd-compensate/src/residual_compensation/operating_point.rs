@@ -98,6 +98,11 @@ impl<T: Scalar> OperatingPointGuard<T> {
         }
     }
 
+    /// Whether the input is outside the trained range.
+    pub(super) fn is_outside(&self) -> bool {
+        self.outside
+    }
+
     fn follow(&mut self, u: &[T]) {
         let gain = if self.has_sample { self.gain } else { T::one() };
         for (slow, &u) in self.slow.iter_mut().zip(u) {

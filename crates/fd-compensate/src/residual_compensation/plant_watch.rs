@@ -94,6 +94,11 @@ impl<T: Scalar> PlantWatch<T> {
         self.is_changed && self.policy == ChangePolicy::Retrain
     }
 
+    /// Whether the last whole window spoke of a change.
+    pub(super) fn is_changed(&self) -> bool {
+        self.is_changed
+    }
+
     /// Adds a sample to the normal equations.
     fn add(&mut self, u: &[T], r_star: &[T]) {
         let first = self.windows == 0 && self.seen == 0;

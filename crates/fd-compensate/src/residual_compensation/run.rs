@@ -33,6 +33,7 @@ pub struct ResidualCompensator<T, I, M> {
     pub(super) least_input_span: T,
     pub(super) divergence: T,
     pub(super) start: Start<T>,
+    pub(super) asks: bool,
 
     pub(super) activity: Activity,
     pub(super) convergence: ConvergenceTest<T>,
@@ -48,6 +49,8 @@ pub struct ResidualCompensator<T, I, M> {
     /// Samples since the present activity chain (training or filling) began.
     pub(super) age: u64,
     pub(super) guard_reported: bool,
+    /// Whether it has asked to train again and still would.
+    pub(super) has_asked: bool,
 }
 
 /// How a compensator begins and, on reset, begins again.
@@ -148,6 +151,7 @@ where
             least_input_span: T::from_design(plan.convergence.least_input_span),
             divergence: T::from_design(plan.trial.divergence),
             start: Start::Training { settling: 0 },
+            asks: plan.ask,
             activity: Activity::Learning,
             convergence: ConvergenceTest::new(&plan.convergence, theta_len, residual_len),
             trial: TrialRun::new(&plan.trial, residual_len),
@@ -159,6 +163,7 @@ where
             peak: T::zero(),
             age: 0,
             guard_reported: false,
+            has_asked: false,
         })
     }
 

@@ -225,6 +225,11 @@ where
         &self.stages
     }
 
+    /// Lets the compensator train again from the next sample; false where there is nothing to train.
+    pub fn retrain(&mut self) -> bool {
+        self.stages.compensator.retrain()
+    }
+
     /// Processes one sample. This is the whole data flow.
     ///
     /// # Errors

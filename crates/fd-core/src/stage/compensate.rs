@@ -144,6 +144,11 @@ pub trait Compensator<T: Scalar = f64>: Stage<T> {
 
     /// Consumes one sample with its primary residual and writes the compensated residual.
     fn step(&mut self, frame: Frame<'_, T>, r: &[T], r_star: &mut [T]) -> Compensation;
+
+    /// Trains again from the next sample, because somebody has decided so. False where there is nothing to train.
+    fn retrain(&mut self) -> bool {
+        false
+    }
 }
 
 /// What a compensator did with one sample.

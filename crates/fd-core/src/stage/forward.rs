@@ -64,6 +64,7 @@ forward! { Compensator {
     fn step(&mut self, frame: Frame<'_, T>, r: &[T], r_star: &mut [T]) -> Compensation {
         (**self).step(frame, r, r_star)
     }
+    fn retrain(&mut self) -> bool { (**self).retrain() }
 }}
 
 forward! { Detector {

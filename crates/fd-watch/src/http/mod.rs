@@ -1,5 +1,7 @@
 //! The board over HTTP: `/metrics`, `/healthz`, and one live page.
 
+mod answers;
+
 use std::{
     io::{self, Write},
     net::{SocketAddr, ToSocketAddrs},
@@ -42,10 +44,15 @@ pub fn serve(address: impl ToSocketAddrs, board: Arc<Board>) -> io::Result<Socke
     let server = Server::http(address).map_err(io::Error::other)?;
     let found = server.server_addr().to_ip();
     let found = found.ok_or_else(|| io::Error::other("not an address of the internet protocol"))?;
-    let viewers = Arc::new(AtomicUsize::new(0));
+    let (viewers, answers) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
     std::thread::spawn(move || {
         for request in server.incoming_requests() {
-            answer(request, &board, &viewers);
+            if *request.method() == Method::Post && request.url() == "/answer" {
+                // Whoever has left does not want to know.
+                let _ = answers::take(request, &board, &answers);
+            } else {
+                answer(request, &board, &viewers);
+            }
         }
     });
     Ok(found)
@@ -56,7 +63,9 @@ fn answer(request: Request, board: &Arc<Board>, viewers: &Arc<AtomicUsize>) {
     let is_get = matches!(request.method(), Method::Get | Method::Head);
     // A viewer who has left is not worth a word.
     let _ = match path.as_str() {
-        _ if !is_get => request.respond(text(405, "text/plain", "only GET is answered\n")),
+        _ if !is_get => {
+            request.respond(text(405, "text/plain", "only GET is answered, and POST at /answer\n"))
+        }
         "/" => request.respond(text(200, "text/html; charset=utf-8", PAGE)),
         "/metrics" => request.respond(text(200, "text/plain; version=0.0.4", &board.metrics())),
         "/healthz" => {

@@ -108,7 +108,20 @@ impl RowReader {
     /// Returns an error when the header of a CSV lacks columns or has them twice: no line after it could be
     /// understood.
     pub fn read(&mut self, line: &[u8]) -> Result<bool, ColumnsError> {
+        self.read_of(None, line)
+    }
+
+    /// Reads the next line, of a unit that its source has named.
+    ///
+    /// # Errors
+    ///
+    /// As [`RowReader::read`].
+    pub fn read_of(&mut self, unit: Option<&str>, line: &[u8]) -> Result<bool, ColumnsError> {
         self.draft.begin();
+        if let Some(Err(reason)) = unit.map(|unit| self.draft.set_unit(unit)) {
+            self.draft.is_unreadable(&reason);
+            return Ok(false);
+        }
         let Ok(text) = std::str::from_utf8(line) else {
             self.draft.is_unreadable("it is not UTF-8");
             return Ok(false);

@@ -1,29 +1,31 @@
 //! The folder as a whole.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, hash_map::RandomState},
     fmt::Write as _,
     fs::{self, File, TryLockError},
-    io,
+    hash::{BuildHasher, Hasher},
     path::{Path, PathBuf},
 };
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::{
-    Identity,
+    Identity, Outbox, StateError,
+    error::io_error,
+    intake::{self, Intake, ReadError},
     journal::{Found, Journal, JournalError},
     sealed,
 };
 use crate::{
-    memory::{LearnedRows, MemoryError, UnitMemory},
+    input::Row,
+    memory::{LearnedRows, UnitMemory},
     message::Message,
     monitor::Monitor,
 };
 
 /// Version of the way in which states are kept.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Longest name of a file that is made of the name of a unit.
 const LONGEST_NAME: usize = 120;
 
@@ -62,61 +64,11 @@ pub struct StateFolder {
     units: PathBuf,
     identity: Identity,
     journal: Journal,
+    intake: Intake,
+    /// Units saved so far.
+    savings: u64,
     /// Held until the end.
     _lock: File,
-}
-
-/// The state cannot be used.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum StateError {
-    /// The operating system does not let a file be read or written.
-    #[error("cannot {action} {}: {source}", path.display())]
-    Io {
-        /// What was to be done.
-        action: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
-    /// Another monitor runs on it.
-    #[error("{}: another monitor runs on this state", path.display())]
-    Locked {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// It belongs to something else.
-    #[error(
-        "{}: the state was made with another {what} ({found}, now {expected}); choose another folder, or \
-         remove this one to begin anew", path.display()
-    )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What differs.
-        what: &'static str,
-        /// What is expected.
-        expected: String,
-        /// What is there.
-        found: String,
-    },
-    /// A file is not what was saved.
-    #[error("{}: {reason}", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// A unit cannot be put back.
-    #[error("{}: {source}", path.display())]
-    Memory {
-        /// Its file.
-        path: PathBuf,
-        /// Why.
-        source: Box<MemoryError>,
-    },
 }
 
 /// A file of the state.
@@ -126,11 +78,6 @@ struct Kept<T> {
     format: u32,
     identity: Identity,
     content: T,
-}
-
-fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StateError {
-    let path = path.to_owned();
-    move |source| StateError::Io { action, path, source }
 }
 
 impl StateFolder {
@@ -181,9 +128,90 @@ impl StateFolder {
                     reason: format!("line {line}: {reason}"),
                 },
             })?;
+        let samples = folder.join("samples");
+        let intake = Intake::open(samples.clone()).map_err(io_error("open", &samples))?;
         sync(folder)?;
-        let state = Self { folder: folder.to_owned(), units, identity, journal, _lock: lock };
+        let folder = folder.to_owned();
+        let state = Self { folder, units, identity, journal, intake, savings: 0, _lock: lock };
         Ok((state, unsure))
+    }
+
+    /// Hands out the samples that were kept and may be newer than the memory of their unit, oldest first. To be called
+    /// once, before other samples are taken; `take` gives them to the monitor. Returns the first error of `take`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when they cannot be read.
+    pub fn replay<E>(
+        &mut self,
+        monitor: &mut Monitor,
+        mut take: impl FnMut(&mut Monitor, Row<'_>) -> Result<(), E>,
+    ) -> Result<Result<(), E>, StateError> {
+        for path in self.intake.left() {
+            let read =
+                intake::read(&path, |row| take(monitor, row)).map_err(|error| match error {
+                    ReadError::Io(source) => io_error("read", &path)(source),
+                    ReadError::Line(line, reason) => StateError::Damaged {
+                        path: path.clone(),
+                        reason: format!("line {line}: {reason}"),
+                    },
+                })?;
+            if read.is_err() {
+                return Ok(read);
+            }
+        }
+        self.intake.replayed(self.savings + monitor.to_save() as u64);
+        Ok(Ok(()))
+    }
+
+    /// Notes a sample that a source will be told to forget, after [`StateFolder::secure`].
+    pub fn keep(&mut self, row: Row<'_>) {
+        self.intake.add(row);
+    }
+
+    /// Puts noted samples on the disk: when this returns their source may forget them. The monitor must have taken
+    /// them.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the disk is full or fails; the samples are written with the next ones.
+    pub fn secure(&mut self, monitor: &Monitor) -> Result<(), StateError> {
+        let needed = self.savings + monitor.to_save() as u64;
+        let samples = self.folder.join("samples");
+        self.intake.secure(needed).map_err(io_error("write", &samples))
+    }
+
+    /// Bytes of the journal that are promised.
+    #[must_use]
+    pub fn promised(&self) -> u64 {
+        self.journal.length()
+    }
+
+    /// A name that no other state has: made when it is first asked for, and kept.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when it cannot be written or is damaged.
+    pub fn name(&self) -> Result<String, StateError> {
+        let path = self.folder.join("name.json");
+        if path.exists() {
+            let damaged = |reason| StateError::Damaged { path: path.clone(), reason };
+            return sealed::read(&path).map_err(damaged);
+        }
+        // The keys of a hash table are random, and other ones in each process.
+        let name = format!("{:016x}", RandomState::new().build_hasher().finish());
+        sealed::write(&path, &name).map_err(io_error("write", &path))?;
+        Ok(name)
+    }
+
+    /// What a second listener has not yet confirmed of the journal.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the file that says so is damaged.
+    pub fn outbox(&self) -> Result<Outbox, StateError> {
+        Outbox::open(&self.folder, self.promised())
+            .map_err(|(path, reason)| StateError::Damaged { path, reason })
     }
 
     /// Leaves out what was published before, and puts alarms into the journal: when this returns they are on
@@ -200,6 +228,18 @@ impl StateFolder {
         self.journal.append(alarms).map_err(io_error("write", &journal))
     }
 
+    /// Saves the unit whose question was answered, see [`Monitor::answer`]. Everything that the monitor has said must
+    /// have been published.
+    ///
+    /// # Errors
+    ///
+    /// As [`StateFolder::save`].
+    pub fn save_answered(&mut self, monitor: &mut Monitor) -> Result<(), StateError> {
+        // It has been put before the others.
+        self.intake.keep_until(self.savings + monitor.to_save() as u64);
+        self.save(monitor, 1).map(drop)
+    }
+
     /// Saves at most so many units of a monitor, those that have waited longest. Everything that the monitor has
     /// said must have been published.
     ///
@@ -214,13 +254,20 @@ impl StateFolder {
             let path = self.units.join(format!("{}.unit", file_name(memory.unit())));
             if let Err(error) = self.save_one(&path, &memory, learned.as_ref()) {
                 monitor.not_saved(&memory, learned);
+                self.intake.keep_until(self.savings + saved as u64 + monitor.to_save() as u64);
                 return Err(error);
             }
             saved += 1;
         }
         if 0 < saved {
             sync(&self.units)?;
+            self.savings += saved as u64;
         }
+        if monitor.to_save() == 0 {
+            // Everything that came is in the memory of its unit.
+            self.intake.close(self.savings);
+        }
+        self.intake.clean(self.savings);
         Ok(saved)
     }
 

@@ -70,6 +70,11 @@ impl Journal {
         Ok(Found { journal, unsure })
     }
 
+    /// Bytes of whole lines that are on the disk.
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
     /// Forgets what is not a whole line.
     fn cut(&mut self) -> io::Result<()> {
         self.file.set_len(self.length)?;

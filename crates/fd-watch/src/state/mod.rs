@@ -6,14 +6,16 @@
 //! DIR/journal.ndjson    every alarm, synced before it is published
 //! DIR/units/NAME.unit   the memory of a unit, replaced as a whole
 //! DIR/units/NAME.rows   what a unit learned from, written once
+//! DIR/samples/N.ndjson  samples of a source that was told to forget them, until their units are saved
+//! DIR/outbox.json       how far a broker has confirmed the journal
 //! ```
 
+mod error;
 mod folder;
 mod identity;
+mod intake;
 mod journal;
+mod outbox;
 mod sealed;
 
-pub use self::{
-    folder::{StateError, StateFolder},
-    identity::Identity,
-};
+pub use self::{error::StateError, folder::StateFolder, identity::Identity, outbox::Outbox};

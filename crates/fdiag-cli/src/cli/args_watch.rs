@@ -56,6 +56,49 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "http")]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) http: Option<String>,
+    /// Ask on the live page before a unit is trained again; unanswered, it is not
+    #[cfg(feature = "http")]
+    #[arg(long, requires = "http")]
+    pub(crate) ask: bool,
+    /// Broker to take samples from or to tell alarms to (MQTT 3.1.1, not encrypted), such as localhost:1883
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "HOST[:PORT]", requires = "state")]
+    pub(crate) mqtt: Option<String>,
+    /// Topic with samples as NDJSON, wildcards allowed, several times for several; instead of standard input
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "TOPIC", requires = "mqtt", conflicts_with = "follow")]
+    pub(crate) mqtt_in: Vec<String>,
+    /// Level of the topic, from 1, that names the unit
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "N", requires = "mqtt_in", conflicts_with = "unit",
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) mqtt_unit: Option<u16>,
+    /// Tell alarms at PREFIX/UNIT/alarm, and the state of each unit, retained, at PREFIX/UNIT/state
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "PREFIX", requires = "mqtt")]
+    pub(crate) mqtt_out: Option<String>,
+    /// Name of this client, known to no other; without it one is made and kept in the state
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "NAME", requires = "mqtt")]
+    pub(crate) mqtt_id: Option<String>,
+    /// File of two lines, user and password, for the broker
+    #[cfg(feature = "mqtt")]
+    #[arg(long, value_name = "FILE", requires = "mqtt")]
+    pub(crate) mqtt_login: Option<PathBuf>,
+    /// When the residual of a unit has grown over periods of so many hours, say what it looks like: `fdiag gap` on its
+    /// recent samples, in a process of its own
+    #[arg(long, value_name = "HOURS", value_parser = positive)]
+    pub(crate) diagnose: Option<f64>,
+    /// Recent samples that are kept of each unit, in memory
+    #[arg(long, value_name = "N", default_value_t = 5000, requires = "diagnose",
+          value_parser = clap::value_parser!(u32).range(10..=10_000_000))]
+    pub(crate) diagnose_samples: u32,
+    /// Model file that recent samples are compared with, equations for instance; without it that of --model
+    #[arg(long, value_name = "FILE", requires = "diagnose")]
+    pub(crate) diagnose_model: Option<PathBuf>,
+    /// Longest time of one such diagnosis, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1800.0, value_parser = not_negative, requires = "diagnose")]
+    pub(crate) diagnose_limit: f64,
     /// Time between samples, in seconds; without it that of the model or of the first healthy log
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) sample_time: Option<f64>,

@@ -65,6 +65,11 @@ impl Plant {
         plant
     }
 
+    /// A healthy run.
+    pub fn run_of(samples: usize, variant: u32) -> Record {
+        record(samples, variant)
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

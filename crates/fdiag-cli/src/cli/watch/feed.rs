@@ -8,6 +8,12 @@ use std::{
     time::{Duration, Instant},
 };
 
+#[cfg(feature = "mqtt")]
+use fd_watch::What;
+
+#[cfg(feature = "mqtt")]
+use super::mqtt::Delivery;
+
 /// Bytes that are read at once.
 const CHUNK: usize = 64 << 10;
 /// Chunks that may wait: beyond them whoever writes has to wait.
@@ -21,6 +27,15 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) enum Chunk {
     /// Whole lines, and when they were read.
     Lines(Vec<u8>, Instant),
+    /// A message of a broker.
+    #[cfg(feature = "mqtt")]
+    Delivered(Delivery),
+    /// A broker was reached; what comes now may have come before.
+    #[cfg(feature = "mqtt")]
+    Connected(What),
+    /// Something that is to be told of the source.
+    #[cfg(feature = "mqtt")]
+    Told(What),
     /// A line was longer than [`LONGEST_LINE`].
     TooLong,
     /// The last line has no end.

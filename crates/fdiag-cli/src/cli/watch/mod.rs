@@ -1,10 +1,18 @@
 //! `fdiag watch`: next to the plant, for months.
 
+#[cfg(feature = "mqtt")]
+mod brokers;
 mod failures;
 mod feed;
+#[cfg(feature = "mqtt")]
+mod mqtt;
+mod nightly;
 mod pulse;
+mod study;
 mod watching;
 
+#[cfg(feature = "mqtt")]
+use std::sync::mpsc::Receiver;
 use std::{
     io::{BufWriter, IsTerminal},
     process::ExitCode,
@@ -17,7 +25,12 @@ use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowRea
 use fdiag::model::{SampleTime, file::LinearModel};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use self::{pulse::Pulse, watching::Watching};
+use self::{
+    nightly::Nightly,
+    pulse::Pulse,
+    study::{Studies, StudyPlan},
+    watching::Watching,
+};
 use super::{
     args_watch::{StreamFormat, WatchArgs},
     failure::Failure,
@@ -26,6 +39,7 @@ use super::{
 
 pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
     let (plan, map) = plan(args)?;
+    let diagnosing = diagnosing(args, &plan)?;
     let format = match args.format {
         StreamFormat::Ndjson => Format::Ndjson,
         StreamFormat::Csv => Format::Csv,
@@ -49,9 +63,14 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
         signal_hook::flag::register(signal, Arc::clone(&stop))
             .map_err(|error| Failure::analysis(format!("signals cannot be heard: {error}")))?;
     }
-    let feed = match &args.follow {
-        Some(path) => feed::follow(path).map_err(|error| Failure::input(path, error))?,
-        None => feed::stream(std::io::stdin()),
+    #[cfg(feature = "mqtt")]
+    let (listened, brokers) = brokers(args, state.as_ref())?;
+    #[cfg(not(feature = "mqtt"))]
+    let listened = None;
+    let feed = match (&args.follow, listened) {
+        (_, Some(listened)) => listened,
+        (Some(path), None) => feed::follow(path).map_err(|error| Failure::input(path, error))?,
+        (None, None) => feed::stream(std::io::stdin()),
     };
     if std::io::stderr().is_terminal() {
         let units = monitor.units().len();
@@ -64,17 +83,77 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
         state,
         out: BufWriter::new(std::io::stdout().lock()),
         pulse: Pulse::new(board(args)?),
+        #[cfg(feature = "mqtt")]
+        brokers,
         stop,
+        next: None,
+        diagnosing,
+        is_short: false,
         cannot_save: false,
         save_every: Duration::from_secs_f64(args.save_every),
     };
     watching.say(&unsure)?;
+    watching.replay()?;
     watching.run(&feed)?;
     if std::io::stderr().is_terminal() {
         let (counts, units) = (watching.monitor.counts(), watching.monitor.units().len());
         eprintln!("{} samples of {units} units, {} alarms", counts.rows, counts.alarms);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Studies of units that have moved away from their model, if they are wanted.
+fn diagnosing(args: &WatchArgs, plan: &Plan) -> Result<Option<(Nightly, Studies)>, Failure> {
+    let Some(hours) = args.diagnose else { return Ok(None) };
+    let model = args.diagnose_model.as_ref().unwrap_or(&args.model).clone();
+    // What is found to be wrong in some night should be found now.
+    if let Err(error) = std::fs::File::open(&model) {
+        return Err(Failure::input(model, error));
+    }
+    let mut header = "time [s]".to_owned();
+    for channel in plan.model().input_channels().iter().chain(&plan.model().output_channels()) {
+        let name = format!("{} [{}]", channel.name, channel.unit);
+        if name.contains([',', '"', '\n']) {
+            return Err(Failure::of_input(format!(
+                "--diagnose: `{name}` cannot be a column of a log"
+            )));
+        }
+        header.push(',');
+        header.push_str(&name);
+    }
+    let longest = Duration::from_secs_f64(args.diagnose_limit);
+    let nightly = Nightly::new(3600.0 * hours, args.diagnose_samples);
+    Ok(Some((nightly, Studies::start(StudyPlan { model, longest, header }))))
+}
+
+/// Samples from a broker and alarms to it, as far as the options ask for them.
+#[cfg(feature = "mqtt")]
+fn brokers(
+    args: &WatchArgs,
+    state: Option<&StateFolder>,
+) -> Result<(Option<Receiver<feed::Chunk>>, brokers::Brokers), Failure> {
+    let mut brokers = brokers::Brokers::default();
+    // The command line asks for both or none.
+    let (Some(state), Some(_)) = (state, &args.mqtt) else { return Ok((None, brokers)) };
+    let name = state.name().map_err(failures::of_state)?;
+    let Some(broker) = mqtt::Broker::of(args, &name)? else { return Ok((None, brokers)) };
+    if args.mqtt_in.is_empty() && args.mqtt_out.is_none() {
+        return Err(Failure::of_input("--mqtt: say --mqtt-in, --mqtt-out or both"));
+    }
+    if let Some(prefix) = args.mqtt_out.clone() {
+        let outbox = state.outbox().map_err(failures::of_state)?;
+        let promised = state.promised();
+        brokers.outlet = Some(mqtt::Outlet::start(broker.clone(), prefix, outbox, promised)?);
+    }
+    if args.mqtt_in.is_empty() {
+        return Ok((None, brokers));
+    }
+    if args.format == StreamFormat::Csv {
+        return Err(Failure::of_input("--mqtt-in: messages are NDJSON (--format ndjson)"));
+    }
+    let unit_level = args.mqtt_unit.map(usize::from);
+    let inlet = mqtt::Inlet { broker, topics: args.mqtt_in.clone(), unit_level };
+    Ok((Some(inlet.start()?), brokers))
 }
 
 /// What whoever looks is shown, when an address for it was given.
@@ -135,6 +214,8 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         sample_time: stated,
         longest_gap,
         most_units: args.most_units,
+        #[cfg(feature = "http")]
+        ask: args.ask,
         ..Request::new(model, learning)
     };
     Ok((request.plan().map_err(failures::of_plan)?, map))

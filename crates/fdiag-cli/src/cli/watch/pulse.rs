@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use fd_watch::{Board, Doing, Health, Message, Monitor};
+use fd_watch::{Answer, Board, Doing, Health, Message, Monitor};
 
 /// How often somebody who looks is shown something new.
 const LOOK: Duration = Duration::from_secs(1);
@@ -21,6 +21,7 @@ pub(super) struct Pulse {
     lag: Duration,
     last_sample: Option<Instant>,
     lines: u64,
+    unheard: Option<u64>,
     board: Option<Arc<Board>>,
     has_terminal: bool,
 }
@@ -37,6 +38,7 @@ impl Pulse {
             lag: Duration::ZERO,
             last_sample,
             lines: 0,
+            unheard: None,
             board,
             has_terminal,
         }
@@ -55,6 +57,17 @@ impl Pulse {
         if let Some(board) = &self.board {
             board.say(messages);
         }
+    }
+
+    /// Bytes of the journal that a broker has not confirmed.
+    #[cfg(feature = "mqtt")]
+    pub(super) fn hears(&mut self, unheard: Option<u64>) {
+        self.unheard = unheard;
+    }
+
+    /// What was answered on the page.
+    pub(super) fn take_answers(&self) -> Vec<Answer> {
+        self.board.as_ref().map_or_else(Vec::new, |board| board.take_answers())
     }
 
     /// Shows how it goes, when it is time for it.
@@ -100,6 +113,7 @@ impl Pulse {
             alarms: counts.alarms,
             events: counts.events,
             units,
+            unheard: self.unheard,
             unsaved: monitor.to_save() as u64,
             cannot_save,
             lag_s: self.lag.as_secs_f64(),

@@ -10,13 +10,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-use fd_watch::{Event, Format, Message, Monitor, RowReader, StateFolder};
+use fd_watch::{Answer, Event, Format, Message, Monitor, RowReader, StateFolder};
 
+#[cfg(feature = "mqtt")]
+use super::brokers::Brokers;
 use super::{
     super::failure::Failure,
     failures,
     feed::{Chunk, LONGEST_LINE},
+    nightly::Nightly,
     pulse::Pulse,
+    study::Studies,
 };
 
 /// How long the loop waits for lines before it looks after everything else.
@@ -32,7 +36,15 @@ pub(super) struct Watching<W> {
     pub(super) state: Option<StateFolder>,
     pub(super) out: W,
     pub(super) pulse: Pulse,
+    #[cfg(feature = "mqtt")]
+    pub(super) brokers: Brokers,
     pub(super) stop: Arc<AtomicBool>,
+    /// Taken from the feed and not yet looked at.
+    pub(super) next: Option<Chunk>,
+    /// What is done about units that have moved away from their model.
+    pub(super) diagnosing: Option<(Nightly, Studies)>,
+    /// Whether it was told that some units cannot be studied.
+    pub(super) is_short: bool,
     /// Told on standard error once, until saving works again.
     pub(super) cannot_save: bool,
     /// Time between two rounds of saving.
@@ -47,7 +59,22 @@ impl<W: Write> Watching<W> {
             if self.stop.load(Ordering::Relaxed) {
                 return self.finish();
             }
-            match feed.recv_timeout(BEAT) {
+            let next = match self.next.take() {
+                Some(chunk) => Ok(chunk),
+                None => feed.recv_timeout(BEAT),
+            };
+            match next {
+                #[cfg(feature = "mqtt")]
+                Ok(Chunk::Delivered(first)) => self.deliveries(first, feed)?,
+                #[cfg(feature = "mqtt")]
+                Ok(Chunk::Connected(what)) => {
+                    self.monitor.resume();
+                    self.monitor.tell(Event { unit: None, time: None, what });
+                }
+                #[cfg(feature = "mqtt")]
+                Ok(Chunk::Told(what)) => {
+                    self.monitor.tell(Event { unit: None, time: None, what });
+                }
                 Ok(Chunk::Lines(lines, read)) => {
                     let before = self.monitor.counts().rows;
                     let count = self.lines(&lines)?;
@@ -70,6 +97,12 @@ impl<W: Write> Watching<W> {
                 Err(RecvTimeoutError::Disconnected) => return self.finish(),
             }
             self.publish()?;
+            self.answers()?;
+            self.studied();
+            #[cfg(feature = "mqtt")]
+            self.sign();
+            #[cfg(feature = "mqtt")]
+            self.pulse.hears(self.brokers.behind());
             self.pulse.look(&self.monitor, self.cannot_save);
             if self.save_every <= saved.elapsed() {
                 self.save(SAVING);
@@ -78,18 +111,62 @@ impl<W: Write> Watching<W> {
         }
     }
 
+    /// Deals with what was answered on the page; an answer is kept before it is acknowledged.
+    fn answers(&mut self) -> Result<(), Failure> {
+        for answer in self.pulse.take_answers() {
+            let Answer { id, confirmed, heard } = answer;
+            let outcome = if self.monitor.answer(&id, confirmed).is_none() {
+                Err("nobody asks this any more".to_owned())
+            } else {
+                self.publish()?;
+                let kept = self.state.as_mut().map(|state| state.save_answered(&mut self.monitor));
+                let lost = |error| format!("it acts now, and is lost at a restart: {error}");
+                kept.unwrap_or(Ok(())).map_err(lost)
+            };
+            // Whoever has left does not want to know.
+            let _ = heard.try_send(outcome);
+        }
+        Ok(())
+    }
+
     /// Judges lines, and returns how many there were.
-    fn lines(&mut self, lines: &[u8]) -> Result<u64, Failure> {
+    pub(super) fn lines(&mut self, lines: &[u8]) -> Result<u64, Failure> {
         let mut count = 0;
         for line in lines.split_inclusive(|byte| *byte == b'\n') {
             count += 1;
             let has_row = self.rows.read(line).map_err(Failure::of_input)?;
             if has_row {
-                self.monitor.take(self.rows.row()).map_err(Failure::analysis)?;
+                self.row()?;
             }
             self.tell_faults();
         }
         Ok(count)
+    }
+
+    /// Judges the row that was read last.
+    pub(super) fn row(&mut self) -> Result<(), Failure> {
+        let row = self.rows.row();
+        self.monitor.take(row).map_err(Failure::analysis)?;
+        if let Some((nightly, studies)) = &mut self.diagnosing
+            && let Some(status) = self.monitor.unit(row.unit)
+            && let Some(stretch) = nightly.take(row, status)
+            && let Some(event) = studies.take(stretch)
+        {
+            self.monitor.tell(event);
+        }
+        Ok(())
+    }
+
+    /// What the studies have answered.
+    fn studied(&mut self) {
+        let Some((nightly, studies)) = &mut self.diagnosing else { return };
+        if std::mem::take(&mut nightly.is_full) && !self.is_short {
+            self.is_short = true;
+            eprintln!("fdiag: --diagnose: no room for recent samples of further units");
+        }
+        for event in studies.answers() {
+            self.monitor.tell(event);
+        }
     }
 
     /// A last line without an end: JSON shows whether it is whole, a number of a CSV does not.
@@ -100,22 +177,32 @@ impl<W: Write> Watching<W> {
         }
     }
 
-    fn tell_faults(&mut self) {
+    pub(super) fn tell_faults(&mut self) {
         for what in self.rows.take_events() {
             self.monitor.tell(Event { unit: None, time: None, what });
         }
     }
 
     /// Says what is to be said: first to the disk, then to the world.
-    fn publish(&mut self) -> Result<(), Failure> {
+    pub(super) fn publish(&mut self) -> Result<(), Failure> {
         if !self.monitor.has_messages() {
             return Ok(());
         }
         let mut messages = self.monitor.take_messages();
         if let Some(state) = &mut self.state {
             state.promise(&mut messages).map_err(failures::of_state)?;
+            #[cfg(feature = "mqtt")]
+            self.brokers.promised(state.promised());
         }
         self.say(&messages)
+    }
+
+    /// Takes again what a broker was told to forget and what no unit remembers.
+    pub(super) fn replay(&mut self) -> Result<(), Failure> {
+        let Some(state) = &mut self.state else { return Ok(()) };
+        let taken = state.replay(&mut self.monitor, Monitor::take).map_err(failures::of_state)?;
+        taken.map_err(failures::of_plan)?;
+        self.publish()
     }
 
     /// Writes messages, and sees to it that they have left.
@@ -156,6 +243,8 @@ impl<W: Write> Watching<W> {
 
     fn finish(&mut self) -> Result<(), Failure> {
         self.publish()?;
+        #[cfg(feature = "mqtt")]
+        self.brokers.finish();
         if let Some(state) = &mut self.state {
             state.save(&mut self.monitor, usize::MAX).map_err(failures::of_state)?;
         }

@@ -1,0 +1,108 @@
+//! What the loop owes to brokers: receipts for samples, and news of the journal.
+
+use std::{io::Write, sync::mpsc::Receiver, time::Duration};
+
+use super::{
+    super::failure::Failure,
+    feed::{Chunk, LONGEST_LINE},
+    mqtt::{Delivery, Outlet, Receipt},
+    watching::Watching,
+};
+
+/// Messages that are judged before their samples are put on the disk together.
+const TOGETHER: usize = 1000;
+/// Longest that an end waits for a broker to hear the last alarms.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// What the loop knows of brokers.
+#[derive(Default)]
+pub(super) struct Brokers {
+    pub(super) outlet: Option<Outlet>,
+    /// For messages whose samples are not yet on the disk.
+    owed: Vec<Receipt>,
+}
+
+impl Brokers {
+    /// The journal has grown.
+    pub(super) fn promised(&self, bytes: u64) {
+        if let Some(outlet) = &self.outlet {
+            outlet.promised(bytes);
+        }
+    }
+
+    /// Bytes of the journal that the broker has not heard.
+    pub(super) fn behind(&self) -> Option<u64> {
+        self.outlet.as_ref().map(Outlet::behind)
+    }
+
+    /// Gives the broker time to hear the last alarms.
+    pub(super) fn finish(&self) {
+        if let Some(outlet) = &self.outlet {
+            outlet.finish(FAREWELL);
+        }
+    }
+}
+
+impl<W: Write> Watching<W> {
+    /// Judges a message and those that wait behind it.
+    pub(super) fn deliveries(
+        &mut self,
+        first: Delivery,
+        feed: &Receiver<Chunk>,
+    ) -> Result<(), Failure> {
+        let (oldest, rows) = (first.read, self.monitor.counts().rows);
+        let (mut lines, mut next) = (0, first);
+        for _ in 0..TOGETHER {
+            let Delivery { unit, payload, receipt, .. } = next;
+            lines += self.samples(unit.as_deref(), &payload)?;
+            self.brokers.owed.push(receipt);
+            match feed.try_recv() {
+                Ok(Chunk::Delivered(delivery)) => next = delivery,
+                other => {
+                    self.next = other.ok();
+                    self.publish()?;
+                    self.pulse.beat(oldest, lines, self.monitor.counts().rows - rows);
+                    return Ok(());
+                }
+            }
+        }
+        self.next = Some(Chunk::Delivered(next));
+        self.publish()?;
+        self.pulse.beat(oldest, lines, self.monitor.counts().rows - rows);
+        Ok(())
+    }
+
+    /// Judges the lines of a message, and notes their samples.
+    fn samples(&mut self, unit: Option<&str>, payload: &[u8]) -> Result<u64, Failure> {
+        let mut count = 0;
+        for line in payload.split(|byte| *byte == b'\n') {
+            count += 1;
+            if LONGEST_LINE < line.len() {
+                self.rows.skip_long_line(LONGEST_LINE);
+            } else if self.rows.read_of(unit, line).map_err(Failure::of_input)? {
+                self.row()?;
+                if let Some(state) = &mut self.state {
+                    state.keep(self.rows.row());
+                }
+            }
+            self.tell_faults();
+        }
+        Ok(count)
+    }
+
+    /// Signs for messages when their samples are on the disk; until then the broker keeps them.
+    pub(super) fn sign(&mut self) {
+        if self.brokers.owed.is_empty() {
+            return;
+        }
+        if let Some(state) = &mut self.state
+            && let Err(error) = state.secure(&self.monitor)
+        {
+            if !std::mem::replace(&mut self.cannot_save, true) {
+                eprintln!("fdiag: {error}; the broker keeps its samples until that is mended");
+            }
+            return;
+        }
+        self.brokers.owed.drain(..).for_each(Receipt::sign);
+    }
+}
