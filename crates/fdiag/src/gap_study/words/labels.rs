@@ -57,6 +57,7 @@ pub fn at(site: &SiteRef) -> String {
         SiteRef::Output(_, name) => format!("on output {name}"),
         SiteRef::Signal(_, name) => format!("on {name}"),
         SiteRef::Parameter(_, name) => format!("of parameter {name}"),
+        SiteRef::Part(_, name) => format!("of {name}"),
         SiteRef::WholeModel => String::new(),
     }
 }
@@ -71,6 +72,7 @@ pub fn site(site: &SiteRef) -> String {
         SiteRef::Output(_, name) => format!("output {name}"),
         SiteRef::Signal(_, name) => format!("signal {name}"),
         SiteRef::Parameter(_, name) => format!("parameter {name}"),
+        SiteRef::Part(_, name) => name.clone(),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }
 }
