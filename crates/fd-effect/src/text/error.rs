@@ -27,6 +27,6 @@ pub enum TextError {
         /// The entry.
         key: String,
         /// What is wrong, and where.
-        error: SyntaxError,
+        error: Box<SyntaxError>,
     },
 }

@@ -180,7 +180,7 @@ impl Written {
             Expr::parse(text).map_err(|error| TextError::Syntax {
                 label: label.to_owned(),
                 key,
-                error,
+                error: Box::new(error),
             })
         };
         let states = self.states.into_iter().map(|(name, state)| {
