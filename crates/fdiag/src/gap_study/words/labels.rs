@@ -67,12 +67,11 @@ pub fn at(site: &SiteRef) -> String {
 pub fn site(site: &SiteRef) -> String {
     match site {
         SiteRef::Input(_, name) => format!("input {name}"),
-        SiteRef::Force(_, name) => name.clone(),
+        SiteRef::Force(_, name) | SiteRef::Part(_, name) => name.clone(),
         SiteRef::State(_, name) => format!("state {name}"),
         SiteRef::Output(_, name) => format!("output {name}"),
         SiteRef::Signal(_, name) => format!("signal {name}"),
         SiteRef::Parameter(_, name) => format!("parameter {name}"),
-        SiteRef::Part(_, name) => name.clone(),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }
 }
