@@ -138,7 +138,7 @@ fn what_is_wrong_is_said_with_the_nearest_name() {
         (format!(r#"{{"Own law": {{"side": "input", "law": "u", {a}}}}}"#), "effect `Own law`: label: expected a word"),
         (format!(r#"{{"drag": {{"side": "force", "law": "a", {a}}}}}"#), "expected a label that no effect of the library has"),
         (format!(r#"{{"own": {{"side": "input", "at": ["forse"], "law": "u", {a}}}}}"#), "at: expected a name of the model or the effect; did you mean `force`?, found `forse`"),
-        (format!(r#"{{"own": {{"side": "input", "law": "u*(1 + a*haet)", {a}}}}}"#), "law: expected a name of the model or the effect; did you mean `heat`?, found `haet`"),
+        (format!(r#"{{"own": {{"side": "input", "law": "u*(1 + a*heaat)", {a}}}}}"#), "law: expected a name of the model or the effect; did you mean `heat`?, found `heaat`"),
         (format!(r#"{{"own": {{"side": "input", "law": "u*(1 + a", {a}}}}}"#), "effect `own`: law: "),
         (format!(r#"{{"own": {{"side": "input", "law": "1.1*u + a", {a}}}}}"#), "law: expected `u` where all strengths are 0, found"),
         (format!(r#"{{"own": {{"side": "force", "law": "a - v", {a}}}}}"#), "law: expected `0` where all strengths are 0, found"),

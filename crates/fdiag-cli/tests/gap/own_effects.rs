@@ -32,7 +32,7 @@ fn an_effect_of_a_file_is_tried_and_named() {
 fn what_is_wrong_in_the_file_is_said() {
     let desk = Desk::new();
     for (from, to, parts) in [
-        ("rail", "rial", &["effect `brush`: at: ", "did you mean `rail`?", "found `rial`"][..]),
+        ("rail", "rai", &["effect `brush`: at: ", "did you mean `rail`?", "found `rai`"][..]),
         ("tanh(v/", "tanh(w/", &["effect `brush`: law: ", "found `w`"]),
         ("-f*", "-(f + 1)*", &["law: expected `0` where all strengths are 0"]),
         ("tanh(v/0.01)", "tanh(v/0.01", &["own.toml: effect `brush`: law: "]),
