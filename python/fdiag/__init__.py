@@ -8,11 +8,13 @@ diagnosis. Simulators are model files (`Model`), objects (`Steps`) and functions
 from . import errors
 from ._fdiag import __version__
 from ._gap import gap
-from ._stated import Initial, Output, Port, Uncertain
+from ._stated import Initial, Native, Output, Port, Uncertain
 from .checks import Check, Checked, Cost, check
+from .effects import Effect
 from .errors import AnalysisError, Diverged, Error, InputError, SimulatorError
 from .experiments import Experiment, next_experiment
 from .gymnasium import Gymnasium
+from ._mjcf import WrittenScene
 from .mujoco import MuJoCo
 from .online import Pipeline, Run, Step, Trained, spec
 from .programs import Fmu, Process
@@ -29,6 +31,7 @@ __all__ = [
     "Closed",
     "Cost",
     "Diverged",
+    "Effect",
     "Error",
     "Experiment",
     "Finding",
@@ -39,6 +42,7 @@ __all__ = [
     "InputError",
     "Model",
     "MuJoCo",
+    "Native",
     "Output",
     "Parameter",
     "Pipeline",
@@ -56,6 +60,7 @@ __all__ = [
     "Trained",
     "Uncertain",
     "Work",
+    "WrittenScene",
     "__version__",
     "check",
     "errors",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from . import _fdiag, _settings
 from ._logs import Log, native
 from ._progress import Bar, Progress, shown
+from .effects import Effect, entries
 from .errors import InputError
 from .result import Result
 from .simulators import as_simulator
@@ -24,6 +25,7 @@ def gap(
     held_out: Log | Sequence[Log] | None = None,
     split: float | None = None,
     horizon: str | float = "auto",
+    effects: Iterable[Effect] = (),
     exclude: Sequence[str] = (),
     only: Sequence[str] = (),
     tolerance: Mapping[str, float] | None = None,
@@ -63,6 +65,8 @@ def gap(
         Share of each log that is fitted to, between 0 and 1; .67 if not given.
     horizon
         How long simulations run without seeing the outputs: `"auto"`, `"free"`, or a number of seconds.
+    effects
+        Effects of your own, each an `Effect`, which are tried with those of the library.
     exclude, only
         Effects that are not tried, or the only ones: labels, mechanisms, or either at a place (`"input-delay@u"`).
     tolerance
@@ -125,6 +129,7 @@ def gap(
     settings: dict[str, Any] = {
         "split": split,
         "horizon": horizon if isinstance(horizon, str) else repr(float(horizon)),
+        "effects": entries(effects),
         "exclude": _names("exclude", exclude),
         "only": _names("only", only),
         "tolerances": _named("tolerance", tolerance),
@@ -153,7 +158,7 @@ def gap(
     finally:
         if isinstance(call, Bar):
             call.close()
-    return Result(study, tuple((channel.name, channel.unit) for channel in simulator.inputs))
+    return Result(study, tuple((channel.name, channel.unit) for channel in simulator.inputs), simulator)
 
 
 def _names(option: str, names: Sequence[str]) -> list[str]:

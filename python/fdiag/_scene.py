@@ -168,6 +168,11 @@ class Path:
     index: int
     unit: str
 
+    @property
+    def text(self) -> str:
+        """As it is written."""
+        return f"{self.kind}/{self.name}.{self.field}" if self.name else f"{self.kind}/{self.field}"
+
     def array(self, model: Any) -> Array:
         """The numbers among which it is, in the memory of the model."""
         holder = model.opt if self.kind == "option" else getattr(model, self.kind)(self.name)
@@ -220,6 +225,18 @@ def parameter_path(model: Any, text: str) -> Path:
     return Path(kind, name, field, int(number or 0), unit)
 
 
+@dataclass(frozen=True)
+class Scaled:
+    """Numbers of a model that grow together, by a factor."""
+
+    paths: tuple[Path, ...]
+
+    def set(self, model: Any, value: float, pristine: Any) -> None:
+        """Multiplies them, as they are in the model as it came."""
+        for path in self.paths:
+            path.array(model)[path.index] = value * path.array(pristine)[path.index]
+
+
 class Scene:
     """Model and data of one worker."""
 
@@ -229,7 +246,7 @@ class Scene:
         substeps: int,
         controls: list[int],
         places: list[Place],
-        paths: list[Path],
+        paths: Sequence[Path | Scaled],
         forces: list[int],
         states: list[tuple[int, int]],
         keyframe: int | None,
@@ -241,7 +258,7 @@ class Scene:
         self._substeps, self._keyframe = substeps, keyframe
         self._controls, self._forces = np.array(controls, int), np.array(forces, int)
         # Masses first: an inertia that is itself a parameter has the last word.
-        self._paths = sorted(enumerate(paths), key=lambda p: p[1].field != "mass")
+        self._paths = sorted(enumerate(paths), key=lambda p: getattr(p[1], "field", "") != "mass")
         self._pristine = copy.copy(model)
         self._set: list[float] | None = None
         self._positions = np.array([p for p, _ in states], int)

@@ -9,7 +9,7 @@ from typing import Any
 
 from .errors import InputError
 
-__all__ = ["Initial", "Output", "Port", "Uncertain", "entries", "toml"]
+__all__ = ["Initial", "Native", "Output", "Port", "Uncertain", "entries", "toml"]
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,32 @@ class Port:
     """The output that is its velocity."""
 
 
+@dataclass(frozen=True)
+class Native:
+    """An effect that a simulator has in itself and that rests: `reset` gets its parameter with those of the others.
+
+    >>> Native("coulomb-friction", "elbow", size=0.1, unit="N m", bounds=(0, 10)).place
+    'elbow'
+    """
+
+    label: str
+    """Name of the effect; one of the library, such as `coulomb-friction`, means the same cause there."""
+    place: str
+    """Where it is: the name of a port, an input or an output, or of any other part."""
+    value: float | None = None
+    """Value of its parameter at which it rests; `None` for 0, and of an FMU for its start value."""
+    size: float | None = None
+    """A change of the value that is noticed, in the unit; the value if not given."""
+    unit: str = "1"
+    """Unit of its parameter."""
+    bounds: tuple[float, float] | None = None
+    """Values that make sense."""
+    family: str | None = None
+    """The mechanism, wider than the label."""
+    reciprocal: bool | None = None
+    """Whether `1/value` is what a person would call it: a limit that is infinite at 0."""
+
+
 Entries = Mapping[str, Any] | Iterable[str] | None
 
 
@@ -87,7 +113,7 @@ def _entry(room: str, name: str, value: Any) -> dict[str, Any]:
         entry = {"unit": value}
     elif isinstance(value, Mapping):
         entry = dict(value)
-    elif isinstance(value, (Uncertain, Initial, Output, Port)):
+    elif isinstance(value, (Uncertain, Initial, Output, Port, Native)):
         entry = {key: part for key, part in vars(value).items() if part is not None}
         if isinstance(value, Initial):
             entry["initial"] = entry.pop("value")
@@ -98,7 +124,7 @@ def _entry(room: str, name: str, value: Any) -> dict[str, Any]:
             f"{room}: `{name}`: expected a unit, a number or an entry, found a value of type "
             f"`{type(value).__name__}`"
         )
-    for key in ("value", "initial", "tolerance", "noise"):
+    for key in ("value", "initial", "tolerance", "noise", "size"):
         if key in entry:
             entry[key] = float(entry[key])
     if "bounds" in entry:

@@ -6,18 +6,23 @@ import copy
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _stated
 from ._names import nearest
+from ._mjcf import WrittenScene, write
+from ._natives import effects as _effects
 from ._scene import Path as _Path
 from ._scene import Place as _Place
 from ._scene import Scene, as_model, input_unit, output_place, parameter_path
 from .errors import InputError
 from .simulators import Opener, Simulator, lent
+
+if TYPE_CHECKING:
+    from .result import Cause
 
 __all__ = ["MuJoCo"]
 
@@ -46,6 +51,9 @@ class MuJoCo(Simulator):
         With the mass of a body its inertia grows in the same proportion.
     ports
         Hinge and slide joints at which forces may be added, or `"all"` of them.
+    native
+        Effects that MuJoCo has in itself and that are tried as well: `"all"`, labels (`"coulomb-friction"`), either at
+        one place (`"coulomb-friction@q1"`), or `None`. A number that is `uncertain` is none of them.
     initial
         How well positions and velocities at the start are known: `{"q1": .01, "q1.qvel": .1}` in rad or m, and per
         s. Those of hinge and slide joints that are not named are known to .01 and .05; `None` is exactly.
@@ -66,6 +74,7 @@ class MuJoCo(Simulator):
         uncertain: Mapping[str, float | Mapping[str, Any]] | None = None,
         ports: str | Iterable[str] | None = None,
         *,
+        native: str | Iterable[str] | None = "all",
         initial: Mapping[str, float | None] | None = None,
         keyframe: str | None = None,
         sample_time: float | None = None,
@@ -101,6 +110,9 @@ class MuJoCo(Simulator):
             for joint in chosen
         ]
         states = _states(model, joints, initial or {}, keyframe)
+        known = {(path.kind, path.name, path.field) for path in paths}
+        of_joints = {name: joint.velocity for name, joint in joints.items()}
+        natives = _effects(model, of_joints, [entry["name"] for entry in said_inputs], known, native)
         frame = None if keyframe is None else _keyframe(model, keyframe)
         opener = Opener(
             lambda: Scene(
@@ -108,15 +120,17 @@ class MuJoCo(Simulator):
                 substeps,
                 [model.actuator(entry["name"]).id for entry in said_inputs],
                 places,
-                paths,
+                [*paths, *(part for part, _ in natives)],
                 [joints[joint].velocity for joint in chosen],
                 [(joint.position, joint.velocity) for joint in joints.values()],
                 frame,
             )
         )
-        native = lent(
+        # What a run begins with is then all that it depends on.
+        is_whole = len(states) == model.nq + model.nv and model.na == 0 and not getattr(model, "nhistory", 0)
+        lent_out = lent(
             opener,
-            {"step": True, "measure": True, "states": bool(states)},
+            {"step": True, "measure": True, "states": is_whole and bool(states)},
             name=name or _name(scene, model),
             sample_time=ts,
             rooms={
@@ -125,11 +139,22 @@ class MuJoCo(Simulator):
                 "parameters": said_parameters,
                 "states": states,
                 "ports": said_ports,
+                "native_effects": [entry for _, entry in natives],
             },
             takes_forces=True,
             workers=workers,
         )
-        super().__init__(native)
+        super().__init__(lent_out)
+        self._source = scene
+        self._model = model
+        self._parts = [*paths, *(part for part, _ in natives)]
+
+
+    def _written(
+        self, values: list[float], causes: Iterable[Cause], path: str | os.PathLike[str]
+    ) -> WrittenScene:
+        """The scene with these values of its parameters and effects, as a file."""
+        return write(self._source, self._model, dict(zip(self._parts, values)), causes, path)
 
 
 @dataclass(frozen=True)

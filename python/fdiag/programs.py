@@ -17,7 +17,7 @@ __all__ = ["Fmu", "Process"]
 class Process(Simulator):
     """A program that speaks the process protocol on its standard input and output.
 
-    `inputs`, `outputs`, `parameters`, `states` and `ports` may be left out where the program says them;
+    `inputs`, `outputs`, `parameters`, `states`, `ports` and `native_effects` may be left out where the program says them;
     `workers` run at once, and each answer may take `timeout` seconds.
     """
 
@@ -35,6 +35,7 @@ class Process(Simulator):
         parameters: Entries = None,
         states: Entries = None,
         ports: Entries = None,
+        native_effects: Entries = None,
     ):
         head = {
             "version": 1,
@@ -45,7 +46,7 @@ class Process(Simulator):
             "timeout": float(timeout),
             "sample_time": None if sample_time is None else float(sample_time),
         }
-        rooms = rooms_of(inputs, outputs, parameters, states, ports)
+        rooms = rooms_of(inputs, outputs, parameters, states, ports, native_effects)
         _of_file(self, _stated.toml(head, rooms), directory, name or Path(str(command[0])).stem)
 
 
@@ -65,6 +66,7 @@ class Fmu(Simulator):
         outputs: Entries = None,
         states: Entries = None,
         ports: Entries = None,
+        native_effects: Entries = None,
         sample_time: float | None = None,
         workers: int = 1,
     ):
@@ -80,7 +82,7 @@ class Fmu(Simulator):
             name: {"tolerance": float(known)} if isinstance(known, (int, float)) else known
             for name, known in (uncertain or {}).items()
         }
-        rooms = rooms_of(inputs, outputs, parameters, states, ports)
+        rooms = rooms_of(inputs, outputs, parameters, states, ports, native_effects)
         _of_file(self, _stated.toml(head, rooms), path.parent, path.stem)
 
 

@@ -18,6 +18,7 @@ from .errors import Error
 from .simulators import Simulator
 
 if TYPE_CHECKING:
+    from ._mjcf import WrittenScene
     from matplotlib.figure import Figure
 
 __all__ = ["Cause", "Closed", "Finding", "HeldOut", "Parameter", "Result", "Signals", "Trace", "Work"]
@@ -175,8 +176,14 @@ class Result:
     `to_dict()` is all of it, as `report.json` of the command line; docs/gap-report.md names every key.
     """
 
-    def __init__(self, study: _fdiag.Study, inputs: tuple[tuple[str, str], ...] = ()):
+    def __init__(
+        self,
+        study: _fdiag.Study,
+        inputs: tuple[tuple[str, str], ...] = (),
+        simulator: Simulator | None = None,
+    ):
         self._study = study
+        self._simulator = simulator
         self._inputs = inputs
         self._json = study.json()
         self._report: dict[str, Any] = json.loads(self._json)
@@ -256,6 +263,13 @@ class Result:
         return None if work is None else Work(*work[0], seconds=work[1], trouble=work[2])
 
     @property
+    def foretold(self) -> float | None:
+        """Share of a disturbance that a simulator outside of Rust foretells when it is linearised along the logs, so
+        that causes could be proposed with few runs; `None` where everything was tried on the simulator itself."""
+        sparing = self._report["sparing"]
+        return None if sparing is None else _number(sparing["foretold"])
+
+    @property
     def trace(self) -> Trace | None:
         """Measured and simulated outputs of the first held-out log, or of the first one."""
         trace = self._study.trace()
@@ -324,6 +338,30 @@ class Result:
         if not -len(models) <= which < len(models):
             raise Error(f"patched: expected one of {len(models)} models, found {which}")
         return Simulator(self._study.patched(*models[which]))
+
+    def write_mjcf(self, path: str | os.PathLike[str], which: int = 0) -> WrittenScene:
+        """Writes the MuJoCo scene with the best explanation in it, or with another one that is tied with it: the
+        parameters that were refitted, and the causes that MJCF can hold. Says which these are, and which remain in the
+        shell around the scene, where `patched()` has them all.
+
+        The scene must have been given as a file or a text. Meshes and textures are looked for from the new file on.
+        """
+        from .mujoco import MuJoCo
+
+        if not isinstance(self._simulator, MuJoCo):
+            raise Error("write_mjcf: expected the result of a scene, a `MuJoCo`, found one of another simulator")
+        values, _ = self.patched(which)._native.handed_on()
+        return self._simulator._written(values, self._named(which), path)
+
+    def _named(self, which: int) -> tuple[Cause, ...]:
+        """The causes that are in a patched model."""
+        if which:
+            return (tuple(cause for cause in self.causes if cause.is_tied)[which],)
+        if self.road:
+            return self.road
+        if self.verdict == "no-gap":
+            return ()
+        return self.pairs[0] if self.verdict == "pair" and self.pairs else self.causes[:1]
 
     def plot(self, output: str | int | None = None) -> Figure:
         """Measured and simulated outputs, before and after, with matplotlib."""

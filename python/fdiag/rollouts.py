@@ -46,6 +46,7 @@ def rollout(
     parameters: Entries = None,
     initial: Entries = None,
     ports: Entries = None,
+    native_effects: Entries = None,
     vectorised: bool = False,
     name: str | None = None,
 ) -> Callable[[Callable[..., npt.ArrayLike]], Rollout]:
@@ -54,6 +55,8 @@ def rollout(
     `parameters` and `x0` are dicts of numbers by name, `u` an array `[samples, inputs]`, `y` one of
     `[samples, outputs]`. With ports the function is `(parameters, x0, u, f)`, `f` an array `[samples, ports]`.
     Effects of which the force depends on the motion cannot be tried on whole runs; the report lists them.
+
+    `native_effects` are effects that the function has in itself, at rest, as of `Steps`.
 
     A function that is `vectorised` makes many runs at once: everything has an axis of runs in front. `parameters` and
     `x0` are dicts of arrays `[runs]`, `u` is `[runs, samples, inputs]`, `f` `[runs, samples, ports]` and `y`
@@ -73,7 +76,7 @@ def rollout(
     """
 
     def made(function: Callable[..., npt.ArrayLike]) -> Rollout:
-        rooms = rooms_of(inputs, outputs, parameters, initial, ports)
+        rooms = rooms_of(inputs, outputs, parameters, initial, ports, native_effects)
         takes_forces = takes(function, 4)
         if rooms["ports"] and not takes_forces:
             raise InputError("ports: expected a function `(parameters, x0, u, f)`, found one without forces")

@@ -165,7 +165,12 @@ class Model(Simulator):
 
 
 def rooms_of(
-    inputs: Entries, outputs: Entries, parameters: Entries, states: Entries, ports: Entries
+    inputs: Entries,
+    outputs: Entries,
+    parameters: Entries,
+    states: Entries,
+    ports: Entries,
+    native_effects: Entries = None,
 ) -> dict[str, list[dict[str, Any]]]:
     said = {
         "inputs": inputs,
@@ -173,6 +178,7 @@ def rooms_of(
         "parameters": parameters,
         "states": states,
         "ports": ports,
+        "native_effects": native_effects,
     }
     return {room: _stated.entries(room, entries) for room, entries in said.items()}
 
@@ -216,6 +222,9 @@ class Steps(Simulator):
       they see the outputs of the sample before;
     * `state() -> x`: the states, in the order of `initial`.
 
+    `native_effects` are effects that the object has in itself, at rest, each a `Native` by the name of its parameter,
+    which `reset` gets with the others.
+
     The same run must give the same numbers. Outputs that are not finite, and an `ArithmeticError`, are a run that
     diverges; any other exception ends the diagnosis and arrives with its traceback. More than one worker needs a
     function that makes objects, and gains only where they release the interpreter.
@@ -231,6 +240,7 @@ class Steps(Simulator):
         parameters: Entries = None,
         initial: Entries = None,
         ports: Entries = None,
+        native_effects: Entries = None,
         name: str | None = None,
         workers: int = 1,
     ):
@@ -248,7 +258,7 @@ class Steps(Simulator):
             if not callable(getattr(probe, method, None)):
                 kind = type(probe).__name__
                 raise InputError(f"simulator: `{kind}` has no method `{method}`")
-        rooms = rooms_of(inputs, outputs, parameters, initial, ports)
+        rooms = rooms_of(inputs, outputs, parameters, initial, ports, native_effects)
         takes_forces = takes(getattr(probe, "step"), 2)
         if rooms["ports"] and not takes_forces:
             raise InputError("ports: expected a method `step(u, f)`, found one that takes no forces")
@@ -291,7 +301,16 @@ def as_simulator(model: Any) -> Simulator:
     if hasattr(model, "step") and hasattr(model, "reset"):
         said: dict[str, Any] = {
             key: getattr(model, key, None)
-            for key in ("sample_time", "inputs", "outputs", "parameters", "initial", "ports", "name")
+            for key in (
+                "sample_time",
+                "inputs",
+                "outputs",
+                "parameters",
+                "initial",
+                "ports",
+                "native_effects",
+                "name",
+            )
         }
         for key in ("sample_time", "inputs", "outputs"):
             if said[key] is None:

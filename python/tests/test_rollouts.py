@@ -94,3 +94,26 @@ def test_a_wrong_shape_says_which_was_expected(short: dict[str, np.ndarray]) -> 
 
     with pytest.raises(fdiag.SimulatorError, match=r"expected an array of shape \[1, 5, 1\]: runs, samples, outputs"):
         flat.simulate(np.ones(5))
+
+
+def test_steps_through_a_log_do_not_cost_a_run_each() -> None:
+    calls = []
+
+    @fdiag.rollout(inputs=["u"], outputs={"y": fdiag.Output("m", 0.01)}, sample_time=0.1, parameters={"k": fdiag.Uncertain(2.0, 0.05)})
+    def lag(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
+        calls.append(len(u))
+        x, y = 0.0, np.empty((len(u), 1))
+        for k, now in enumerate(u[:, 0]):
+            y[k] = x
+            x += 0.1 * parameters["k"] * (now - x)
+        return y
+
+    random = np.random.default_rng(5)
+    n = 400
+    u = random.uniform(-1.0, 1.0, n)
+    y = lag.simulate(0.8 * u).ravel() + 0.01 * random.standard_normal(n)
+    calls.clear()
+    result = fdiag.gap(lag, {"time": 0.1 * np.arange(n), "u": u, "y": y}, most=1)
+    assert result.causes[0].name == "input-gain@u"
+    # A run for each of 400 steps, even once, would be 200 logs' worth beyond this.
+    assert result.work is not None and sum(calls) < 500 * n, (len(calls), sum(calls) / n)

@@ -279,6 +279,8 @@ pub struct EffectParameter {
     pub is_strength: bool,
     /// Whether `1/value` is what a person would call it: a limit that is infinite at zero strength.
     pub is_reciprocal: bool,
+    /// Whether it is one of the simulator itself: a linear stand-in does not know its kinks.
+    pub is_native: bool,
 }
 
 /// Why a candidate cannot be tried.

@@ -42,11 +42,14 @@ mod default_sites;
 pub mod dynamics;
 mod inner_places;
 pub mod input;
+mod label;
 pub mod map;
+mod native;
 pub mod sensor;
 mod site;
 mod sketch;
 mod suspects;
+pub mod text;
 mod units;
 
 use fd_sim::{model::Model, scales::ReplayScales};
@@ -57,6 +60,8 @@ pub use self::{
     },
     default_sites::with_default_sites,
     inner_places::with_inner_places,
+    label::interned,
+    native::{NATIVE, natives},
     site::{Side, SiteRef},
     sketch::Sketch,
     suspects::{EverySite, Suspects},

@@ -39,12 +39,14 @@ pub enum SiteRef {
     Signal(usize, String),
     /// A parameter, by its place in [`Draft::parameters`](fd_sim::model::Draft::parameters).
     Parameter(usize, String),
+    /// A part of a simulator outside of this program, by its place among the native effects.
+    Part(usize, String),
     /// No place in particular.
     WholeModel,
 }
 
 impl SiteRef {
-    /// Name of the input, site, state, output, signal or parameter.
+    /// Name of the input, site, state, output, signal, parameter or part.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         match self {
@@ -53,7 +55,8 @@ impl SiteRef {
             | Self::State(_, name)
             | Self::Output(_, name)
             | Self::Signal(_, name)
-            | Self::Parameter(_, name) => Some(name),
+            | Self::Parameter(_, name)
+            | Self::Part(_, name) => Some(name),
             Self::WholeModel => None,
         }
     }
@@ -75,6 +78,8 @@ enum Site {
     Signal(String),
     /// A parameter.
     Parameter(String),
+    /// A part of a simulator outside of this program.
+    Part(String),
     /// No place in particular.
     Model,
 }
@@ -88,6 +93,7 @@ impl From<SiteRef> for Site {
             SiteRef::Output(_, name) => Self::Output(name),
             SiteRef::Signal(_, name) => Self::Signal(name),
             SiteRef::Parameter(_, name) => Self::Parameter(name),
+            SiteRef::Part(_, name) => Self::Part(name),
             SiteRef::WholeModel => Self::Model,
         }
     }

@@ -15,6 +15,13 @@ use super::{
     site::{Side, SiteRef},
 };
 
+/// The text with `_` for what cannot stand in a name; places of equations have none of that.
+fn as_name(text: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let name: String = text.chars().map(plain).collect();
+    if name.starts_with(|c: char| c.is_ascii_digit()) { format!("x_{name}") } else { name }
+}
+
 /// A candidate in the making.
 ///
 /// Equations are templates, in which short local names stand for what they are bound to: `u` for
@@ -121,6 +128,23 @@ impl<'a> Sketch<'a> {
         Self::new(effect, law, nominal, scales, site, Side::Dynamics).bind("p", Expr::name(name))
     }
 
+    /// An effect in a simulator outside, which `definition` keeps at rest; `p` is what it rests at.
+    pub(crate) fn of_native(
+        effect: &dyn Effect,
+        law: &'static str,
+        nominal: &'a Model,
+        scales: &'a ReplayScales,
+        site: SiteRef,
+        definition: &str,
+    ) -> Self {
+        let side = match site {
+            SiteRef::Input(..) => Side::Input,
+            SiteRef::Output(..) => Side::Output,
+            _ => Side::Dynamics,
+        };
+        Self::new(effect, law, nominal, scales, site, side).bind("p", Expr::name(definition))
+    }
+
     fn new(
         effect: &dyn Effect,
         law: &'static str,
@@ -132,7 +156,7 @@ impl<'a> Sketch<'a> {
         let mut patch = Patch::of(nominal);
         patch.pin_step(scales.step);
         Self {
-            prefix: site.name().unwrap_or("plant").to_owned(),
+            prefix: site.name().map_or_else(|| "plant".to_owned(), as_name),
             candidate: Candidate {
                 label: effect.label(),
                 law,
@@ -264,6 +288,7 @@ impl<'a> Sketch<'a> {
             neutral: neutral * scale,
             is_strength,
             is_reciprocal: false,
+            is_native: false,
         });
         self.bind(local, Expr::name(name))
     }
@@ -340,6 +365,11 @@ impl<'a> Sketch<'a> {
                 Err(NotTestable { label, law, site: site.clone(), reason: Box::new(reason) })
             }
         }
+    }
+
+    /// Beginning of the names of everything that is added.
+    pub(crate) fn prefix(&self) -> &str {
+        &self.prefix
     }
 
     fn fresh(&self, name: &str) -> String {

@@ -6,6 +6,7 @@ use fd_log::{LogMap, LogTable};
 use fd_model::Disorder;
 use fdiag::{
     core::Limits,
+    effect::text::TextEffects,
     gap_study::{Budget, HeldOutChoice, Named, Request, ResampleChoice},
 };
 use pyo3::prelude::*;
@@ -20,6 +21,7 @@ use crate::errors::input;
 pub(crate) struct Settings {
     split: Option<f64>,
     horizon: Option<String>,
+    effects: TextEffects,
     exclude: Vec<String>,
     only: Vec<String>,
     tolerances: Vec<(String, f64)>,
@@ -65,7 +67,9 @@ impl Settings {
         let disorder = if self.drop_disorder { Disorder::Drop } else { Disorder::Reject };
         let budget = self.budget.map(|text| text.parse::<Budget>()).transpose();
         let budget = budget.map_err(|error| format!("budget: {error}"))?;
+        let effects = self.effects.effects().map_err(|error| error.to_string())?;
         Ok(Request {
+            effects,
             budget,
             thorough: self.thorough,
             tables,

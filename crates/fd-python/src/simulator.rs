@@ -220,6 +220,13 @@ impl Simulator {
         Ok(self.ready(py)?.subject.to_string())
     }
 
+    /// Of a simulator outside of Rust: the values that its parameters get, those of its own effects last, and whether
+    /// that is all that the equations around it do.
+    fn handed_on(&self, py: Python<'_>) -> PyResult<(Vec<f64>, bool)> {
+        let found = self.ready(py)?.subject.handed_on().map_err(|error| input(py, &error))?;
+        found.ok_or_else(|| raise(py, Class::Input, "a model of equations hands nothing on"))
+    }
+
     /// Outputs of a run through inputs `[samples, inputs]`, `sample_time` seconds apart; NaN from where it
     /// diverges.
     fn simulate<'py>(

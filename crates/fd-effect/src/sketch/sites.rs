@@ -33,6 +33,15 @@ impl Sketch<'_> {
         self.keep(result)
     }
 
+    /// Lets the simulator have the value of a template instead of `p`, at which one of its own effects rests.
+    #[must_use]
+    pub(crate) fn wrap_native(mut self, template: &str) -> Self {
+        let (rest, applied, value) =
+            (self.expr("p").to_string(), self.fresh("native"), self.expr(template));
+        let result = self.patch.wrap_definition(&rest, &applied, value);
+        self.keep(result)
+    }
+
     /// Adds a force at the site.
     #[must_use]
     pub fn force(mut self, name: &str, template: &str) -> Self {

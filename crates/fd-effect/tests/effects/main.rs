@@ -12,3 +12,4 @@ mod inside;
 mod invariance;
 mod laws;
 mod library;
+mod text;

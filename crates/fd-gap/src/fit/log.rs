@@ -199,6 +199,12 @@ impl Log {
         Self { u, y, samples, ..*self }
     }
 
+    /// Number of the first sample since the clock of the model was started.
+    #[must_use]
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
     /// Inputs of a sample, in the order and the units of the simulator; the last one is held.
     #[must_use]
     pub fn input(&self, sample: usize) -> &[f64] {

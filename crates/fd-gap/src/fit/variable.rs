@@ -26,6 +26,8 @@ pub struct Variable {
     pub high: f64,
     /// Standard deviation of a Gaussian prior, in the unit; `None` for a flat one.
     pub prior: Option<f64>,
+    /// Whether it is an effect of the simulator itself, of which no stand-in knows the slope far from rest.
+    pub is_native: bool,
 }
 
 impl Variable {
@@ -49,13 +51,14 @@ impl Variable {
             low: value - half,
             high: value + half,
             prior: Some(sd),
+            is_native: false,
         }
     }
 
     /// A parameter of an effect: free within its bounds, from where the effect is absent.
     #[must_use]
     pub fn effect(parameter: &EffectParameter) -> Self {
-        let EffectParameter { name, unit, scale, low, high, neutral, .. } = parameter;
+        let EffectParameter { name, unit, scale, low, high, neutral, is_native, .. } = parameter;
         Self {
             name: name.clone(),
             unit: unit.clone(),
@@ -64,6 +67,7 @@ impl Variable {
             low: *low,
             high: *high,
             prior: None,
+            is_native: *is_native,
         }
     }
 

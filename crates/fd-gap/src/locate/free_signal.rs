@@ -322,6 +322,7 @@ fn with_free_input(model: &Model, site: &SiteRef) -> Option<(Model, String)> {
         SiteRef::Output(..)
         | SiteRef::Signal(..)
         | SiteRef::Parameter(..)
+        | SiteRef::Part(..)
         | SiteRef::WholeModel => return None,
     };
     patch.add_input(Input { name, unit: unit.clone(), saturation: None });

@@ -103,9 +103,10 @@ fn sites(
         all.push((SiteRef::Output(i, output.name.clone()), Vec::new()));
     }
     for cause in &diagnosis.causes {
-        let is_hidden = matches!(cause.site, SiteRef::Parameter(..) | SiteRef::Signal(..))
-            && places_of(model, cause, &all).is_empty()
-            && !all.iter().any(|(site, _)| *site == cause.site);
+        let is_hidden =
+            matches!(cause.site, SiteRef::Parameter(..) | SiteRef::Signal(..) | SiteRef::Part(..))
+                && places_of(model, cause, &all).is_empty()
+                && !all.iter().any(|(site, _)| *site == cause.site);
         if is_hidden {
             all.push((cause.site.clone(), Vec::new()));
         }
@@ -188,6 +189,7 @@ pub(crate) fn name(site: &SiteRef) -> String {
         SiteRef::Output(_, name) => format!("output `{name}`"),
         SiteRef::Signal(_, name) => format!("signal `{name}`"),
         SiteRef::Parameter(_, name) => format!("parameter `{name}`"),
+        SiteRef::Part(_, name) => format!("part `{name}`"),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }
 }

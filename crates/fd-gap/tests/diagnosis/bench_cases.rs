@@ -49,6 +49,7 @@ pub(crate) fn candidate(
     patch.pin_step(model.sample_time / simulator.substeps() as f64);
     splice(&mut patch);
     let parameter = EffectParameter {
+        is_native: false,
         name: "a".into(),
         unit: "1".into(),
         scale,

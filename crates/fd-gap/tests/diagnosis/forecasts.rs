@@ -64,6 +64,7 @@ fn effect(model: &Model, u: &[f64], label: &str, values: &[f64]) -> (EquationSim
     let mut all = offers(&library(), model, &scales).into_iter().flatten();
     let candidate: Candidate = all.find(|candidate| candidate.label == label).unwrap();
     let variable = |name: &str, value: f64| Variable {
+        is_native: false,
         name: name.to_owned(),
         unit: String::new(),
         start: value,

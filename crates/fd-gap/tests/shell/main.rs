@@ -11,4 +11,5 @@ mod allocation;
 mod diagnosis;
 mod few_runs;
 mod laws;
+mod natives;
 mod pendulum;

@@ -8,7 +8,7 @@ use std::sync::{
 use fd_model::{Channel, Record, SampleTime, signal::WhiteNoise};
 use fd_sim::{
     model::Parameter,
-    simulate::{Initial, Port, Shell, Simulator},
+    simulate::{Initial, NativeEffect, Port, Shell, Simulator},
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -19,16 +19,22 @@ pub(crate) const NOISE: [f64; 2] = [0.002, 0.01];
 /// Inertia, stiffness of gravity and damping.
 pub(crate) const THETA: [f64; 3] = [0.05, 1.2, 0.12];
 
+/// Rate below which dry friction is smooth.
+const CREEP: f64 = 0.02;
+
 /// `J q'' = u + f - G sin(q) - d q'`, by Runge-Kutta of order 4 with fixed steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Pendulum {
     inputs: Vec<Channel>,
     outputs: Vec<Channel>,
     parameters: Vec<Parameter>,
+    natives: Vec<NativeEffect>,
     initial: Vec<Initial>,
     ports: Vec<Port>,
     pub(crate) ts: f64,
     theta: [f64; 3],
+    /// Dry friction, more inertia and more damping, all of its own.
+    own: [f64; 3],
     x: [f64; 2],
     /// Whether outputs can be had without a step.
     measures: bool,
@@ -58,10 +64,12 @@ impl Pendulum {
             inputs: vec![Channel::new("motor torque", "N m")],
             outputs: vec![Channel::new("angle", "rad"), Channel::new("rate", "rad/s")],
             parameters: names.into_iter().zip(THETA).map(parameter).collect(),
+            natives: Vec::new(),
             initial: vec![initial("q", "rad"), initial("w", "rad/s")],
             ports: vec![Port { channel: Channel::new("pivot", "N m") }],
             ts,
             theta: THETA,
+            own: [0.0; 3],
             x: [0.0; 2],
             measures: true,
             least_inertia: f64::NEG_INFINITY,
@@ -69,6 +77,22 @@ impl Pendulum {
             shows: true,
             steps: Arc::default(),
         }
+    }
+
+    /// The same with friction, a rotor and damping of its own, at rest.
+    pub(crate) fn with_natives(mut self) -> Self {
+        let native = |label: &str, place: &str, name: &str, unit: &str, size: f64| {
+            let parameter =
+                Parameter { bounds: Some([0.0, 10.0]), ..Parameter::new(name, unit, 0.0) };
+            NativeEffect::new(label, place, parameter, size)
+        };
+        self.natives = vec![
+            native("coulomb-friction", "pivot", "dry", "N m", 0.1),
+            native("rotor-inertia", "rotor 1", "rotor", "kg m^2", 0.01),
+            native("viscous-friction", "pivot", "damper", "N m s/rad", 0.05),
+        ];
+        self.parameters.extend(self.natives.iter().map(|native| native.parameter.clone()));
+        self
     }
 
     /// The same with outputs that are rounded to single precision, and no states to be seen.
@@ -103,8 +127,10 @@ impl Pendulum {
     }
 
     fn rates(&self, x: [f64; 2], torque: f64) -> [f64; 2] {
-        let [inertia, gravity, damping] = self.theta;
-        [x[1], (torque - gravity * x[0].sin() - damping * x[1]) / inertia]
+        let ([inertia, gravity, damping], [dry, rotor, damper]) = (self.theta, self.own);
+        let friction = dry * x[1] / (x[1] * x[1] + CREEP * CREEP).sqrt();
+        let torque = torque - gravity * x[0].sin() - (damping + damper) * x[1] - friction;
+        [x[1], torque / (inertia + rotor)]
     }
 }
 
@@ -125,6 +151,10 @@ impl Simulator for Pendulum {
         &self.parameters
     }
 
+    fn natives(&self) -> &[NativeEffect] {
+        &self.natives
+    }
+
     fn initial(&self) -> &[Initial] {
         &self.initial
     }
@@ -134,7 +164,8 @@ impl Simulator for Pendulum {
     }
 
     fn start(&mut self, theta: &[f64], x0: &[f64], _first: u64) {
-        self.theta.copy_from_slice(theta);
+        self.theta.copy_from_slice(&theta[..3]);
+        self.own[..theta.len() - 3].copy_from_slice(&theta[3..]);
         self.x.copy_from_slice(x0);
         if theta[0] < self.least_inertia {
             self.x = [f64::NAN; 2];
@@ -258,7 +289,7 @@ pub(crate) fn log(cause: Cause, samples: usize, seed: u64) -> Record {
             };
             let friction = |w: f64| match cause {
                 // Not the library's tanh.
-                Cause::Coulomb(f) => f * w / (w * w + 0.02 * 0.02).sqrt(),
+                Cause::Coulomb(f) => f * w / (w * w + CREEP * CREEP).sqrt(),
                 _ => 0.0,
             };
             x = runge_kutta(x, h, |x| {

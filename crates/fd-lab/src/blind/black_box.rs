@@ -96,6 +96,7 @@ impl BlackBox {
             Motion { position, velocity }
         });
         let contract = Contract {
+            natives: Vec::new(),
             name: model.name.clone(),
             ts,
             inputs: plant.inputs().to_vec(),

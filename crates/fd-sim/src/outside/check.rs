@@ -144,6 +144,7 @@ pub fn check_driven(simulator: &mut dyn Simulator, drive: Drive) -> Conformance 
         }
         found.precision = bench.precision(&base);
         bench.parameters(&base);
+        bench.natives(&base);
         bench.the_rest(&base);
     }
     found.findings = bench.findings;
@@ -250,7 +251,7 @@ impl Bench<'_> {
     fn precision(&mut self, base: &[f64]) -> f64 {
         let x0 = self.x0.clone();
         let mut worst = 0.0_f64;
-        for i in 0..self.theta.len() {
+        for i in 0..self.lent() {
             let [once, twice] = [1.0, 2.0].map(|n| {
                 let mut theta = self.theta.clone();
                 theta[i] += n * NUDGE * if theta[i] == 0.0 { 1.0 } else { theta[i] };
@@ -259,7 +260,7 @@ impl Bench<'_> {
             let straight: Vec<f64> = base.iter().zip(&twice).map(|(a, b)| 0.5 * (a + b)).collect();
             worst = worst.max(apart(&straight, &once));
         }
-        if self.theta.is_empty() {
+        if self.lent() == 0 {
             return f64::EPSILON;
         }
         let (grade, text) = if worst <= FINE {
@@ -278,7 +279,8 @@ impl Bench<'_> {
 
     /// Each parameter must move some output.
     fn parameters(&mut self, base: &[f64]) {
-        let (x0, all) = (self.x0.clone(), self.simulator.parameters().to_vec());
+        let (x0, mut all) = (self.x0.clone(), self.simulator.parameters().to_vec());
+        all.truncate(self.lent());
         let mut dead = Vec::new();
         let mut lost = Vec::new();
         for (i, parameter) in all.iter().enumerate() {
@@ -302,6 +304,34 @@ impl Bench<'_> {
         }
         if dead.is_empty() && lost.is_empty() {
             self.say("parameters", Grade::Fine, format!("each of {} moves an output", all.len()));
+        }
+    }
+
+    /// Parameters without those of native effects.
+    fn lent(&self) -> usize {
+        self.theta.len().saturating_sub(self.simulator.natives().len())
+    }
+
+    /// Native effects: one that moves nothing cannot be found with such a run, which need not be wrong.
+    fn natives(&mut self, base: &[f64]) {
+        let (x0, lent) = (self.x0.clone(), self.lent());
+        let natives = self.simulator.natives().to_vec();
+        let mut dead = Vec::new();
+        for (i, native) in natives.iter().enumerate() {
+            let mut theta = self.theta.clone();
+            let high = native.parameter.bounds.map_or(f64::INFINITY, |[_, high]| high);
+            let is_inside = theta[lent + i] + native.size <= high;
+            theta[lent + i] += if is_inside { native.size } else { -native.size };
+            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+                dead.push(native.parameter.name.as_str());
+            }
+        }
+        if !dead.is_empty() {
+            let text = format!("no output moves with {} in this run", quoted(&dead));
+            self.say("native effects", Grade::Doubt, text);
+        } else if !natives.is_empty() {
+            let text = format!("each of {} moves an output", natives.len());
+            self.say("native effects", Grade::Fine, text);
         }
     }
 

@@ -3,10 +3,10 @@
 use fd_model::{Channel, SampleTime, nearest};
 use serde::{Deserialize, Serialize};
 
-use super::error::OutsideError;
+use super::{error::OutsideError, native::natives};
 use crate::{
     model::{DEFAULT_TOLERANCE, Parameter},
-    simulate::{Initial, Port},
+    simulate::{Initial, NativeEffect, Port},
 };
 
 /// What an outside simulator is: its channels, what can be set, and what it can do.
@@ -22,8 +22,10 @@ pub struct Contract {
     pub outputs: Vec<Channel>,
     /// Standard deviation of the noise of each output, in its unit, where it is known.
     pub noise: Vec<Option<f64>>,
-    /// Parameters that can be set.
+    /// Parameters that can be set, those of native effects last.
     pub parameters: Vec<Parameter>,
+    /// Effects that it has in itself and that rest.
+    pub natives: Vec<NativeEffect>,
     /// States of which the initial value can be set.
     pub initial: Vec<Initial>,
     /// Places at which a force can be applied.
@@ -95,6 +97,9 @@ pub struct Stated {
     /// Ports.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ports: Vec<Entry>,
+    /// Effects of its own, at rest.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub native_effects: Vec<Entry>,
     /// Powers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub powers: Option<Powers>,
@@ -109,7 +114,7 @@ pub struct Entry {
     /// Its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Nominal value of a parameter.
+    /// Nominal value of a parameter, or value at which a native effect rests.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Nominal initial value of a state.
@@ -130,18 +135,37 @@ pub struct Entry {
     /// Output that is the velocity of what a port moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<String>,
+    /// Label of a native effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// Its mechanism.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub family: Option<String>,
+    /// Where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// Change of its parameter that is noticed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<f64>,
+    /// Whether `1/value` is what a person would call it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reciprocal: Option<bool>,
     /// Variable of an FMU that it is, if that has another name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variable: Option<String>,
 }
 
 /// What may be said of the entries of a room.
-const ROOMS: [(&str, &[&str]); 5] = [
+const ROOMS: [(&str, &[&str]); 6] = [
     ("inputs", &["unit", "variable"]),
     ("outputs", &["unit", "noise", "variable"]),
     ("parameters", &["unit", "value", "tolerance", "bounds", "variable"]),
     ("states", &["unit", "initial", "tolerance", "variable"]),
     ("ports", &["unit", "position", "velocity", "variable"]),
+    (
+        "native_effects",
+        &["unit", "value", "bounds", "label", "family", "place", "size", "reciprocal", "variable"],
+    ),
 ];
 
 impl Entry {
@@ -156,6 +180,11 @@ impl Entry {
             ("noise", self.noise.is_some()),
             ("position", self.position.is_some()),
             ("velocity", self.velocity.is_some()),
+            ("label", self.label.is_some()),
+            ("family", self.family.is_some()),
+            ("place", self.place.is_some()),
+            ("size", self.size.is_some()),
+            ("reciprocal", self.reciprocal.is_some()),
             ("variable", self.variable.is_some()),
         ];
         all.into_iter().filter(|(_, is_said)| *is_said).map(|(key, _)| key).collect()
@@ -173,12 +202,17 @@ impl Entry {
             noise: self.noise.or(other.noise),
             position: self.position.or(other.position),
             velocity: self.velocity.or(other.velocity),
+            label: self.label.or(other.label),
+            family: self.family.or(other.family),
+            place: self.place.or(other.place),
+            size: self.size.or(other.size),
+            reciprocal: self.reciprocal.or(other.reciprocal),
             variable: self.variable.or(other.variable),
         }
     }
 }
 
-fn wrong(
+pub(super) fn wrong(
     place: &str,
     key: impl Into<String>,
     expected: impl Into<String>,
@@ -194,8 +228,9 @@ fn code(names: &[&str]) -> String {
 
 impl Stated {
     /// The rooms with their entries.
-    fn rooms(&self) -> [(&'static str, &'static [&'static str], &[Entry]); 5] {
-        let lists = [&self.inputs, &self.outputs, &self.parameters, &self.states, &self.ports];
+    fn rooms(&self) -> [(&'static str, &'static [&'static str], &[Entry]); 6] {
+        let Self { inputs, outputs, parameters, states, ports, native_effects, .. } = self;
+        let lists = [inputs, outputs, parameters, states, ports, native_effects];
         std::array::from_fn(|i| (ROOMS[i].0, ROOMS[i].1, lists[i].as_slice()))
     }
 
@@ -262,6 +297,7 @@ impl Stated {
             parameters: room("parameters", self.parameters, own.parameters)?,
             states: room("states", self.states, own.states)?,
             ports: room("ports", self.ports, own.ports)?,
+            native_effects: room("native_effects", self.native_effects, own.native_effects)?,
             powers: own.powers.or(self.powers),
         })
     }
@@ -324,12 +360,16 @@ impl Stated {
             let found = e.noise.unwrap_or_default();
             return Err(wrong(place, format!("outputs.{}", e.name), "noise above 0", found));
         }
+        let natives = natives(&self, place)?;
+        let mut parameters = parameters.collect::<Result<Vec<_>, _>>()?;
+        parameters.extend(natives.iter().map(|native| native.parameter.clone()));
         Ok(Contract {
             name: self.name.unwrap_or_else(|| "simulator".to_owned()),
             ts,
             inputs: self.inputs.iter().map(channel).collect(),
             noise: self.outputs.iter().map(|e| e.noise).collect(),
-            parameters: parameters.collect::<Result<_, _>>()?,
+            parameters,
+            natives,
             initial: initial.collect::<Result<_, _>>()?,
             motion: motion.collect::<Result<_, _>>()?,
             ports: self.ports.iter().map(|e| Port { channel: channel(e) }).collect(),

@@ -93,6 +93,8 @@ struct Written {
     outputs: Ordered<Entry>,
     #[serde(default)]
     ports: Ordered<Entry>,
+    #[serde(default)]
+    native_effects: Ordered<Entry>,
     equations: Option<Spanned<String>>,
 }
 
@@ -181,6 +183,7 @@ impl OutsideFile {
             parameters: named(read.parameters),
             states: named(read.states),
             ports: named(read.ports),
+            native_effects: named(read.native_effects),
             powers: read.powers,
         };
         stated.check(&file)?;

@@ -13,6 +13,7 @@ use super::{
     lock::open,
     memory::{Memory, Past},
     pool::{Lease, Pool},
+    simulator::Tapes,
     source::{Instance, Lost, Source},
     tally::Tally,
 };
@@ -34,6 +35,8 @@ pub(super) struct Shared {
     pub(super) memory: Option<Memory>,
     pub(super) tally: Tally,
     pub(super) grain: Grain,
+    /// Inputs that were gone through before.
+    pub(super) tapes: Tapes,
     /// Deaths by parameters and initial states; and whether all is given up.
     pub(super) fate: Mutex<Fate>,
 }

@@ -24,6 +24,7 @@ mod grain;
 mod loan;
 mod lock;
 mod memory;
+mod native;
 mod pool;
 #[cfg(unix)]
 mod process;

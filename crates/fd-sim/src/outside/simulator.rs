@@ -1,11 +1,14 @@
 //! A simulator outside of this program, as a simulator.
 
+mod foresight;
 mod replay;
 
 use std::sync::Arc;
 
 use fd_model::{Channel, SampleTime};
 
+use self::foresight::Foreseen;
+pub(super) use self::foresight::Tapes;
 use super::{
     contract::Contract,
     error::OutsideError,
@@ -18,7 +21,9 @@ use super::{
 };
 use crate::{
     model::Parameter,
-    simulate::{Initial, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape, as_tapes},
+    simulate::{
+        Initial, NativeEffect, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape, as_tapes,
+    },
 };
 
 /// What distinguishes a measurement from a step in the past of a run, and a whole run from both.
@@ -52,6 +57,7 @@ pub struct OutsideSimulator {
     samples: usize,
     row: Vec<f64>,
     x: Vec<f64>,
+    foreseen: Foreseen,
     has_diverged: bool,
     /// Whether any simulator has begun this run.
     was_made: bool,
@@ -86,6 +92,7 @@ impl OutsideSimulator {
             memory: Some(Memory::default()),
             tally,
             grain: Grain::default(),
+            tapes: Tapes::default(),
             fate: Fate::default().into(),
         };
         shared.pool.fill(first);
@@ -115,6 +122,7 @@ impl OutsideSimulator {
             samples: 0,
             row: Vec::new(),
             x: vec![0.0; states],
+            foreseen: Foreseen::default(),
             has_diverged: false,
             was_made: false,
         }
@@ -196,12 +204,12 @@ impl OutsideSimulator {
     }
 
     /// A whole run on a tape of inputs and forces, answered from memory if it was made before. Its end is
-    /// where this copy is then.
-    fn roll_out(&mut self, rows: &[f64], samples: usize, y: &mut [f64]) {
+    /// where this copy is then. Says whether it was made to the end.
+    fn roll_out(&mut self, rows: &[f64], samples: usize, y: &mut [f64]) -> bool {
         let past = self.origin.with(self.first).and(rows).with(WHOLE);
         Tally::add(&self.shared.tally.asked, 1);
         if self.shared.recall(past, [y, &mut self.x]) {
-            return;
+            return true;
         }
         let Self { shared, loan, theta, x0, first, x, .. } = self;
         let start = Start { theta, x0, first: *first };
@@ -215,6 +223,7 @@ impl OutsideSimulator {
             y.fill(f64::NAN);
         }
         self.shared.keep(past, [y, &self.x], work);
+        work == Work::Done
     }
 
     /// Inputs and forces of a sample as one row.
@@ -232,12 +241,7 @@ impl OutsideSimulator {
         let work = if self.shared.contract.powers.step {
             self.work(|instance, x| instance.step(&row, y, x).map(|()| 1))
         } else {
-            // The whole run again, one sample longer.
-            let tape = [&self.tape[..], &row].concat();
-            let (samples, ny) = (self.samples + 1, y.len());
-            let mut all = vec![0.0; samples * ny];
-            self.roll_out(&tape, samples, &mut all);
-            y.copy_from_slice(&all[self.samples * ny..]);
+            self.step_whole(&row, y);
             Work::Done
         };
         self.row = row;
@@ -262,6 +266,10 @@ impl Simulator for OutsideSimulator {
         &self.shared.contract.parameters
     }
 
+    fn natives(&self) -> &[NativeEffect] {
+        &self.shared.contract.natives
+    }
+
     fn initial(&self) -> &[Initial] {
         &self.shared.contract.initial
     }
@@ -280,6 +288,7 @@ impl Simulator for OutsideSimulator {
         self.past = self.origin.with(first);
         self.tape.clear();
         self.samples = 0;
+        self.foreseen = Foreseen::default();
         (self.has_diverged, self.was_made) = (false, false);
         if !self.x.is_empty() {
             self.x.copy_from_slice(x0);
@@ -296,6 +305,7 @@ impl Simulator for OutsideSimulator {
             Tally::add(&self.shared.tally.asked, 1);
         }
         self.note_row(u, f);
+        self.foreseen.follow(self.samples, &self.row);
         let past = self.past.and(&self.row);
         if !self.shared.recall(past, [y, &mut self.x]) {
             let work = self.advance(y);
@@ -351,6 +361,7 @@ impl Simulator for OutsideSimulator {
             samples: self.samples,
             row: Vec::new(),
             x: self.x.clone(),
+            foreseen: Foreseen::default(),
             has_diverged: self.has_diverged,
             was_made: self.was_made,
         })

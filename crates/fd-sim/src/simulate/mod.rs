@@ -33,6 +33,7 @@ mod limits;
 mod linearize;
 mod logged_loop;
 mod logged_outputs;
+mod native;
 mod nominal;
 mod run;
 mod shell;
@@ -49,6 +50,7 @@ pub use self::{
     limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     logged_loop::LoggedLoop,
+    native::NativeEffect,
     nominal::Nominal,
     run::{Outcome, Run, Tape},
     shell::{Shell, ShellSimulator},

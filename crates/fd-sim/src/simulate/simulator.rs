@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
+use super::native::NativeEffect;
 use super::run::{Outcome, Run, Tape, drive, one_by_one};
 use crate::model::Parameter;
 
@@ -188,6 +189,12 @@ pub trait Simulator: Debug + Send + Sync {
 
     /// Places at which a force can be applied.
     fn ports(&self) -> &[Port];
+
+    /// Effects that it has in itself and that rest. Their parameters are the last of
+    /// [`parameters`](Self::parameters), in this order.
+    fn natives(&self) -> &[NativeEffect] {
+        &[]
+    }
 
     /// Starts a run at sample number `first` of the log with these parameters and states, in the
     /// order of [`parameters`](Self::parameters) and [`initial`](Self::initial).

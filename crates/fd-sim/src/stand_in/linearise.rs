@@ -1,6 +1,6 @@
 //! From runs of a simulator to its slopes along replays.
 
-use super::{replay::Replay, slopes::Slopes};
+use super::{nudge::nudge, replay::Replay, slopes::Slopes};
 use crate::simulate::Simulator;
 
 /// Step of a difference, as a part of what a signal usually does: outputs may be rounded to seven digits, and
@@ -89,12 +89,8 @@ fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(
         let step = STEP * usual.unwrap_or(1.0);
         (Moved { f: Some((i, step)), ..plain() }, step)
     });
-    let parameters = simulator.parameters().iter().enumerate().map(|(i, parameter)| {
-        let size = theta[i].abs();
-        let step = STEP * if 0.0 < size { size } else { 1.0 };
-        // Inside of what is allowed.
-        let is_inside = |[_, high]: [f64; 2]| theta[i] + step <= high;
-        let step = if parameter.bounds.is_none_or(is_inside) { step } else { -step };
+    let parameters = (0..theta.len()).map(|i| {
+        let step = nudge(simulator, i, theta[i]);
         let mut theta = theta.clone();
         theta[i] += step;
         (Moved { theta, ..plain() }, step)

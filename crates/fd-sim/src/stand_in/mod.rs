@@ -20,6 +20,7 @@ mod affine;
 mod check;
 mod difference;
 mod linearise;
+mod nudge;
 mod replay;
 mod replayed;
 mod respond;
@@ -104,9 +105,12 @@ impl StandIn {
     ) -> Result<Option<Self>, SimulateError> {
         let steps = shell.steps(ts)?;
         let simulator = shell.inside();
-        // A shell without effects hands its parameters on as they are.
-        let nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
-        let theta = theta.unwrap_or(&nominal);
+        // A shell without effects hands its parameters on as they are, and leaves native effects at rest.
+        let mut nominal: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        if let Some(theta) = theta {
+            nominal.iter_mut().zip(theta).for_each(|(to, from)| *to = *from);
+        }
+        let theta = &nominal[..];
         let moved = simulator.initial().len()
             + simulator.inputs().len()
             + simulator.ports().len()

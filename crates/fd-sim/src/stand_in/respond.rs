@@ -2,6 +2,7 @@
 
 use super::{
     difference::{Data, Response},
+    nudge::nudge,
     replay::Replay,
     responses::Known,
 };
@@ -11,7 +12,7 @@ use crate::simulate::{Outcome, Run, Simulator, Tape};
 const MOVED: f64 = 0.05;
 /// Steps into one direction, one after another: fast and slow plants are moved.
 const HOLDS: [usize; 6] = [3, 29, 7, 83, 13, 47];
-/// How far parameters and initial states are moved, as a part of their size.
+/// How far initial states are moved, as a part of their size.
 const STEP: f64 = 1e-3;
 
 /// Runs through the replays, once as they are, and once more for everything that can be moved. `None` when a run
@@ -25,8 +26,9 @@ pub(super) fn respond(
 ) -> Option<Known> {
     let mut simulator = simulator.boxed();
     let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
-    let parameters = simulator.parameters().to_vec();
     let initial = simulator.initial().to_vec();
+    let nudges: Vec<f64> =
+        theta.iter().enumerate().map(|(i, p)| nudge(&*simulator, i, *p)).collect();
     let theta = theta.to_vec();
     let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
     let mut begins = Vec::new();
@@ -50,11 +52,7 @@ pub(super) fn respond(
         responses.push(Response { size, change });
     }
     let mut runs = Vec::new();
-    for (i, parameter) in parameters.iter().enumerate() {
-        let step = STEP * if theta[i] == 0.0 { 1.0 } else { theta[i].abs() };
-        // Inside of what is allowed.
-        let is_inside = |[_, high]: [f64; 2]| theta[i] + step <= high;
-        let step = if parameter.bounds.is_none_or(is_inside) { step } else { -step };
+    for (i, step) in nudges.into_iter().enumerate() {
         let mut moved = theta.clone();
         moved[i] += step;
         runs.push(slope(&outputs(&moved, &x0, None)?, step));

@@ -217,6 +217,9 @@ pub(crate) struct GapArgs {
     /// of seconds, or `auto`: free, unless the model runs away from its initial state
     #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
     pub(crate) horizon: HorizonChoice,
+    /// Effects of your own that are tried as well (TOML, see docs/gap.md)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) effects: Option<PathBuf>,
     /// Effect that is not tried: a label or a mechanism, also at one place (input-delay@u); several times
     #[arg(long, value_name = "EFFECT[@PLACE]")]
     pub(crate) exclude: Vec<String>,

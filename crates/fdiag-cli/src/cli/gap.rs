@@ -10,6 +10,7 @@ use std::{
 use fd_page::{page, tables};
 use fdiag::{
     core::{Limits, Resource},
+    effect::text::TextEffects,
     gap::fit::FitError,
     gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
     model::{Disorder, figure},
@@ -76,11 +77,18 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         ([], split) => HeldOutChoice::Split(split.unwrap_or(0.67)),
         (files, _) => HeldOutChoice::Logs(files.to_vec()),
     };
+    let effects = args.effects.as_deref().map(|file| {
+        let read: TextEffects = toml_file::read(file)?;
+        let wrong = |error| Failure::of_input(format!("{}: {error}", file.display()));
+        read.effects().map_err(wrong)
+    });
+    let effects = effects.transpose()?.unwrap_or_default();
     let disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
     let plain = Request::new(&args.model, &args.logs);
     Ok(Request {
         columns: args.columns.as_deref().map(toml_file::read).transpose()?,
         held_out,
+        effects,
         horizon: args.horizon,
         exclude: args.exclude.clone(),
         only: args.only.clone(),

@@ -153,13 +153,18 @@ fn describe(contract: &Contract) -> String {
         let noise = noise.map_or_else(String::new, |noise| format!("noise {}", figure(noise)));
         row("output", &c.name, &c.unit, String::new(), noise);
     }
-    for p in &contract.parameters {
+    let lent = contract.parameters.len() - contract.natives.len();
+    for p in &contract.parameters[..lent] {
         let known = format!("{} %", figure(100.0 * p.tolerance));
         row("parameter", &p.name, &p.unit, figure(p.value), known);
     }
     for x in &contract.initial {
         let known = x.tolerance.map_or_else(|| "exactly".to_owned(), figure);
         row("initial state", &x.channel.name, &x.channel.unit, figure(x.value), known);
+    }
+    for native in &contract.natives {
+        let (p, name) = (&native.parameter, format!("{}@{}", native.label, native.place));
+        row("native effect", &name, &p.unit, figure(p.value), format!("rests; `{}`", p.name));
     }
     for (port, motion) in contract.ports.iter().zip(&contract.motion) {
         let moves = [&motion.position, &motion.velocity].into_iter().flatten();

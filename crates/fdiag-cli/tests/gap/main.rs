@@ -6,5 +6,6 @@ mod desk;
 mod engine;
 mod inside;
 mod long;
+mod own_effects;
 mod refusals;
 mod schema;

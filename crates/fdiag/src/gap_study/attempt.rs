@@ -61,6 +61,7 @@ impl<'a> Attempt<'a> {
         let simulator = nominal.simulator(ts)?;
         let logs = data.logs(&*simulator)?;
         let (u, samples) = longest(&logs[0]);
+        subject.show(&logs, ts)?;
         let memory = Memory::of(&*simulator, &u, samples);
         check_length(request, data, memory, ts)?;
         let settings = settings(request, memory, &logs, ts);
@@ -69,7 +70,12 @@ impl<'a> Attempt<'a> {
             Places::Around => scales,
             Places::Inside => scales.with_signals(model, ts, &u, samples)?,
         };
-        let every = EverySite::new(subject.effects(), model, scales.clone());
+        let mut effects = subject.effects();
+        for own in &request.effects {
+            own.check(model)?;
+            effects.push(Box::new(own.clone()));
+        }
+        let every = EverySite::new(effects, model, scales.clone());
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let Spared { diagnosis, sparing } =

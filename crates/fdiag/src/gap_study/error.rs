@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::engine_plant::EngineFileError;
 use fd_core::LimitError;
+use fd_effect::text::TextError;
 use fd_gap::fit::FitError;
 use fd_log::LogError;
 use fd_model::{ModelError, Shown, figure, file::ModelFileError};
@@ -69,6 +70,9 @@ pub enum GapError {
         /// The value.
         found: String,
     },
+    /// An effect of the request's own is wrong.
+    #[error(transparent)]
+    Effect(Box<TextError>),
     /// A part of the request is beyond a limit.
     #[error(transparent)]
     Limit(Box<LimitError>),
@@ -171,7 +175,7 @@ macro_rules! boxed {
 
 boxed!(LoadError => Model, ModelFileError => Linear, LogError => Log, FitError => Fit);
 boxed!(EngineFileError => Engine, LimitError => Limit, OutsideError => Simulator);
-boxed!(SimulateError => Simulate, ModelError => SampleTime);
+boxed!(SimulateError => Simulate, ModelError => SampleTime, TextError => Effect);
 
 fn list(names: &[String]) -> String {
     match names {

@@ -168,7 +168,9 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
                 adds: false,
             })
         }
-        SiteRef::State(..) | SiteRef::Parameter(..) | SiteRef::WholeModel => None,
+        SiteRef::State(..) | SiteRef::Parameter(..) | SiteRef::Part(..) | SiteRef::WholeModel => {
+            None
+        }
     }
 }
 

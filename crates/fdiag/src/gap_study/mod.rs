@@ -5,6 +5,7 @@
 //! [`words`] says in plain language what the types do not say themselves.
 
 mod attempt;
+mod black_box;
 mod budget;
 mod data;
 mod error;

@@ -25,7 +25,16 @@ impl<'a> Chosen<'a> {
             effects.iter().flat_map(|e| [e.label(), e.family()]).map(str::to_owned).collect();
         kinds.sort();
         kinds.dedup();
-        let sites = sites(model);
+        let mut sites = sites(model);
+        let is_asked = |name: &String| name.contains('@');
+        if exclude.iter().chain(only).any(is_asked) {
+            // Parts of a simulator outside are known to its own effects only.
+            let offers = every.alone();
+            let parts = offers.iter().flatten().filter_map(|candidate| candidate.site.name());
+            sites.extend(
+                parts.map(str::to_owned).filter(|part| !sites.contains(part)).collect::<Vec<_>>(),
+            );
+        }
         for (option, names) in [("--exclude", exclude), ("--only", only)] {
             for name in names {
                 let (kind, site) = name.split_once('@').unwrap_or((name, ""));

@@ -7,6 +7,7 @@ use std::{
 };
 
 use fd_core::Limits;
+use fd_effect::text::TextEffect;
 use fd_log::{Log, LogError, LogMap, LogTable, read_log};
 use fd_model::Disorder;
 use serde::{Serialize, Serializer};
@@ -31,6 +32,8 @@ pub struct Request {
     pub held_out: HeldOutChoice,
     /// How long simulations run without seeing the outputs.
     pub horizon: HorizonChoice,
+    /// Effects of one's own, which are tried with those of the library.
+    pub effects: Vec<TextEffect>,
     /// Effects that are not tried: labels, families, or either at a site (`input-delay@u`).
     pub exclude: Vec<String>,
     /// The only effects that are tried, named alike; none means all.
@@ -77,6 +80,7 @@ impl Request {
             columns: None,
             held_out: HeldOutChoice::Split(0.67),
             horizon: HorizonChoice::Auto,
+            effects: Vec::new(),
             exclude: Vec::new(),
             only: Vec::new(),
             tolerances: Vec::new(),

@@ -76,6 +76,10 @@ pub(super) fn diagnose_sparing(
             return Ok(Spared { diagnosis, sparing: Some((sparing, lent)) });
         }
         work.check_thorough(request)?;
+        monitor.plan(
+            "The simulator cannot be linearised along these logs well enough to propose causes: everything is tried \
+             on the simulator itself.",
+        );
     }
     Ok(Spared { diagnosis: diagnose(case, settings, monitor)?, sparing: None })
 }

@@ -4,7 +4,7 @@ use std::{fmt, fs, io, path::Path};
 
 use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_core::{Limits, Resource};
-use fd_effect::{Effect, library, with_default_sites, with_inner_places};
+use fd_effect::{Effect, library, natives, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap};
 use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
@@ -270,7 +270,9 @@ impl Subject {
 
     /// What it may lack.
     pub(super) fn effects(&self) -> Vec<Box<dyn Effect>> {
-        if self.engine.is_some() { engine_effects() } else { library() }
+        let mut effects = if self.engine.is_some() { engine_effects() } else { library() };
+        effects.extend(self.outside.iter().flat_map(|outside| natives(&outside.shell)));
+        effects
     }
 
     /// Channels of logs: inputs, then outputs.

@@ -1,6 +1,6 @@
 //! Evidence of trials, pooled over the laws of a cause.
 
-use fd_effect::{Candidate, map::mechanism};
+use fd_effect::{Candidate, NATIVE, map::mechanism};
 
 use super::{explain::settle, measurement::MeasurementCause};
 use crate::{
@@ -52,6 +52,17 @@ pub(in crate::diagnose) struct WeighedLaw<'a> {
     pub(in crate::diagnose) cause: Cause,
 }
 
+/// Evidence by which a law that the simulator has in itself is preferred to others of its cause.
+const BARE_MENTION: f64 = 1.16;
+
+impl WeighedLaw<'_> {
+    /// What decides which law speaks for its cause.
+    fn preference(&self) -> f64 {
+        let is_native = self.candidate.law == NATIVE;
+        self.cause.log_evidence + if is_native { BARE_MENTION } else { 0.0 }
+    }
+}
+
 /// Pools the evidence of laws over causes, the most evidence first. `measured` are causes of the
 /// measurement, next to the `refit`ted nominal model. Probabilities come later.
 pub(super) fn rank<'a>(
@@ -68,9 +79,8 @@ pub(super) fn rank<'a>(
     }
     let pooled = causes.into_iter().filter_map(|laws| {
         let evidence: Vec<f64> = laws.iter().map(|law| law.cause.log_evidence).collect();
-        let heaviest = |a: &WeighedLaw<'_>, b: &WeighedLaw<'_>| {
-            a.cause.log_evidence.total_cmp(&b.cause.log_evidence)
-        };
+        let heaviest =
+            |a: &WeighedLaw<'_>, b: &WeighedLaw<'_>| a.preference().total_cmp(&b.preference());
         let WeighedLaw { basis, cause, .. } = laws.into_iter().max_by(heaviest)?;
         Some(RankedCause { basis, cause: Cause { log_evidence: pool(&evidence), ..cause } })
     });

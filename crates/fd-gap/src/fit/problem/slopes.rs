@@ -126,7 +126,19 @@ impl LeastSquares for Problem {
             return self.differences(By::Simulator, places, columns);
         }
         let here = self.compare(By::Simulator, places);
-        let stood_in = self.differences(By::StandIn, places, columns);
+        let mut stood_in = self.differences(By::StandIn, places, columns.clone());
+        let first = self.plan.shared.len();
+        for column in (first..self.layout.shared).filter(|column| columns.contains(column)) {
+            if !self.effects.get(column - first).is_some_and(|effect| effect.is_native) {
+                continue;
+            }
+            let seen = self.differences(By::Simulator, places, column..column + 1);
+            for (there, seen) in stood_in.iter_mut().zip(seen) {
+                if let (Some(there), Some(mut seen)) = (there, seen) {
+                    there.slopes[column - columns.start] = seen.slopes.swap_remove(0);
+                }
+            }
+        }
         let both = here.into_iter().zip(stood_in);
         both.map(|(r, there)| Some(Linearization { r: r?, slopes: there?.slopes })).collect()
     }

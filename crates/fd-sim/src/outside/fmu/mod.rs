@@ -205,7 +205,7 @@ fn meaning(
         let unit = || variable.unit.clone().unwrap_or_else(|| "1".to_owned());
         entry.unit = entry.unit.take().or_else(|| Some(unit()));
         match room {
-            "parameters" => entry.value = entry.value.or(variable.start),
+            "parameters" | "native_effects" => entry.value = entry.value.or(variable.start),
             "states" => entry.initial = entry.initial.or(variable.start),
             _ => {}
         }
@@ -217,16 +217,19 @@ fn meaning(
             "ports" => &mut stated.ports,
             "outputs" => &mut stated.outputs,
             "parameters" => &mut stated.parameters,
+            "native_effects" => &mut stated.native_effects,
             _ => &mut stated.states,
         };
         entries.iter_mut().map(|entry| known(room, entry, causes)).collect()
     };
     let mut inputs = each("inputs", &["input"])?;
     inputs.extend(each("ports", &["input"])?);
+    let mut parameters = each("parameters", &["parameter"])?;
+    parameters.extend(each("native_effects", &["parameter"])?);
     let references = References {
         inputs,
         outputs: each("outputs", &["output", "local"])?,
-        parameters: each("parameters", &["parameter"])?,
+        parameters,
         states: each("states", &[])?,
     };
     let shows = !stated.states.is_empty();

@@ -25,6 +25,7 @@ pub fn stated(name: &str, simulator: &dyn Simulator, noise: &[Option<f64>]) -> S
     let (u, mut y) = (vec![0.0; simulator.inputs().len()], vec![0.0; simulator.outputs().len()]);
     let measure = can_measure.measure(&u, &mut y);
     let outputs = simulator.outputs().iter().enumerate();
+    let lent = simulator.parameters().len().saturating_sub(simulator.natives().len());
     Stated {
         name: Some(name.to_owned()),
         sample_time: Some(simulator.ts().seconds()),
@@ -32,7 +33,7 @@ pub fn stated(name: &str, simulator: &dyn Simulator, noise: &[Option<f64>]) -> S
         outputs: outputs
             .map(|(i, c)| Entry { noise: noise.get(i).copied().flatten(), ..channel(c) })
             .collect(),
-        parameters: (simulator.parameters().iter())
+        parameters: (simulator.parameters()[..lent].iter())
             .map(|p| Entry {
                 name: p.name.clone(),
                 unit: Some(p.unit.clone()),
@@ -50,6 +51,7 @@ pub fn stated(name: &str, simulator: &dyn Simulator, noise: &[Option<f64>]) -> S
             })
             .collect(),
         ports: simulator.ports().iter().map(|port| channel(&port.channel)).collect(),
+        native_effects: simulator.natives().iter().map(Entry::of_native).collect(),
         powers: Some(Powers {
             rollout: true,
             measure,

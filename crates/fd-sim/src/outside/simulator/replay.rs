@@ -30,6 +30,7 @@ pub(super) fn replay(simulator: &mut OutsideSimulator, first: u64, tapes: &mut [
         for ((Tape { run, .. }, rows), is_made) in tapes.iter_mut().zip(&rows).zip(is_made) {
             let samples = run.y.len() / ny;
             simulator.start(run.theta, run.x0, first);
+            simulator.shared.tapes.note(first, rows);
             if !is_made {
                 simulator.roll_out(rows, samples, run.y);
             }

@@ -22,7 +22,8 @@ pub(super) fn build(name: &str, inside: &dyn Simulator) -> Result<(Model, Names)
         let (name, unit) = (free(&draft, &channel.name), unit(&channel.unit));
         draft.inputs.push(Input { name, unit, saturation: None });
     }
-    for parameter in inside.parameters() {
+    let lent = inside.parameters().len().saturating_sub(inside.natives().len());
+    for parameter in &inside.parameters()[..lent] {
         let (name, unit) = (free(&draft, &parameter.name), unit(&parameter.unit));
         draft.parameters.push(Parameter { name, unit, ..parameter.clone() });
     }
@@ -45,6 +46,15 @@ pub(super) fn build(name: &str, inside: &dyn Simulator) -> Result<(Model, Names)
         let inside = draft.fresh_name(&format!("{name}_inside"));
         names.handed_on.push(inside.clone());
         draft.definitions.push(Definition { name: inside, value: Expr::Name(name) });
+    }
+    for native in inside.natives() {
+        let (wish, value) = (&native.parameter.name, native.parameter.value);
+        let name = free(&draft, wish);
+        draft.definitions.push(Definition { name: name.clone(), value: Expr::Number(value) });
+        let inside = draft.fresh_name(&format!("{name}_inside"));
+        draft.definitions.push(Definition { name: inside.clone(), value: Expr::name(&name) });
+        names.handed_on.push(inside);
+        names.resting.push((name, value));
     }
     for i in 0..draft.outputs.len() {
         let Output { name, unit, .. } = draft.outputs[i].clone();

@@ -11,6 +11,8 @@
 //! * **Outputs.** Sensors wrap the raw outputs.
 //! * **Parameters** of the simulator inside are those of the shell, each handed on by a definition
 //!   `p_inside = p`, in which an error of the parameter wraps it.
+//! * **Native effects** of the simulator inside are parameters of it that the shell does not have: a definition keeps
+//!   each at its neutral value, `q = 0`, and hands that on, `q_inside = q`. A candidate wraps the definition.
 //! * **Ports** are sites. A force enters the state `port_impulse`, of which the increment is the mean
 //!   force over a step. Position and velocity are raw outputs that the user names, as they are at
 //!   the start of the step.
@@ -35,7 +37,7 @@ use fd_model::{SampleTime, nearest};
 
 pub use self::run::ShellSimulator;
 use self::{build::build, wiring::Wiring};
-use super::{Nominal, SimulateError, Simulator};
+use super::{NativeEffect, Nominal, SimulateError, Simulator};
 use crate::{
     equation::Expr,
     model::{Mistake, Model, ModelError, Site},
@@ -88,6 +90,8 @@ struct Names {
     integrals: Vec<String>,
     /// Definitions that hand on parameters.
     handed_on: Vec<String>,
+    /// Definitions that keep native effects at rest, and at which values: theirs are the last of `handed_on`.
+    resting: Vec<(String, f64)>,
     /// States that integrate forces.
     impulses: Vec<String>,
 }
@@ -166,6 +170,39 @@ impl Shell {
     /// Steps of the simulator inside per sample.
     pub(crate) fn steps(&self, ts: SampleTime) -> Result<usize, SimulateError> {
         run::steps(self.inside.ts(), ts)
+    }
+
+    /// Effects that the simulator inside has in itself, each with the definition of the model that keeps it at rest.
+    pub fn natives(&self) -> impl Iterator<Item = (&str, &NativeEffect)> {
+        self.names.resting.iter().map(|(name, _)| name.as_str()).zip(self.inside.natives())
+    }
+
+    /// Values of the parameters of the simulator inside, in its order, when those of a model of this shell have the
+    /// values that it states.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model is not that of this shell.
+    pub fn handed_on(&self, model: &Model) -> Result<Vec<f64>, SimulateError> {
+        let program = Wiring::new(model, &self.names)?.parameters;
+        let mut workspace = program.workspace();
+        let theta = model.nominal();
+        workspace.slow_mut()[..theta.len()].copy_from_slice(&theta);
+        program.prepare(&mut workspace);
+        let mut values = vec![0.0; self.names.handed_on.len()];
+        program.run(&mut workspace, &mut values);
+        Ok(values)
+    }
+
+    /// Whether a model of this shell passes inputs, forces and outputs on as they are: what it changes, if anything,
+    /// are parameters of the simulator inside.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model is not that of this shell.
+    pub fn passes_on(&self, model: &Model) -> Result<bool, SimulateError> {
+        let wiring = Wiring::new(model, &self.names)?;
+        Ok(wiring.before.is_none() && wiring.after.is_none())
     }
 
     /// The simulator inside.

@@ -156,6 +156,14 @@ fn parameters(model: &Model, names: &Names) -> Result<Program, SimulateError> {
         definitions: model.definitions.iter().map(definition).collect(),
         tables: model.tables.iter().map(|t| (t.name.clone(), t.table.clone())).collect(),
     };
-    let handed_on: Vec<Expr> = names.handed_on.iter().map(Expr::name).collect();
+    // Equations that were written before the simulator had an effect leave it at rest.
+    let lent = names.handed_on.len() - names.resting.len();
+    let handed_on = names.handed_on.iter().enumerate().map(|(i, name)| match i.checked_sub(lent) {
+        Some(i) if !model.definitions.iter().any(|known| known.name == *name) => {
+            Expr::Number(names.resting[i].1)
+        }
+        _ => Expr::name(name),
+    });
+    let handed_on: Vec<Expr> = handed_on.collect();
     Ok(Program::compile(&scope, &handed_on)?)
 }

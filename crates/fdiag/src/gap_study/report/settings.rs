@@ -1,5 +1,6 @@
 //! How a study was made.
 
+use fd_effect::text::TextEffect;
 use fd_gap::{diagnose::Settings, fit::Horizon};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,6 +20,8 @@ pub struct StudySettings {
     pub horizon_from: HorizonSource,
     /// Share of each log that was fitted to, 0 to 1, when its end was held out.
     pub split: Option<f64>,
+    /// Effects of the request's own that were tried, as `LABEL: LAW`.
+    pub effects: Vec<String>,
     /// Effects that were not tried.
     pub exclude: Vec<String>,
     /// The only effects that were tried; empty for all.
@@ -98,6 +101,7 @@ impl StudySettings {
                 HeldOutChoice::Split(share) => Some(share),
                 HeldOutChoice::Logs(_) => None,
             },
+            effects: request.effects.iter().map(TextEffect::shown).collect(),
             exclude: request.exclude.clone(),
             only: request.only.clone(),
             tolerances: request.tolerances.clone(),

@@ -57,6 +57,7 @@ pub fn at(site: &SiteRef) -> String {
         SiteRef::Output(_, name) => format!("on output {name}"),
         SiteRef::Signal(_, name) => format!("on {name}"),
         SiteRef::Parameter(_, name) => format!("of parameter {name}"),
+        SiteRef::Part(_, name) => format!("of {name}"),
         SiteRef::WholeModel => String::new(),
     }
 }
@@ -66,7 +67,7 @@ pub fn at(site: &SiteRef) -> String {
 pub fn site(site: &SiteRef) -> String {
     match site {
         SiteRef::Input(_, name) => format!("input {name}"),
-        SiteRef::Force(_, name) => name.clone(),
+        SiteRef::Force(_, name) | SiteRef::Part(_, name) => name.clone(),
         SiteRef::State(_, name) => format!("state {name}"),
         SiteRef::Output(_, name) => format!("output {name}"),
         SiteRef::Signal(_, name) => format!("signal {name}"),
