@@ -209,7 +209,8 @@ impl OutsideSimulator {
         let past = self.origin.with(self.first).and(rows).with(WHOLE);
         Tally::add(&self.shared.tally.asked, 1);
         if self.shared.recall(past, [y, &mut self.x]) {
-            return true;
+            // A run that was refused is remembered as such.
+            return y.iter().all(|value| value.is_finite());
         }
         let Self { shared, loan, theta, x0, first, x, .. } = self;
         let start = Start { theta, x0, first: *first };

@@ -36,7 +36,7 @@ fn what_is_wrong_in_the_file_is_said() {
         ("tanh(v/", "tanh(w/", &["effect `brush`: law: ", "found `w`"]),
         ("-f*", "-(f + 1)*", &["law: expected `0` where all strengths are 0"]),
         ("tanh(v/0.01)", "tanh(v/0.01", &["own.toml: effect `brush`: law: "]),
-        ("size", "sice", &["own.toml:9", "`sice`"]),
+        ("size", "sice", &["own.toml, line 9", "`sice`"]),
     ] {
         desk.put("own.toml", &BRUSH.replacen(from, to, 1));
         refuses(&desk, &desk.gap(&["--effects", "own.toml"]), 3, parts);

@@ -17,8 +17,6 @@ use crate::{
     quality::spectral_peaks,
 };
 
-/// Why a candidate was not tried.
-const STOPPED: &str = "the diagnosis was stopped before";
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
@@ -43,7 +41,7 @@ pub(super) fn search<'a>(
             let refuse = |reason: String| NotTested::of(candidate, reason);
             // The first one is the best proposal, if they have an order.
             if 0 < index && monitor.is_stopped() {
-                return Err(refuse(STOPPED.to_owned()));
+                return Err(refuse(stopped()));
             }
             let tried =
                 Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
@@ -79,8 +77,8 @@ pub(super) fn search<'a>(
     trials.retain(|trial| {
         if trial.best.is_none() {
             let is_late = late.contains(&trial.index);
-            let reason = if is_late { STOPPED } else { "its simulation diverges" };
-            not_tested.push(NotTested::of(trial.candidate, reason.to_owned()));
+            let reason = if is_late { stopped() } else { "its simulation diverges".to_owned() };
+            not_tested.push(NotTested::of(trial.candidate, reason));
         }
         trial.best.is_some()
     });
@@ -90,6 +88,11 @@ pub(super) fn search<'a>(
         nominal,
         Searched { model, null, noise, trials, not_tested, is_coloured, lines },
     )
+}
+
+/// Why a candidate was not tried.
+fn stopped() -> String {
+    "the diagnosis was stopped before".to_owned()
 }
 
 /// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.
