@@ -59,7 +59,8 @@ def write(
                 wanted.append((path, after))
                 _set(spec, path, before, after)
                 numbers[path.text + (f"[{path.index}]" if path.index else "")] = (before, after)
-    written, remaining = [], []
+    written: list[str] = []
+    remaining: list[str] = []
     for cause in causes:
         is_number = cause.law == "native" or cause.label == "parameter-error"
         done = is_number or _hold(spec, cause)

@@ -110,9 +110,9 @@ class MuJoCo(Simulator):
             for joint in chosen
         ]
         states = _states(model, joints, initial or {}, keyframe)
-        known = {(path.kind, path.name, path.field) for path in paths}
+        uncertain_fields = {(path.kind, path.name, path.field) for path in paths}
         of_joints = {name: joint.velocity for name, joint in joints.items()}
-        natives = _effects(model, of_joints, [entry["name"] for entry in said_inputs], known, native)
+        natives = _effects(model, of_joints, [entry["name"] for entry in said_inputs], uncertain_fields, native)
         frame = None if keyframe is None else _keyframe(model, keyframe)
         opener = Opener(
             lambda: Scene(

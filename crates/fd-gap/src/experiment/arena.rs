@@ -138,6 +138,10 @@ impl<'a> Arena<'a> {
     /// Whether a tiny difference at the start grows beyond all bounds.
     fn is_chaotic(&mut self, u: &[f64], nu: usize, plain: &Predicted) -> bool {
         let nx = self.leader.initial().len();
+        if plain.states.is_empty() {
+            // A simulator that does not show its states cannot be moved a little.
+            return false;
+        }
         let mut x0: Vec<f64> = plain.states.iter().take(nx).copied().collect();
         for (i, x) in x0.iter_mut().enumerate() {
             let values = plain.states.iter().skip(i).step_by(nx);
