@@ -6,7 +6,7 @@ use fd_model::SampleTime;
 use fd_sim::{
     equation::Expr,
     model::{Hold, Model, Output, Parameter},
-    simulate::Simulator,
+    simulate::{Outcome, Simulator},
 };
 
 use super::{result::Sensor, rival::Contender};
@@ -123,6 +123,11 @@ impl<'a> Arena<'a> {
         };
         let mut states = Vec::with_capacity(samples * x0.len());
         self.leader.start(&theta, x0, 0);
+        if self.leader.state().is_empty() {
+            // Steps would show no more than a whole run does, and may each be one.
+            let outcome = self.leader.simulate(&theta, x0, &log.u, &mut log.y);
+            return (outcome == Outcome::Complete).then_some(Predicted { log, states });
+        }
         for k in 0..samples {
             states.extend_from_slice(self.leader.state());
             let mut row = vec![0.0; ny];
