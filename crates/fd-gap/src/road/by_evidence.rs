@@ -11,8 +11,7 @@ use fd_model::Record;
 use super::{
     adjustable::With,
     drive::Journey,
-    eliminate::Judge,
-    finish::{Found, at, total},
+    finish::Found,
     list::Listed,
     milestone::milestone,
     result::{End, Milestone},
@@ -91,12 +90,8 @@ fn beginning(journey: &Journey<'_>) -> Vec<Milestone> {
 
 /// Held-out gap without any cause, and after each.
 fn gaps(journey: &Journey<'_>, list: &[Listed]) -> Result<Vec<f64>, FitError> {
-    let Journey { case, first, settings, lists, horizon, .. } = *journey;
-    let Some(horizon) = horizon else { return Ok(vec![f64::NAN; list.len() + 1]) };
-    let sigma = &first.sigma;
-    let floor = total(at(first, Some(horizon)), sigma, |h| &h.floor);
-    let judge = Judge { case, settings, horizon, sigma, floor, regime: first.regime };
-    let parts = (0..=list.len()).map(|n| lists.model(&list[..n]));
+    let Some(judge) = journey.judge() else { return Ok(vec![f64::NAN; list.len() + 1]) };
+    let parts = (0..=list.len()).map(|n| journey.lists.model(&list[..n]));
     let left = |model| Ok(judge.refitted(model)?.map_or(f64::NAN, |model| gap(&model.errors)));
     parts.map(left).collect()
 }

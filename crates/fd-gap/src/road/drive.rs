@@ -3,7 +3,8 @@
 use super::{
     by_evidence::by_evidence,
     by_forecasts::by_forecasts,
-    finish::{Found, finish, judged_at},
+    eliminate::Judge,
+    finish::{Found, at, finish, judged_at, total},
     list::Lists,
     result::Road,
 };
@@ -23,6 +24,16 @@ pub(super) struct Journey<'a> {
     pub(super) lists: Lists<'a>,
     /// Horizon at which forecasts judge; `None` without held-out logs.
     pub(super) horizon: Option<Horizon>,
+}
+
+impl<'a> Journey<'a> {
+    /// What compares forecasts; `None` without held-out logs.
+    pub(super) fn judge(&self) -> Option<Judge<'a>> {
+        let Self { case, first, settings, .. } = *self;
+        let (horizon, sigma) = (self.horizon?, first.sigma.as_slice());
+        let floor = total(at(first, Some(horizon)), sigma, |h| &h.floor);
+        Some(Judge { case, settings, horizon, sigma, floor, regime: first.regime })
+    }
 }
 
 /// Goes on from a diagnosis as long as causes help, to `most` causes. `None` where one answer is

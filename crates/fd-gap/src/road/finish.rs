@@ -2,7 +2,7 @@
 
 use super::{
     drive::Journey,
-    eliminate::{Eliminated, Judge, Refitted},
+    eliminate::{Eliminated, Refitted},
     list::Listed,
     result::{End, Milestone, Road},
 };
@@ -26,20 +26,18 @@ pub(super) fn finish(
     journey: &Journey<'_>,
     Found { list, gaps, end }: Found,
 ) -> Result<Option<Road>, FitError> {
-    let Journey { case, first, settings, lists, horizon, .. } = *journey;
+    let Journey { case, settings, lists, .. } = *journey;
     let model = lists.model(&list).clone();
     let mut causes: Vec<Milestone> = list.into_iter().map(|listed| listed.milestone).collect();
     let plain = |causes, model| {
         let (dropped, closed) = (Vec::new(), None);
         Road { causes, unexplained: f64::NAN, noise: f64::NAN, closed, end, dropped, model }
     };
-    let Some(horizon) = horizon else { return Ok(Some(plain(causes, model))) };
-    let sigma = &first.sigma;
-    let floor = total(at(first, Some(horizon)), sigma, |h| &h.floor);
+    let Some(judge) = journey.judge() else { return Ok(Some(plain(causes, model))) };
+    let floor = judge.floor;
     for (cause, gap) in causes.iter_mut().zip(gaps.windows(2)) {
         cause.share = Some((gap[0] - gap[1]) / gaps[0]);
     }
-    let judge = Judge { case, settings, horizon, sigma, floor, regime: first.regime };
     let Eliminated { model, refitted, dropped } = judge.eliminate(model, &mut causes)?;
     let (Some(before), Some(after)) = (judge.refitted(case.nominal.model())?, refitted) else {
         return Ok(Some(Road { dropped, ..plain(causes, model) }));
