@@ -49,10 +49,7 @@ pub(crate) fn analysis(py: Python<'_>, error: &impl ToString) -> PyErr {
 pub(crate) fn class(error: &GapError) -> Class {
     match error {
         GapError::Limit(limit) if limit.resource != Resource::Bytes => Class::Analysis,
-        GapError::Budget { .. }
-        | GapError::Simulate(_)
-        | GapError::Fit(_)
-        | GapError::Short { .. } => Class::Analysis,
+        GapError::Budget { .. } | GapError::Simulate(_) | GapError::Fit(_) => Class::Analysis,
         GapError::Unfit { source, .. } if matches!(**source, FitError::TooShort { .. }) => {
             Class::Analysis
         }

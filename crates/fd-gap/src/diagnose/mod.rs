@@ -159,6 +159,7 @@ use self::{
 pub(crate) use self::{
     candidates::{follows_anything, is_free_curve},
     prepare::prepare,
+    report::objections::FAINT,
     weigh::{answer::is_a_pair, explain::settle, values::FittedValues},
 };
 pub use self::{

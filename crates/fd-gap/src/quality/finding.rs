@@ -173,7 +173,8 @@ impl fmt::Display for Defect {
             Self::Short { seconds, memory } => write!(
                 f,
                 "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): what is slow \
-                 cannot be told from where it started"
+                 cannot be told from where it started; or a damping, a resistance or a time constant of the \
+                 model is in another unit"
             ),
             Self::Undriven => write!(
                 f,

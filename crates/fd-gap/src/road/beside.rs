@@ -1,6 +1,7 @@
 //! What is tried beside causes that are already there.
 
 use fd_effect::{Candidate, Offers, SiteRef, Suspects};
+use fd_sim::model::Model;
 
 use super::list::Listed;
 
@@ -13,6 +14,8 @@ pub(super) struct Beside<'a> {
     pub(super) known: &'a [Listed],
     /// Parameters of the model as it came: an error of a parameter of a cause is no cause.
     pub(super) parameters: &'a [String],
+    /// A longer list of causes, refitted together: what is sought anew was fitted there.
+    pub(super) fitted: Option<&'a Model>,
 }
 
 impl Beside<'_> {
@@ -46,5 +49,9 @@ impl Suspects for Beside<'_> {
 
     fn beside(&self, first: &Candidate) -> Offers {
         self.filter(self.suspects.beside(first))
+    }
+
+    fn fitted(&self) -> Option<&Model> {
+        self.fitted
     }
 }

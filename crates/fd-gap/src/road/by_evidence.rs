@@ -6,20 +6,23 @@
 
 use std::cell::Cell;
 
+use fd_effect::Suspects;
 use fd_model::Record;
+use fd_sim::model::Model;
 
 use super::{
     adjustable::With,
+    beside::Beside,
     drive::Journey,
-    finish::Found,
+    finish::{Found, at},
     list::Listed,
     milestone::milestone,
     result::{End, Milestone},
 };
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, Monitor, Settings, Verdict, diagnose, follows_anything, is_a_pair,
-        is_free_curve,
+        Case, Cause, Diagnosis, FAINT, Monitor, Settings, Verdict, diagnose, follows_anything,
+        is_a_pair, is_free_curve,
     },
     fit::FitError,
     shrink::gap,
@@ -46,8 +49,13 @@ pub(super) fn by_evidence(
     // One cause at a time: two would take as long as all the rest.
     let settings = Settings { two: 0.0, ..settings.clone() };
     let journey_of_singles = Journey { settings: &settings, ..*journey };
-    let growth = Growth { journey: journey_of_singles, monitor, left: Cell::new(DIAGNOSES) };
+    let all = lists.beside(&[]).alone().into_iter().flatten();
+    let curves = all.filter(follows_anything).map(|candidate| candidate.label).collect();
+    let left = Cell::new(DIAGNOSES);
+    let growth = Growth { journey: journey_of_singles, monitor, curves, left };
     let (list, end) = growth.grown(list)?;
+    let (list, end) = credible(journey, list, end);
+    let list = largest_first(journey, list);
     let is_news = match first.verdict {
         Verdict::Pair => 2 < list.len(),
         // Laws that explain clearly more than a curve, which draws itself …
@@ -64,9 +72,29 @@ pub(super) fn by_evidence(
     Ok(Some(Found { list, gaps, end }))
 }
 
+/// The causes of a list that nothing beside the same others explains clearly better: a law that a curve without a law
+/// beats by far has stood for something else.
+fn credible(journey: &Journey<'_>, list: Vec<Listed>, end: End) -> (Vec<Listed>, End) {
+    let least = 1.0 / journey.settings.bayes_factor;
+    let is_credible = |listed: &&Listed| least <= listed.milestone.odds;
+    if list.iter().filter(is_credible).count() == list.len() {
+        return (list, end);
+    }
+    let kept = list.iter().filter(is_credible).map(|listed| listed.milestone.clone());
+    (journey.lists.of(kept).unwrap_or_default(), End::NothingHelps)
+}
+
+/// A list in the order of the evidence of each beside all others.
+fn largest_first(journey: &Journey<'_>, list: Vec<Listed>) -> Vec<Listed> {
+    let mut milestones: Vec<Milestone> = list.iter().map(|l| l.milestone.clone()).collect();
+    milestones.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
+    journey.lists.of(milestones).unwrap_or(list)
+}
+
 /// Log-likelihood that a list gains over a cause: `n ln` of what the two leave, root mean square.
 fn gained(journey: &Journey<'_>, list: &[Listed], over: &Cause) -> f64 {
-    let left = list.last().map_or(f64::INFINITY, |last| last.milestone.cause.gap);
+    let gaps = list.iter().map(|listed| listed.milestone.cause.gap);
+    let left = gaps.fold(f64::INFINITY, f64::min);
     let values = |log: &Record| log.len() * log.outputs().len();
     let n: usize = journey.case.logs.iter().map(values).sum();
     n as f64 * (over.gap / left).ln()
@@ -96,10 +124,20 @@ fn gaps(journey: &Journey<'_>, list: &[Listed]) -> Result<Vec<f64>, FitError> {
     parts.map(left).collect()
 }
 
+/// A list that cannot grow any more.
+struct Grown {
+    list: Vec<Listed>,
+    end: End,
+    /// The model with all of it, refitted together.
+    fitted: Model,
+}
+
 /// A list that grows.
 struct Growth<'a> {
     journey: Journey<'a>,
     monitor: &'a dyn Monitor,
+    /// Labels of what follows anything.
+    curves: Vec<&'static str>,
     /// Diagnoses that can still be made.
     left: Cell<usize>,
 }
@@ -109,33 +147,44 @@ impl Growth<'_> {
     fn grown(&self, list: Vec<Listed>) -> Result<(Vec<Listed>, End), FitError> {
         let mut grown = self.onwards(list)?;
         for _ in 0..ROUNDS {
-            let before = grown.0.len();
-            let (list, is_changed) = self.looked_back(grown.0)?;
+            let Grown { list, end, fitted } = grown;
+            let before = list.len();
+            let (list, is_changed) = self.looked_back(list, &fitted)?;
             if !is_changed && before == list.len() {
-                return Ok((list, grown.1));
+                return Ok((list, end));
             }
             grown = self.onwards(list)?;
         }
-        Ok(grown)
+        Ok((grown.list, grown.end))
     }
 
     /// Goes on while a law has evidence.
-    fn onwards(&self, mut list: Vec<Listed>) -> Result<(Vec<Listed>, End), FitError> {
+    fn onwards(&self, mut list: Vec<Listed>) -> Result<Grown, FitError> {
         loop {
-            let diagnosis = self.diagnosed(&list)?;
-            let Some(next) = self.next(&diagnosis, &list).filter(|_| self.goes_on()) else {
-                let is_noise = diagnosis.verdict == Verdict::NoGap && !diagnosis.is_unexplained;
-                return Ok((list, if is_noise { End::AtTheNoise } else { End::NothingHelps }));
+            let diagnosis = self.diagnosed(&list, None)?;
+            let next = self.next(&diagnosis, &list).filter(|_| self.goes_on());
+            let is_noise = diagnosis.verdict == Verdict::NoGap && !diagnosis.is_unexplained;
+            let end = match next {
+                Some(next) if list.len() < self.journey.most => {
+                    list.push(next);
+                    continue;
+                }
+                Some(_) => End::Enough,
+                None if is_noise => End::AtTheNoise,
+                None => End::NothingHelps,
             };
-            if list.len() == self.journey.most {
-                return Ok((list, End::Enough));
-            }
-            list.push(next);
+            let fitted = diagnosis.refit.model;
+            let list = self.journey.lists.settled(&list, &fitted).unwrap_or(list);
+            return Ok(Grown { list, end, fitted });
         }
     }
 
     /// Each cause is sought anew beside all others: what is not missed goes, what explains clearly more takes its place.
-    fn looked_back(&self, mut list: Vec<Listed>) -> Result<(Vec<Listed>, bool), FitError> {
+    fn looked_back(
+        &self,
+        mut list: Vec<Listed>,
+        fitted: &Model,
+    ) -> Result<(Vec<Listed>, bool), FitError> {
         let lists = self.journey.lists;
         let mut is_changed = false;
         let mut i = 0;
@@ -148,7 +197,7 @@ impl Growth<'_> {
                 i += 1;
                 continue;
             };
-            let diagnosis = self.diagnosed(&others)?;
+            let diagnosis = self.diagnosed(&others, Some(fitted))?;
             let old = &list[i];
             let same = diagnosis.causes.iter().find(|c| c.identity() == old.candidate.identity());
             let worth = same.map_or(f64::NEG_INFINITY, |same| same.log_evidence);
@@ -162,9 +211,12 @@ impl Growth<'_> {
                     others.push(rival);
                     list = others;
                 }
-                (Some(same), None) if diagnosis.verdict != Verdict::NoGap => {
+                (Some(same), None)
+                    if diagnosis.verdict != Verdict::NoGap
+                        && self.is_worth_it(&diagnosis, same) =>
+                {
                     // Its place is the same, its strength and its probability are those beside all others.
-                    list[i].milestone = milestone(&diagnosis, same, self.journey.horizon);
+                    list[i].milestone = self.milestone(&diagnosis, same);
                     i += 1;
                 }
                 _ => {
@@ -176,29 +228,50 @@ impl Growth<'_> {
         Ok((list, is_changed))
     }
 
+    /// Whether a cause has evidence beside a list, and a strength: its own errors do not cover it, or held-out forecasts
+    /// clearly show it.
+    fn is_worth_it(&self, diagnosis: &Diagnosis, cause: &Cause) -> bool {
+        let closed = at(diagnosis, self.journey.horizon).and_then(|h| h.closed_of_refit);
+        let is_shown = closed.is_some_and(|closed| 0.0 < closed.interval[0]);
+        let is_faint = cause.significance().is_some_and(|errors| errors < FAINT);
+        is_a_pair(cause.log_evidence, 0.0) && (is_shown || !is_faint)
+    }
+
+    /// A cause with what a diagnosis says of it, its probability among laws: a curve at the same place is no other
+    /// answer to which of them it is.
+    fn milestone(&self, diagnosis: &Diagnosis, cause: &Cause) -> Milestone {
+        let milestone = milestone(diagnosis, cause, self.journey.horizon);
+        let is_curve = |cause: &&Cause| self.curves.contains(&cause.label);
+        let of_curves: f64 = diagnosis.causes.iter().filter(is_curve).map(|c| c.probability).sum();
+        let known = 1.0 - diagnosis.no_gap - diagnosis.none_of_these;
+        let laws = ((known - of_curves) / known).max(milestone.probability);
+        let probability = if 0.0 < laws { milestone.probability / laws } else { 0.0 };
+        Milestone { probability, ..milestone }
+    }
+
     /// Whether there is time for more.
     fn goes_on(&self) -> bool {
         0 < self.left.get() && !self.monitor.is_stopped()
     }
 
-    /// The model with a list in it, diagnosed.
-    fn diagnosed(&self, list: &[Listed]) -> Result<Diagnosis, FitError> {
+    /// The model with a list in it, diagnosed; what is in a `fitted` one starts from there as well.
+    fn diagnosed(&self, list: &[Listed], fitted: Option<&Model>) -> Result<Diagnosis, FitError> {
         self.left.set(self.left.get().saturating_sub(1));
         let Journey { case, settings, lists, .. } = self.journey;
         let nominal = With { nominal: case.nominal, model: lists.model(list).clone() };
-        let suspects = lists.beside(list);
+        let suspects = Beside { fitted, ..lists.beside(list) };
         diagnose(&Case { nominal: &nominal, suspects: &suspects, ..*case }, settings, self.monitor)
     }
 
     /// The law with the most evidence beside a list, if it is worth a place, and if held-out forecasts do not get worse.
     fn next(&self, diagnosis: &Diagnosis, list: &[Listed]) -> Option<Listed> {
-        let Journey { lists, horizon, .. } = self.journey;
+        let lists = self.journey.lists;
         if diagnosis.verdict == Verdict::NoGap {
             return None;
         }
-        let worth_it = diagnosis.causes.iter().filter(|cause| is_a_pair(cause.log_evidence, 0.0));
+        let worth_it = diagnosis.causes.iter().filter(|cause| self.is_worth_it(diagnosis, cause));
         let next = worth_it
-            .filter_map(|cause| lists.listed(list, milestone(diagnosis, cause, horizon)))
+            .filter_map(|cause| lists.listed(list, self.milestone(diagnosis, cause)))
             .find(|listed| !follows_anything(&listed.candidate))?;
         let is_worse = next.milestone.closed.is_some_and(|closed| closed.interval[1] < 0.0);
         (!is_worse).then_some(next)

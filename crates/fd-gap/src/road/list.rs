@@ -32,7 +32,20 @@ impl Lists<'_> {
 
     /// What can be tried beside a list.
     pub(super) fn beside<'l>(&'l self, list: &'l [Listed]) -> Beside<'l> {
-        Beside { suspects: self.suspects, known: list, parameters: self.parameters }
+        Beside { suspects: self.suspects, known: list, parameters: self.parameters, fitted: None }
+    }
+
+    /// The same causes with the values that they have in a model in which all were refitted.
+    pub(super) fn settled(&self, list: &[Listed], fitted: &Model) -> Option<Vec<Listed>> {
+        let settled = |listed: &Listed| {
+            let mut milestone = listed.milestone.clone();
+            for estimate in &mut milestone.cause.parameters {
+                let same = fitted.parameters.iter().find(|p| p.name == estimate.name);
+                estimate.value = same.map_or(estimate.value, |same| same.value);
+            }
+            milestone
+        };
+        self.of(list.iter().map(settled))
     }
 
     /// The candidate that a cause is, on top of a list.

@@ -19,6 +19,7 @@ pub(super) fn milestone(
     let tied = if same.is_empty() { Vec::new() } else { tied };
     // That something else is missing as well is what the road is about.
     let known = (1.0 - diagnosis.no_gap - diagnosis.none_of_these).max(f64::MIN_POSITIVE);
+    let best = diagnosis.causes.first().map_or(0.0, |best| best.probability);
     let together: f64 = cause.probability + tied.iter().map(|tied| tied.probability).sum::<f64>();
     Milestone {
         cause: cause.clone(),
@@ -26,5 +27,6 @@ pub(super) fn milestone(
         tied: tied.iter().map(|cause| cause.label.to_owned()).collect(),
         share: None,
         closed: at(diagnosis, horizon).and_then(|h| h.closed_of_refit),
+        odds: cause.probability / best.max(f64::MIN_POSITIVE),
     }
 }

@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use crate::{diagnose::Cause, shrink::Closed};
 
-/// Several causes, the one that was found first before the others.
+/// Several causes, the largest first: near the noise by the evidence of each beside all others, far above it in the order
+/// in which they were found.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Road {
     /// The causes that were accepted.
@@ -41,6 +42,9 @@ pub struct Milestone {
     pub share: Option<f64>,
     /// Share that it closes of the gap that the causes before it have left.
     pub closed: Option<Closed>,
+    /// Its probability over that of the best cause beside the same others, curves included; not serialised.
+    #[serde(skip)]
+    pub odds: f64,
 }
 
 /// Why a road ends.

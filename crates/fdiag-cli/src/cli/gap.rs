@@ -134,10 +134,7 @@ fn refusal(error: &GapError) -> Failure {
             };
         }
         GapError::Limit(limit) => limit.resource != Resource::Bytes,
-        GapError::Budget { .. }
-        | GapError::Simulate(_)
-        | GapError::Fit(_)
-        | GapError::Short { .. } => true,
+        GapError::Budget { .. } | GapError::Simulate(_) | GapError::Fit(_) => true,
         GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
         _ => false,
     };

@@ -4,6 +4,7 @@ use fd_effect::EverySite;
 use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
+    quality::{Defect, Finding},
     reading::{Mistake, Reading, Suspicion, suspect},
 };
 use fd_model::SampleTime;
@@ -16,7 +17,7 @@ use super::{
     only::Chosen,
     request::Request,
     sparing::{Spared, Sparing, diagnose_sparing},
-    study::{check_length, longest, settings},
+    study::{longest, settings, short_log},
     subject::Subject,
 };
 
@@ -63,7 +64,6 @@ impl<'a> Attempt<'a> {
         let (u, samples) = longest(&logs[0]);
         subject.show(&logs, ts)?;
         let memory = Memory::of(&*simulator, &u, samples);
-        check_length(request, data, memory, ts)?;
         let settings = settings(request, memory, &logs, ts);
         let scales = nominal.scales(ts, &u, samples)?;
         let scales = match places {
@@ -78,8 +78,12 @@ impl<'a> Attempt<'a> {
         let every = EverySite::new(effects, model, scales.clone());
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let Spared { diagnosis, sparing } =
+        let Spared { mut diagnosis, sparing } =
             diagnose_sparing(request, subject, &scales, &case, &settings, monitor)?;
+        let is_short = |finding: &Finding| matches!(finding.defect, Defect::Short { .. });
+        if !diagnosis.findings.iter().any(is_short) {
+            diagnosis.findings.extend(short_log(data, memory, ts));
+        }
         Ok(Self {
             subject,
             nominal,

@@ -126,23 +126,6 @@ pub enum GapError {
         /// Sample time of the log, in seconds.
         found: f64,
     },
-    /// A log ends before the model has forgotten its initial state.
-    #[error(
-        "{}: it lasts {} s, and the model remembers its initial state for {} s: expected at least {} s. Is a \
-         damping, a resistance or a time constant of the model in another unit? If not, state a horizon: \
-         --horizon {}",
-        file.display(), figure(*found), figure(*memory), figure(*expected), figure(*found)
-    )]
-    Short {
-        /// The log.
-        file: PathBuf,
-        /// Its duration, in seconds.
-        found: f64,
-        /// Memory of the model, in seconds.
-        memory: f64,
-        /// Least duration, in seconds.
-        expected: f64,
-    },
     /// The sample time is none.
     #[error("sample time: {0}")]
     SampleTime(Box<ModelError>),

@@ -3,6 +3,7 @@
 use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Horizon, Log},
+    quality::{Defect, Finding},
 };
 use fd_model::{Record, SampleTime};
 use fd_sim::{
@@ -36,7 +37,7 @@ const WINDOWS: [f64; 2] = [1.0, 5.0];
 const SHORTEST_WINDOW: usize = 20;
 /// Windows in the shortest log.
 const FEWEST_WINDOWS: usize = 3;
-/// A log must last for this part of the memory of the model.
+/// A log that lasts for less than this part of the memory of the model is short.
 const LEAST_OF_MEMORY: f64 = 1.0 / 3.0;
 
 /// A diagnosis with everything that its report needs.
@@ -227,21 +228,16 @@ pub(super) fn longest(logs: &[Log]) -> (Vec<f64>, usize) {
     })
 }
 
-/// A log that ends before the initial state is forgotten says more of that than of the plant. Who
-/// states a horizon knows that.
-pub(super) fn check_length(
-    request: &Request,
-    data: &Data,
-    memory: Memory,
-    ts: SampleTime,
-) -> Result<(), GapError> {
-    let longest = data.fit.iter().zip(&data.parts).max_by_key(|(record, _)| record.len());
-    let (Some((record, part)), Some(memory)) = (longest, memory.slowest) else { return Ok(()) };
-    let (found, expected) = (record.len() as f64 * ts.seconds(), LEAST_OF_MEMORY * memory);
-    if request.horizon == HorizonChoice::Auto && data.long.is_none() && found < expected {
-        return Err(GapError::Short { file: part.path.clone(), found, memory, expected });
-    }
-    Ok(())
+/// A log that ends before the initial state is forgotten says more of that than of the plant; or the model has
+/// something in another unit.
+pub(super) fn short_log(data: &Data, memory: Memory, ts: SampleTime) -> Option<Finding> {
+    let numbered = data.fit.iter().enumerate();
+    let (log, record) = numbered.max_by_key(|(_, record)| record.len())?;
+    let (seconds, memory) = (record.len() as f64 * ts.seconds(), memory.slowest?);
+    let channel = record.outputs().first()?.name.clone();
+    let defect = Defect::Short { seconds, memory };
+    let is_short = data.long.is_none() && seconds < LEAST_OF_MEMORY * memory;
+    is_short.then_some(Finding { log: log + 1, channel, defect })
 }
 
 /// The settings that a diagnosis chooses by itself, with all defaults, for one log to fit and one to

@@ -2,7 +2,7 @@
 
 mod findings;
 mod held_out;
-mod objections;
+pub(super) mod objections;
 mod reported_floor;
 
 use fd_effect::Candidate;

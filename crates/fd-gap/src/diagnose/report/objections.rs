@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Strengths below so many standard errors are worth a word …
-const FAINT: f64 = 2.0;
+pub(crate) const FAINT: f64 = 2.0;
 /// … and below so many are none.
 const NONE: f64 = 1.0;
 /// A forecast that is worse than another one by less than this factor is not worse.

@@ -82,7 +82,22 @@ pub(super) fn search<'a>(
         }
         trial.best.is_some()
     });
+    let fitted = case.suspects.fitted();
+    if let Some(fitted) = fitted {
+        let is_known = |trial: &&mut Trial<'_>| trial.is_in(fitted);
+        trials.par_iter_mut().filter(is_known).for_each(|trial| {
+            trial.start_as_in(&null, fitted);
+        });
+    }
     finish(&mut trials, &null, settings.finalists);
+    if let Some(fitted) = fitted {
+        // What stands for one of a longer list has as good a start as that one.
+        trials.par_iter_mut().filter(|trial| trial.is_final).for_each(|trial| {
+            if trial.start_as_in(&null, fitted) {
+                trial.full_fit(&null);
+            }
+        });
+    }
     let is_coloured = false;
     with_short_steps(
         nominal,

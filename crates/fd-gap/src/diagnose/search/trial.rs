@@ -246,6 +246,27 @@ impl<'a> Trial<'a> {
         self.problem.is_dear() && is_far
     }
 
+    /// Whether a model has all its parameters.
+    pub(super) fn is_in(&self, model: &Model) -> bool {
+        let has = |own: &EffectParameter| model.parameters.iter().any(|p| p.name == own.name);
+        self.candidate.parameters.iter().all(has)
+    }
+
+    /// The same from a model that was fitted before: from its own values there, if that has them, or from those that it
+    /// has found, with what the nuisances are there.
+    pub(super) fn start_as_in(&mut self, null: &NullFit, fitted: &Model) -> bool {
+        let value = |name: &str| fitted.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+        let known = self.candidate.parameters.iter().map(|p| value(&p.name)).collect();
+        let found = || self.best.as_ref().map(|best| self.problem.effect_values(&best.z));
+        let values: Option<Vec<f64>> = known;
+        let Some(values) = values.or_else(found) else { return false };
+        let mut nuisances = null.minimum.z.clone();
+        for (z, variable) in nuisances.iter_mut().zip(null.problem.plan().nuisances()) {
+            *z = value(&variable.name).map_or(*z, |value| variable.scaled(value));
+        }
+        self.warm_start_at(&nuisances, &values)
+    }
+
     pub(in crate::diagnose) fn cost(&self) -> f64 {
         self.best.as_ref().map_or(f64::INFINITY, |best| best.cost)
     }

@@ -309,7 +309,11 @@ fn judge_list(
         (verdict.is_pair_exact, verdict.is_pair_right) = (is_exact_list, is_list_right);
     } else {
         verdict.is_list_right = is_list_right;
-        verdict.is_dominant_first = verdict.is_exact
+        // What is named first where several are named is the first of them, whatever is most probable alone.
+        let first = answer.together.first().or(first);
+        let named =
+            |n: &Named| is_exact(&truth.effects[0], &n.label, &n.site, n.partner.as_deref());
+        verdict.is_dominant_first = first.is_some_and(named)
             || match (case, first) {
                 (Some(case), Some(first)) => {
                     let effects = truth.effects[..1].to_vec();
