@@ -16,15 +16,14 @@ use crate::{dims::IoDims, frame::Frame, scalar::Scalar, stage::Stage};
 /// * `r` depends on this frame and on earlier ones, never on later ones. It is not normalised: its
 ///   unit is whatever the method gives it, usually that of the outputs. Scaling belongs to the
 ///   detector, which learns it from healthy data.
-/// * A fault must reach `r`, and noise may. Modelling errors reach it too; subtracting what they
-///   leave is the business of the [`Compensator`](super::Compensator), not of the generator.
-/// * A generator that cannot answer yet (a window that fills, an observer that converges) writes
-///   zero, or its transient. It does not signal "not ready". Whoever trains leaves the first samples
-///   out (`settle_s` in a spec).
+/// * A fault must reach `r`, and noise may. Modelling errors reach it too; subtracting their bias is the task
+///   of the [`Compensator`](super::Compensator), not of the generator.
+/// * A generator that is not ready yet (a window that is filling, an observer that is converging) writes zero,
+///   or its transient. It does not signal "not ready". Training skips the first samples (`settle_s` in a spec).
 ///
 /// # Who calls it, and when
 ///
-/// [`Pipeline::step`](crate::Pipeline::step), first of the four stages. Besides, training runs the
+/// [`Pipeline::step`](crate::Pipeline::step), first of the four stages. In addition, training runs the
 /// generator alone over healthy logs, and a bank steps several generators with the same frame.
 ///
 /// A sample that the pipeline rejects never arrives: for the generator, the next good one follows
@@ -49,15 +48,15 @@ use crate::{dims::IoDims, frame::Frame, scalar::Scalar, stage::Stage};
 ///
 /// # When not to implement it
 ///
-/// For a linear method, write a `GeneratorDesign` (`fd-residual`) instead. Its `form()` gives you
-/// analysis (which faults it detects, how far above the noise), its `build()` can return the
-/// ready-made generator of that form, and you write no run-time code at all. Implement this trait
-/// yourself for what is nonlinear, adaptive, or faster in a form of its own.
+/// For a linear method, write a `GeneratorDesign` (`fd-residual`) instead. Its `form()` gives you analysis
+/// (which faults it detects, how far above the noise), its `build()` can return the ready-made generator of
+/// that form, and you write no run-time code at all. Implement this trait directly for methods that are
+/// nonlinear, adaptive, or faster in a special form.
 ///
 /// # Example
 ///
-/// A Luenberger observer of `x⁺ = a x + b u`, `y = x`, in any scalar. Its residual is the
-/// innovation `y − x̂`, which forgets the unknown start at the rate `a − l` per sample:
+/// A Luenberger observer of `x⁺ = a x + b u`, `y = x`, in any scalar. Its residual is the innovation `y − x̂`,
+/// which forgets the unknown initial state by the factor `a − l` per sample:
 ///
 /// ```
 /// use fd_core::{Frame, IoDims, Scalar, StateVisitor, stage::{ResidualGenerator, Stage}};
