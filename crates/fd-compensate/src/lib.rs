@@ -4,7 +4,7 @@
 //!  r ──▶ residual_compensation ──r* = r − μ̂──▶ detect ──statistic, threshold──▶ decide ──▶ fault, size
 //! ```
 //!
-//! | Room | Question |
+//! | Module | Question |
 //! |------|----------|
 //! | [`residual_compensation`] | What part of the residual is bias of the model, and no fault? |
 //! | [`detect`] | How far is the rest from normal? |

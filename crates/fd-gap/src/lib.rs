@@ -1,6 +1,6 @@
 //! Diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`quality`] | is the log good enough, and how much of it is noise? |
 //! | [`stretches`](mod@stretches) | which parts of a long log tell most |

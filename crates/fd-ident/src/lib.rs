@@ -4,7 +4,7 @@
 //! finds that dependence from fault-free data, eq. (13) to (18) of Patton & Chen (1992), so that
 //! it can be subtracted.
 //!
-//! | room | what it holds |
+//! | module | what it holds |
 //! |---|---|
 //! | [`arx`] | difference equations: fit, identify on line, simulate, analyse |
 //! | [`least_squares`] | batch least squares with rank and condition |

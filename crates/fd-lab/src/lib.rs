@@ -1,6 +1,6 @@
 //! Experiments and proofs, which no user of the library links: what the methods gain, and how often they are right.
 //!
-//! | room | question |
+//! | module | question |
 //! |---|---|
 //! | [`engine`] | what does residual compensation gain on 1000 perturbed engines? |
 //! | [`compare`] | which method wins where, at the same rate of false alarms? |

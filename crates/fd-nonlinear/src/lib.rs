@@ -4,7 +4,7 @@
 //! operating point; away from it the residual of a healthy plant is not zero. Here the model is taken as
 //! it is.
 //!
-//! | room | residual | when |
+//! | module | residual | when |
 //! |---|---|---|
 //! | [`extended`] | innovation of a Kalman filter on slopes at the estimate | smooth models, little noise |
 //! | [`unscented`] | the same with points in place of slopes | bends within the spread of the estimate |

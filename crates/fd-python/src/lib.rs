@@ -1,6 +1,6 @@
 //! The native half of the Python package `fdiag`: what runs in Rust, behind the plain Python of `python/fdiag`.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | `simulator` | a model text, or an object of Python, as what is diagnosed |
 //! | `lender`, `instance` | how an object of Python is asked for runs |

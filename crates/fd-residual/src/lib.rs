@@ -1,6 +1,6 @@
 //! Residual generators, each of the one form `r = H_u u + H_y y` (Patton and Chen 1992, eq. 2).
 //!
-//! | Room | Residual | Choose it when |
+//! | Module | Residual | Choose it when |
 //! |------|----------|----------------|
 //! | [`simulation`] | `y − y_sim(u)` | the plant is stable and a model of any kind exists |
 //! | [`observer`] | innovation of an observer | initial state and disturbances must be forgotten |

@@ -1,6 +1,6 @@
 //! Simulators that can be patched: equations as text, linear models, black boxes in a shell of equations.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`equation`] | expressions as text, as trees and as bytecode |
 //! | [`model`] | model files made of such expressions |

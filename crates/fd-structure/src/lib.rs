@@ -3,7 +3,7 @@
 //! Which unknowns occur in which equation decides which faults can be detected and isolated at all, by which
 //! equations, what another sensor would add, and in which order a residual is computed.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`model`] | equations, unknowns, known signals and faults, by hand |
 //! | [`graph`] | matchings, the Dulmage-Mendelsohn decomposition |

@@ -1,6 +1,6 @@
 //! Effects of one's own, as text in the expression language of model files.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`TextEffects`] | effects as a file or a program states them, by label |
 //! | [`TextEffect`] | one of them: an [`Effect`](crate::Effect) like those of the library |

@@ -1,6 +1,6 @@
 //! Simulators outside of this program: a process of any language, an FMU.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`Contract`] | channels, parameters, states, ports and powers of such a simulator |
 //! | [`OutsideSimulator`] | a [`Simulator`](crate::simulate::Simulator) of it: leased instances, a memory, counts |
