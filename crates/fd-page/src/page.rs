@@ -94,14 +94,14 @@ fn reading(page: &mut Page, report: &Report) {
     let Some(reading) = &report.reading else { return };
     let p = words::p(reading.probability);
     page.warning(format!(
-        "The log reads as if {} ({p}). All below is of the mended log. {}",
+        "The log reads as if {} ({p}). Everything below refers to the corrected log. {}",
         reading.statement, reading.advice
     ));
     let lines = reading.lines.lines().filter(|line| !line.is_empty());
     lines.for_each(|line| page.text(line));
-    let header = ["output", "error as read", "error mended", "unit"];
+    let header = ["output", "error as read", "error corrected", "unit"];
     let mut table =
-        Table::new("Best explanation as read, and plain fit with the mistake mended", &header);
+        Table::new("Best explanation as read, and plain fit with the mistake corrected", &header);
     let errors = reading.before.iter().zip(&reading.after);
     for (output, (before, after)) in report.inputs.outputs.iter().zip(errors) {
         let (name, unit) = (output.name.clone(), output.unit.clone());

@@ -163,7 +163,7 @@ impl Work {
             return;
         }
         monitor.plan(&format!(
-            "A run of the simulator through the logs takes {} s. Planned are {} runs to linearise it and up to \
+            "A run of the simulator through the logs takes {} s. The plan is {} runs to linearise it and up to \
              {confirm} to confirm {causes} causes and {pairs} pairs: {} s.",
             figure(self.seconds),
             self.stand_in,
