@@ -43,7 +43,7 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
     }
     if !report.stopped.is_empty() {
         page.warning(format!(
-            "It was stopped, and has not come to: {}.",
+            "It was stopped before the end; missing: {}.",
             report.stopped.join(", ")
         ));
     }
@@ -84,7 +84,7 @@ fn several(page: &mut Page, report: &Report) {
     }
     page.text(
         "Each was accepted because it improves forecasts of data that no fit has seen, with all \
-         others there and everything refitted together. patched.toml has all of them.",
+         others present and everything refitted together. patched.toml contains all of them.",
     );
     page.table(tables::road(road));
 }
@@ -110,7 +110,7 @@ fn reading(page: &mut Page, report: &Report) {
     page.table(table);
     if !reading.also.is_empty() {
         page.text(
-            "Other mistakes would look the same in this log; report.json lists them below \
+            "Other mistakes would look the same in this log; report.json lists them under \
              `reading.also`.",
         );
     }
@@ -121,8 +121,8 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     page.heading("Which effect");
     if report.diagnosis.regime == Regime::AboveTheFloor {
         page.text(
-            "Nothing that was tried reaches the noise, so probabilities are how often a cause \
-             forecasts best on blocks of the logs.",
+            "None of the causes tried reaches the noise, so probabilities say how often a cause \
+             forecasts best on resampled blocks of the logs.",
         );
     }
     for bars in [groups(report), causes(report)] {
@@ -136,7 +136,7 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     if !report.tied().is_empty() {
         page.text(
             "Tied causes predict the same to within the noise of this log: it cannot tell them \
-             apart, whatever their probabilities are.",
+             apart, whatever their probabilities.",
         );
     }
     page.table(parameters(report));

@@ -199,20 +199,20 @@ fn words(confusion: &Confusion, regime: Regime) -> String {
     let blamed: usize = confusion.counts[0][1..confusion.columns.len() - 1].iter().sum();
     let null = confusion.replicas[0];
     let right = format!(
-        "on {total} simulated logs like this one the diagnosis is right in {:.0} % (and {:.0} % sure \
+        "on {total} simulated logs like this one the diagnosis is right in {:.0} % (and {:.0} % certain \
          of it); it blames a cause in {blamed} of {null} logs without a gap",
         100.0 * accuracy,
         100.0 * confidence
     );
     match regime {
         Regime::AtTheFloor => format!(
-            "{right}; sets of {set_size:.1} answers hold the truth in 90 %, with temperature \
+            "{right}; sets of {set_size:.1} answers contain the truth in 90 %, with temperature \
              {temperature:.2}"
         ),
         // What no effect explains is not simulated, and sharpens likelihoods.
         Regime::AboveTheFloor => format!(
-            "{right}. These logs leave more than the noise, and the simulated ones do not: expect \
-             less, and do not use the temperature"
+            "{right}. These logs leave more than the noise, the simulated ones do not: expect \
+             worse, and do not use the temperature"
         ),
     }
 }
