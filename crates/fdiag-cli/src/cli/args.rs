@@ -19,7 +19,7 @@ pub(crate) struct Cli {
 const AFTER_HELP: &str = "\
 Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
-  fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag compensate  learns what modelling errors do, without a name for them, to see small faults
   fdiag watch       does that on line, next to the plant, for months
   fdiag log info    says what is in a log, and what is doubtful about it
   fdiag structure   says which faults a model can reveal at all, and what more sensors would add
@@ -244,10 +244,10 @@ pub(crate) struct GapArgs {
     /// the log
     #[arg(long)]
     pub(crate) drop_disorder: bool,
-    /// Take the log as it is read, without asking for wrong signs, units, columns and clocks
+    /// Take the log as it is read, without looking for wrong signs, units, columns and clocks
     #[arg(long)]
     pub(crate) as_read: bool,
-    /// Diagnose simulated logs of known cause as well, N of each, to see what such logs can tell
+    /// Also diagnose simulated logs of known cause, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calibrate: Option<u32>,
