@@ -21,7 +21,7 @@ pub use self::{
     size::{Hypothesis, SizedDebounce, Sizing},
 };
 
-/// Every rule of this room, for residuals like `healthy` and a fault of each channel.
+/// Every rule of this module, for residuals like `healthy` and a fault of each channel.
 ///
 /// # Errors
 ///

@@ -45,8 +45,8 @@ pub use self::{
     two_sample::TwoSample,
 };
 
-/// Every detector of this room with every statistic that it has, fitted to `healthy` and with
-/// thresholds near its edge; those that follow the input need a record that has it.
+/// Every detector of this module with every statistic that it has, fitted to `healthy` and with thresholds near
+/// its edge; those that follow the input need a record that has it.
 ///
 /// # Errors
 ///

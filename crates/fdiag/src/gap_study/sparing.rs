@@ -1,4 +1,4 @@
-//! Simulators of which a run is dear are asked for few.
+//! Diagnosis with few runs of simulators that are expensive to run.
 
 use fd_gap::{
     diagnose::{Case, Cause, Diagnosis, Monitor, Settings, diagnose},
