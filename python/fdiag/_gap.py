@@ -94,7 +94,7 @@ def gap(
     seed
         Seed of everything random.
     yes
-        Start even what will take hours.
+        Begin also what will take hours.
     threads
         Number of threads; 0 takes all cores.
     progress

@@ -43,7 +43,7 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
     }
     if !report.stopped.is_empty() {
         page.warning(format!(
-            "It was stopped before the end; missing: {}.",
+            "It was stopped, and has not come to: {}.",
             report.stopped.join(", ")
         ));
     }

@@ -265,7 +265,7 @@ pub(crate) struct GapArgs {
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Start even what will take hours
+    /// Begin also what will take hours
     #[arg(long)]
     pub(crate) yes: bool,
     /// Print the model that would be diagnosed, with all its places for effects, and stop

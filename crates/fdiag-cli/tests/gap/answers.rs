@@ -245,7 +245,7 @@ fn ctrl_c_ends_with_the_best_answer_so_far() {
     assert!(left_out.contains(&json!("the self-calibration")), "{left_out:?}");
     let headline = report["headline"].as_str().unwrap();
     assert!(headline.starts_with("Stopped before the end; so far: "), "{headline}");
-    assert!(desk.read("out/report.html").contains("It was stopped before the end; missing: "));
+    assert!(desk.read("out/report.html").contains("It was stopped, and has not come to: "));
 }
 
 /// The commonest silent mistake: a parameter that the simulator does not take.

@@ -99,7 +99,7 @@ impl<W: Write> Watching<W> {
             && let Err(error) = state.secure(&self.monitor)
         {
             if !std::mem::replace(&mut self.cannot_save, true) {
-                eprintln!("fdiag: {error}; the broker keeps its samples until this is fixed");
+                eprintln!("fdiag: {error}; the broker keeps its samples until that is mended");
             }
             return;
         }
