@@ -48,8 +48,8 @@ def gap(
     """Says which unmodelled effect separates a simulator from logs of the real system.
 
     Refits the parameters within their tolerances, tries every known effect at every place of the model, and says
-    where the gap lies, which effect causes it and how sure that is, and how far the gap shrinks on data that no fit
-    has seen. The same inputs, settings and seed give the same answer as the command line `fdiag gap`.
+    where the gap lies, which effect causes it and how certain that is, and how far the gap shrinks on data that no
+    fit has seen. The same inputs, settings and seed give the same answer as the command line `fdiag gap`.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ def gap(
         A model file or its text; a `Simulator`; or an object with `reset` and `step`, and attributes
         `sample_time`, `inputs`, `outputs` (and `parameters`, `initial`, `ports`) as `Steps` takes them.
     log
-        A path, a dict of arrays, a data frame (pandas, polars), a dataset (xarray), or a list of such. Columns are
-        named as the channels, or in `columns`; a unit may stand behind a name, `"speed [m/s]"`.
+        A path, a dict of arrays, a data frame (pandas, polars), a dataset (xarray), or a list of these. Columns have
+        the names of the channels, or are named in `columns`; a unit may follow a name, `"speed [m/s]"`.
     held_out
         Logs that no fit sees. Without them the end of every log is held out.
     split
@@ -80,11 +80,11 @@ def gap(
     resample, longest_hole
         Time between samples to which logs are resampled, and the longest hole that is bridged, in s.
     drop_disorder
-        Leave out rows that are not later than the row before, instead of refusing the log.
+        Drop rows that are not later than the row before, instead of refusing the log.
     as_read
-        Take the log as it is read, without asking for wrong signs, units, columns and clocks.
+        Take the log as it is read, without looking for wrong signs, units, columns and clocks.
     calibrate
-        Diagnose so many simulated logs of each known cause as well.
+        Also diagnose this many simulated logs of each known cause.
     most
         Most causes that are sought one after another; 1 for no more.
     budget

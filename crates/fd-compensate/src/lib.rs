@@ -4,13 +4,13 @@
 //!  r ──▶ residual_compensation ──r* = r − μ̂──▶ detect ──statistic, threshold──▶ decide ──▶ fault, size
 //! ```
 //!
-//! | Room | Question |
+//! | Module | Question |
 //! |------|----------|
-//! | [`residual_compensation`] | What part of the residual is bias of the model, and no fault? |
+//! | [`residual_compensation`] | What part of the residual is bias of the model, and not a fault? |
 //! | [`detect`] | How far is the rest from normal? |
 //! | [`decide`] | Is that a fault, since when, how large? |
-//! | [`calibrate`] | Which threshold keeps a stated rate of false alarms? |
-//! | [`evaluate`] | What is the detector worth: false alarms, delay, smallest fault? |
+//! | [`calibrate`] | Which threshold keeps a stated false-alarm rate? |
+//! | [`evaluate`] | How good is the detector: false alarms, delay, smallest fault? |
 //!
 //! From a healthy log to an alarm with a promise about its rate:
 //!
@@ -47,9 +47,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The parameter estimator and the bias model are those of `fd-ident` or any other that
-//! implement [`Identifier`](fd_core::stage::Identifier) and
-//! [`BiasModel`](fd_core::stage::BiasModel); this crate knows only the contracts.
+//! The parameter estimator and the bias model come from `fd-ident` or are any others that implement
+//! [`Identifier`](fd_core::stage::Identifier) and [`BiasModel`](fd_core::stage::BiasModel); this crate knows
+//! only the contracts.
 
 pub mod calibrate;
 mod count;

@@ -4,19 +4,18 @@
 //! (u, y) ──Frame──▶ ResidualGenerator ──r──▶ Compensator ──r* = r − μ̂──▶ Detector ──▶ DecisionRule ──▶ Step
 //! ```
 //!
-//! Every arrow is a slice of scalars or a small `Copy` struct. Every box is one trait in
-//! [`stage`]. [`Pipeline::step`] is the only place where the boxes meet. This crate holds
-//! contracts, never a method.
+//! Every arrow is a slice of scalars or a small `Copy` struct. Every box is one trait in [`stage`].
+//! [`Pipeline::step`] is the only place where the boxes meet. This crate defines the contracts and contains no
+//! methods.
 //!
 //! | To | read |
 //! |---|---|
 //! | run a diagnosis | [`Pipeline`], [`MissingSamples`], [`Step`] |
 //! | write a method of your own | [`stage`], then the one trait that it implements |
 //! | save and restore | [`stage::Stage`], [`Snapshot`] |
-//! | write one code for stack and heap, `f32` and `f64` | [`Storage`], [`Scalar`] |
+//! | write one implementation for stack and heap, `f32` and `f64` | [`Storage`], [`Scalar`] |
 //!
-//! A method is a few lines around its arithmetic. Here a detector, which is then a stage like those
-//! of the library:
+//! A method is its arithmetic plus a few lines. This detector is a stage like those of the library:
 //!
 //! ```
 //! use fd_core::{StateVisitor, stage::{Detector, Stage, Verdict}};

@@ -8,32 +8,31 @@ use super::site::{Side, SiteRef};
 
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///
-/// An effect is knowledge about the world: what friction does, how a valve sticks, in which ways a
-/// sensor is wrong. It knows nothing of a particular plant. Given one, it says where it could be, writes
-/// itself into a copy of the model, and names the numbers that would have to be found: a
-/// [`Candidate`]. Everything after that (screening, fits, evidence, ties, words) works on candidates
-/// alone, so an effect that is added is diagnosed like all others.
+/// An effect is physical knowledge: what friction does, how a valve sticks, in which ways a sensor can be
+/// wrong. It does not depend on a particular plant. Given a model, it says where it could act, adds itself to a
+/// copy of the model, and names the parameters to be fitted: a [`Candidate`]. Everything after that (screening,
+/// fits, evidence, ties, words) works on candidates alone, so an added effect is diagnosed like all others.
 ///
 /// # The contract
 ///
-/// [`candidates`](Self::candidates) returns one entry per law and site: a candidate, or
-/// [`NotTestable`] with the reason. Say why rather than leave out; the report lists it, and "not found"
-/// must not look like "not looked for". Each candidate obeys these laws, which the tests of this crate
-/// check on every entry of [`library`](super::library), on every plant that they have:
+/// [`candidates`](Self::candidates) returns one entry per law and site: a candidate, or [`NotTestable`] with
+/// the reason. Give a reason rather than omitting the entry; the report lists it, and "not found" must not look
+/// like "not looked for". Each candidate obeys these rules, which the tests of this crate check for every entry
+/// of [`library`](super::library) on every test plant:
 ///
 /// * *Exactly nothing at zero strength.* With all strengths at their neutral values a simulation of
-///   [`Candidate::model`] equals that of the nominal model, whatever the shape parameters are. The
-///   evidence for an effect is the evidence for a strength that is not neutral, so this is what makes
-///   "present" and "absent" comparable.
-/// * *Parameters in physical units*, with the sign that physics gives them as bound: friction takes
-///   energy out, so its coefficient is not negative. `scale` is the size that makes one unit of a fit a
-///   noticeable change in this log; take it from [`ReplayScales`], never from the nominal values alone.
-/// * *Starts within the bounds.* Where the sum of squares has several valleys (a delay, a frequency, a
-///   threshold), give several; where it is a bowl, one.
+///   [`Candidate::model`] equals that of the nominal model, whatever the shape parameters are. The evidence for
+///   an effect is the evidence for a strength that is not neutral; this rule makes "present" and "absent"
+///   comparable.
+/// * *Parameters in physical units*, with bounds that enforce the physical sign: friction dissipates energy, so
+///   its coefficient is not negative. `scale` is chosen so that one unit of a fit is a noticeable change in
+///   this log; take it from [`ReplayScales`], never from the nominal values alone.
+/// * *Starts within the bounds.* Where the sum of squares may have several minima (a delay, a frequency, a
+///   threshold), give several starts; where it has one, give one.
 /// * *The same in other units*: a plant in mm has the same candidates, scaled.
-/// * *The same integration grid* as the nominal model. An effect with a fast mode of its own is written
-///   exactly over a step for held inputs, as those of the library are.
-/// * *What it says of itself*: strengths below zero only with [`is_signed`](Self::is_signed), and what
+/// * *The same integration grid* as the nominal model. An effect with a fast mode of its own uses the exact
+///   solution over a step for held inputs, as those of the library do.
+/// * *Its declared properties*: negative strengths only with [`is_signed`](Self::is_signed), and what
 ///   [`dissipates`](Self::dissipates) and [`has_slope`](Self::has_slope) promise.
 /// * The [`label`](Self::label) is one cause. Its laws are variants that a diagnosis may choose among
 ///   without calling them different, the simplest one first.
@@ -41,18 +40,18 @@ use super::site::{Side, SiteRef};
 ///
 /// # Who calls it, and when
 ///
-/// [`EverySite`](super::EverySite) calls `candidates` once with the nominal model, and again, beside each of
-/// the best answers, with a model that has that one in it, to look for pairs. It is not called per sample,
-/// and may take its time and allocate. The same model and scales must give the same list: identities
-/// are compared between the two calls.
+/// [`EverySite`](super::EverySite) calls `candidates` once with the nominal model, and again with each model
+/// that contains one of the best answers, to look for pairs. It is not called per sample, so it may be slow and
+/// may allocate. The same model and scales must give the same list: identities are compared between the two
+/// calls.
 ///
 /// # What an implementor must not do
 ///
-/// * *Look at measurements.* An effect sees the model and the sizes of its signals, not the log; whether it
-///   explains anything is the diagnosis's question.
+/// * *Use measurements.* An effect sees the model and the sizes of its signals, not the log; whether it
+///   explains anything is for the diagnosis to decide.
 /// * *Panic on a strange model*: no inputs, one state, a site without a velocity. That is a `NotTestable`.
-/// * *Add parameters that cannot be told apart.* Two numbers of which the outputs show only the product make
-///   every fit wander.
+/// * *Add parameters that cannot be told apart.* If the outputs depend only on the product of two numbers,
+///   every fit wanders.
 ///
 /// # How it composes
 ///
@@ -61,15 +60,14 @@ use super::site::{Side, SiteRef};
 ///
 /// # When not to implement it
 ///
-/// For a wrong value of a parameter that the model has: `parameter-error` is in the library, for each of
-/// them. For a static curve of unknown shape at an input, force or sensor: the maps
-/// ([`map`](super::map)) find one without a name. For something that belongs to the plant and is
-/// known: put it into the model.
+/// For a wrong value of a parameter that the model has: `parameter-error` is in the library, for each of them.
+/// For a static curve of unknown shape at an input, force or sensor: the maps ([`map`](super::map)) find one
+/// without a name. For a known property of the plant: put it into the model.
 ///
 /// # Example
 ///
-/// [`Sketch`](super::Sketch) does the bookkeeping: names, units, bounds and the patch. A pump that loses a
-/// part of its flow with the temperature of the day:
+/// [`Sketch`](super::Sketch) does the bookkeeping: names, units, bounds and the patch. A pump whose flow varies
+/// with the daily temperature:
 ///
 /// ```
 /// use fd_effect::{Candidate, Effect, NotTestable, Sketch};
@@ -131,19 +129,19 @@ pub trait Effect: std::fmt::Debug + Send + Sync {
     /// The mechanism that the effect belongs to, such as `friction`: wider than the label.
     fn family(&self) -> &'static str;
 
-    /// Whether strengths may be negative: a gain may be too small as well as too large. A width, a
-    /// delay or a dry friction below zero would be something else, and starts at 0.
+    /// Whether strengths may be negative: a gain may be too small as well as too large. A negative width, delay
+    /// or dry friction would have no meaning, so these start at 0.
     fn is_signed(&self) -> bool {
         false
     }
 
-    /// Whether it takes energy out of the motion of its site, from every start.
+    /// Whether it dissipates energy of the motion at its site, from every start.
     fn dissipates(&self) -> bool {
         false
     }
 
-    /// Whether the outputs follow each strength from the first start on, so that a fit can leave
-    /// it. Not where they jump, or see nothing of some strengths.
+    /// Whether the outputs respond to each strength at the first start, so that a fit can move away from it.
+    /// False where they jump, or do not respond to some strengths.
     fn has_slope(&self) -> bool {
         true
     }

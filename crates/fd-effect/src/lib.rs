@@ -1,10 +1,10 @@
-//! The library of effects: what a simulator may lack, at every site of a model.
+//! The library of effects that a simulator may lack, tried at every site of a model.
 //!
-//! An [`Effect`] offers [`Candidate`]s: patched models with parameters, their units, bounds and
-//! starts. Every candidate is exactly the nominal model at zero strength, whatever its shape
-//! parameters are, on the integration grid of the nominal model; strengths carry the physical
-//! signs as bounds. Memories (play, lags, rate limits, hysteresis) are exact over an integration
-//! step for held inputs, and what the plant sees is their mean over the step.
+//! An [`Effect`] offers [`Candidate`]s: patched models with parameters, their units, bounds and starts. Every
+//! candidate is exactly the nominal model at zero strength, whatever its shape parameters are, on the
+//! integration grid of the nominal model; bounds enforce the physical signs of strengths. Effects with memory
+//! (play, lags, rate limits, hysteresis) are exact over an integration step for held inputs, and the plant
+//! receives their mean over the step.
 //!
 //! Units, bounds and starts come from [`ReplayScales`], the sizes of all signals in a simulation
 //! of the nominal model with the inputs of the log.

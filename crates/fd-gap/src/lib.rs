@@ -1,15 +1,15 @@
 //! Diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
-//! | [`quality`] | is the log good enough, and how much of it is noise? |
-//! | [`stretches`](mod@stretches) | which parts of a long log tell most |
+//! | [`quality`] | whether the log is good enough, and how much of it is noise |
+//! | [`stretches`](mod@stretches) | the most informative stretches of a long log |
 //! | [`fit`] | fits of a simulator to logs, and screening |
 //! | [`evidence`] | how strongly a log speaks for a cause |
 //! | [`shrink`] | how far a gap shrinks on data that the fit has not seen |
 //! | [`diagnose`](mod@diagnose) | all of it, from a model, candidates and logs to an answer |
-//! | [`few_runs`] | the same for a simulator of which a run is dear |
-//! | [`reading`] | is the log read as it is meant? |
+//! | [`few_runs`] | the same for a simulator that is expensive to run |
+//! | [`reading`] | whether the log is read as it is meant |
 //! | [`locate`](mod@locate) | where the gap lies: output, side, equation, frequency, region, time |
 //! | [`experiment`] | the experiment that would separate what this log cannot |
 //! | [`calibrate`] | the expected confusion matrix of this log |

@@ -4,14 +4,14 @@
 //! finds that dependence from fault-free data, eq. (13) to (18) of Patton & Chen (1992), so that
 //! it can be subtracted.
 //!
-//! | room | what it holds |
+//! | module | what it holds |
 //! |---|---|
 //! | [`arx`] | difference equations: fit, identify on line, simulate, analyse |
 //! | [`least_squares`] | batch least squares with rank and condition |
 //! | [`rls`] | recursive least squares with forgetting and safeguards |
-//! | [`order`] | which orders? |
-//! | [`diagnostics`] | is anything left in the residuals of a fit? |
-//! | [`refine`] | options for noisy residuals |
+//! | [`order`] | selection of orders |
+//! | [`diagnostics`] | tests of the residuals of a fit |
+//! | [`refine`] | prefilters and other options for noisy residuals |
 //! | [`instrumental`] | instrumental variables, in batches and on line |
 //! | [`extended`] | extended least squares for moving-average noise (ARMAX) |
 //! | [`prediction_error`] | output error, Box-Jenkins and ARMAX by Gauss-Newton |

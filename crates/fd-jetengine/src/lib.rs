@@ -8,9 +8,9 @@
 //! | F100, linear | 16, 3, 5 | [`f100()`] |
 //! | Chen, Patton & Zhang (1996) | 3, 1, 6 | [`chen_patton_zhang()`], with its quadratic term [`ChenPattonZhang`] |
 //!
-//! Linear engines share one form, [`EngineModel`], so whatever takes one takes all. Scale it
-//! ([`EngineModel::per_unit`], [`EngineModel::equilibrated`]) before reducing it or designing an
-//! observer, and let [`Perturbation`] make an engine that differs from its model.
+//! Linear engines share one type, [`EngineModel`], so code that accepts one accepts all. Scale it
+//! ([`EngineModel::per_unit`], [`EngineModel::equilibrated`]) before reducing it or designing an observer, and
+//! use [`Perturbation`] to make an engine that differs from its model.
 //!
 //! ```
 //! use fd_jetengine::{Perturbation, engine17::{Engine17, Parameters, PowerSetting}};

@@ -1,15 +1,15 @@
-//! Experiments and proofs, which no user of the library links: what the methods gain, and how often they are right.
+//! Experiments, which no user of the library links: what the methods gain, and how often they are right.
 //!
-//! | room | question |
+//! | module | question |
 //! |---|---|
 //! | [`engine`] | what does residual compensation gain on 1000 perturbed engines? |
 //! | [`compare`] | which method wins where, at the same rate of false alarms? |
 //! | [`blind`] | how often is the gap diagnosis right on cases whose truth is sealed? |
 //! | [`engine_gap`] | does it name the cause that an engine was given? |
-//! | [`journal`] | finished pieces of work, so that a killed run goes on |
+//! | [`journal`] | finished pieces of work, so that a killed run can resume |
 //!
-//! Every experiment is a configuration in, a result out, with all random draws seeded. Patton and Chen's, on
-//! two engines of its thousand:
+//! Every experiment maps a configuration to a result, with all random draws seeded. Patton and Chen's
+//! experiment, on two of its thousand engines:
 //!
 //! ```
 //! use fd_lab::engine::{Benchmark, EngineConfig};

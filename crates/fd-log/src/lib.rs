@@ -1,11 +1,11 @@
-//! Logs as files; the formats are described in `docs/formats.md`.
+//! Reading and writing of log files; `docs/formats.md` describes the formats.
 //!
 //! | What | Read | Write |
 //! |------|------|-------|
 //! | record | [`read_log`] with a [`LogMap`] | [`write_log`] |
 //! | huge log, row by row | [`LogReader`] | |
 //! | log in memory | [`LogTable`] | |
-//! | what is in a file | [`info`](fn@info) | |
+//! | contents of a file | [`info`](fn@info) | |
 //!
 //! | feature | formats |
 //! |---------|---------|
@@ -15,10 +15,11 @@
 //! | `ulog` | flight logs of PX4 |
 //! | `parquet` | Parquet, and datasets of `LeRobot` |
 //!
-//! A format is one file that makes a [`LogSource`] or a [`Recording`], and an entry in the list of [`FORMATS`] beside it.
+//! A format is one source file that produces a [`LogSource`] or a [`Recording`], and an entry in the list of
+//! [`FORMATS`] beside it.
 //!
-//! What a file calls its columns, and in which units, is not what a model calls its channels. A map says
-//! which is which, and a record comes out that has the channels of the model:
+//! The names and units of the columns of a file are usually not those of the channels of a model. A column map
+//! relates them, and the resulting record has the channels of the model:
 //!
 //! ```
 //! use fd_log::{LogMap, read_log_from, write_log_to};

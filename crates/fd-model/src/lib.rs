@@ -1,4 +1,4 @@
-//! Linear models: designed with faer in `f64`, run with any [`Scalar`](fd_core::Scalar).
+//! Linear models: designed in `f64` with faer, run with any [`Scalar`](fd_core::Scalar).
 //!
 //! | Side | Type | Numbers | Sizes |
 //! |------|------|---------|-------|

@@ -1,12 +1,11 @@
-//! Arithmetic that several crates need, each in one place: so that it is the same to the bit wherever
-//! it is used.
+//! Arithmetic that several crates share, in one place, so that results are bit-identical wherever it is used.
 //!
-//! | To | take |
+//! | To | use |
 //! |---|---|
 //! | multiply short vectors at run time, in any precision | [`dot()`] |
 //! | multiply long signals | [`wide::dot`], [`wide::dots`] |
-//! | compute the same with many numbers side by side | [`lanes`] |
-//! | say how large a signal is | [`rms()`] |
+//! | compute with many numbers side by side (SIMD) | [`lanes`] |
+//! | measure the size of a signal | [`rms()`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
 
 mod dot;

@@ -1,8 +1,7 @@
-//! A gap study as a page and tables, wherever it was made: by the command line or in Python.
+//! A gap study as a page and tables, for the command line and for Python.
 //!
-//! [`page()`] and [`tables()`] show what is in a [`GapStudy`]; numbers, probabilities
-//! and verdicts come from its typed report, and only words, units and pictures are made here. [`json`] is the
-//! report as `report.json` has it.
+//! [`page()`] and [`tables()`] present a [`GapStudy`]. Numbers, probabilities and verdicts come from its typed
+//! report; only words, units and pictures are made here. [`json`] returns the contents of `report.json`.
 
 mod page;
 mod pictures;

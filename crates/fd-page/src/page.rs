@@ -84,7 +84,7 @@ fn several(page: &mut Page, report: &Report) {
     }
     page.text(
         "Each was accepted because it improves forecasts of data that no fit has seen, with all \
-         others there and everything refitted together. patched.toml has all of them.",
+         others present and everything refitted together. patched.toml contains all of them.",
     );
     page.table(tables::road(road));
 }
@@ -94,14 +94,14 @@ fn reading(page: &mut Page, report: &Report) {
     let Some(reading) = &report.reading else { return };
     let p = words::p(reading.probability);
     page.warning(format!(
-        "The log reads as if {} ({p}). All below is of the mended log. {}",
+        "The log reads as if {} ({p}). Everything below refers to the corrected log. {}",
         reading.statement, reading.advice
     ));
     let lines = reading.lines.lines().filter(|line| !line.is_empty());
     lines.for_each(|line| page.text(line));
-    let header = ["output", "error as read", "error mended", "unit"];
+    let header = ["output", "error as read", "error corrected", "unit"];
     let mut table =
-        Table::new("Best explanation as read, and plain fit with the mistake mended", &header);
+        Table::new("Best explanation as read, and plain fit with the mistake corrected", &header);
     let errors = reading.before.iter().zip(&reading.after);
     for (output, (before, after)) in report.inputs.outputs.iter().zip(errors) {
         let (name, unit) = (output.name.clone(), output.unit.clone());
@@ -110,7 +110,7 @@ fn reading(page: &mut Page, report: &Report) {
     page.table(table);
     if !reading.also.is_empty() {
         page.text(
-            "Other mistakes would look the same in this log; report.json lists them below \
+            "Other mistakes would look the same in this log; report.json lists them under \
              `reading.also`.",
         );
     }
@@ -121,8 +121,8 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     page.heading("Which effect");
     if report.diagnosis.regime == Regime::AboveTheFloor {
         page.text(
-            "Nothing that was tried reaches the noise, so probabilities are how often a cause \
-             forecasts best on blocks of the logs.",
+            "None of the causes tried reaches the noise, so probabilities say how often a cause \
+             forecasts best on resampled blocks of the logs.",
         );
     }
     for bars in [groups(report), causes(report)] {
@@ -136,7 +136,7 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     if !report.tied().is_empty() {
         page.text(
             "Tied causes predict the same to within the noise of this log: it cannot tell them \
-             apart, whatever their probabilities are.",
+             apart, whatever their probabilities.",
         );
     }
     page.table(parameters(report));

@@ -101,8 +101,8 @@ pub(crate) fn law(law: &Law, cause: &Cause) -> Captioned {
     let data = if law.data.is_empty() {
         ""
     } else {
-        ". The points are what the model with its own parameters refitted lacks here; with the law \
-         in it, these parameters are others"
+        ". The points are what the model lacks here with its own parameters refitted; with the law \
+         in it, these parameters take other values"
     };
     (picture, format!("`{}`{data}.", words::formula(&law.expression)))
 }

@@ -1,18 +1,18 @@
 //! The native half of the Python package `fdiag`: what runs in Rust, behind the plain Python of `python/fdiag`.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
-//! | `simulator` | a model text, or an object of Python, as what is diagnosed |
-//! | `lender`, `instance` | how an object of Python is asked for runs |
-//! | `study` | a gap study in threads of its own, which Ctrl-C stops |
-//! | `check` | whether a simulator is fit for that |
-//! | `settings`, `log` | what is asked, and arrays as logs |
+//! | `simulator` | a model text, or a Python object, as the simulator to diagnose |
+//! | `lender`, `instance` | how runs are requested from a Python object |
+//! | `study` | a gap study in its own threads, which Ctrl-C stops |
+//! | `check` | whether a simulator is fit for a gap study |
+//! | `settings`, `log` | settings, and arrays as logs |
 //! | `online` | trained pipelines, a sample or an array at a time |
 //! | `errors` | messages as exceptions |
 //!
-//! Nothing here is for users: names, units, doubts and pictures are made on the side of Python, and numbers in
-//! the crates below. Threads of Rust run without the lock of the interpreter and take it for each call of a
-//! user's object only.
+//! Nothing here is for users directly: names, units, doubts and pictures are made in Python, and numbers in the
+//! crates below. Rust threads run without the interpreter lock and take it only for each call of a user's
+//! object.
 
 #![allow(clippy::needless_pass_by_value, reason = "Python hands values over")]
 #![allow(clippy::type_complexity, reason = "tuples are taken apart on the side of Python")]

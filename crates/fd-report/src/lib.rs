@@ -1,6 +1,7 @@
 //! Reports: pictures as SVG, tables as text, and pages as self-contained HTML.
 //!
-//! This crate knows nobody: it takes words and numbers, and what they mean is the caller's business.
+//! This crate depends on no other crate of the workspace: it takes words and numbers, and their meaning is up
+//! to the caller.
 //!
 //! ```
 //! use fd_report::{Page, Table};

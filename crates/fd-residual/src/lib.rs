@@ -1,28 +1,28 @@
 //! Residual generators, each of the one form `r = H_u u + H_y y` (Patton and Chen 1992, eq. 2).
 //!
-//! | Room | Residual | Choose it when |
+//! | Module | Residual | Choose it when |
 //! |------|----------|----------------|
 //! | [`simulation`] | `y − y_sim(u)` | the plant is stable and a model of any kind exists |
 //! | [`observer`] | innovation of an observer | initial state and disturbances must be forgotten |
-//! | [`parity`] | `W (Y − T U)` over a window | a dead-beat, design-by-rank answer is wanted |
-//! | [`unknown_input`] | error of an observer that a disturbance does not reach | its directions are known or learned |
+//! | [`parity`] | `W (Y − T U)` over a window | a deadbeat residual, designed by rank, is wanted |
+//! | [`unknown_input`] | error of an observer that a disturbance does not reach | the directions of the disturbance are known or learned |
 //! | [`decouple`] | all residuals without given inputs, of least order | only the residual matters, or the observer does not exist |
-//! | [`eigenstructure`] | rows that are left eigenvectors of an observer | a dead-beat or first-order answer is wanted |
-//! | [`optimal`] | whitened left null space | noise is modelled and sensitivity counts at every frequency |
+//! | [`eigenstructure`] | rows that are left eigenvectors of an observer | a deadbeat or first-order residual is wanted |
+//! | [`optimal`] | whitened left null space | noise is modelled and sensitivity matters at every frequency |
 //! | [`structured`] | a bank with a wanted structure matrix | faults are isolated by which residuals fire |
 //! | [`directional`] | the Beard filter | faults are isolated by the direction of the residual |
 //! | [`adaptive`] | innovation of an observer that learns parameters | the modelling error is a drift of known parameters |
-//! | [`estimation`] | the faults themselves, with an interval | the size is asked for, not only the presence |
+//! | [`estimation`] | the faults themselves, with an interval | the size of a fault is wanted, not only its presence |
 //! | [`weighted`] | `W r` of any of these | channels are combined, scaled or filtered |
 //! | [`bank`] | several of these side by side | faults are isolated by a set of residuals |
 //! | [`form`] | any stable `H_u`, `H_y` | the generator was designed elsewhere |
 //!
-//! Directions of an unknown input that are not known come from [`disturbance`]: from perturbed
-//! models or from healthy logs.
+//! If the directions of an unknown input are not known, [`disturbance`] estimates them from perturbed models or
+//! from healthy logs.
 //!
-//! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers:
-//! which faults it detects, how far they stand above noise, which signature it has. Answers that
-//! hang on ranks say how near the [decision](rank) was, and take the tolerance that the model deserves.
+//! Each design exposes its [`ResidualForm`], which [`analysis`] turns into design-time answers: which faults it
+//! detects, how far they are above the noise, which signature it has. Answers that depend on ranks report how
+//! near the [decision](rank) was, and take a tolerance that suits the accuracy of the model.
 //!
 //! ```
 //! use faer::mat;

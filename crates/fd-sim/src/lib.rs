@@ -1,16 +1,16 @@
 //! Simulators that can be patched: equations as text, linear models, black boxes in a shell of equations.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`equation`] | expressions as text, as trees and as bytecode |
 //! | [`model`] | model files made of such expressions |
-//! | [`simulate`] | the contract of a simulator, and those that fulfil it |
-//! | [`outside`] | simulators that are programs of their own |
-//! | [`stand_in`] | linear models of simulators of which a run is dear |
-//! | [`scales`] | sizes of all signals in a simulation |
+//! | [`simulate`] | the contract of a simulator, and its implementations |
+//! | [`outside`] | simulators that are separate programs |
+//! | [`stand_in`] | linear models of simulators that are expensive to run |
+//! | [`scales`] | magnitudes of all signals in a simulation |
 //! | [`patch`] | effects spliced into a model, which stays a model |
 //!
-//! A cart as text, run; then with friction in it, run again, and printed:
+//! A cart as text is run; then friction is added, and it is run again and printed:
 //!
 //! ```
 //! use fd_sim::{

@@ -3,7 +3,7 @@
 //! Which unknowns occur in which equation decides which faults can be detected and isolated at all, by which
 //! equations, what another sensor would add, and in which order a residual is computed.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`model`] | equations, unknowns, known signals and faults, by hand |
 //! | [`graph`] | matchings, the Dulmage-Mendelsohn decomposition |
@@ -11,14 +11,14 @@
 //! | [`redundancy`] | minimal overdetermined sets (MSO), test equation supports (MTES) |
 //! | [`design`] | which sensors to add, which tests to choose |
 //! | [`equations`] | structural models of model files with equations |
-//! | [`generator`] | residuals made of a minimal overdetermined set, and run |
+//! | [`generator`] | residual generators from minimal overdetermined sets |
 //!
 //! # When not to use it
 //!
-//! Structure is generic: it holds for almost all values of the parameters and says nothing about sizes. A fault that
-//! is structurally detectable may drown in noise or modelling errors; `fd-residual`
-//! computes fault-to-noise gaps for linear models. Equations that hold by symmetry of the numbers (a term that
-//! cancels, two equations that say the same) are not seen.
+//! Structural results are generic: they hold for almost all values of the parameters and say nothing about
+//! magnitudes. A fault that is structurally detectable may drown in noise or modelling errors; `fd-residual`
+//! computes fault-to-noise gaps for linear models. Numerical coincidences (a term that cancels, two equations
+//! that say the same) are not detected.
 //!
 //! ```
 //! use fd_structure::{analysis::Causality, model::StructuralModel, redundancy::Supports};

@@ -8,9 +8,10 @@
 //!                                                                                 └─▶ memory of the unit, saved
 //! ```
 //!
-//! [`RowReader`] makes rows of lines, [`Monitor`] makes messages of rows, [`StateFolder`] keeps what must survive. None of
-//! them has a thread or a clock; `fdiag_cli::watch` runs them next to a plant. Everything that is wrong with a stream is a
-//! typed [`Event`]; no sample is left out silently, and none is judged at a time that it does not have.
+//! [`RowReader`] turns lines into rows, [`Monitor`] turns rows into messages, and [`StateFolder`] keeps what
+//! must survive. None of them has a thread or a clock; `fdiag_cli::watch` runs them next to a plant. Every
+//! defect of a stream is a typed [`Event`]; no sample is dropped silently, and none is judged at a time other
+//! than its own.
 
 mod bits;
 mod board;

@@ -1,12 +1,12 @@
 //! Model-based fault diagnosis with on-line residual compensation.
 //!
-//! The facade of the workspace: the crates of methods under short names, pipelines described as data
-//! ([`spec`]), the whole way from healthy logs to a diagnosis ([`training`]), and many units at once
-//! ([`fleet`]). [`gap_study`] goes from a model file and logs to the report of a gap diagnosis. The jet engine as a
-//! subject of gap diagnosis is [`engine_plant`], the one place that knows both siblings.
+//! The facade of the workspace: the method crates under short names, pipelines described as data ([`spec`]),
+//! the way from healthy logs to a running diagnosis ([`training`]), and many units at once ([`fleet`]).
+//! [`gap_study`] goes from a model file and logs to the report of a gap diagnosis. [`engine_plant`] makes the
+//! jet engine a plant for gap diagnosis.
 
 //!
-//! A model, a line for each choice, a healthy log: that is a diagnosis.
+//! A diagnosis needs a model, a spec with a line for each choice, and a healthy log:
 //!
 //! ```
 //! use faer::mat;

@@ -1,8 +1,8 @@
 //! From test statistics to decisions.
 //!
-//! Rules are mute while the compensator trains: no threshold for `r*` applies to an innovation.
+//! Rules are silent while the compensator trains: a threshold for `r*` does not apply to an innovation.
 //!
-//! | Rule | Says |
+//! | Rule | Reports |
 //! |------|------|
 //! | [`Debounce`] | that there is a fault, and since when |
 //! | [`SizedDebounce`] | the same, which of the known faults explains it best, and how large it is |
@@ -21,7 +21,7 @@ pub use self::{
     size::{Hypothesis, SizedDebounce, Sizing},
 };
 
-/// Every rule of this room, for residuals like `healthy` and a fault of each channel.
+/// Every rule of this module, for residuals like `healthy` and a fault of each channel.
 ///
 /// # Errors
 ///

@@ -11,9 +11,9 @@
 //! | [`TwoSample`] | mean, variance or distribution of a window against fault-free | dead or noisy sensors, changes of shape |
 //! | [`AdaptiveThreshold`] | residual against a bound that follows the input | uncompensated bias of a wrong model |
 //!
-//! A detector sees `r*` in every phase, also the innovation of the training; the
-//! [decision rule](crate::decide) is what is mute while training. Detectors with a memory (a window, a
-//! sum) therefore carry the last innovations into the first compensated samples.
+//! A detector sees `r*` in every phase, including the innovation of the training; it is the [decision
+//! rule](crate::decide) that stays silent during training. Detectors with a memory (a window, a sum) therefore
+//! carry the last innovations into the first compensated samples.
 //!
 //! The thresholds that the constructors compute from a formula assume white Gaussian residuals, which
 //! a compensated residual seldom is. [`calibrate`](crate::calibrate) finds thresholds from fault-free
@@ -45,8 +45,8 @@ pub use self::{
     two_sample::TwoSample,
 };
 
-/// Every detector of this room with every statistic that it has, fitted to `healthy` and with
-/// thresholds near its edge; those that follow the input need a record that has it.
+/// Every detector of this module with every statistic that it has, fitted to `healthy` and with thresholds near
+/// its edge; those that follow the input need a record that has it.
 ///
 /// # Errors
 ///

@@ -1,8 +1,8 @@
-//! What a detector is worth, measured on recorded statistics.
+//! The performance of a detector, measured on recorded statistics.
 //!
-//! Plain functions on slices for benchmarks and reports: how often it alarms without a fault, how long
-//! a fault stays unseen, and which fault is the smallest that is seen. Comparisons between methods are
-//! fair only at equal false-alarm rates: calibrate each threshold first.
+//! Plain functions on slices for benchmarks and reports: how often it alarms without a fault, how long a fault
+//! stays undetected, and which fault is the smallest that is detected. Comparisons between methods are fair
+//! only at equal false-alarm rates: calibrate each threshold first.
 
 mod alarms;
 mod run_length;

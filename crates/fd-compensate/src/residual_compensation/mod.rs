@@ -8,8 +8,9 @@
 //!
 //! and while the plant is healthy that bias *is* the residual, `μ(k) = r(k)`. Hence two stages:
 //!
-//! 1. **Training.** The identifier learns `θ` from `(u, r)` (eq. 18) until it has converged, see below. No sample of this stage may be judged
-//!    by a threshold for `r*`; decision rules are muted by [`Phase::Training`](fd_core::stage::Phase).
+//! 1. **Training.** The identifier learns `θ` from `(u, r)` (eq. 18) until it has converged, see below. A
+//!    threshold for `r*` applies to no sample of this stage; decision rules are muted by
+//!    [`Phase::Training`](fd_core::stage::Phase).
 //! 2. **Compensation.** The switch opens (event `Frozen`), `θ* = θ` stays fixed, `μ̂` is *simulated*
 //!    from `u` and its own past (eq. 16), and `r* = r − μ̂` (eq. 17). The histories of the model
 //!    run on from the measured bias, so that opening the switch causes no transient.
@@ -37,14 +38,14 @@
 //!
 //! "When the system operating conditions change or the system characteristics vary, the parameter
 //! identification will be started again." The first is watched by [`OperatingPoint`], the second by
-//! [`PlantChange`]. It is told apart from a fault by the rule of section 3: while parameters adapt, only
-//! hard faults can be seen, as jumps ([`HardFault`]); incipient ones only while the switch is open. So a
-//! change of the plant is looked for only while the switch is open too, where `θ*` stands still and `r*`
-//! shows what has come since. What a changed plant adds to `r*` is driven by `u`, as the bias is; what a
-//! sensor fault adds is not. Training starts again only when `r*` has grown *and* the inputs explain it by a
-//! relation that was found in one window and holds in the next; all else stays with the detector. A fault
-//! that acts through the inputs, such as a loss of gain, is a change of the plant and is learned again, which
-//! is what [`ChangePolicy::Warn`] is for.
+//! [`PlantChange`]. A change is distinguished from a fault by the rule of section 3: while parameters adapt,
+//! only hard faults can be seen, as jumps ([`HardFault`]); incipient ones only while the switch is open. So a
+//! change of the plant, too, is looked for only while the switch is open, when `θ*` is fixed and `r*` shows
+//! what has changed since. What a changed plant adds to `r*` is driven by `u`, as the bias is; what a sensor
+//! fault adds is not. Training starts again only when `r*` has grown *and* the inputs explain it by a relation
+//! that was found in one window and holds in the next; everything else is left to the detector. A fault that
+//! acts through the inputs, such as a loss of gain, is a change of the plant and would be learned, which is
+//! what [`ChangePolicy::Warn`] is for.
 //!
 //! # What `r*` is during training
 //!
@@ -80,10 +81,10 @@
 //!   (`fd_ident::scheduled`), which forgets only where it is.
 //! * Re-training is itself a training: under [`RangePolicy::Retrain`] and [`ChangePolicy::Retrain`] a fault
 //!   that is present when training starts again is learned as bias.
-//! * The paper's convergence test is weak: the gain of recursive least squares falls like `1/k`, so it
-//!   passes sooner or later whether or not `θ` is any good. Hence the least number of samples, the
-//!   demand that the input moves, the optional bound on the standard error, and the [`Trial`]: a
-//!   candidate `θ*` is simulated next to the still healthy residual before the switch opens.
+//! * The paper's convergence test is weak: the gain of recursive least squares falls like `1/k`, so it passes
+//!   sooner or later whether or not `θ` is any good. Hence the least number of samples, the requirement that
+//!   the input moves, the optional bound on the standard error, and the [`Trial`]: a candidate `θ*` is
+//!   simulated next to the still healthy residual before the switch opens.
 
 mod activities;
 mod convergence;

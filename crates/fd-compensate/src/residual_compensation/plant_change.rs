@@ -1,4 +1,4 @@
-//! What is to be done about a plant that changes while the switch is open.
+//! Policy for a plant that changes while the switch is open.
 
 use serde::{Deserialize, Serialize};
 

@@ -4,20 +4,19 @@ use crate::{scalar::Scalar, stage::Stage};
 
 /// A model of the bias `μ` that modelling errors leave in the residual, driven by `u`.
 ///
-/// What a model misses (a neglected state, a gain that is 5 % wrong) answers to the same inputs as
-/// the plant, so the residual of a healthy plant is itself the output of a dynamic system with input
-/// `u`. A bias model is that system: a few parameters `θ`, a few past values, and the arithmetic
-/// between them (Patton and Chen 1992, eq. 13 to 16).
+/// What a model lacks (a neglected state, a gain that is 5 % wrong) responds to the same inputs as the plant,
+/// so the residual of a healthy plant is itself the output of a dynamic system with input `u`. A bias model is
+/// that system: a few parameters `θ`, a few past values, and the arithmetic between them (Patton and Chen 1992,
+/// eq. 13 to 16).
 ///
 /// # The contract
 ///
 /// The parameters come from outside, through [`load`](Self::load), in the order of the
-/// [`Identifier`](super::Identifier) that learns them: those of residual channel 0 first. `load`
-/// changes parameters and *never* the history; a model whose parameters are replaced between two
-/// samples goes on from where it was, which is why opening the switch of the compensator causes no
-/// step.
+/// [`Identifier`](super::Identifier) that learns them: those of residual channel 0 first. `load` changes
+/// parameters and *never* the history; a model whose parameters are replaced between two samples continues from
+/// where it was, which is why opening the switch of the compensator causes no jump.
 ///
-/// Three methods move the model on by one sample. They differ in what the history holds afterwards:
+/// Three methods advance the model by one sample. They differ in what the history holds afterwards:
 ///
 /// | method | computes `μ̂` from | remembers | used |
 /// |---|---|---|---|
@@ -25,8 +24,7 @@ use crate::{scalar::Scalar, stage::Stage};
 /// | [`predict`](Self::predict) | past *measured* residuals | the measured residual | innovations while training |
 /// | [`simulate`](Self::simulate) | its *own* past | its own `μ̂` | compensation |
 ///
-/// They are alternatives. For one sample exactly one of them is called, or none if nobody wants to
-/// know `μ̂` at that sample.
+/// They are alternatives. For each sample at most one of them is called.
 ///
 /// The whole method rests on the last row. `simulate` must not look at the residual in any way:
 /// then no fault, however slow, can leak into `μ̂` and be subtracted as if it were bias. The signature

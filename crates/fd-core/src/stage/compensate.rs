@@ -4,25 +4,24 @@ use crate::{event::Events, frame::Frame, scalar::Scalar, snapshot::StateVisitor,
 
 /// Removes the estimated bias from the residual, `r* = r − μ̂`.
 ///
-/// A real plant never equals its model, so the primary residual of a healthy plant is not zero. A
-/// threshold above that bias would hide small faults. The compensator estimates the bias `μ̂` and
-/// leaves the *compensated residual* `r*`, in which a slow fault of a thousandth can be seen (Patton
-/// and Chen 1992, section 3).
+/// A real plant never equals its model, so the primary residual of a healthy plant is not zero. A threshold
+/// above that bias would hide small faults. The compensator estimates the bias `μ̂` and leaves the *compensated
+/// residual* `r*`, which reveals a slow fault of a thousandth (Patton and Chen 1992, section 3).
 ///
 /// # The contract
 ///
 /// [`step`](Self::step) takes the frame of one sample and its primary residual, writes all channels
 /// of `r*`, and says in which [`Phase`] it treated the sample:
 ///
-/// * [`Phase::Training`]: the plant is taken as healthy and the bias is being learned. `r*` is then
-///   whatever is the best indication of a sudden fault (usually the innovation of the estimator),
-///   but it is not comparable with the `r*` of the other phase. Decision rules are mute.
+/// * [`Phase::Training`]: the plant is assumed to be healthy and the bias is being learned. `r*` is then the
+///   best available indication of a sudden fault (usually the innovation of the estimator), but it is not
+///   comparable with the `r*` of the other phase. Decision rules stay silent.
 /// * [`Phase::Compensating`]: what is subtracted no longer learns from the residual. Thresholds
 ///   hold.
 ///
-/// The rule that makes the method safe is one about information: **while compensating, `μ̂` may
-/// depend on the residual of the past training only, and on `u`.** A compensator that keeps adapting
-/// to `r` learns an incipient fault as fast as it grows, and shows nothing.
+/// One rule makes the method safe: **while compensating, `μ̂` may depend only on `u` and on the residual of the
+/// past training.** A compensator that keeps adapting to `r` learns an incipient fault as fast as it grows, and
+/// reveals nothing.
 ///
 /// Changes of phase are [`Events`]: `TrainingStarted`, `Frozen`, `TrainingInconclusive`,
 /// `BiasModelRejected`, `OperatingPointLeft` and so on. Push an event at the sample at which it
@@ -34,30 +33,30 @@ use crate::{event::Events, frame::Frame, scalar::Scalar, snapshot::StateVisitor,
 /// detector. The first sample it ever sees is the first one of the run, so a compensator that trains
 /// on line starts in training; one whose parameters were fitted beforehand may compensate at once.
 ///
-/// [`nu`](Self::nu) and [`residual_len`](Self::residual_len) are asked when the pipeline is built.
-/// Return `None` from `nu` if the input is not looked at.
+/// [`nu`](Self::nu) and [`residual_len`](Self::residual_len) are called when the pipeline is built. Return
+/// `None` from `nu` if the input is not used.
 ///
 /// # What an implementor must do
 ///
-/// * *Say `Training` when in doubt.* A pause, a trial of a candidate, a history that still fills:
-///   none of them may be judged by a threshold for `r*`.
-/// * *Watch where it was trained.* A bias learned at one operating point is not the bias at another.
-///   Leaving the range is an event at least; the plan of `fd-compensate` can also train again.
-/// * *Go on after trouble.* A diverged bias model is rejected and reported, `r*` falls back to `r`,
-///   and the next sample is treated as usual. There is no failed state that needs a human.
-/// * *Show all memory*, the phase and its counters included, in
-///   [`visit_state`](super::Stage::visit_state). A compensator that is restored in the middle of its
-///   training opens the switch at the same sample as one that was never stopped.
+/// * *Say `Training` when in doubt.* A pause, a trial of a candidate, a history that is still being filled: a
+///   threshold for `r*` applies to none of them.
+/// * *Monitor the trained range.* A bias learned at one operating point is not the bias at another. Leaving the
+///   range is at least an event; the plan of `fd-compensate` can also retrain.
+/// * *Recover from trouble.* A diverged bias model is rejected and reported, `r*` falls back to `r`, and the
+///   next sample is treated as usual. There is no failed state that needs a human.
+/// * *Show all memory*, the phase and its counters included, in [`visit_state`](super::Stage::visit_state). A
+///   compensator that is restored in the middle of its training opens the switch at the same sample as one that
+///   was never interrupted.
 /// * *Neither allocate nor fail*, in any phase. The sample at which the switch opens is no exception.
 ///
-/// Missing samples are not its concern: a frame is complete. Held ones are learned from like others,
+/// Missing samples are not its concern: a frame is complete. It learns from held samples like from any others,
 /// which is one more reason to hold few.
 ///
 /// # How it composes
 ///
 /// As a type in [`Stages`](crate::Stages), as `Box<dyn Compensator>`, or by the tables `[bias]` and
-/// `[compensation]` of a spec. [`Uncompensated`] is the neutral element: the same pipeline without
-/// compensation, which every result should be compared with.
+/// `[compensation]` of a spec. [`Uncompensated`] is the same pipeline without compensation, the baseline for
+/// every result.
 ///
 /// # When not to implement it
 ///
@@ -68,8 +67,8 @@ use crate::{event::Events, frame::Frame, scalar::Scalar, snapshot::StateVisitor,
 ///
 /// # Example
 ///
-/// The simplest bias is a constant: what a sensor shows of nothing. Tare it over the first samples,
-/// then subtract:
+/// The simplest bias is a constant: the offset of a sensor. Average it over the first samples, then subtract
+/// it:
 ///
 /// ```
 /// use fd_core::{
@@ -145,7 +144,7 @@ pub trait Compensator<T: Scalar = f64>: Stage<T> {
     /// Consumes one sample with its primary residual and writes the compensated residual.
     fn step(&mut self, frame: Frame<'_, T>, r: &[T], r_star: &mut [T]) -> Compensation;
 
-    /// Trains again from the next sample, because somebody has decided so. False where there is nothing to train.
+    /// Retrains from the next sample on, on request. False if there is nothing to train.
     fn retrain(&mut self) -> bool {
         false
     }
@@ -163,7 +162,7 @@ pub struct Compensation {
 /// The two stages of Patton & Chen (1992), section 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// The switch is closed: the plant is taken as healthy and the bias is being learned.
+    /// The switch is closed: the plant is assumed to be healthy and the bias is being learned.
     Training {
         /// Samples learned from in this phase.
         samples: u64,

@@ -9,60 +9,60 @@ use crate::{
 
 /// Turns the evidence of one sample into a decision.
 ///
-/// The last stage. The detector said how far from normal this sample is; the rule says whether there
-/// is a *fault*, since when, and, if it can, which one and how large. This is where single outliers are
-/// forgiven, where an alarm stays on until the plant has been normal for a while, and where the
-/// compensated residual is compared with the signatures of known faults.
+/// This is the last stage. The detector says how far from normal this sample is; the rule says whether there is
+/// a *fault*, since when, and, if possible, which one and how large. Here single outliers are tolerated, an
+/// alarm stays on until the plant has been normal for a while, and the compensated residual is compared with
+/// the signatures of known faults.
 ///
 /// # The contract
 ///
-/// * [`decide`](Self::decide) is called once per sample with the [`Evidence`] of that sample and
-///   returns a [`Decision`]. The decision describes the state of affairs *now*: a fault that lasts is
-///   reported at each sample, with the same `since`.
-/// * In [`Phase::Training`] a rule reports [`Decision::Nominal`], unless it latches a fault that was
-///   found before. No threshold for `r*` applies to an innovation, whatever the verdict says.
+/// * [`decide`](Self::decide) is called once per sample with the [`Evidence`] of that sample and returns a
+///   [`Decision`]. The decision describes the present state: a persisting fault is reported at each sample,
+///   with the same `since`.
+/// * In [`Phase::Training`] a rule reports [`Decision::Nominal`], unless it latches a fault that was found
+///   before. A threshold for `r*` does not apply to an innovation, whatever the verdict says.
 /// * [`Fault::since`] is the sample of the first alarm that led to the decision, not the sample at
 ///   which the rule had seen enough. Delays are measured from it.
-/// * A field of [`Fault`] that the rule cannot fill is `None`. A confidence is a probability, and a
-///   size is in the unit of its hypothesis. A guess is neither.
+/// * A field of [`Fault`] that the rule cannot fill is `None`. A confidence is a probability, and a size is in
+///   the unit of its hypothesis; do not fill them with guesses.
 ///
 /// # Who calls it, and when
 ///
 /// [`Pipeline::step`](crate::Pipeline::step), last of the four stages. The pipeline turns changes of
 /// the decision into the events `AlarmRaised` and `AlarmCleared`, so rules push no events.
 ///
-/// `evidence.k` counts the samples that were accepted or held. A rejected sample never arrives and
-/// leaves no gap in `k`; a rule that counts samples in a row may count calls.
+/// `evidence.k` counts the samples that were accepted or held. A rejected sample never arrives and leaves no
+/// gap in `k`, so a rule that counts consecutive samples may count calls.
 ///
 /// # What an implementor must do
 ///
-/// * *Forget on training.* What was counted before belongs to another `r*`.
+/// * *Reset counts in training.* What was counted before belongs to a different `r*`.
 /// * *Show all memory*: recent alarms, the sample of the first one, sums of the residual.
-///   [`visit_state`](super::Stage::visit_state) has `counts` for sample indices. A restored rule clears
-///   its alarm at the same sample as one that was never stopped.
+///   [`visit_state`](super::Stage::visit_state) has `counts` for sample indices. A restored rule clears its
+///   alarm at the same sample as one that was never interrupted.
 /// * *Neither allocate nor fail.* Hypotheses are prepared when the rule is built: signatures checked,
 ///   covariances factorised, names kept outside. [`Fault::hypothesis`] is an index into that list.
-/// * *Decide from the evidence alone.* No clock, no random numbers: two runs over the same log agree to
-///   the bit.
+/// * *Decide from the evidence alone.* No clock, no random numbers: two runs over the same log agree bit for
+///   bit.
 ///
 /// # How it composes
 ///
-/// As a type in [`Stages`](crate::Stages), as `Box<dyn DecisionRule>`, or by the tables `[rule]`,
-/// `[sizing]` and `[isolation]` of a spec. A rule may hold another one: those of `fd-compensate` that
-/// name faults contain the debouncing that only raises them. That keeps "is there one?" and "which is
-/// it?" apart, and the answer to the first is the same whether or not the second is asked.
+/// As a type in [`Stages`](crate::Stages), as `Box<dyn DecisionRule>`, or by the tables `[rule]`, `[sizing]`
+/// and `[isolation]` of a spec. A rule may hold another one: those of `fd-compensate` that isolate faults
+/// contain the debouncing rule that detects them. This separates "is there a fault?" from "which one?", and the
+/// answer to the first does not depend on whether the second is asked.
 ///
 /// # When not to implement it
 ///
-/// For "raise after *m* of *n*, clear after *c*": that is `fd_compensate::decide::Debounce`. For fault
-/// sizes from known signatures and for probabilities of hypotheses there are `SizedDebounce` and
-/// `IsolatingDebounce`. For an action (shut down, call somebody) write a [`Sink`](crate::Sink): a rule
-/// decides what is, not what to do.
+/// For "raise after *m* of *n*, clear after *c*": that is `fd_compensate::decide::Debounce`. For fault sizes
+/// from known signatures and for probabilities of hypotheses there are `SizedDebounce` and `IsolatingDebounce`.
+/// For an action (shut down, call somebody) write a [`Sink`](crate::Sink): a rule decides what is the case, not
+/// what to do about it.
 ///
 /// # Example
 ///
-/// A fault is reported after three alarms in a row and stays until one sample is normal; which sensor it
-/// is, is told by the largest channel of `r*`:
+/// A fault is reported after three alarms in a row and persists until one sample is normal; the largest channel
+/// of `r*` identifies the sensor:
 ///
 /// ```
 /// use fd_core::{
@@ -127,14 +127,14 @@ pub trait DecisionRule<T: Scalar = f64>: Stage<T> {
     fn decide(&mut self, evidence: Evidence<'_, T>) -> Decision<T>;
 }
 
-/// Everything a rule may look at.
+/// Everything a rule may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a, T> {
     /// Sample index.
     pub k: u64,
     /// Phase of the compensator.
     pub phase: Phase,
-    /// What the detector saw.
+    /// The verdict of the detector.
     pub verdict: Verdict<T>,
     /// The compensated residual.
     pub r_star: &'a [T],
@@ -160,14 +160,14 @@ pub struct Fault<T> {
     pub hypothesis: Option<usize>,
     /// Estimated size in the unit of that hypothesis, if it can be estimated.
     pub size: Option<T>,
-    /// Where that size lies with the probability that the rule was set to, if it says.
+    /// Interval that contains the size with the probability set in the rule, if available.
     pub size_interval: Option<[T; 2]>,
     /// Probability of that hypothesis, or, without one, that there is a fault at all; if the rule knows.
     pub confidence: Option<T>,
 }
 
 impl<T> Fault<T> {
-    /// A fault of which nothing is known but since when it alarms.
+    /// A fault of which only the first alarm is known.
     ///
     /// ```
     /// use fd_core::stage::Fault;

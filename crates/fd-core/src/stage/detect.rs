@@ -4,63 +4,61 @@ use crate::{scalar::Scalar, stage::Stage};
 
 /// A change detector on a compensated residual.
 ///
-/// A detector turns the residual vector of each sample into one number, the test statistic, and puts
-/// it next to the largest value that counts as normal. It answers "how far from normal?". What to
-/// do about it (wait for a second exceedance, name the fault, raise an alarm) is the
-/// [`DecisionRule`](super::DecisionRule)'s.
+/// A detector turns the residual vector of each sample into one number, the test statistic, and pairs it with
+/// the largest value that counts as normal. It answers "how far from normal?". What to do about it (wait for a
+/// second exceedance, name the fault, raise an alarm) is the [`DecisionRule`](super::DecisionRule)'s.
 ///
 /// # The contract
 ///
-/// * [`update`](Self::update) is called once per sample, in the order of time, with the input and
-///   the residual of the same sample, and returns a [`Verdict`]. The input is there for detectors
-///   whose threshold follows it; most ignore it.
-/// * The statistic grows with the deviation, and an alarm is `statistic > threshold`. A two-sided test
-///   folds its sides into one number.
-/// * *The statistic must not depend on the threshold.* Calibration runs the detector over healthy
-///   data, reads the statistics, and puts the threshold where it keeps the wanted rate of false
-///   alarms. A detector that restarts after its own alarms would change under its feet.
-/// * Other units or another order of the residual channels leave the statistic as it is. Detectors get
-///   there by scaling each channel with its healthy spread when they are built.
+/// * [`update`](Self::update) is called once per sample, in the order of time, with the input and the residual
+///   of the same sample, and returns a [`Verdict`]. The input is provided for detectors whose threshold depends
+///   on it; most ignore it.
+/// * The statistic grows with the deviation, and an alarm is `statistic > threshold`. A two-sided test combines
+///   its sides into one number.
+/// * *The statistic must not depend on the threshold.* Calibration runs the detector over healthy data, reads
+///   the statistics, and puts the threshold where it keeps the wanted rate of false alarms. A detector that
+///   restarts after its own alarms would change its statistics while being calibrated.
+/// * The statistic does not depend on the units or the order of the residual channels. Detectors achieve this
+///   by scaling each channel with its healthy spread when they are built.
 ///
 /// # Who calls it, and when
 ///
-/// [`Pipeline::step`](crate::Pipeline::step), in *every* phase: while the compensator trains, what
-/// arrives is an innovation. The decision rule mutes those verdicts, not the detector. A detector
-/// with a memory therefore enters the compensated phase with a few innovations in its window. That is
-/// harmless, since both are small while the plant is healthy, and it keeps detectors free of phases.
+/// [`Pipeline::step`](crate::Pipeline::step), in *every* phase: while the compensator trains, what arrives is
+/// an innovation. The decision rule mutes those verdicts, not the detector. A detector with memory therefore
+/// enters the compensating phase with a few innovations in its window. This is harmless, since both are small
+/// while the plant is healthy, and detectors need not know about phases.
 ///
-/// Calibration, evaluation and Monte Carlo studies call it alone, thousands of times. `update` is the
-/// inner loop of them all.
+/// Calibration, evaluation and Monte Carlo studies call it alone, thousands of times. `update` is their inner
+/// loop.
 ///
 /// # What an implementor must do
 ///
-/// * *Check in the constructor* what cannot be right: thresholds that are not positive, channels that
-///   never moved, a covariance without an inverse. Return a typed error that names the channel.
-/// * *Offer `from_fault_free(healthy, …)` and `with_threshold(…)`*, if the method allows. With these
-///   two a detector is calibrated like all others.
-/// * *Keep its memory in the open*: windows with their position, sums, counters, all shown by
-///   [`visit_state`](super::Stage::visit_state). The threshold is a constant and is not.
-/// * *Neither allocate nor fail* in `update`. A window is as long as it was built.
+/// * *Check arguments in the constructor*: thresholds that are not positive, channels that never moved, a
+///   covariance without an inverse. Return a typed error that names the channel.
+/// * *Offer `from_fault_free(healthy, …)` and `with_threshold(…)`*, if the method allows it. Then a detector is
+///   calibrated like all others.
+/// * *Expose all memory*: windows with their position, sums and counters, all shown by
+///   [`visit_state`](super::Stage::visit_state). The threshold is a constant and is not shown.
+/// * *Neither allocate nor fail* in `update`. The length of a window is fixed at construction.
 ///
-/// A NaN residual makes most statistics NaN, and `NaN > threshold` is no alarm. Residuals are NaN only
-/// when a nonlinear model has left its region of validity; watch for that where such a model is used.
+/// A NaN residual makes most statistics NaN, and `NaN > threshold` is not an alarm. Residuals are NaN only when
+/// a nonlinear model has left its region of validity; check for that where such a model is used.
 ///
 /// # How it composes
 ///
-/// As a type in [`Stages`](crate::Stages), as `Box<dyn Detector>`, or as `detector = { kind = … }` in
-/// a spec. Put it into the list of `fd_compensate::testing`, and every law that holds for detectors is
-/// checked for yours.
+/// As a type in [`Stages`](crate::Stages), as `Box<dyn Detector>`, or as `detector = { kind = … }` in a spec.
+/// Add it to the list of `fd_compensate::testing`, and all shared tests of detectors cover yours.
 ///
 /// # When not to implement it
 ///
-/// For another norm or another threshold of a test that exists: those are settings. For several tests
-/// at once: run several pipelines on the same residuals, or combine the statistics in one detector, but
-/// do not vote inside of it. Voting is a decision.
+/// For another norm or another threshold of an existing test: those are settings. For several tests at once:
+/// run several pipelines on the same residuals, or combine the statistics in one detector, but do not vote
+/// inside it. Voting is a decision.
 ///
 /// # Example
 ///
-/// The exponentially weighted moving average (Roberts 1959): `z ← z + λ (r/σ − z)`, whose standard
-/// deviation on white noise is `√(λ / (2 − λ))` in the long run:
+/// The exponentially weighted moving average (Roberts 1959): `z ← z + λ (r/σ − z)`, whose standard deviation on
+/// white noise tends to `√(λ / (2 − λ))`:
 ///
 /// ```
 /// use fd_core::{StateVisitor, stage::{Detector, Stage, Verdict}};
@@ -122,7 +120,7 @@ use crate::{scalar::Scalar, stage::Stage};
 /// assert!(!ewma.update(&[], &[0.0, -0.2]).alarm());
 /// ```
 pub trait Detector<T: Scalar = f64>: Stage<T> {
-    /// Number of inputs `u`, or `None` if any number will do, also none.
+    /// Number of inputs `u`, or `None` if any number will do, including zero.
     fn nu(&self) -> Option<usize> {
         None
     }
@@ -134,7 +132,7 @@ pub trait Detector<T: Scalar = f64>: Stage<T> {
     fn update(&mut self, u: &[T], r: &[T]) -> Verdict<T>;
 }
 
-/// A test statistic next to the threshold it is compared with.
+/// A test statistic and the threshold that it is compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict<T> {
     /// Value of the test statistic.
@@ -144,7 +142,7 @@ pub struct Verdict<T> {
 }
 
 impl<T: Scalar> Verdict<T> {
-    /// Whether the statistic left its normal range. One that is not a number has not.
+    /// Whether the statistic is above the threshold. NaN is not.
     #[must_use]
     pub fn alarm(&self) -> bool {
         self.threshold < self.statistic

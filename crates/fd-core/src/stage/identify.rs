@@ -7,47 +7,46 @@ use crate::{scalar::Scalar, stage::Stage};
 /// A recursive estimator of the parameters of a bias model, as seen from `u` to each residual
 /// channel.
 ///
-/// While the plant is healthy the residual *is* the bias, `μ(k) = r(k)`, so the parameters of the
-/// bias model can be learned from `(u, r)` sample by sample (Patton and Chen 1992, eq. 18). An
-/// identifier does that and no more. It does not decide when it has learned enough, whether what it
-/// learned is any good, or what to do with it; the [`Compensator`](super::Compensator) does.
+/// While the plant is healthy the residual *is* the bias, `μ(k) = r(k)`, so the parameters of the bias model
+/// can be learned from `(u, r)` sample by sample (Patton and Chen 1992, eq. 18). An identifier does only this.
+/// When enough has been learned, whether the result is any good, and what to do with it, is decided by the
+/// [`Compensator`](super::Compensator).
 ///
 /// # The contract
 ///
-/// * [`update`](Self::update) takes the input and the measured bias of one sample. Samples come in
-///   the order of time without gaps; when the caller has to leave some out, it calls `reset` or
-///   [`retrain`](Self::retrain) first. The past that a regressor looks back on is therefore the
-///   identifier's own business, and so is waiting until that past is full.
-/// * [`theta`](Self::theta) is valid at any time, before the first sample too (usually zeros), and
-///   has the same length for ever. Its order is that of the
-///   [`BiasModel`](super::BiasModel) it is made for: residual channel 0 first.
-/// * [`variance_into`](Self::variance_into) writes one variance per parameter *for a noise of
-///   variance 1*. The caller knows the size of the innovations and multiplies. An estimator that
-///   has no honest answer writes infinity, and a convergence test that asks for a standard error
-///   will then never pass.
+/// * [`update`](Self::update) takes the input and the measured bias of one sample. Samples come in order of
+///   time without gaps; if the caller has to leave some out, it calls `reset` or [`retrain`](Self::retrain)
+///   first. The identifier therefore keeps the past samples of its regressor itself, and waits until they are
+///   complete.
+/// * [`theta`](Self::theta) is valid at any time, even before the first sample (usually zeros), and always has
+///   the same length. Its order is that of the [`BiasModel`](super::BiasModel) it is made for: residual channel
+///   0 first.
+/// * [`variance_into`](Self::variance_into) writes one variance per parameter *for a noise of variance 1*. The
+///   caller knows the variance of the innovations and multiplies. An estimator that cannot give a variance
+///   writes infinity; a convergence test that asks for a standard error then never passes.
 /// * [`guard`](Self::guard) counts what safeguards have done: samples not learned from, and times
 ///   the covariance was bounded. Counting matters: the convergence test does not count a skipped
 ///   sample as one at which `θ` stood still.
 ///
 /// # Who calls it, and when
 ///
-/// The compensator, in the training phase only: `theta` to predict, then `update` with the measured
-/// residual, then `theta` again to see how far it moved. After the switch has opened nothing is
-/// called until [`retrain`](Self::retrain), which announces that the operating condition has changed.
-/// By default that forgets everything. An identifier of local models may keep what it knows of other
-/// conditions, and then returns `true`; past samples are forgotten in either case.
+/// The compensator, in the training phase only: `theta` to predict, then `update` with the measured residual,
+/// then `theta` again to see how far it moved. After the switch has opened, nothing is called until
+/// [`retrain`](Self::retrain), which announces that the operating condition has changed. By default this
+/// forgets everything. An identifier of local models may keep what it knows of other conditions, and then
+/// returns `true`; past samples are forgotten in either case.
 ///
 /// # What an implementor must do
 ///
-/// * *Survive silence.* Inputs may stand still for hours. With forgetting and no excitation a
-///   covariance grows without limit, and one sample later the estimate jumps (wind-up). Skip such
-///   samples, bound the covariance, and report it through `guard`.
+/// * *Survive lack of excitation.* Inputs may stand still for hours. With forgetting and no excitation a
+///   covariance grows without limit, and one sample later the estimate jumps (wind-up). Skip such samples,
+///   bound the covariance, and report it through `guard`.
 /// * *Stay finite.* Samples are finite, and the estimate must be too.
-/// * *Not look at faults.* An identifier that ignores outliers ignores what the hard-fault test of
-///   the compensator is there to see.
+/// * *Not reject outliers.* An identifier that ignores outliers hides what the hard-fault test of the
+///   compensator has to see.
 /// * *Neither allocate nor fail* in `update`, `theta` and `variance_into`.
-/// * *Show all memory* in [`visit_state`](super::Stage::visit_state): parameters, covariance, past
-///   samples, counters. A training that is interrupted by a restart then continues to the bit.
+/// * *Show all memory* in [`visit_state`](super::Stage::visit_state): parameters, covariance, past samples,
+///   counters. A training that is interrupted by a restart then continues bit for bit.
 ///
 /// # How it composes
 ///
@@ -57,15 +56,15 @@ use crate::{scalar::Scalar, stage::Stage};
 ///
 /// # When not to implement it
 ///
-/// For another way of updating a covariance, implement `fd_ident::rls::RlsKernel`: regressors,
-/// histories and channels are then done. For parameters that are learned from whole logs, fit before
-/// the run and start pre-fitted; nothing has to be recursive. For many units at once take
-/// `fd_ident::batch`, which updates them in the lanes of wide registers.
+/// For another way of updating a covariance, implement `fd_ident::rls::RlsKernel`: regressors, histories and
+/// channels are then taken care of. For parameters that are learned from whole logs, fit before the run and
+/// start pre-fitted; nothing has to be recursive. For many units at once take `fd_ident::batch`, which updates
+/// them in SIMD lanes.
 ///
 /// # Example
 ///
-/// Recursive least squares for one gain, `μ = θ u`. With one parameter the covariance is a number,
-/// and its inverse the energy of the input so far:
+/// Recursive least squares for one gain, `μ = θ u`. With one parameter the covariance is a number, and its
+/// inverse is the energy of the input so far:
 ///
 /// ```
 /// use fd_core::{StateVisitor, stage::{GuardReport, Identifier, Stage}};
@@ -151,9 +150,8 @@ pub trait Identifier<T: Scalar = f64>: Stage<T> {
     /// What the safeguards against wind-up have done since the last reset.
     fn guard(&self) -> GuardReport;
 
-    /// Learns anew under another operating condition, where `theta` was in use so far. Returns
-    /// whether what was learned under other conditions is kept; by default everything is
-    /// forgotten, as by a reset.
+    /// Starts learning under another operating condition; `theta` was in use so far. Returns whether what was
+    /// learned under other conditions is kept; by default everything is forgotten, as by a reset.
     fn retrain(&mut self, theta: &[T]) -> bool {
         let _ = theta;
         self.reset();

@@ -1,4 +1,4 @@
-//! What every stage with a memory is besides its own trait.
+//! The contract about memory that every stage fulfils besides its own trait.
 
 use std::fmt::Debug;
 
@@ -6,9 +6,9 @@ use crate::{scalar::Scalar, snapshot::StateVisitor};
 
 /// A memory that can be restarted, saved and restored.
 ///
-/// Every stage but [`Plant`](super::Plant) is a `Stage`: what it returns depends on the samples it
-/// has seen. This trait is the contract about that memory, and about nothing else. The supertraits
-/// say the rest: a stage can be printed, moved to another thread and looked at from several.
+/// Every stage but [`Plant`](super::Plant) is a `Stage`: what it returns depends on the samples it has seen.
+/// This trait is the contract about that memory, and about nothing else. The supertraits add that a stage can
+/// be printed, moved to another thread and shared between threads.
 ///
 /// # The contract
 ///
@@ -16,10 +16,10 @@ use crate::{scalar::Scalar, snapshot::StateVisitor};
 /// orders. *Memory* is what samples change: states, sums, counters, flags, parameters learned on
 /// line. Then
 ///
-/// * [`reset`](Self::reset) puts the memory back to where the constructor left it. A reset stage
-///   and a new one give the same results to the bit, for ever.
-/// * [`visit_state`](Self::visit_state) shows the memory to a visitor, all of it, in the same order
-///   each time. Restoring what it showed gives the same future, to the bit.
+/// * [`reset`](Self::reset) restores the memory that the constructor set. A reset stage and a new one give
+///   bit-identical results from then on.
+/// * [`visit_state`](Self::visit_state) shows all of the memory to a visitor, always in the same order.
+///   Restoring what it showed gives the same future, bit for bit.
 ///
 /// That second sentence holds for phases and counters as well as for states. A detector that alarms
 /// after three exceedances must show the number it has counted so far, or a restart at the wrong
@@ -33,13 +33,12 @@ use crate::{scalar::Scalar, snapshot::StateVisitor};
 /// [`Snapshot::restore`](crate::Snapshot::restore), which first checks that names and lengths
 /// agree and then writes. There is one list for both directions, so they cannot drift apart.
 ///
-/// Neither is called per sample. Both may take their time, but neither allocates in the stage
-/// itself: sizes do not change after construction.
+/// Neither is called per sample. Both may be slow, but neither allocates in the stage itself: sizes do not
+/// change after construction.
 ///
 /// # How to write `visit_state`
 ///
-/// Hand out whole slices where the memory is one. Numbers that are not slices go through a local
-/// array and back:
+/// Pass whole slices where the memory is a slice. Other numbers go through a local array and back:
 ///
 /// ```text
 /// let mut counts = [self.seen, u64::from(self.is_open)];
@@ -54,7 +53,7 @@ use crate::{scalar::Scalar, snapshot::StateVisitor};
 /// * A snapshot comes from a file. An index that was read back must be brought into range before it
 ///   is used (`counts[0] % window`), because a stage that panics on its memory breaks rule 2 of the
 ///   [module](super).
-/// * Skip what follows from the rest, such as scratch buffers that each step overwrites. Skip
+/// * Skip whatever can be derived from the rest, such as scratch buffers that each step overwrites. Skip
 ///   constants: a snapshot is restored into a stage of the same design, not instead of one.
 ///
 /// # When not to implement it

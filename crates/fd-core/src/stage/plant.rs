@@ -6,17 +6,16 @@ use crate::{dims::IoDims, scalar::Scalar};
 
 /// A discrete-time system `x⁺ = f(x, u)`, `y = h(x, u)`.
 ///
-/// A plant is a model that can be run: linear or not, five states or fifty, four matrices
-/// (`fd_model::Lti`) or a jet engine that is integrated from one sample to the next
-/// (`fd-jetengine`). What observers, simulations and linearisations need of a model is exactly
-/// this, so each is written once and takes any plant.
+/// A plant is a model that can be run: linear or not, five states or fifty, four matrices (`fd_model::Lti`) or
+/// a jet engine that is integrated from one sample to the next (`fd-jetengine`). Observers, simulations and
+/// linearisations need exactly this of a model, so each is written once and works with any plant.
 ///
 /// # The contract
 ///
-/// A plant is a *value without memory*. The caller owns the state `x` and passes it in; the plant
-/// maps it and forgets it. `advance` and `output` take `&self`: the same arguments give the same
-/// result, always, from any thread. One plant can therefore serve an observer, a simulator and a
-/// finite-difference Jacobian at the same time, none of which disturbs the others.
+/// A plant is a *value without memory*. The caller owns the state `x` and passes it in; the plant maps it and
+/// keeps no copy. `advance` and `output` take `&self`: the same arguments give the same result, always, from
+/// any thread. One plant can therefore serve an observer, a simulator and a finite-difference Jacobian at the
+/// same time, none of which disturbs the others.
 ///
 /// The sizes are fixed for the life of the plant, and every slice has the length that
 /// [`nx`](Self::nx) and [`io`](Self::io) announce. One call to `advance` is one sample time; a plant
@@ -36,29 +35,28 @@ use crate::{dims::IoDims, scalar::Scalar};
 ///
 /// # What an implementor must not do
 ///
-/// * *Fail.* A plant that leaves its region of validity (an engine in surge, a diverging
-///   integration, a logarithm of nothing) writes NaN, from then on and in every output it concerns.
-///   Whoever drives it checks for that. Do not clamp to the last valid value: a plausible number
-///   that is wrong is worse than a NaN.
+/// * *Fail.* A plant that leaves its region of validity (an engine in surge, a diverging integration, the
+///   logarithm of zero) writes NaN, from then on and in every affected output. The caller checks for that. Do
+///   not clamp to the last valid value: a plausible wrong number is worse than NaN.
 /// * *Allocate.* Scratch space for an integration goes on the stack.
-/// * *Remember.* No counters, no caches that change results, no random numbers. Noise and faults are
-///   added outside, by whoever simulates.
+/// * *Remember.* No counters, no caches that change results, no random numbers. Noise and faults are added
+///   outside, by the simulation.
 /// * *Alias.* `x` and `x_next` are different slices, and `x_next` must be written whole.
 ///
 /// # How it composes
 ///
-/// `Box<P>` is a plant when `P` is, also for `P = dyn Plant`, so a model chosen at run time goes
-/// wherever a static one does. Generators and simulations take a plant by value as a type parameter.
+/// `Box<P>` is a plant when `P` is, also for `P = dyn Plant`, so a model chosen at run time can be used
+/// wherever a static one can. Generators and simulations take a plant by value as a type parameter.
 ///
 /// # When not to implement it
 ///
-/// For a linear model: make an `fd_model::StateSpace`, which can be analysed, reduced and designed
-/// for, and `freeze` it into a plant. For a model with a memory that the caller cannot own (a
-/// co-simulation, a licence server): that is a simulator, see `fd_sim::Simulator`.
+/// For a linear model: make an `fd_model::StateSpace`, which supports analysis, reduction and design, and
+/// `freeze` it into a plant. For a model whose memory the caller cannot own (a co-simulation, a licence
+/// server): implement `fd_sim::Simulator` instead.
 ///
 /// # Example
 ///
-/// A tank of 2 m² that empties through a hole (Torricelli), stepped by Euler's rule every 0.5 s:
+/// A tank of 2 m² that empties through a hole (Torricelli), integrated by Euler's method every 0.5 s:
 ///
 /// ```
 /// use fd_core::{IoDims, stage::Plant};

@@ -4,27 +4,26 @@ use crate::{dims::IoDims, frame::Frame, scalar::Scalar, stage::Stage};
 
 /// A signal that is near zero while the plant behaves as modelled.
 ///
-/// The first stage of every diagnosis. It consumes what was done to the plant (`u`) and what came
-/// back (`y`), and writes what the model cannot explain: the *primary residual* `r`. Every linear
-/// generator has the form `r = H_u u + H_y y` with `H_u + H_y G_u = 0` (Patton and Chen 1992, eq. 2
-/// and 5), so that the input does not reach the residual of a plant that equals its model.
+/// This is the first stage of every diagnosis. It takes the inputs `u` and the outputs `y` of the plant and
+/// writes what the model cannot explain: the *primary residual* `r`. Every linear generator has the form
+/// `r = H_u u + H_y y` with `H_u + H_y G_u = 0` (Patton and Chen 1992, eq. 2 and 5), so that the input does not
+/// reach the residual of a plant that equals its model.
 ///
 /// # The contract
 ///
 /// * [`step`](Self::step) is called once per sample, in the order of time, with a frame of
 ///   [`io`](Self::io) channels, and writes all [`residual_len`](Self::residual_len) channels of `r`.
-/// * `r` depends on this frame and on earlier ones, never on later ones. It is not normalised: its
-///   unit is whatever the method gives it, usually that of the outputs. Scaling belongs to the
-///   detector, which learns it from healthy data.
-/// * A fault must reach `r`, and noise may. Modelling errors reach it too; subtracting what they
-///   leave is the business of the [`Compensator`](super::Compensator), not of the generator.
-/// * A generator that cannot answer yet (a window that fills, an observer that converges) writes
-///   zero, or its transient. It does not signal "not ready". Whoever trains leaves the first samples
-///   out (`settle_s` in a spec).
+/// * `r` depends on this frame and on earlier ones, never on later ones. It is not normalised: its unit depends
+///   on the method and is usually that of the outputs. Scaling is the task of the detector, which learns it
+///   from healthy data.
+/// * A fault must reach `r`, and noise may. Modelling errors reach it too; subtracting their bias is the task
+///   of the [`Compensator`](super::Compensator), not of the generator.
+/// * A generator that is not ready yet (a window that is filling, an observer that is converging) writes zero,
+///   or its transient. It does not signal "not ready". Training skips the first samples (`settle_s` in a spec).
 ///
 /// # Who calls it, and when
 ///
-/// [`Pipeline::step`](crate::Pipeline::step), first of the four stages. Besides, training runs the
+/// [`Pipeline::step`](crate::Pipeline::step), first of the four stages. In addition, training runs the
 /// generator alone over healthy logs, and a bank steps several generators with the same frame.
 ///
 /// A sample that the pipeline rejects never arrives: for the generator, the next good one follows
@@ -35,8 +34,8 @@ use crate::{dims::IoDims, frame::Frame, scalar::Scalar, stage::Stage};
 /// # What an implementor must not do
 ///
 /// * *Allocate or fail in `step`.* Window lengths and state sizes are known when it is built.
-/// * *Look at its own past decisions.* There is no way back from the later stages. An observer that
-///   stops correcting during an alarm would be two stages in one.
+/// * *Use past decisions.* No information flows back from the later stages. An observer that stops correcting
+///   during an alarm would be two stages in one.
 /// * *Hide memory from [`visit_state`](super::Stage::visit_state).* The state estimate, the window,
 ///   the number of samples still missing in it: all of it is memory.
 /// * *Hide a NaN.* A plant model that left its region of validity makes the residual NaN. Pass it on.
@@ -49,15 +48,15 @@ use crate::{dims::IoDims, frame::Frame, scalar::Scalar, stage::Stage};
 ///
 /// # When not to implement it
 ///
-/// For a linear method, write a `GeneratorDesign` (`fd-residual`) instead. Its `form()` gives you
-/// analysis (which faults it detects, how far above the noise), its `build()` can return the
-/// ready-made generator of that form, and you write no run-time code at all. Implement this trait
-/// yourself for what is nonlinear, adaptive, or faster in a form of its own.
+/// For a linear method, write a `GeneratorDesign` (`fd-residual`) instead. Its `form()` gives you analysis
+/// (which faults it detects, how far above the noise), its `build()` can return the ready-made generator of
+/// that form, and you write no run-time code at all. Implement this trait directly for methods that are
+/// nonlinear, adaptive, or faster in a special form.
 ///
 /// # Example
 ///
-/// A Luenberger observer of `x⁺ = a x + b u`, `y = x`, in any scalar. Its residual is the
-/// innovation `y − x̂`, which forgets the unknown start at the rate `a − l` per sample:
+/// A Luenberger observer of `x⁺ = a x + b u`, `y = x`, in any scalar. Its residual is the innovation `y − x̂`,
+/// which forgets the unknown initial state by the factor `a − l` per sample:
 ///
 /// ```
 /// use fd_core::{Frame, IoDims, Scalar, StateVisitor, stage::{ResidualGenerator, Stage}};

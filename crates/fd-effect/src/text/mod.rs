@@ -1,16 +1,17 @@
-//! Effects of one's own, as text in the expression language of model files.
+//! User-defined effects, as text in the expression language of model files.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
 //! | [`TextEffects`] | effects as a file or a program states them, by label |
 //! | [`TextEffect`] | one of them: an [`Effect`](crate::Effect) like those of the library |
 //!
-//! A law is an expression in which `u` is what arrives at an input, `v` and `x` velocity and position where a force
-//! acts, `y` what a sensor measures, `p` a parameter; `t`, `dt`, `first` and `pi` mean what they mean in models, and so
-//! do all names of the model. What the expression says takes the place of `u`, `y` or `p`; of a force it is added.
+//! A law is an expression in which `u` is what arrives at an input, `v` and `x` velocity and position where a
+//! force acts, `y` what a sensor measures, `p` a parameter; `t`, `dt`, `first` and `pi` mean what they mean in
+//! models, and so do all names of the model. The value of the expression replaces `u`, `y` or `p`; a force is
+//! added.
 //!
-//! *When not to use:* for memories that are exact over a step, delays, and starts that follow from the log: implement
-//! [`Effect`](crate::Effect).
+//! *When not to use:* for memory that must be exact over a step, for delays, and for starts that depend on the
+//! log: implement [`Effect`](crate::Effect).
 
 mod check;
 mod effect;

@@ -1,14 +1,14 @@
-//! What a diagnosis of such a log is worth: the same diagnosis of simulated logs of known cause.
+//! How reliable a diagnosis of such a log is: the same diagnosis of simulated logs with known causes.
 //!
-//! The leading causes, as they were fitted, and "no gap" are simulated with the logged inputs, noise
-//! as it was found, and uncertain parameters drawn anew; each log is diagnosed in the same way. What
-//! comes out is the confusion matrix to expect for *this* log, the temperature with which
-//! probabilities mean what they say, and sets that hold the truth in 90 % of such logs.
+//! The leading causes, as fitted, and "no gap" are simulated with the logged inputs, the noise found, and newly
+//! drawn uncertain parameters; each log is diagnosed in the same way. The result is the confusion matrix to
+//! expect for *this* log, the temperature that calibrates the probabilities, and sets that contain the truth in
+//! 90 % of such logs.
 //!
-//! *When not to use:* it shows whether causes can be separated, and nothing about a cause that is
-//! not in the library. Logs that leave more than noise whatever the cause (regime above the floor) are
-//! simulated without that rest: rows are then too good, and the temperature means nothing. The strengths are the fitted ones: for an effect that was fitted weak, the
-//! row is that of a weak effect.
+//! *When not to use:* it shows whether causes can be separated, and nothing about a cause that is not in the
+//! library. Logs in which every cause leaves more than noise (regime above the floor) are simulated without
+//! that remainder: rows are then too optimistic, and the temperature means nothing. Strengths are the fitted
+//! ones: if an effect was fitted as weak, its row is that of a weak effect.
 
 mod replica;
 mod result;
@@ -199,20 +199,20 @@ fn words(confusion: &Confusion, regime: Regime) -> String {
     let blamed: usize = confusion.counts[0][1..confusion.columns.len() - 1].iter().sum();
     let null = confusion.replicas[0];
     let right = format!(
-        "on {total} simulated logs like this one the diagnosis is right in {:.0} % (and {:.0} % sure \
+        "on {total} simulated logs like this one the diagnosis is right in {:.0} % (and {:.0} % certain \
          of it); it blames a cause in {blamed} of {null} logs without a gap",
         100.0 * accuracy,
         100.0 * confidence
     );
     match regime {
         Regime::AtTheFloor => format!(
-            "{right}; sets of {set_size:.1} answers hold the truth in 90 %, with temperature \
+            "{right}; sets of {set_size:.1} answers contain the truth in 90 %, with temperature \
              {temperature:.2}"
         ),
         // What no effect explains is not simulated, and sharpens likelihoods.
         Regime::AboveTheFloor => format!(
-            "{right}. These logs leave more than the noise, and the simulated ones do not: expect \
-             less, and do not use the temperature"
+            "{right}. These logs leave more than the noise, the simulated ones do not: expect \
+             worse, and do not use the temperature"
         ),
     }
 }

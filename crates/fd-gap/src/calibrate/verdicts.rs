@@ -1,4 +1,4 @@
-//! What the diagnosis of a replica answers, and how probable it finds the truth.
+//! The answer of the diagnosis to a replica, and the probability that it gives the truth.
 
 use crate::{
     diagnose::{Cause, CauseId, Diagnosis, Verdict},

@@ -6,8 +6,8 @@
 //! both in free run: no measured residual of the held-out logs is used. Orders are chosen on the
 //! last third of the training logs.
 //!
-//! It says how much structure there is in what is left, and never competes with physics inside a
-//! fit. *When not to use:* as a model; it holds in the region that it was trained in.
+//! It measures how much structure is left, and never competes with physical causes inside a fit. *When not to
+//! use:* as a model; it holds only in the region in which it was trained.
 
 mod features;
 mod result;

@@ -1,4 +1,4 @@
-//! What a black box could do.
+//! The result: how much a black box could remove.
 
 use schemars::JsonSchema;
 use serde::Serialize;

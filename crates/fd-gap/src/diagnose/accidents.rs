@@ -1,11 +1,12 @@
-//! Single wrong samples that only the best answer shows: they are named with their rows and left out.
+//! Single bad samples that only the best answer reveals: they are named with their rows and left out.
 //!
-//! A garbled sample that stands out of its neighbours is found before any fit
-//! ([`wrong_samples`](crate::quality::wrong_samples)). One that is hidden by what the plant does stands out of what
-//! the best answer leaves, and there it is "outliers of the sensor". A sensor that is wrong once in a log has no
-//! such property: it is an accident, and the logs are diagnosed without it.
+//! A garbled sample that stands out from its neighbours is found before any fit
+//! ([`wrong_samples`](crate::quality::wrong_samples)). One that is hidden by the motion of the plant stands out
+//! only in the residual of the best answer, where it looks like "outliers of the sensor". A sensor that is
+//! wrong once in a log does not have that property: the sample is an accident, and the logs are diagnosed
+//! without it.
 //!
-//! *When not to use:* for more than a few wrong samples. How often a sensor is wrong is worth knowing then.
+//! *When not to use:* for more than a few bad samples. How often a sensor is wrong is then worth knowing.
 
 use fd_model::Record;
 

@@ -1,4 +1,4 @@
-//! What there is to try, sorted by what it acts on.
+//! All candidates, sorted by where they act.
 
 use fd_effect::{Candidate, Kind, Suspects};
 

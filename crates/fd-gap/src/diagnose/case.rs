@@ -1,4 +1,4 @@
-//! What is diagnosed.
+//! The subject of a diagnosis: simulator, suspects, logs.
 
 use fd_effect::Suspects;
 use fd_model::Record;

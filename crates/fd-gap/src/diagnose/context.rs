@@ -1,4 +1,4 @@
-//! What every step may look at.
+//! The context that every step can use.
 
 use super::{candidates::Candidates, case::Case, monitor::Monitor, settings::Settings};
 

@@ -1,44 +1,42 @@
-//! From a model, what it may lack, and logs of the real thing to an answer: which effect is missing,
-//! where, how strong, how sure.
+//! From a model, the effects that it may lack, and logs of the real system to an answer: which effect is
+//! missing, where, how strong it is, and how certain that is.
 //!
 //! # What it answers
 //!
-//! *Is there a gap at all*, once the uncertain parameters have done what they can? *Which cause* (an
-//! effect at a site, all its laws together), or which two, explain it, with what probability, and
-//! which others could this log not tell from them? *Is it none of these?* *How far does the gap
-//! shrink* on logs that no fit has seen? A [`Diagnosis`] holds all of it; [`Diagnosis::verdict`] is
-//! the answer in one word.
+//! *Is there a gap at all*, once the uncertain parameters have been refitted? *Which cause* (an effect at a
+//! site, all its laws together), or which two, explain it, with what probability, and which others can this log
+//! not tell from them? *Is it none of these?* *How far does the gap shrink* on logs that no fit has seen? A
+//! [`Diagnosis`] contains all of this; [`Diagnosis::verdict`] is the answer in one word.
 //!
 //! # What it needs
 //!
-//! A simulator ([`Nominal`](fd_sim::simulate::Nominal)) with tolerances of its parameters, the more
-//! honest the better: what a tolerance allows is no gap. Suspects
-//! ([`Suspects`](fd_effect::Suspects)), usually every effect of the library at every site. One log
-//! that moves everything, of some hundred samples at least, and a second one to forecast
-//! ([`Case::held_out`]): a law that is wrong may fit, but it does not forecast. Stated noise: where
-//! a model does not state it, it is estimated, and the answers are less sure.
+//! A simulator ([`Nominal`](fd_sim::simulate::Nominal)) with tolerances of its parameters, as honest as
+//! possible: whatever a tolerance allows is not a gap. Suspects ([`Suspects`](fd_effect::Suspects)), usually
+//! every effect of the library at every site. One log that excites everything, with at least some hundred
+//! samples, and a second one to forecast ([`Case::held_out`]): a wrong law may fit, but it does not forecast.
+//! The noise: where a model does not state it, it is estimated, and the answers are less certain.
 //!
 //! # How long it takes
 //!
-//! About a hundred candidates on 1000 samples of a plant with a few states take a second (median of
-//! 700 blind cases: 0.92 s on one core, nine of ten below 2.8 s); simulations are nearly all of it,
-//! and candidates are spread over threads. The answer does not depend on their number.
+//! About a hundred candidates on 1000 samples of a plant with a few states take a second (median of 700 blind
+//! cases: 0.92 s on one core, nine of ten below 2.8 s); nearly all of it is spent on simulations, and
+//! candidates are distributed over threads. The answer does not depend on the number of threads.
 //!
 //! # When not to trust it
 //!
-//! * Where [`Diagnosis::findings`] say that the log is broken: repair that first.
-//! * Where the verdict is [`Verdict::Tied`]: the data cannot decide, and the order of the tied means
-//!   nothing. [`experiment`](mod@crate::experiment) says what would.
-//! * Where [`Regime::AboveTheFloor`] is reported: nothing comes near the noise, as on most real logs.
-//!   What is named is then the largest cause, hardly the only one; [`road`](mod@crate::road) goes on from it.
-//! * Where [`Diagnosis::objections`] are: those that forbid an answer have taken its name away already.
-//! * Where the log moves little, or the loop is tight: a gap that does not show has no cause.
-//! * Where probabilities matter to the digit: they are calibrated on simulated plants;
+//! * Where [`Diagnosis::findings`] say that the log is defective: repair that first.
+//! * Where the verdict is [`Verdict::Tied`]: the data cannot decide, and the order of the tied causes means
+//!   nothing. [`experiment`](mod@crate::experiment) says what would decide.
+//! * Where [`Regime::AboveTheFloor`] is reported: nothing comes near the noise, as on most real logs. The named
+//!   cause is then the largest, but hardly the only one; [`road`](mod@crate::road) continues from it.
+//! * Where there are [`Diagnosis::objections`]. Vetoes among them have already removed the named cause.
+//! * Where the log is poorly excited, or the loop is tight: a gap that does not show has no cause.
+//! * Where the exact probabilities matter: they are calibrated on simulated plants;
 //!   [`calibrate`](mod@crate::calibrate) does it for one log.
 //!
 //! # An example
 //!
-//! A lag whose actuator does nothing below 0.3 V, which the model does not know:
+//! A lag whose actuator does not respond below 0.3 V, which is missing in the model:
 //!
 //! ```
 //! use fd_effect::{EverySite, library};
@@ -90,26 +88,26 @@
 //!
 //! # The steps
 //!
-//! Each step is a value that one function makes of the one before, and that nobody changes
-//! afterwards; [`diagnose()`] is these calls in a row.
+//! Each step is a value that one function makes from the one before and that does not change afterwards;
+//! [`diagnose()`] makes these calls in sequence.
 //!
 //! | step | made by | what is in it | directory |
 //! |---|---|---|---|
 //! | [`Case`] | the caller | simulator, suspects, logs | `case.rs` |
 //! | `Prepared` | `prepare` | logs cut to the horizon, the noise, the fit of the nuisances without any effect | `prepare/` |
-//! | `Searched` | `search` | every candidate scored at every start and fitted a little, the best causes to the end, with an integration step that is short enough | `search/` |
+//! | `Searched` | `search` | every candidate scored at every start and fitted roughly, the best causes fitted fully, with a sufficiently short integration step | `search/` |
 //! | `Weighed` | `weigh` | evidence of single causes and of pairs, with the colour of the noise; the best answer, chosen from the refitted model, the first cause and the first pair | `weigh/` |
 //! | `Judged` | `judge` | ties, doubts, probabilities, the verdict; by evidence, or by forecasts where nothing comes near the noise | `judge/` |
 //! | [`Diagnosis`] | `report` | the answer for people, with the loop closed, the noise floor and held-out gaps | `report/` |
 //!
-//! Before the first step, `feedback.rs` asks whether the controller in the loop saw the logged
-//! outputs; then it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Logs that seem to
-//! begin in motion are prepared twice, with stated and with free starts, and take the way to `Judged`
-//! twice; the plainer judgement stays unless the other one explains clearly more.
+//! Before the first step, `feedback.rs` decides whether the controller in the loop saw the logged outputs; if
+//! so, it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Logs that seem to begin in motion are
+//! prepared twice, with stated and with free initial states, and go through all steps to `Judged` twice; the
+//! judgement with stated initial states is kept unless the other one explains clearly more.
 //!
 //! # Where a rule goes
 //!
-//! | a rule about | goes to |
+//! | a rule about | belongs in |
 //! |---|---|
 //! | what the noise is taken to be, what is near it and what is far above it | `prepare/noise.rs` |
 //! | where the states of a log begin | `prepare/start.rs`, `judge/starts.rs` |
@@ -121,14 +119,14 @@
 //! | what a good explanation may leave | `weigh/leftover.rs`, `weigh/lack_of_fit.rs` |
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
 //! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
-//! | what an engineer would object to at first sight, and what forbids a name | `report/objections.rs` |
+//! | what an engineer would object to at first sight, and vetoes | `report/objections.rs` |
 //! | forecasts that judge instead of evidence, and what is worth a name then | `judge/contest.rs` |
 //! | horizons | `judge/horizons.rs` |
 //! | the answer in one word | `judge/verdict.rs` |
 //! | the floor that a gap is measured from | `report/reported_floor.rs` |
 //! | findings about a log, and how they read | `report/findings.rs`, [`quality`](mod@crate::quality) |
 //!
-//! `docs/constants.md` lists the numbers in these rules, with what is known of how they were set.
+//! `docs/constants.md` lists the numbers in these rules and how they were set.
 
 mod accidents;
 mod candidates;

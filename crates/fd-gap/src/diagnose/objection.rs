@@ -1,4 +1,4 @@
-//! What speaks against an answer, whatever its probability.
+//! Objections: what speaks against an answer, whatever its probability.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,10 +1,9 @@
 //! How strongly a log speaks for a cause.
 //!
-//! Evidence is the probability of the log under a model, averaged over what is not known of the
-//! model ([`evidence`], by Laplace's method at the fit). It is for logs that the best model explains
-//! down to the noise. *When not to use:* when even the best model ends far above the noise, as on
-//! most real logs, likelihoods are absurdly sharp; then forecasts must speak
-//! ([`win_frequencies`]).
+//! Evidence is the probability of the log under a model, averaged over its unknown parameters ([`evidence`], by
+//! Laplace's method at the fit). It is for logs that the best model explains down to the noise. *When not to
+//! use:* when even the best model ends far above the noise, as on most real logs, likelihoods are
+//! unrealistically sharp; then forecasts must decide ([`win_frequencies`]).
 
 mod frequency;
 mod laplace;

@@ -1,4 +1,4 @@
-//! Where causes are told apart: the present logs and a new one, as the leader predicts them.
+//! The data on which causes are told apart: the present logs and a new one, as the leading cause predicts them.
 
 use std::sync::Arc;
 

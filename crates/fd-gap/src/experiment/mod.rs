@@ -1,14 +1,13 @@
 //! The experiment, sensor or sampling that would separate causes that a log cannot.
 //!
-//! An experiment separates two causes when one of them, refitted to what the other predicts of the
-//! present logs *and* of the new one together, leaves many squares of the noise (more than 9): the
-//! new data must not be explained by another strength or other parameters. Tried are inputs within
-//! the range of the logs, the logged one at twice its amplitude, then sensors of states that are
-//! not logged, then four times the sample rate; the first kind that separates all is advised.
+//! An experiment separates two causes when one of them, refitted to what the other predicts of the present logs
+//! *and* of the new one together, leaves many squares of the noise (more than 9): the new data must not be
+//! explained by another strength or other parameters. The following are tried: inputs within the range of the
+//! logs, the logged input at twice its amplitude, then sensors of states that are not logged, then four times
+//! the sample rate. The first kind that separates all causes is recommended.
 //!
-//! *When not to use:* predictions are those of the fitted causes; when none of them is right, the
-//! advice is for a question that does not matter. Inputs through which the leader is chaotic or
-//! diverges are left out.
+//! *When not to use:* predictions are those of the fitted causes; when none of them is right, the advice is
+//! irrelevant. Inputs for which the leading cause is chaotic or diverges are excluded.
 
 mod arena;
 mod excitation;

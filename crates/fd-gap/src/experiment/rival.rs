@@ -1,4 +1,4 @@
-//! Explanations that are to be told apart, with the models that they were fitted as.
+//! Explanations to be told apart, with the models that they were fitted as.
 
 use fd_effect::Candidate;
 use fd_sim::model::Model;

@@ -1,13 +1,13 @@
-//! A diagnosis of a simulator of which a run is dear.
+//! Diagnosis of a simulator that is expensive to run.
 //!
-//! The same diagnosis is made twice. First on a [`StandIn`], the simulator linearised along the logs, with every
-//! candidate, which costs no run at all. Then on the simulator itself, with those causes and pairs that came out
-//! best, each from the values that were found; a step of a fit costs one run then, since the slopes are those of the
-//! stand-in. What is said comes from the second: the first only proposes.
+//! The same diagnosis is made twice: first with every candidate on a [`StandIn`], the simulator linearised
+//! along the logs, which costs no run at all; then on the simulator itself, with the best causes and pairs,
+//! each starting from the values found. A step of a fit then costs one run, since the slopes are those of the
+//! stand-in. The answer comes from the second diagnosis; the first only proposes.
 //!
-//! *When not to use:* for equations, where [`diagnose()`](crate::diagnose::diagnose()) takes a second. Where the stand-in
-//! foretells little ([`FewRuns::explains`]), what it proposes is worth little as well, and the first diagnosis
-//! has to be made on the simulator.
+//! *When not to use:* for equations, where [`diagnose()`](crate::diagnose::diagnose()) takes a second. Where
+//! the stand-in predicts little ([`FewRuns::explains`]), its proposals are worth little as well, and the first
+//! diagnosis has to be made on the simulator.
 
 mod proposals;
 mod refit;

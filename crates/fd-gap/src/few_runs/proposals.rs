@@ -1,4 +1,4 @@
-//! What a stand-in proposes.
+//! The causes and pairs that a stand-in proposes.
 
 use fd_effect::{Candidate, EffectParameter, Kind, Offers, SiteRef, Suspects};
 use fd_sim::model::Model;

@@ -1,9 +1,8 @@
 //! Fits of a simulator to logs: nuisances, initial states and parameters of an effect at once.
 //!
-//! Minimised is `Σ r² + Σ ((θ − θ₀)/s)²`: `r` are simulation errors in units of the noise, and
-//! whitened when the noise has a colour; the nuisances `θ` (uncertain parameters and initial
-//! states) have a prior and a box ([`Variable::known`]). Nothing is ever fitted to one-step
-//! predictions, which flatter every model.
+//! A fit minimises `Σ r² + Σ ((θ − θ₀)/s)²`: `r` are simulation errors in units of the noise, whitened when the
+//! noise is coloured; the nuisance parameters `θ` (uncertain parameters and initial states) have a prior and a
+//! box ([`Variable::known`]). Nothing is ever fitted to one-step predictions, which flatter every model.
 //!
 //! A free run is one [`Segment`] per log; windows are many, each with its own initial state. As an
 //! initial state touches only its own segment, the slopes of all segments come from one simulation

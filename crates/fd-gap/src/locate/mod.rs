@@ -11,8 +11,8 @@
 //! Claims hold at a stated rate: on a log without a gap, any claim about bands is made in at most
 //! 5 % of the cases, any about regions in 5 %, and any about times in 5 %.
 //!
-//! *When not to use:* a free signal is linearised about the refitted model; where the gap is so
-//! large that the refitted model runs through another region than the plant, its share is a hint.
+//! *When not to use:* a free signal is linearised about the refitted model; where the gap is so large that the
+//! refitted model runs through a different region than the plant, its share is only a hint.
 
 pub(crate) mod bench;
 pub(crate) mod channels;

@@ -197,7 +197,7 @@ pub(crate) fn name(site: &SiteRef) -> String {
 fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>, outputs: usize) -> String {
     let name = name(site);
     let said = if probability < NEGLIGIBLE {
-        format!("{name}: no cause that was tried is here")
+        format!("{name}: none of the causes tried is here")
     } else if NAMED < probability {
         format!("{name}: the cause is here with probability {probability:.2}")
     } else {
@@ -216,6 +216,6 @@ fn words(site: &SiteRef, probability: f64, free: Option<&FreeSignal>, outputs: u
             )
         }
         Some(_) => format!("{said}; a free signal here would explain nothing significant"),
-        None => format!("{said}; a free signal cannot be added here, or is not seen"),
+        None => format!("{said}; a free signal cannot be added here, or shows in no output"),
     }
 }

@@ -1,4 +1,4 @@
-//! What a single channel shows without any model.
+//! Defects of a single channel that show without any model.
 
 use super::{
     finding::Defect,

@@ -1,15 +1,15 @@
-//! Does an input answer what happened to the outputs by chance?
+//! Does an input respond to the noise of the outputs?
 //!
-//! In a loop the command is made from the measurement, noise and all. Noise is what the past foretells
-//! nothing of, so both sides are reduced to that: of the errors of a model what they themselves and the input
-//! have not foretold, of the input what it has not foretold itself (as in a test of Granger causality,
-//! *Econometrica* 37, 1969). In open loop nothing of the one can be in the other, whatever the model lacks: an
-//! error that it makes follows from the input.
+//! In a loop the command is computed from the measurement, noise included. Noise is what the past does not
+//! predict, so both sides are reduced to that: the errors of a model to the part that neither past errors nor
+//! the input predict, the input to the part that its own past does not predict (as in a test of Granger
+//! causality, *Econometrica* 37, 1969). In open loop the two are independent, whatever the model lacks: its
+//! errors then follow from the input.
 //!
-//! Ranks are correlated, not values, so that a few large steps of a reference do not hide the rest.
+//! Ranks are correlated, not values, so that a few large steps of a reference do not dominate.
 //!
 //! *When not to use:* to say that there is no loop. A controller that acts slowly, or on little noise, leaves
-//! too little to be seen.
+//! too little to be detected.
 
 use fd_numeric::dot;
 

@@ -144,7 +144,10 @@ impl fmt::Display for Defect {
             }
             Self::Constant => write!(f, "the channel does not change"),
             Self::NotExcited => {
-                write!(f, "the output moves by no more than its noise: this log says nothing of it")
+                write!(
+                    f,
+                    "the output moves by no more than its noise: this log says nothing about it"
+                )
             }
             Self::Missing { share } => write!(f, "{:.1} % is missing", 100.0 * share),
             Self::SlowSampling { correlation } => write!(
@@ -154,17 +157,17 @@ impl fmt::Display for Defect {
             ),
             Self::Feedback { correlation, input } => write!(
                 f,
-                "the input `{input}` answers the noise of this output (correlation {correlation:.2}): \
-                 the log is from a loop that the model does not have, and commands are taken as logged"
+                "the input `{input}` responds to the noise of this output (correlation {correlation:.2}): \
+                 the log is from a loop that the model does not contain, and commands are taken as logged"
             ),
             Self::WrongSample { row, found, around: [low, high] } => write!(
                 f,
-                "sample {row} reads {found:.4}, its neighbours {low:.4} to {high:.4}: taken for a wrong \
+                "sample {row} reads {found:.4}, its neighbours {low:.4} to {high:.4}: treated as a bad \
                  sample and left out"
             ),
             Self::NotHeldOut => write!(
                 f,
-                "this log is the one that was fitted, or a part of it: it was not held out, and is left out"
+                "this log is the fitted one, or a part of it: it was not held out, and is left out"
             ),
             Self::WrongUnit { factor } => write!(
                 f,
@@ -172,9 +175,9 @@ impl fmt::Display for Defect {
             ),
             Self::Short { seconds, memory } => write!(
                 f,
-                "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): what is slow \
-                 cannot be told from where it started; or a damping, a resistance or a time constant of the \
-                 model is in another unit"
+                "{seconds:.3} s is shorter than the memory of the plant ({memory:.3} s): slow dynamics \
+                 cannot be told from the initial state. Or is a damping, a resistance or a time constant of the \
+                 model in another unit?"
             ),
             Self::Undriven => write!(
                 f,

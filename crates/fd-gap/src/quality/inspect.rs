@@ -1,4 +1,4 @@
-//! What a log shows, alone and next to the nominal simulation.
+//! Defects of a log, alone and compared with the nominal simulation.
 
 use fd_sim::simulate::Simulator;
 

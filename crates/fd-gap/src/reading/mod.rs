@@ -3,23 +3,24 @@
 //!
 //! # How it works
 //!
-//! 1. The log is diagnosed as it is read. Where there is no gap, that is all.
-//! 2. Every mistake is looked at with everything at its nominal value: one simulation, or none where only
-//!    outputs are concerned. Up to eight that do not look worse than the log as read get a fit of parameters and
-//!    starts, all over the same horizon.
+//! 1. The log is diagnosed as read. If there is no gap, nothing else happens.
+//! 2. Every mistake is examined with everything else at its nominal value: one simulation, or none where only
+//!    outputs are concerned. Up to eight that do not look worse than the log as read get a fit of parameters
+//!    and initial states, all over the same horizon.
 //! 3. The likelihood of the *logged numbers* is compared with that of the best physical explanation, with the
-//!    noise of each column at its best value but not below what is stated or the grid of its values, and with as many
-//!    samples as there are autocorrelation times. A mistake of each class has 1 % before the data, spread
-//!    over its members; a cause pays for being one of many, for its parameters, and for a gain that no honest device has.
-//!    An output on a coarse grid that is said to be biased by half a step downwards is suspected to be cut off instead
-//!    of rounded, whatever else there is.
-//! 4. What survives ([`suspect`]) is diagnosed once more, mended, and believed only if the mended log
-//!    explains clearly more ([`Suspicion::judged`]).
+//!    noise of each column at its best value but not below what is stated or the grid of its values, and with
+//!    as many samples as there are autocorrelation times. Each class of mistakes has a prior probability of 1
+//!    %, spread over its members; a cause is penalised for being one of many, for its parameters, and for a
+//!    gain that no real device has. An output on a coarse grid with an apparent bias of half a step downwards
+//!    is always suspected to be truncated instead of rounded.
+//! 4. A mistake that survives ([`suspect`]) is corrected, the log is diagnosed once more, and the mistake is
+//!    believed only if the corrected log explains clearly more ([`Suspicion::judged`]).
 //!
-//! A factor has to be determined (half and twice of it explain clearly less), and the mended simulation has
-//! to follow what was measured: a gain near zero explains nothing. What a delay explains as well stays a delay.
+//! A factor has to be well determined (half and twice its value explain clearly less), and the corrected
+//! simulation has to follow what was measured: a gain near zero explains nothing. What a delay explains equally
+//! well stays a delay.
 //!
-//! *When not to use:* two mistakes at once are found only where one of them explains much alone.
+//! *When not to use:* two mistakes at once are found only where one of them alone explains much.
 //!
 //! ```
 //! use fd_effect::Candidate;

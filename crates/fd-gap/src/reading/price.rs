@@ -1,4 +1,4 @@
-//! What a physical explanation costs before it explains anything.
+//! The prior price of a physical explanation, before it explains anything.
 
 use crate::diagnose::{Cause, Diagnosis, Verdict};
 

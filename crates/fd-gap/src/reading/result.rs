@@ -1,4 +1,4 @@
-//! What is said of a reading.
+//! The reported mistake of reading.
 
 use schemars::JsonSchema;
 use serde::Serialize;

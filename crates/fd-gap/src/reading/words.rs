@@ -26,7 +26,7 @@ pub(super) fn said(mistake: &Mistake, model: &Model, ts: f64) -> Said {
     match mistake {
         Mistake::Sign { channels } => Said {
             statement: format!("{} had the other sign", names(channels)),
-            advice: format!("Turn the sign of {} in the log, or in the model.", names(channels)),
+            advice: format!("Reverse the sign of {} in the log, or in the model.", names(channels)),
             lines: value_lines(model, channels, -1.0),
         },
         Mistake::Unit { channels, factor } => unit_said(channels, *factor, model),
@@ -87,7 +87,7 @@ fn unit_said(channels: &[String], factor: f64, model: &Model) -> Said {
         lines = value_lines(model, channels, factor);
         format!("Multiply {} by {} in the log.", names(channels), figure(1.0 / factor))
     } else {
-        format!("{IN_MAP} A unit in the header of the column has to be corrected, too.")
+        format!("{IN_MAP} A unit in the header of the column has to be corrected as well.")
     };
     Said { statement: parts.join(" and "), advice, lines }
 }
@@ -98,7 +98,7 @@ fn cut_off_said(channels: &[String], steps: &[f64], model: &Model) -> Said {
         parts.collect::<Vec<_>>().join(" and ")
     };
     let cut =
-        each(&|c, step, unit| format!("`{c}` were cut off to steps of {} {unit}", figure(step)));
+        each(&|c, step, unit| format!("`{c}` were truncated to steps of {} {unit}", figure(step)));
     let halves = each(&|c, step, unit| format!("{} {unit} to `{c}`", figure(0.5 * step)));
     Said {
         statement: format!("{cut}, not rounded"),

@@ -1,4 +1,4 @@
-//! What is tried beside causes that are already there.
+//! Candidates that are tried beside causes already accepted.
 
 use fd_effect::{Candidate, Offers, SiteRef, Suspects};
 use fd_sim::model::Model;

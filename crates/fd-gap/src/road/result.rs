@@ -1,4 +1,4 @@
-//! What a road of causes says.
+//! The result of a road: a list of causes.
 
 use fd_sim::model::Model;
 use schemars::JsonSchema;

@@ -1,8 +1,8 @@
 //! How far a gap shrinks on data that the fit has not seen.
 //!
-//! Everything is a forecast: the initial state of a window comes from its first half (of a free
-//! run from its first quarter), and only the rest is scored. The gap before is that of the model
-//! with its parameters refitted, which is the honest comparison, and that of the nominal one.
+//! Everything is a forecast: the initial state of a window comes from its first half (of a free run, from its
+//! first quarter), and only the rest is scored. The gap before is that of the model with refitted parameters,
+//! which is the honest comparison, and also that of the nominal model.
 
 mod baselines;
 mod begun;

@@ -1,4 +1,4 @@
-//! What the kernel is told of one estimator.
+//! The settings of one estimator, as the kernel gets them.
 
 use super::kernel::Settings;
 use crate::{

@@ -1,99 +1,95 @@
-//! Many independent estimators at once: recursive least squares in the lanes of wide registers.
+//! Many independent estimators at once: recursive least squares in SIMD lanes.
 //!
-//! Monte Carlo runs, units of a fleet, orders and hypotheses are many small estimators that know
-//! nothing of each other. [`BatchRls`] keeps eight (`f64`) or sixteen (`f32`) of them side by side
-//! in memory, so that one instruction serves them all, on the widest registers that the machine
-//! has (AVX-512, AVX2, NEON, found at run time) or on none.
+//! Monte Carlo runs, units of a fleet, orders and hypotheses are many small independent estimators.
+//! [`BatchRls`] keeps eight (`f64`) or sixteen (`f32`) of them side by side in memory, so that one instruction
+//! serves them all, on the widest registers of the machine (AVX-512, AVX2, NEON, detected at run time) or in
+//! plain scalar code.
 //!
 //! Each estimator does what [`UdRls`](crate::rls::UdRls) does, with forgetting of its own and the
 //! same safeguards, with one kernel for all machines and scalars. Source: Bierman (1977), as there.
 //!
 //! # Which of the two kinds
 //!
-//! | constructor | a sample holds | take it when |
+//! | constructor | a sample holds | use it when |
 //! |---|---|---|
 //! | [`BatchRls::arx`] | the inputs and the bias: `nu + 1` numbers | the equation is an ARX equation |
 //! | [`BatchRls::new`] | the whole regressor and the target: `n + 1` numbers | the regressors are anything else |
 //!
-//! Prefer the first. It makes the regressors in the lanes, from a past that each estimator keeps, and
-//! a large fleet waits for memory, not for arithmetic. It also knows what a gap means: after a missing
-//! sample it waits until its past is whole again.
+//! Prefer the first. It builds the regressors in the lanes, from past samples that each estimator keeps, which
+//! saves memory traffic, the bottleneck of a large fleet. It also handles missing samples: after one, it waits
+//! until its past is complete again.
 //!
 //! # How many estimators, how many samples
 //!
-//! *Lanes.* Estimators come in tiles of [`LaneScalar::WIDTH`], 8 of `f64` or 16 of `f32`: 64 bytes, one
-//! line of the cache. A tile costs the same whether one of its lanes is used or all, so multiples of the
-//! width waste nothing. With five parameters a tile takes 28 ns per sample, a single
-//! [`UdRls`](crate::rls::UdRls) 19 ns on the stack and 33 ns on the heap: two units already pay. Lanes share
-//! instructions and nothing else. Each may have its own forgetting ([`BatchRls::redesign`]), be frozen
-//! ([`BatchRls::freeze`]) or miss its sample.
+//! *Lanes.* Estimators come in tiles of [`LaneScalar::WIDTH`], 8 of `f64` or 16 of `f32`: 64 bytes, one line of
+//! the cache. A tile costs the same whether one of its lanes is used or all, so multiples of the width avoid
+//! waste. With five parameters a tile takes 28 ns per sample, a single [`UdRls`](crate::rls::UdRls) 19 ns on
+//! the stack and 33 ns on the heap: it pays from two units on. Lanes share instructions and nothing else. Each
+//! may have its own forgetting ([`BatchRls::redesign`]), be frozen ([`BatchRls::freeze`]) or miss its sample.
 //!
-//! *Samples.* A [`SampleBlock`] holds several samples of each estimator, and one call to
-//! [`BatchRls::update`] goes through all of them. An estimator of five parameters has about 30 numbers
-//! of state, which are loaded and stored once per block. Some dozen samples are enough for that traffic to
-//! count little.
+//! *Samples.* A [`SampleBlock`] holds several samples of each estimator, and one call to [`BatchRls::update`]
+//! goes through all of them. An estimator of five parameters has about 30 numbers of state, which are loaded
+//! and stored once per block. With some dozen samples per block this traffic matters little.
 //!
-//! *Parameters.* Up to 10 each number of parameters has a kernel of its own, unrolled; up to 64 kernels
-//! are shared. The cost grows with the square, as that of any least squares.
+//! *Parameters.* Up to 10 parameters, each number has an unrolled kernel of its own; up to 64, kernels are
+//! shared. The cost grows with the square of the number, as for any recursive least squares.
 //!
 //! *Cores.* [`BatchRls::update_on_all_cores`] splits the tiles, not the samples, and gives the same
 //! results to the bit. It pays from half a millisecond of work on, some hundred thousand updates.
 //!
-//! *Scalar.* `f32` is twice as fast and half as large, see below for what it cannot do.
+//! *Scalar.* `f32` is twice as fast and takes half the memory; see below for its limits.
 //!
-//! What that comes to on one machine is in `docs/results/throughput.md`: equations of five parameters,
-//! 268 million updates a second in `f64` and 570 million in `f32` on one core.
+//! Measured rates on one machine are in `docs/results/throughput.md`: with five parameters, 268 million updates
+//! a second in `f64` and 570 million in `f32` on one core.
 //!
-//! # How it lies in memory
+//! # Memory layout
 //!
 //! ```text
 //! tile 0   row: setting 1 of estimators 0…7   row: setting 2   …   row: D₁   …   row: θ₁   …   row: U₁₂   …
 //! tile 1   row: setting 1 of estimators 8…15  …
 //! ```
 //!
-//! A row is one number of each estimator of a tile, so a row is a register, and the kernel reads as the
-//! scalar one does. Samples lie the same way: for each tile, for each sample, a row per column and one of
-//! targets. Filling a block by [`SampleBlock::set`] scatters; where a whole sample of all units arrives at
-//! once, [`SampleBlock::set_all`] writes rows.
+//! A row holds one number of each estimator of a tile, so a row fits a register, and the kernel reads like the
+//! scalar one. Samples have the same layout: for each tile, for each sample, a row per column and one of
+//! targets. Filling a block by [`SampleBlock::set`] scatters writes; where a whole sample of all units arrives
+//! at once, [`SampleBlock::set_all`] writes rows.
 //!
-//! # What happens to whom
+//! # Special cases
 //!
 //! | how | why |
 //! |---|---|
-//! | a missing sample is a NaN, a skipped one has no direction and no error | no lane waits for another |
+//! | a missing sample is NaN; a skipped one has a zero direction and a zero error | no lane waits for another |
 //! | a block starts with all samples missing | a unit that sends nothing needs no code |
 //! | the trace of `P` is bounded from above, and computed when the bound says it may be too large | its limit costs one product per sample |
 //! | after construction nothing allocates | a block is reused by [`SampleBlock::restart`] |
 //!
 //! [`BatchRls`] is a [`Stage`](fd_core::stage::Stage): all estimators can be reset, saved and restored
-//! together. It is no [`Identifier`](fd_core::stage::Identifier), because it answers per block and not per
+//! together. It is not an [`Identifier`](fd_core::stage::Identifier), because it answers per block and not per
 //! sample; `fdiag::fleet` builds the compensation of many units on it.
 //!
 //! # Same results as one estimator alone
 //!
-//! The steps are the same but for rounding: products are fused with sums where the machine can,
-//! and sums are ordered otherwise. With `n` parameters each entry of `U` and `D` gets a relative
-//! error of a few `n ε` more per sample in either form, and both forget it as they forget data: the
-//! factors stay positive, errors do not grow. Estimates agree within some `n ε κ`, where `κ` is the
-//! condition of the weighted regressors; the tests of this crate hold them to it, lane by lane.
+//! The steps are the same except for rounding: products are fused with sums where the machine can, and the
+//! order of sums differs. With `n` parameters each entry of `U` and `D` gets a relative error of a few `n ε`
+//! more per sample in either form, and both forget it as they forget data: the factors stay positive, and
+//! errors do not grow. Estimates agree to within some `n ε κ`, where `κ` is the condition number of the
+//! weighted regressors; the tests of this crate check this lane by lane.
 //!
 //! # When not to use it
 //!
-//! For one estimator: [`UdRls`](crate::rls::UdRls) answers after each sample. For forgetting of
-//! kind [`Bounded`](crate::rls::Forgetting::Bounded) or
-//! [`Resetting`](crate::rls::Forgetting::Resetting), which need a step of another shape. For more
-//! than 64 parameters. For estimators that depend on each other.
+//! For one estimator: [`UdRls`](crate::rls::UdRls) answers after each sample. For forgetting of kind
+//! [`Bounded`](crate::rls::Forgetting::Bounded) or [`Resetting`](crate::rls::Forgetting::Resetting), which need
+//! a different kind of step. For more than 64 parameters. For estimators that depend on each other.
 //!
-//! When excitation may stop, forget by
-//! [`Directional`](crate::rls::Forgetting::Directional), above all in `f32`: with
-//! [`Exponential`](crate::rls::Forgetting::Exponential) the safeguards keep `P` bounded, but the
-//! condition of the problem grows until single precision cannot hold the estimate. It costs one
-//! division and `n + 1` products more per sample.
+//! When excitation may stop, use [`Directional`](crate::rls::Forgetting::Directional), above all in `f32`: with
+//! [`Exponential`](crate::rls::Forgetting::Exponential) the safeguards keep `P` bounded, but the condition
+//! number grows until single precision cannot represent the estimate. Directional forgetting costs one division
+//! and `n + 1` products more per sample.
 //!
 //! # A worked example
 //!
-//! Twenty units whose bias follows the input, `μ(k) = p μ(k−1) + u(k)`, each with a pole of its own. They
-//! send their samples in blocks of 32; unit 7 loses some, and unit 3 is frozen after the first block.
+//! Twenty units whose bias follows the input, `μ(k) = p μ(k−1) + u(k)`, each with its own pole. They send their
+//! samples in blocks of 32; unit 7 loses some, and unit 3 is frozen after the first block.
 //!
 //! ```
 //! use fd_ident::{

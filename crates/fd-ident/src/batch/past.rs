@@ -1,4 +1,4 @@
-//! What the regressors of a difference equation are made of, in the lanes of a register.
+//! The past samples from which regressors of a difference equation are built, in the lanes of a register.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"

@@ -1,4 +1,4 @@
-//! Instrumental variables: estimates that measurement noise does not pull away.
+//! Instrumental variables: estimates that measurement noise does not bias.
 //!
 //! ```text
 //! least squares:  Σ φ (μ − φᵀθ) = 0          biased: φ holds noisy past μ
@@ -15,9 +15,9 @@
 //! | `DelayedOutputs` | older `μ` | equation noise that is a moving average no longer than the lag |
 //! | `Simulated` | `μ̂` of a model fitted before | any noise; the best of the three |
 //!
-//! [`RecursiveIv`] is the last one sample by sample, an
-//! [`Identifier`](fd_core::stage::Identifier). [`Sriv`](crate::refine::Sriv) filters besides,
-//! which gives least variance in white measurement noise: prefer it in batches.
+//! [`RecursiveIv`] is the last one sample by sample, an [`Identifier`](fd_core::stage::Identifier).
+//! [`Sriv`](crate::refine::Sriv) also filters the signals, which gives minimum variance in white measurement
+//! noise: prefer it for batches.
 //!
 //! # When not to use it
 //!

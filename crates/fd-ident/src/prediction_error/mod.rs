@@ -19,10 +19,10 @@
 //! * Gradients are computed by running the sensitivities of the predictor along with it, so a
 //!   missing sample is treated exactly as the predictor treats it: `ε = 0`, and the noise goes on
 //!   by its own prediction. Missing inputs are held.
-//! * Roots of `A`, `C` and `D` outside the unit circle are reflected before a step is judged, and
-//!   a step is taken only if it lessens the cost.
-//! * The search starts from least squares and from SRIV (or from pseudo-linear regression for
-//!   ARMAX), and the best end is kept.
+//! * Roots of `A`, `C` and `D` outside the unit circle are reflected before a step is judged, and a step is
+//!   taken only if it reduces the cost.
+//! * The search starts from least squares and from SRIV (or from pseudo-linear regression for ARMAX), and the
+//!   best result is kept.
 //!
 //! # When not to use it
 //!

@@ -1,4 +1,4 @@
-//! Recursive least squares as a Kalman filter for parameters that walk at random.
+//! Recursive least squares as a Kalman filter for parameters that follow a random walk.
 //!
 //! ```text
 //! θ(k) = θ(k−1) + w(k),  cov w = Q        M = P + Q

@@ -1,18 +1,18 @@
 //! Recursive least squares: `θ(k) = θ(k−1) + K(k) [y(k) − φᵀ(k) θ(k−1)]`.
 //!
-//! Source: eq. (18) of Patton & Chen (1992), with the factorisation of Bierman (1977) and the
-//! kinds of forgetting listed at [`Forgetting`]. A [`RlsKernel`] owns the covariance and the
-//! caller owns `θ`, so that the parameters of several residual channels can lie side by side.
+//! Source: eq. (18) of Patton & Chen (1992), with the factorisation of Bierman (1977) and the kinds of
+//! forgetting listed at [`Forgetting`]. A [`RlsKernel`] owns the covariance and the caller owns `θ`, so that
+//! the parameters of several residual channels can be stored side by side.
 //!
 //! | kernel | memory | use it for |
 //! |---|---|---|
 //! | [`UdRls`] | all samples, weighted by age | everything; the default |
 //! | [`WindowRls`] | exactly the last `W` samples | abrupt changes that must be forgotten completely |
 //! | [`ConventionalRls`] | as `UdRls` | comparison, never for `f32` |
-//! | [`QrRls`] | as `UdRls` | what the others are judged by |
+//! | [`QrRls`] | as `UdRls` | the reference for the others |
 //!
-//! Assumes noise that is white in the equation error; otherwise the estimate is biased, as that
-//! of any least squares (see [`refine`](crate::refine)).
+//! Assumes a white equation error; otherwise the estimate is biased, as with any least squares (see
+//! [`refine`](crate::refine)).
 //!
 //! # When not to use it
 //!

@@ -1,4 +1,4 @@
-//! The extended Kalman filter: a Kalman filter on the slopes of the model at the estimate.
+//! The extended Kalman filter: a Kalman filter on the model linearised at the estimate.
 //!
 //! * **Equations.** `x̂(k|k−1) = f(x̂(k−1), u(k−1))`, `r = y − h(x̂(k|k−1), u)`, and the covariance of a Kalman
 //!   filter with `F = ∂f/∂x` at `x̂(k−1)` and `H = ∂h/∂x` at `x̂(k|k−1)` (Jazwinski 1970,
@@ -7,7 +7,7 @@
 //!   needs: `F S` and `H S`, with steps near the cube root of the rounding unit. The relative error is some
 //!   `1e-10`; no Jacobian has to be written.
 //! * **Assumptions.** Noises white, normal, independent and small: within the spread of the estimate the model
-//!   is nearly straight.
+//!   is nearly linear.
 //! * **Do not use** it where the model bends or breaks within that spread (dead zones, stiction, several
 //!   humps): it believes in a covariance that is too small, and lets go of the plant. See
 //!   [`unscented`](crate::unscented) and [`particle`](crate::particle). The innovation follows a slow fault

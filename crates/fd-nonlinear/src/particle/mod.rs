@@ -1,9 +1,9 @@
-//! The bootstrap particle filter: many states, drawn, propagated and weighed.
+//! The bootstrap particle filter: many states are drawn, propagated and weighted.
 //!
-//! * **Equations.** Each particle goes through `f` and gets process noise of its own; `r = y − Σ wᵢ h(xᵢ, u)` with
-//!   the weights from before this sample; then `wᵢ ← wᵢ p(y | xᵢ)`, and when fewer than half of the particles count,
-//!   `1/Σ wᵢ² < N/2`, they are drawn anew by their weights (Gordon, Salmond and Smith 1993, section 3; systematic
-//!   resampling, Kitagawa 1996).
+//! * **Equations.** Each particle goes through `f` and gets process noise of its own; `r = y − Σ wᵢ h(xᵢ, u)`
+//!   with the weights from before this sample; then `wᵢ ← wᵢ p(y | xᵢ)`, and when fewer than half of the
+//!   particles count, `1/Σ wᵢ² < N/2`, they are resampled by their weights (Gordon, Salmond and Smith 1993,
+//!   section 3; systematic resampling, Kitagawa 1996).
 //! * **Seed.** The random numbers of a sample follow from the seed and the number of the sample, so the memory of
 //!   the generator is a counter, and a restored filter continues to the bit.
 //! * **Assumptions.** None on the law of the state; noises white and independent. The error falls with the root

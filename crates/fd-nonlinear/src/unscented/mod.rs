@@ -1,4 +1,4 @@
-//! The unscented Kalman filter: points in place of slopes.
+//! The unscented Kalman filter: sigma points instead of slopes.
 //!
 //! * **Equations.** The points `x̂ ± √(n + κ) s_j`, with `s_j` the columns of the factor `S` and weights
 //!   `1 / 2(n + κ)`, and `x̂` itself with the weight `κ / (n + κ)`, go through `f` and through `h`; their weighted
@@ -8,9 +8,9 @@
 //!   points of the cubature filter (Arasaratnam and Haykin 2009); `n + κ = 3` has the fourth moments of a
 //!   normal law right.
 //! * **Assumptions.** White, normal, independent noises; the law of the state stays near a normal one.
-//! * **Do not use** it for models that are nearly straight within the spread of the estimate: it then is the
-//!   extended filter at the same price. With many states the points lie `√n` spreads apart and may leave the
-//!   model's region of validity: the residual is NaN there. For several humps take a
+//! * **Do not use** it for models that are nearly linear within the spread of the estimate: it is then
+//!   equivalent to the extended filter at the same cost. With many states the points lie `√n` spreads apart and
+//!   may leave the model's region of validity: the residual is NaN there. For multimodal distributions use a
 //!   [`particle`](crate::particle) filter.
 
 mod design;

@@ -7,8 +7,8 @@
 //! * **Assignability.** `w C` can be a left eigenvector for the pole `λ` when
 //!   `w C (λI − A)` lies in the row space of `C`. As `w C` does, this is `w C A N = 0` for
 //!   `C N = 0`, whatever `λ`: the rows `W` are the left null space of `[C E, C A N]`.
-//! * **Dead beat.** With `λ = 0` in discrete time, `r(k) = w y(k) − g y(k−1) − …` is a parity
-//!   relation of order one (Patton and Chen 1991; the test compares the two).
+//! * **Deadbeat.** With `λ = 0` in discrete time, `r(k) = w y(k) − g y(k−1) − …` is a parity relation of order
+//!   one (Patton and Chen 1991; the test compares the two).
 //! * **Assumptions.** `E` is known; the modes that `L` cannot move decay.
 //! * **Do not use** it when the error says that no such row exists: a longer
 //!   [`parity`](crate::parity) relation or a [`decouple`](crate::decouple)d residual of higher

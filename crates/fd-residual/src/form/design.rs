@@ -1,4 +1,4 @@
-//! The realisation of `[H_u H_y]` and what can be asked of it.
+//! The realisation of `[H_u H_y]`, and the analysis of it.
 
 use std::fmt::Debug;
 
@@ -14,27 +14,27 @@ use crate::{
 
 /// A residual generator at design time.
 ///
-/// Two rooms, one door: a design is `f64`, has matrices, may fail and may take a second. What runs is
-/// a [`ResidualGenerator`], which has slices and does none of that. This trait is the design side of
-/// every linear generator, whatever method it came from, and it says two things: what the residual *is*
-/// ([`form`](Self::form)), and how to run it ([`build`](Self::build)).
+/// A design works in `f64` with matrices, may fail and may take a second. What runs is a [`ResidualGenerator`],
+/// which works on slices and does none of that. This trait is the design side of every linear generator,
+/// whatever its method. It gives two things: what the residual *is* ([`form`](Self::form)), and how to run it
+/// ([`build`](Self::build)).
 ///
 /// # The contract
 ///
-/// * [`form`](Self::form) is the truth about the residual: the transfer functions from `u` and `y` to
-///   `r`, as one realisation. All analysis is done on it. A form that is not what runs makes every
-///   answer about detectability a lie, so the laws of this crate compare the two sample by sample.
+/// * [`form`](Self::form) defines the residual: the transfer functions from `u` and `y` to `r`, as one
+///   realisation. All analysis is done on it. If the form differs from what runs, every answer about
+///   detectability is wrong, so the shared tests of this crate compare the two sample by sample.
 /// * `H_u + H_y G_u = 0` (Patton and Chen 1992, eq. 5) for the model that the design was made for:
-///   [`ResidualForm::consistency`] is rounding, about `1e-12`. A generator that fails this shows the
-///   input, and no threshold will save it.
-/// * The form is stable, or running it would drift.
-/// * [`build`](Self::build) gives a new generator each time, at its start, with no link to the design or
-///   to other generators built from it.
+///   [`ResidualForm::consistency`] is of the order of rounding, about `1e-12`. In a generator that fails this
+///   the input shows in the residual, and no threshold can correct that.
+/// * The form is stable; otherwise the residual would drift.
+/// * [`build`](Self::build) returns a new generator each time, in its initial state, with no link to the design
+///   or to other generators built from it.
 /// * `io` and `residual_len` are the same for the design, its form and what it builds.
 ///
-/// A design is a value. It does not change after its constructor has returned, so the constructor is
-/// where everything can go wrong, and where it says why: [`DesignError`] names what the model did not
-/// allow (no output left after decoupling, a zero that does not decay, a fault that cannot be seen).
+/// A design is a value. It does not change after its constructor has returned, so everything that can go wrong
+/// goes wrong in the constructor, which says why: [`DesignError`] names what the model did not allow (no output
+/// left after decoupling, an unstable zero, a fault that is not detectable).
 ///
 /// # Who calls it, and when
 ///
@@ -44,9 +44,10 @@ use crate::{
 ///
 /// # What an implementor must and must not do
 ///
-/// * *Check in the constructor*, and refuse by a typed error; `form` and `build` then cannot fail in
-///   practice, and their `Result` is for inner parts of other crates.
-/// * *Do not scale.* The unit of the residual is the design's; normalising is the detector's business.
+/// * *Check in the constructor*, and return a typed error; `form` and `build` then cannot fail in practice, and
+///   their `Result` is for inner parts from other crates.
+/// * *Do not scale.* The design determines the unit of the residual; normalising it is the task of the
+///   detector.
 /// * *Do not hold run-time state.* There is no "current" residual in a design.
 /// * *Offer `freeze::<T, S>()`* beside `build` where `f32` or sizes known to the compiler are wanted.
 ///   It cannot be part of the trait, which works as `dyn`.
@@ -57,24 +58,23 @@ use crate::{
 ///   by side.
 /// * [`WeightedDesign`](crate::weighted::WeightedDesign) and
 ///   [`FilteredDesign`](crate::weighted::FilteredDesign) take any design and are designs.
-/// * In a spec, a line `kind = "…"` makes a box of one of ours. A design of your own goes into a bank
+/// * In a spec, a line `kind = "…"` creates a box of a built-in design. A design of your own is added to a bank
 ///   or a pipeline from outside, see `examples/own_generator.rs`.
-/// * List it in `fd_residual::testing`, and all laws of this crate are checked for it.
+/// * List it in `fd_residual::testing`, and all shared tests of this crate cover it.
 ///
 /// # When not to implement it
 ///
-/// For a generator that is not linear: it has no form. Implement [`ResidualGenerator`] alone; it runs in
-/// every pipeline, but nothing can be said of it in advance. A generator that learns while it runs may
-/// implement both, if its form is that of its start ([`AdaptiveDesign`](crate::adaptive::AdaptiveDesign)
-/// does).
+/// For a nonlinear generator, which has no form. Implement [`ResidualGenerator`] alone; it runs in every
+/// pipeline, but cannot be analysed in advance. A generator that learns while it runs may implement both, if
+/// its form describes its initial behaviour ([`AdaptiveDesign`](crate::adaptive::AdaptiveDesign) does).
 ///
 /// For matrices that were designed elsewhere, [`ResidualForm`] is itself a design.
 ///
 /// # Example
 ///
-/// A mass balance. Of what a tank held a tenth has drained since the last sample, and the inflow has come
-/// in: `r(k) = y(k) − 0.9 y(k−1) − 5 u(k−1)`, with no poles to place and no start to forget. The form is
-/// written down, and the generator that runs it comes with it:
+/// A mass balance: since the last sample a tenth of the contents of a tank has drained, and the inflow has been
+/// added, `r(k) = y(k) − 0.9 y(k−1) − 5 u(k−1)`. There are no poles to place and no initial state to forget.
+/// Writing down the form is enough; the generator that runs it comes with it:
 ///
 /// ```
 /// use faer::{Mat, mat};

@@ -1,4 +1,4 @@
-//! The residual that holds faults farthest above noise at every frequency: `H₋/H∞` optimal.
+//! The residual that keeps faults farthest above the noise at every frequency: `H₋/H∞` optimal.
 //!
 //! * **Equation.** All residuals that are free of the state and of the disturbances are `Q₂ Q₁`
 //!   with a left null space `Q₁` ([`decouple`](crate::decouple)). With the co-outer-co-inner

@@ -1,4 +1,4 @@
-//! Output-only residuals: what the plant shows minus what a model says it should show.
+//! Output-only residuals: measured minus simulated outputs.
 //!
 //! * **Equation.** `x_s(k+1) = f(x_s, u)`, `r(k) = y(k) − h(x_s, u)`; for a linear model
 //!   `H_y = I` and `H_u = −G_u`, the simplest solution of eq. (5) of Patton and Chen (1992).

@@ -1,4 +1,4 @@
-//! Structured residuals: a bank in which each residual knows its own set of faults.
+//! Structured residuals: a bank in which each residual reacts to its own set of faults.
 //!
 //! * **Equation.** Row `i` of the structure matrix names the faults that `r_i` must react to; from
 //!   all others, and from the disturbances, it is decoupled (Gertler 1991; Patton and Chen 1992,
@@ -12,7 +12,7 @@
 //! * **Assumptions.** The entry directions of all faults are known.
 //! * **Do not use** more rows than isolation needs: each costs sensitivity. Ask
 //!   [`achievable_signatures`](crate::analysis::achievable_signatures) and
-//!   [`isolability`](crate::decouple::isolability) first what can be had.
+//!   [`isolability`](crate::decouple::isolability) first which structures are achievable.
 
 mod design;
 mod structure;

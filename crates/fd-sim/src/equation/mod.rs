@@ -1,10 +1,9 @@
 //! Equations as text: parsed, printed, differentiated and compiled.
 //!
-//! A model is written by people, patched by a diagnosis and printed in a report, so an expression
-//! is kept as a tree of what was written ([`Expr`], [`Cond`]); a condition in the place of a
-//! number cannot be represented. Speed comes from [`Program`], the bytecode of a set of
-//! expressions, in which every value is computed once and what depends on parameters alone is
-//! computed once per parameter set.
+//! A model is written by people, patched by a diagnosis and printed in a report, so an expression is kept as a
+//! syntax tree of what was written ([`Expr`], [`Cond`]); a condition in place of a number cannot be
+//! represented. For speed there is [`Program`], the bytecode of a set of expressions, in which every value is
+//! computed once, and values that depend on parameters alone are computed once per parameter set.
 //!
 //! | from | to | by |
 //! |---|---|---|
@@ -18,56 +17,56 @@
 //!
 //! # Tree or program
 //!
-//! [`Expr::evaluate`] walks the tree and looks names up as strings. Use it for a handful of values, for
-//! bounds and initial values, and in tests: it is the definition of what an expression means. A
-//! [`Program`] gives the same numbers *to the bit*, looks nothing up while it runs, and allocates nothing.
-//! Use it for whatever is computed per sample.
+//! [`Expr::evaluate`] walks the tree and looks names up as strings. Use it for a handful of values, for bounds
+//! and initial values, and in tests: it is the definition of what an expression means. A [`Program`] gives the
+//! same numbers *to the bit*, looks nothing up while it runs, and allocates nothing. Use it for everything that
+//! is computed per sample.
 //!
 //! Compile expressions *together*. Parts that occur in several of them are computed once, also across
 //! expressions, so a model is one program for all derivatives and one for all outputs, not a program per
-//! equation. Merging never reassociates and never replaces a division by a product, because a diagnosis
-//! takes differences of runs and has to trust the last digits.
+//! equation. Merging never reassociates and never replaces a division by a product, because a diagnosis takes
+//! differences of runs and relies on the last digits.
 //!
 //! # Slow and fast names
 //!
-//! A [`Scope`] sorts names by how often their values change. *Slow* ones are parameters: what needs them
-//! alone is taken out of the body and computed by [`Program::prepare`], once per parameter set. *Fast* ones
-//! are time, states and inputs. If `prepare` is not called after a slow value has changed, the body goes on
-//! with the old results. Named *definitions* are neither: they are expressions, in any order, of which
+//! A [`Scope`] sorts names by how often their values change. *Slow* ones are parameters: whatever depends only
+//! on them is moved out of the body and computed by [`Program::prepare`], once per parameter set. *Fast* ones
+//! are time, states and inputs. If `prepare` is not called after a slow value has changed, the body continues
+//! with the old results. Named *definitions* are neither slow nor fast: they are expressions, in any order;
 //! unused ones cost nothing.
 //!
 //! # Memory, threads, lanes
 //!
-//! A program is immutable and may be shared between threads. A [`Workspace`] is the memory of one run: make
-//! it once, it is the only thing here that allocates. A workspace of [`Lanes<N>`](Lanes) takes `N` runs
-//! through each instruction. Multiples of eight fill the widest registers; sums, products, roots,
-//! comparisons, sines and exponentials are wide, powers and inverse functions go lane by lane.
+//! A program is immutable and may be shared between threads. A [`Workspace`] is the memory of one run: create
+//! it once, because creating it is the only thing here that allocates. A workspace of [`Lanes<N>`](Lanes)
+//! processes `N` runs per instruction. Multiples of eight fill the widest registers. Sums, products, roots,
+//! comparisons, sines and exponentials are vectorised; powers and inverse functions go lane by lane.
 //!
-//! There are no jumps: `if` computes both branches and takes one. A branch that is not taken may therefore
-//! be infinite or NaN without harm, and it costs what it costs.
+//! There are no jumps: `if` computes both branches and selects one. The other branch may therefore be infinite
+//! or NaN without harm, but its cost is always paid.
 //!
 //! # Derivatives
 //!
-//! | wanted | take |
+//! | to get | use |
 //! |---|---|
-//! | an expression that a person reads, or another program | [`Expr::differentiate`]; through definitions [`Expr::differentiate_with`] |
+//! | an expression for people to read, or for another program | [`Expr::differentiate`]; through definitions [`Expr::differentiate_with`] |
 //! | one number, exact | a program on dual numbers, which are a [`Scalar`](fd_core::Scalar) |
-//! | slopes of a whole simulation in many parameters | finite differences in lanes, as the fits do |
+//! | derivatives of a whole simulation with respect to many parameters | finite differences in lanes, as the fits do |
 //!
-//! A derivative at a kink (`abs`, `min`, a table, a comparison) is that of one side.
+//! A derivative at a kink (`abs`, `min`, a table, a comparison) is one-sided.
 //!
 //! # Errors
 //!
-//! Text that does not parse gives a [`SyntaxError`] with its [`Span`], which [`picture`] draws under the
-//! text, and [`nearest`](fd_model::nearest()) suggests the name that was probably meant. Names that are not in the scope and
-//! definitions in a circle are found by [`Program::compile`]. Running cannot fail: a logarithm of a negative
-//! number is NaN, and whoever steps a simulation looks for that.
+//! Text that does not parse gives a [`SyntaxError`] with its [`Span`], which [`picture`] draws under the text,
+//! and [`nearest`](fd_model::nearest()) suggests the name that was probably meant. [`Program::compile`] finds
+//! names that are not in the scope and cyclic definitions. Running cannot fail: a logarithm of a negative
+//! number is NaN, and the code that steps a simulation checks for that.
 //!
 //! # When not to use it
 //!
-//! For equations that are known when the program is written: a Rust function is shorter and faster. For
-//! matrices: a linear model is an `fd_model::StateSpace`. For algorithms with loops or a memory: that is a
-//! [`Simulator`](crate::simulate::Simulator) of its own.
+//! For equations that are known at compile time: a Rust function is shorter and faster. For matrices: use
+//! `fd_model::StateSpace` for a linear model. For algorithms with loops or memory: implement a
+//! [`Simulator`](crate::simulate::Simulator).
 //!
 //! # A worked example
 //!

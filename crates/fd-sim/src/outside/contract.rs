@@ -1,4 +1,4 @@
-//! What an outside simulator says of itself, or its user of it.
+//! The contract of an outside simulator, as stated by itself or by its user.
 
 use fd_model::{Channel, SampleTime, nearest};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What was simulated before need not be simulated again.
+//! A cache of runs: what was simulated before is not simulated again.
 
 use std::{collections::HashMap, sync::Mutex};
 

@@ -1,17 +1,17 @@
-//! Simulators outside of this program: a process of any language, an FMU.
+//! Simulators outside this program: a process in any language, an FMU.
 //!
-//! | room | what it is for |
+//! | module | what it is for |
 //! |---|---|
-//! | [`Contract`] | channels, parameters, states, ports and powers of such a simulator |
-//! | [`OutsideSimulator`] | a [`Simulator`](crate::simulate::Simulator) of it: leased instances, a memory, counts |
+//! | [`Contract`] | channels, parameters, states, ports and capabilities of such a simulator |
+//! | [`OutsideSimulator`] | a [`Simulator`](crate::simulate::Simulator) on top of it: leased instances, remembered runs, counts |
 //! | [`Process`] | a program, over its standard input and output |
 //! | `Fmu` | a unit for co-simulation, FMI 2.0, behind the feature `fmu` |
-//! | [`OutsideFile`] | the model file of it |
+//! | [`OutsideFile`] | its model file |
 //! | [`check()`] | whether a simulator keeps its promises |
 //!
-//! A diagnosis runs a simulator some thousand times, in copies of which there are hundreds. An outside
-//! simulator is dear: so copies cost nothing, a few running instances are lent to them from the first step of a
-//! run to its last, whole runs are one call where the simulator can do that, and nothing is asked twice.
+//! A diagnosis runs a simulator some thousand times, in hundreds of copies. An outside simulator is expensive.
+//! Therefore copies cost nothing; a few running instances are leased to them from the first step of a run to
+//! its last; whole runs are one call where the simulator can do that; and no run is made twice.
 
 mod check;
 mod contract;

@@ -1,4 +1,4 @@
-//! What an outside simulator says of effects that it has in itself.
+//! Native effects, as an outside simulator states them.
 
 use super::{
     contract::{Entry, Stated, wrong},

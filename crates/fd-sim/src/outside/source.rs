@@ -1,4 +1,4 @@
-//! What a simulator outside of this program is asked.
+//! The requests that an outside simulator has to answer.
 
 use std::fmt::Debug;
 

@@ -1,4 +1,4 @@
-//! What was asked of a simulator, and what went wrong.
+//! Counts of the requests to a simulator, and of failures.
 
 use std::{
     sync::{

@@ -1,4 +1,4 @@
-//! What moves a site, as expressions of the model.
+//! The motion at a site, as expressions of the model.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What a simulation may cost, looked at before anything is made of that size.
+//! Limits on the cost of a simulation, checked before anything of that size is allocated.
 
 use fd_core::{Limits, Resource};
 use fd_model::SampleTime;

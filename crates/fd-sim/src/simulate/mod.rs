@@ -1,25 +1,23 @@
-//! Simulators: what steps through samples of inputs and gives samples of outputs.
+//! Simulators, which step through samples of inputs and return samples of outputs.
 //!
-//! [`Simulator`] is all that a diagnosis needs to know: a black box with inputs and outputs, and,
-//! where there are any, parameters, initial states and ports for forces. [`EquationSimulator`]
-//! runs a [`Model`](crate::model::Model) and shows them all; [`BlackBox`] makes a simulator of any
-//! [`Plant`](fd_core::stage::Plant) or linear model.
+//! [`Simulator`] is all that a diagnosis needs: a black box with inputs and outputs, and optionally parameters,
+//! initial states and ports for forces. [`EquationSimulator`] runs a [`Model`](crate::model::Model) and shows
+//! them all; [`BlackBox`] makes a simulator of any [`Plant`](fd_core::stage::Plant) or linear model.
 //!
 //! What is diagnosed is a [`Nominal`]: equations, or a [`Shell`] around any other simulator; or a
 //! [`LoggedLoop`], of which the controller acts on what was logged.
 //!
-//! Integration is Runge-Kutta of order 4 on an even grid of sub-steps between samples. The length
-//! `h` of a sub-step follows from the fastest eigenvalue of the linearised model, `h |λ| < 0.3`,
-//! unless the model states it. At that bound the relative error of one step is
-//! `(h |λ|)⁵ / 120 = 2e-5`. *When not to use:* stiff models, of which the fastest mode is of no
-//! interest, need thousands of sub-steps.
+//! Integration is Runge-Kutta of order 4 on an even grid of sub-steps between samples. The length `h` of a
+//! sub-step follows from the fastest eigenvalue of the linearised model, `h |λ| < 0.3`, unless the model states
+//! it. At that bound the relative error of one step is `(h |λ|)⁵ / 120 = 2e-5`. *When not to use:* stiff models
+//! whose fastest mode is of no interest need thousands of sub-steps.
 //!
-//! [`Simulator::simulate_many`] makes several runs through the same inputs. For equations they run
-//! side by side, in the lanes of wide registers, with to the bit the results of runs alone: sixteen
-//! cost about as much as two (with powers and inverse functions, which are computed lane by lane,
-//! more). A fit asks for all its slopes in this way.
+//! [`Simulator::simulate_many`] makes several runs through the same inputs. For equations they run side by side
+//! in SIMD lanes, and the results are bit-identical to those of single runs: sixteen cost about as much as two
+//! (more with powers and inverse functions, which are computed lane by lane). A fit computes all its slopes in
+//! this way.
 //!
-//! A simulation that diverges is no error and no panic: it is NaN from then on, and
+//! A simulation that diverges is neither an error nor a panic: it is NaN from then on, and
 //! [`Outcome::Diverged`] says since when.
 
 mod black_box;

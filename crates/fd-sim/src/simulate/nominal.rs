@@ -1,4 +1,4 @@
-//! What is diagnosed: a simulator, and a model that effects can be spliced into.
+//! The subject of a diagnosis: a simulator, and a model into which effects can be spliced.
 
 use fd_model::SampleTime;
 

@@ -11,29 +11,29 @@ use crate::model::Parameter;
 
 /// A deterministic model of a plant that can be run from any initial state, with any parameters.
 ///
-/// A gap diagnosis never asks how a simulator computes. It runs it over the inputs of a log, compares
-/// the outputs with the measured ones, changes a parameter, and runs it again, many thousand times.
-/// This trait is what it needs for that: channels, what can be set, and a step.
+/// A gap diagnosis does not care how a simulator computes. It runs the simulator over the inputs of a log,
+/// compares the outputs with the measured ones, changes a parameter, and runs it again, many thousands of
+/// times. This trait provides what that takes: channels, settable values, and a step.
 ///
-/// A [`Plant`](fd_core::stage::Plant) is a map whose state belongs to the caller. A simulator owns its
-/// state, and with it whatever else it remembers: a delay line, the memory of a controller, the inside
-/// of a co-simulation. That is why it is started and stepped, and cannot be asked for `f(x, u)`.
+/// A [`Plant`](fd_core::stage::Plant) is a map whose state belongs to the caller. A simulator owns its state
+/// and everything else that it remembers: a delay line, the memory of a controller, the internals of a
+/// co-simulation. That is why it is started and stepped, and cannot be asked for `f(x, u)`.
 ///
 /// # The contract
 ///
 /// * *The lists are fixed*: [`inputs`](Self::inputs), [`outputs`](Self::outputs),
-///   [`parameters`](Self::parameters), [`initial`](Self::initial) and [`ports`](Self::ports) have the
-///   same entries, in the same order, for the life of the simulator. Values travel as slices in these
-///   orders, and callers hold positions in them.
+///   [`parameters`](Self::parameters), [`initial`](Self::initial) and [`ports`](Self::ports) have the same
+///   entries, in the same order, for the life of the simulator. Values are passed as slices in these orders,
+///   and callers keep indices into them.
 /// * [`start`](Self::start) forgets everything. A run depends on `theta`, `x0`, `first` and the inputs,
 ///   and on nothing that happened before.
-/// * [`step`](Self::step) writes the outputs of *this* sample and then moves on to the next one. Inputs
-///   are held between samples, unless the simulator interpolates towards `u_next`.
-/// * *The same run gives the same bits*, in this simulator, in a [copy](Self::boxed), on any thread, and
-///   as one of many in [`simulate_many`](Self::simulate_many). Finite differences are taken of runs; a
-///   simulator with noise in it has no slopes. Measurement noise belongs to the diagnosis.
-/// * *Smooth in its parameters*, as far as the plant is. An integrator with an adaptive step makes small
-///   jumps where it changes its mind, and a fit stops at the first of them. Step on an even grid.
+/// * [`step`](Self::step) writes the outputs of *this* sample and then advances to the next one. Inputs are
+///   held between samples, unless the simulator interpolates towards `u_next`.
+/// * *The same run gives the same bits*, in this simulator, in a [copy](Self::boxed), on any thread, and as one
+///   of many in [`simulate_many`](Self::simulate_many). Slopes are finite differences of runs; a simulator with
+///   noise in it has none. Measurement noise belongs to the diagnosis.
+/// * *Smooth in its parameters*, as far as the plant is. An integrator with an adaptive step makes small jumps
+///   where it changes the step, and a fit stops at the first of them. Use an even grid of steps.
 ///
 /// # Who calls it, and when
 ///
@@ -41,30 +41,31 @@ use crate::model::Parameter;
 /// |---|---|---|
 /// | a fit | `simulate_many` with slightly different `theta`, `x0` | residuals and their slopes |
 /// | a forecast | `start` at sample `first`, then `step` | what comes after the samples it has seen |
-/// | a forecast that is carried along | `go_on_from`, `step` | a memory that outlives a segment |
+/// | a forecast that continues another | `go_on_from`, `step` | a memory that outlives a segment |
 /// | a [`Shell`](super::Shell) | `measure`, then `step` with forces | effects that depend on the motion |
 /// | a [`Shell`](super::Shell) | `replay` | all other effects spliced around a black box |
-/// | whoever works in parallel | `boxed` | a copy per thread |
+/// | parallel work | `boxed` | a copy per thread |
 ///
 /// # What an implementor must and must not do
 ///
 /// * *Not fail in a step.* A run that leaves its region of validity writes NaN from then on, until it is
-///   started again. [`Outcome::Diverged`] then says since when, and the fit turns away from there.
+///   started again. [`Outcome::Diverged`] then says since when, and the fit moves away from there.
 /// * *Not allocate in `start` and `step`.* They are the inner loop of everything.
-/// * *Not look beyond the samples it was given.* A forecast is honest because its simulator cannot.
-/// * *Give honest tolerances.* [`Parameter::tolerance`] and [`Initial::tolerance`] are what the
-///   diagnosis takes for "the model may be this wrong without anything being missing in it". Too wide,
-///   and every gap is explained by parameters; zero, and a parameter is exact.
+/// * *Not use samples beyond those it was given.* A forecast is honest only if the simulator cannot see what it
+///   forecasts.
+/// * *Give honest tolerances.* [`Parameter::tolerance`] and [`Initial::tolerance`] tell the diagnosis how wrong
+///   the model may be although nothing is missing in it. If they are too wide, parameters explain every gap; a
+///   tolerance of zero means that the value is exact.
 ///
 /// Errors belong to constructors. [`SimulateError`](super::SimulateError) is what those of this crate
 /// return.
 ///
-/// # Optional powers
+/// # Optional capabilities
 ///
-/// A pure black box has no parameters, no initial states and no ports: empty lists, and it can still be
-/// diagnosed for what lies before its inputs and behind its outputs. Each list that is not empty lets the
-/// diagnosis ask more. `measure`, `go_on_from`, `visit_memory` and `simulate_many` have default bodies that say "no" or do
-/// it one by one; override them when there is something better.
+/// A pure black box has no parameters, no initial states and no ports: the lists are empty, and it can still be
+/// diagnosed for effects before its inputs and after its outputs. Each list that is not empty allows the
+/// diagnosis to do more. `measure`, `go_on_from`, `visit_memory` and `simulate_many` have default bodies that
+/// return "no" or process runs one by one; override them when there is something better.
 ///
 /// # How it composes
 ///
@@ -74,16 +75,16 @@ use crate::model::Parameter;
 ///
 /// # When not to implement it
 ///
-/// If the equations can be written down, write a model file: [`EquationSimulator`](super::EquationSimulator)
-/// runs it several parameter sets at a time, effects reach every force in it, and it can be printed. If the
-/// thing steps and has no parameters to set, wrap its [`Plant`](fd_core::stage::Plant) in a
-/// [`BlackBox`](super::BlackBox). Implement the trait for code that exists, has settings, and cannot be
+/// If the equations are known, write a model file: [`EquationSimulator`](super::EquationSimulator) runs it
+/// several parameter sets at a time, effects reach every force in it, and it can be printed. If the model can
+/// only be stepped and has no parameters to set, wrap its [`Plant`](fd_core::stage::Plant) in a
+/// [`BlackBox`](super::BlackBox). Implement the trait for existing code that has settings and cannot be
 /// rewritten.
 ///
 /// # Example
 ///
-/// A heated room, `C Ṫ = P + Q − (T − T_out)/R`, exact for inputs that are held. Its time constant and its
-/// first temperature can be set, and heat can be put into it:
+/// A heated room, `C Ṫ = P + Q − (T − T_out)/R`, exact for held inputs. Its time constant and its initial
+/// temperature can be set, and heat can be added to it:
 ///
 /// ```
 /// use fd_model::{Channel, SampleTime};
@@ -184,13 +185,13 @@ pub trait Simulator: Debug + Send + Sync {
     /// Parameters that can be set, with nominal values and tolerances.
     fn parameters(&self) -> &[Parameter];
 
-    /// States of which the initial value can be set.
+    /// States whose initial value can be set.
     fn initial(&self) -> &[Initial];
 
     /// Places at which a force can be applied.
     fn ports(&self) -> &[Port];
 
-    /// Effects that it has in itself and that rest. Their parameters are the last of
+    /// Effects that the simulator contains but that are dormant. Their parameters are the last of
     /// [`parameters`](Self::parameters), in this order.
     fn natives(&self) -> &[NativeEffect] {
         &[]
@@ -199,26 +200,26 @@ pub trait Simulator: Debug + Send + Sync {
     /// Starts a run at sample number `first` of the log with these parameters and states, in the
     /// order of [`parameters`](Self::parameters) and [`initial`](Self::initial).
     ///
-    /// Nothing is left of the run before. Whatever else a simulator remembers (what is on its way
-    /// through a delay) starts as if the plant had been at rest until then.
+    /// Nothing is left over from the run before. Anything else that a simulator remembers (such as the contents
+    /// of a delay) starts as if the plant had been at rest until then.
     ///
     /// # Panics
     ///
     /// May panic when the numbers of values are wrong.
     fn start(&mut self, theta: &[f64], x0: &[f64], first: u64);
 
-    /// Writes the outputs `y` of this sample and moves on to the next, with forces `f` in the order of
-    /// [`ports`](Self::ports), held until then. `u_next` are the inputs of the next sample, for
-    /// simulators that interpolate; others ignore them.
+    /// Writes the outputs `y` of this sample and advances to the next, with forces `f` in the order of
+    /// [`ports`](Self::ports), held until then. `u_next` are the inputs of the next sample, for simulators that
+    /// interpolate; others ignore them.
     ///
     /// # Panics
     ///
     /// May panic when the numbers of values are wrong.
     fn step(&mut self, u: &[f64], u_next: &[f64], f: &[f64], y: &mut [f64]);
 
-    /// Writes the outputs of this sample without moving on, and says whether the simulator can do
-    /// that. A force that depends on what it moves needs it; without, it sees the outputs of the
-    /// sample before.
+    /// Writes the outputs of this sample without advancing, and returns whether the simulator can do that. A
+    /// force that depends on the motion needs it; otherwise such a force uses the outputs of the previous
+    /// sample.
     ///
     /// # Panics
     ///
@@ -238,11 +239,11 @@ pub trait Simulator: Debug + Send + Sync {
     }
 
     /// Shows every number that influences the rest of the run to `visitor`, always in the same order, and
-    /// says whether it can. A simulator started with the same values and then given these numbers goes on
-    /// to the bit; the values of the start are not among them.
+    /// returns whether it can. A simulator started with the same values and then given these numbers continues
+    /// bit for bit; the values of the start are not among them.
     ///
-    /// A simulator of which the inside cannot be read says no, and shows nothing. What runs on line needs
-    /// one that can, see `patched` in `fd-nonlinear`.
+    /// A simulator whose internals cannot be read returns false and shows nothing. On-line use needs one that
+    /// can; see `patched` in `fd-nonlinear`.
     fn visit_memory(&mut self, _visitor: &mut dyn StateVisitor<f64>) -> bool {
         false
     }
@@ -250,8 +251,8 @@ pub trait Simulator: Debug + Send + Sync {
     /// An independent copy, for another thread.
     fn boxed(&self) -> Box<dyn Simulator>;
 
-    /// Runs through `u`, row by row one sample after another, without forces, and writes the
-    /// outputs to `y` in the same way. After a divergence the rest of `y` is NaN.
+    /// Runs through `u`, one row per sample, without forces, and writes the outputs to `y` in the same layout.
+    /// After a divergence the rest of `y` is NaN.
     ///
     /// The number of samples is that of `y`; the last sample is held when `u` is to be
     /// interpolated.
@@ -304,17 +305,19 @@ pub trait Simulator: Debug + Send + Sync {
         }
     }
 
-    /// Says that the run is over, so that what it holds (a process, a licence) is free for others. The next
-    /// thing it is asked is [`start`](Self::start), if anything. Nothing has to be told: it only saves time.
+    /// Announces that the run is over, so that its resources (a process, a licence) are free for others. The
+    /// next call, if any, is [`start`](Self::start). Calling this is optional: it only saves time.
     fn rest(&mut self) {}
 
-    /// Relative error of its outputs by rounding: differences are taken of runs that are further apart.
+    /// Relative rounding error of its outputs. The larger it is, the further apart are the runs of which
+    /// differences are taken.
     fn precision(&self) -> f64 {
         f64::EPSILON
     }
 
-    /// A cheaper simulator whose slopes may stand for those of this one, where this one is dear. It has one
-    /// input more, the last: the number of the sample in all logs of a case, one after the other, counted from
+    /// A cheaper simulator whose slopes may replace those of this one, if this one is expensive to run. It has
+    /// one input more, the last: the number of the sample in all logs of a case, one after the other, counted
+    /// from
     /// 0. See [`StandIn`](crate::stand_in::StandIn).
     fn stand_in(&self) -> Option<Box<dyn Simulator>> {
         None

@@ -1,4 +1,4 @@
-//! How well a linear model foretells a run of the simulator.
+//! How well a linear model predicts a run of the simulator.
 
 use super::replay::Replay;
 use crate::simulate::Simulator;

@@ -1,18 +1,19 @@
-//! Stand-ins for simulators of which a run is dear.
+//! Stand-ins (linear surrogates) for simulators that are expensive to run.
 //!
-//! A diagnosis tries some hundred candidates, and each costs some dozen runs. Nearly all of these runs only say
-//! that a candidate is hopeless, or how the outputs change with a parameter; for both a linear model is good
-//! enough. A [`StandIn`] is that model: the simulator, linearised along replays of the logs. At each sample it is
-//! set to the state of the replay, one state, input, force or parameter is moved a little, and one step is made:
-//! `1 + states + inputs + ports + parameters` runs in all. Effects are spliced around a stand-in as around the
-//! simulator, so friction still depends on the motion that it changes; only the plant is linear.
+//! A diagnosis tries some hundred candidates, and each costs some dozen runs. Nearly all of these runs only
+//! show that a candidate is hopeless, or how the outputs change with a parameter; for both purposes a linear
+//! model is good enough. A [`StandIn`] is that model: the simulator, linearised along replays of the logs. At
+//! each sample it is set to the state of the replay, one state, input, force or parameter is moved a little,
+//! and one step is made: `1 + states + inputs + ports + parameters` runs in all. Effects are spliced around a
+//! stand-in as around the simulator, so friction still depends on the motion that it changes; only the plant is
+//! linear.
 //!
-//! A stand-in proposes, and lends its slopes to fits of the simulator ([`StandIn::lent`]); what is believed
+//! A stand-in proposes causes, and lends its slopes to fits of the simulator ([`StandIn::lent`]); the answer
 //! comes from the simulator alone.
 //!
-//! *When not to use:* on equations, of which thousands of runs take a second. It is not possible where a simulator
-//! cannot be set to a state ([`Simulator::go_on_from`]), and of little use where contacts or chaos make slopes
-//! worthless: [`StandIn::explains`] says how well it foretells a run of the simulator.
+//! *When not to use:* for equations, where thousands of runs take a second. It is not possible where a
+//! simulator cannot be set to a state ([`Simulator::go_on_from`]), and of little use where contacts or chaos
+//! make slopes worthless: [`StandIn::explains`] says how well it predicts a run of the simulator.
 //!
 //! [`Simulator::go_on_from`]: crate::simulate::Simulator::go_on_from
 

@@ -1,4 +1,4 @@
-//! What is replayed.
+//! The replays along which a simulator is linearised.
 
 use crate::simulate::Simulator;
 

@@ -1,4 +1,4 @@
-//! A linear model as a simulator that is told the row of the replays it is at.
+//! A linear model as a simulator that gets the row of the replays as an input.
 
 use std::{fmt::Debug, sync::Arc};
 

@@ -19,10 +19,10 @@ pub(crate) struct Cli {
 const AFTER_HELP: &str = "\
 Which command:
   fdiag gap         says what the model does not know: where, which effect, how far it matters
-  fdiag compensate  learns what the model does not know without a name, to see small faults
+  fdiag compensate  learns what modelling errors do, without a name for them, to see small faults
   fdiag watch       does that on line, next to the plant, for months
   fdiag log info    says what is in a log, and what is doubtful about it
-  fdiag structure   says which faults a model can show at all, and what more sensors would add
+  fdiag structure   says which faults a model can reveal at all, and what more sensors would add
   fdiag simulator   says whether a simulator of your own is fit for fdiag gap
   fdiag engine      shows on a simulated jet engine what compensation gains
   fdiag compare     says which residual, compensation and detector find the smallest faults there
@@ -64,7 +64,7 @@ pub(crate) enum Command {
     ///
     /// Reads samples as they come (NDJSON or CSV on standard input, or a file that grows), compares them with a
     /// linear model as `fdiag compensate` does, and writes alarms and events as NDJSON to standard output. With
-    /// --state an alarm is on the disk before it is printed, and a monitor that was killed goes on where it was.
+    /// --state an alarm is on the disk before it is printed, and a monitor that was killed resumes where it was.
     /// docs/watch.md describes input, output and state.
     #[command(after_help = super::args_watch::WATCH_HELP)]
     Watch(Box<super::args_watch::WatchArgs>),
@@ -79,7 +79,7 @@ pub(crate) enum Command {
     /// simulator with the cause in it. How to read the answer: docs/gap.md.
     #[command(after_help = GAP_HELP)]
     Gap(Box<GapArgs>),
-    /// Say which faults a model can show at all, by which tests, and what more sensors would add
+    /// Say which faults a model can reveal at all, by which tests, and what more sensors would add
     ///
     /// Looks only at which quantity is in which equation of a model file (docs/model-equations.md, docs/formats.md),
     /// before any number and any log: which faults can be detected and isolated, also by tests that only
@@ -150,10 +150,10 @@ pub(crate) struct CompareArgs {
     /// First seed
     #[arg(long, value_name = "S")]
     pub(crate) first_seed: Option<u64>,
-    /// Only this scenario of the configuration, several times for several
+    /// Only this scenario of the configuration; may be repeated
     #[arg(long, value_name = "NAME")]
     pub(crate) scenario: Vec<String>,
-    /// Begin anew, even if the directory holds the beginning of a comparison
+    /// Start over, even if the directory holds the beginning of a comparison
     #[arg(long)]
     pub(crate) restart: bool,
     /// Print the configuration that would run, and stop
@@ -168,11 +168,11 @@ pub(crate) struct CompensateArgs {
     /// Model file of the nominal plant (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) model: PathBuf,
-    /// Log of the real plant (CSV), several times for several; without --healthy the first one is
+    /// Log of the real plant (CSV); may be repeated; without --healthy the first one is
     /// the healthy log, the others are diagnosed
     #[arg(long = "log", value_name = "FILE", required_unless_present = "healthy")]
     pub(crate) logs: Vec<PathBuf>,
-    /// Log of the healthy plant (CSV) to learn from, several times for several runs
+    /// Log of the healthy plant (CSV) to learn from; may be repeated
     #[arg(long, value_name = "FILE")]
     pub(crate) healthy: Vec<PathBuf>,
     /// Column map of the logs (TOML); without it columns are found by channel name
@@ -201,13 +201,13 @@ pub(crate) struct GapArgs {
     /// Model file of the simulator (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) model: PathBuf,
-    /// Log of the real system (CSV), several times for several runs
+    /// Log of the real system (CSV); may be repeated
     #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
     pub(crate) logs: Vec<PathBuf>,
     /// Column map of the logs (TOML); channels that it does not name are found by name
     #[arg(long, value_name = "FILE")]
     pub(crate) columns: Option<PathBuf>,
-    /// Log that no fit sees, to say how far the gap shrinks; several times for several
+    /// Log that no fit sees, to measure how far the gap shrinks; may be repeated
     #[arg(long, value_name = "FILE", conflicts_with = "split")]
     pub(crate) held_out: Vec<PathBuf>,
     /// Share of each log that is fitted to; its end is held out [default: 0.67 without --held-out]
@@ -240,14 +240,14 @@ pub(crate) struct GapArgs {
     /// Longest hole of a log that is bridged, in seconds; without it five samples
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) longest_hole: Option<f64>,
-    /// Leave out rows whose time is not later than that of the row before, instead of refusing
+    /// Drop rows whose time is not later than that of the row before, instead of refusing
     /// the log
     #[arg(long)]
     pub(crate) drop_disorder: bool,
-    /// Take the log as it is read, without asking for wrong signs, units, columns and clocks
+    /// Take the log as it is read, without looking for wrong signs, units, columns and clocks
     #[arg(long)]
     pub(crate) as_read: bool,
-    /// Diagnose simulated logs of known cause as well, N of each, to see what such logs can tell
+    /// Also diagnose simulated logs of known cause, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calibrate: Option<u32>,

@@ -24,7 +24,7 @@ pub(crate) struct WatchArgs {
     /// Choice of residual generator, bias model, detector and rule (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) spec: Option<PathBuf>,
-    /// Log of the healthy plant (CSV) that all units learn from, several times for several runs
+    /// Log of the healthy plant (CSV) that all units learn from; may be repeated
     #[arg(long, value_name = "FILE", required_unless_present = "learn")]
     pub(crate) healthy: Vec<PathBuf>,
     /// Let each unit learn what is normal from its own first N samples instead
@@ -64,7 +64,7 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "mqtt")]
     #[arg(long, value_name = "HOST[:PORT]", requires = "state")]
     pub(crate) mqtt: Option<String>,
-    /// Topic with samples as NDJSON, wildcards allowed, several times for several; instead of standard input
+    /// Topic with samples as NDJSON, wildcards allowed; may be repeated; instead of standard input
     #[cfg(feature = "mqtt")]
     #[arg(long, value_name = "TOPIC", requires = "mqtt", conflicts_with = "follow")]
     pub(crate) mqtt_in: Vec<String>,

@@ -204,7 +204,7 @@ fn a_wrong_unit_is_mended() {
     let text = stdout(&output);
     assert!(output.status.success(), "{output:?}");
     let headline =
-        "The log reads as if `speed` were in mm/s, not m/s (p > 0.99); with that mended: ";
+        "The log reads as if `speed` were in mm/s, not m/s (p > 0.99); with that corrected: ";
     assert!(text.starts_with(&format!("{headline}No gap")), "{text}");
     let report = desk.report();
     assert_eq!(report["reading"]["mistake"]["kind"], "unit");

@@ -1,4 +1,4 @@
-//! What engines suffer from.
+//! Effects of engines: wear, leaks, combustion, heat soak.
 
 use fd_effect::{Effect, NotTestable, Offers, Reason, SiteRef, Sketch, input, sensor};
 use fd_sim::{model::Model, scales::ReplayScales};

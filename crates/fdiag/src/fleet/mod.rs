@@ -8,7 +8,7 @@
 //! | stage | how |
 //! |---|---|
 //! | `r = H_u u + H_y y` | one product of matrices per sample: the generator's times the states and samples of all units |
-//! | learning `θ` | [`BatchRls`](crate::ident::batch::BatchRls) in the lanes of wide registers |
+//! | learning `θ` | [`BatchRls`](crate::ident::batch::BatchRls) in SIMD lanes |
 //! | `r* = r − μ̂` by simulation | row by row over all units |
 //! | detector and rule | those of the pipeline, unit by unit |
 //!

@@ -1,4 +1,4 @@
-//! What one unit of a fleet remembers by itself.
+//! The memory of one unit of a fleet.
 
 use fd_core::{
     Scalar, StateVisitor,

@@ -1,4 +1,4 @@
-//! What a study asks of a simulator outside of this program, beyond runs.
+//! Requests of a study to an outside simulator beyond runs.
 
 use fd_gap::fit::Log;
 use fd_model::SampleTime;

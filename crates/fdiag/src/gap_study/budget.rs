@@ -1,4 +1,4 @@
-//! What a diagnosis may cost.
+//! The budget of a diagnosis.
 
 use std::{
     fmt::{self, Display, Formatter},

@@ -1,4 +1,4 @@
-//! What can stop a gap diagnosis.
+//! Errors that stop a gap diagnosis.
 
 use std::path::PathBuf;
 
@@ -145,7 +145,7 @@ fn time_unit(times: f64) -> &'static str {
     near.filter(|(_, factor)| off(*factor) < SAME_UNIT).map_or("ms", |(name, _)| name)
 }
 
-/// Errors of the rooms below are boxed, to keep results small.
+/// Errors of the crates below are boxed, to keep results small.
 macro_rules! boxed {
     ($($source:ty => $variant:ident),*) => {$(
         impl From<$source> for GapError {

@@ -1,4 +1,4 @@
-//! What is wrong with logs, under the names of their files.
+//! Findings about logs, with the names of their files.
 
 use std::{cmp::Reverse, path::Path};
 

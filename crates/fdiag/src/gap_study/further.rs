@@ -1,4 +1,4 @@
-//! What is asked once there is a diagnosis.
+//! Further questions, once there is a diagnosis.
 
 use fd_gap::{
     calibrate::{Confusion, self_calibrate},

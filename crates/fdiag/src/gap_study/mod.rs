@@ -1,8 +1,8 @@
 //! Which unmodelled effect separates a simulator from logs of the real system: from files to a report.
 //!
-//! [`GapStudy::run`] reads a model and logs, diagnoses them with [`fd_gap`], and puts everything that
-//! came out into one [`Report`]. Whatever shows it, a page, tables, JSON or another language, reads that;
-//! [`words`] says in plain language what the types do not say themselves.
+//! [`GapStudy::run`] reads a model and logs, diagnoses them with [`fd_gap`], and puts the complete result into
+//! one [`Report`]. Everything that presents it (a page, tables, JSON, another language) reads the report;
+//! [`words`] turns its types into plain language.
 
 mod attempt;
 mod black_box;

@@ -1,4 +1,4 @@
-//! What is left out when a user does not want to wait any longer.
+//! What is left out when the user stops a study.
 
 use std::cell::RefCell;
 

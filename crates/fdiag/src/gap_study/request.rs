@@ -1,4 +1,4 @@
-//! What is to be diagnosed, as its user says it.
+//! The request: what is to be diagnosed, and how.
 
 use std::{
     fmt::{self, Display, Formatter},

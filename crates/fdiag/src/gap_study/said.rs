@@ -1,4 +1,4 @@
-//! What a diagnosis says, as a simulator that forecasts.
+//! A diagnosis as a simulator that forecasts.
 
 use fd_gap::{
     diagnose::Explanation,

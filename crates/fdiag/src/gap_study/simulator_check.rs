@@ -178,27 +178,27 @@ impl SimulatorCheck {
         unknown.sort_unstable();
         unknown.dedup();
         let text = if unknown.is_empty() {
-            "all of channels and parameters are known".to_owned()
+            "all units of channels and parameters are known".to_owned()
         } else {
-            format!("`{}` are not converted: logs must have the same", unknown.join("`, `"))
+            format!("`{}` are not converted: logs must use the same units", unknown.join("`, `"))
         };
         self.say(Grade::Fine, "units", text);
     }
 
     fn noise(&mut self, is_unknown: bool) {
         if is_unknown {
-            self.say(Grade::Fine, "noise", "not stated of every output: it will be estimated");
+            self.say(Grade::Fine, "noise", "not stated for every output: it will be estimated");
         }
     }
 
     fn powers(&mut self, contract: &Contract) {
         let powers = contract.powers;
         if let Some(precision) = powers.precision.filter(|p| 100.0 * p < self.precision) {
-            let text = format!("it says {precision:.0e}, and is {:.0e}", self.precision);
+            let text = format!("stated as {precision:.0e}, measured as {:.0e}", self.precision);
             self.say(Grade::Doubt, "stated precision", text);
         }
         if !powers.deterministic {
-            let text = "it says that the same run gives other numbers";
+            let text = "it declares that the same run may give different numbers";
             self.say(Grade::Broken, "stated powers", text);
         }
         if !powers.step {

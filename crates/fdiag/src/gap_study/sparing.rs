@@ -1,4 +1,4 @@
-//! Simulators of which a run is dear are asked for few.
+//! Diagnosis with few runs of simulators that are expensive to run.
 
 use fd_gap::{
     diagnose::{Case, Cause, Diagnosis, Monitor, Settings, diagnose},
@@ -163,7 +163,7 @@ impl Work {
             return;
         }
         monitor.plan(&format!(
-            "A run of the simulator through the logs takes {} s. Planned are {} runs to linearise it and up to \
+            "A run of the simulator through the logs takes {} s. The plan is {} runs to linearise it and up to \
              {confirm} to confirm {causes} causes and {pairs} pairs: {} s.",
             figure(self.seconds),
             self.stand_in,

@@ -1,4 +1,4 @@
-//! What is said of a fault beyond that there is one, as a line of a spec.
+//! Isolation and sizing of a fault, as a line of a spec.
 
 use fd_compensate::{
     SampleRows,

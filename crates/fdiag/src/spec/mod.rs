@@ -1,8 +1,7 @@
 //! A pipeline described as data: one TOML file chooses every stage.
 //!
-//! Each table has a `kind`; an unknown kind or setting is refused with the list of known ones.
-//! A spec is a closed list of the methods that we ship. A method of your own goes straight into
-//! [`Stages`](fd_core::Stages), boxed or not.
+//! Each table has a `kind`; an unknown kind or setting is refused with the list of known ones. A spec can only
+//! name built-in methods. A method of your own goes directly into [`Stages`](fd_core::Stages), boxed or not.
 
 mod adaptive;
 mod bias;

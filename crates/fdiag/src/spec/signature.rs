@@ -1,4 +1,4 @@
-//! What lasting faults of sensors and actuators leave in a residual.
+//! Signatures of lasting sensor and actuator faults in a residual.
 
 use faer::Mat;
 use fd_model::{Discrete, StateSpace};

@@ -1,4 +1,4 @@
-//! What can stop a run.
+//! Errors that stop a run.
 
 use fd_compensate::{RowsError, decide::RuleError, residual_compensation::CompensationError};
 use fd_core::{BuildError, FrameError, LimitError};

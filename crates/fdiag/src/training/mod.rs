@@ -1,4 +1,4 @@
-//! Training: healthy logs in, a trained diagnosis out, and later logs through it.
+//! Training: from healthy logs to a trained diagnosis, and later logs through it.
 //!
 //! ```text
 //! healthy logs ──generator──▶ r ──learning──▶ θ* ──┐

@@ -1,4 +1,4 @@
-//! What a pipeline made of a log, sample by sample, for reports.
+//! The output of a pipeline over a log, sample by sample, for reports.
 
 use fd_core::{
     DynPipeline, Event, FrameError,

@@ -1,4 +1,4 @@
-//! What may have happened, what is normal, and how sure one has to be.
+//! Design of isolation: hypotheses, fault-free noise, and the required certainty.
 
 use std::ops::Range;
 

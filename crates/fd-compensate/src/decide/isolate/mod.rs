@@ -1,7 +1,7 @@
 //! Detection, isolation and estimation as one decision with its confidence.
 //!
-//! After a [debounced](super::Debounce) alarm the mean `r̄` of the residual since the first alarm is held
-//! against what each hypothesis allows. In units of the fault-free noise, with `n` samples of integrated
+//! After a [debounced](super::Debounce) alarm the mean `r̄` of the residual since the first alarm is compared
+//! with what each hypothesis allows. In units of the fault-free noise, with `n` samples of integrated
 //! autocorrelation time `τ`,
 //!
 //! ```text
@@ -12,11 +12,10 @@
 //! with `c` channels. Hypothesis `h` confines `z` to the `p_h` directions `Q_h`: one for a known signature
 //! `W g`, as many as responding channels for a row of a [structure matrix](Effect::Responds), all for *none of
 //! these*, none for *no fault at all*. Within them `z` has a Gaussian prior of the size observed (empirical
-//! Bayes), so that units and strength favour no one and a hypothesis that allows more pays for it (the
+//! Bayes), so that units and strength favour no hypothesis and one that allows more is penalised for it (the
 //! logarithm). `ε` is how far a signature may be off, relative to its length; it keeps a small error of the
-//! model from ruling out every hypothesis once `n` is large. Bayes' rule with the prior weights makes
-//! probabilities of these; the likeliest hypothesis is named if it reaches
-//! [`Isolation::naming`].
+//! model from ruling out every hypothesis once `n` is large. Bayes' rule with the prior weights turns these
+//! into probabilities; the most probable hypothesis is named if it reaches [`Isolation::naming`].
 //!
 //! A size with a signature is `ŝ = aᵀ z / aᵀ a`, `a = W g`, in `ŝ ± q / √(ν aᵀ a)` with the normal quantile `q` of
 //! [`Isolation::coverage`]: if it is this fault.

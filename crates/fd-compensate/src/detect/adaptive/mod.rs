@@ -1,9 +1,9 @@
 //! Thresholds that follow the input: the adaptive threshold and the threshold selector.
 //!
-//! What a wrong model leaves in the residual of a healthy plant is `μ = H_y ΔG u` (Patton & Chen 1992,
-//! eq. 9 and 12): it grows with the input. A threshold that is to cover the uncertainty and nothing more
-//! must therefore follow the input too, `J_th(t) ∼ ‖H_y ΔG u‖` (section 2; Emami-Naeini, Akhter & Rock
-//! 1988; Ding & Frank 1991). This is the *passive* way to be robust: nothing is taken off the residual.
+//! The bias that a wrong model causes in the residual of a healthy plant is `μ = H_y ΔG u` (Patton & Chen 1992,
+//! eq. 9 and 12): it grows with the input. A threshold that covers the uncertainty and nothing more must
+//! therefore follow the input too, `J_th(t) ∼ ‖H_y ΔG u‖` (section 2; Emami-Naeini, Akhter & Rock 1988; Ding &
+//! Frank 1991). This is *passive* robustness: nothing is subtracted from the residual.
 //!
 //! ```text
 //! J_i(k) = a_i + Σ_jl b_ijl ‖φ_l u_j‖_k          bound of residual channel i

@@ -10,8 +10,8 @@
 //! makes them.
 //!
 //! A fault that adds `s(k)` to the residual adds `W (s_c(k) − Σ_i a_ci s_c(k−i))` to `e`:
-//! [`WhitenerDesign::response`]. What detects it must look for that and not for `s`; a step, for one, becomes
-//! a jump that partly fades.
+//! [`WhitenerDesign::response`]. A detector must look for that and not for `s`; a step, for example, becomes a
+//! jump that partly fades.
 //!
 //! **Assumptions.** The fault-free residual is stationary. The past before the first sample is taken to
 //! be the mean, so the first samples are whitened in part only.

@@ -1,4 +1,4 @@
-//! What was made of the evidence.
+//! The judgement: what was concluded from the evidence.
 
 use crate::{
     diagnose::{

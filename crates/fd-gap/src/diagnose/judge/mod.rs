@@ -1,4 +1,4 @@
-//! From evidence to a verdict: which answers tie, what is doubted, how probable each is.
+//! From evidence to a verdict: which answers are tied, which are in doubt, how probable each one is.
 
 mod beside;
 mod by_evidence;

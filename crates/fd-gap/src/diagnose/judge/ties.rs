@@ -1,4 +1,4 @@
-//! What the log cannot tell from the first cause.
+//! Ties: causes that the log cannot tell from the first one.
 
 use super::judged::Ties;
 use crate::{

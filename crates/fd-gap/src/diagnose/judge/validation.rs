@@ -1,4 +1,4 @@
-//! What forecasts of held-out logs say of an explanation.
+//! What forecasts of held-out logs say about an explanation.
 //!
 //! What explains the logs of the fit and nothing else is no law: a curve over time follows any
 //! force that comes from somewhere else, and a hundred candidates have a hundred chances. A law of

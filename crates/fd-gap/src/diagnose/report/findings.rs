@@ -1,4 +1,4 @@
-//! What is wrong with the logs.
+//! Findings: what is wrong with the logs.
 
 use fd_model::Record;
 use fd_sim::simulate::Simulator;

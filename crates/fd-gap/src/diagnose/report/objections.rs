@@ -1,4 +1,4 @@
-//! What speaks against an answer, whatever its probability: what an engineer would say at first sight.
+//! Objections to an answer, whatever its probability: what an engineer would object to at first sight.
 //!
 //! An objection that [forbids](Objection::forbids) an answer takes its name away: half of what was believed of it
 //! is doubt then, and the verdict is [`Verdict::Unclear`](crate::diagnose::Verdict::Unclear). The others are said beside it.

@@ -1,4 +1,4 @@
-//! What a candidate could explain besides the nuisances, start by start, before any fit.
+//! How much a candidate could explain beyond the nuisance parameters, start by start, before any fit.
 
 use fd_effect::EffectParameter;
 

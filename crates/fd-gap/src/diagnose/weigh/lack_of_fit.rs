@@ -1,4 +1,4 @@
-//! What an answer leaves of the gap, and how much of that may be noise.
+//! How much of the gap an answer leaves, and how much of that may be noise.
 
 use super::{answer::Answer, known::Known, leftover::leftover};
 use crate::{

@@ -1,12 +1,12 @@
-//! Slow noise of which nobody states the size.
+//! Slow noise whose size is not stated.
 //!
-//! Differences of neighbouring samples show how strong white noise is. Of slow noise they show next to nothing: a
-//! road under a car, wind on a yaw rate, a process that wanders. What tells it from a gap is that nothing that is
-//! known foretells it: neither inputs of the past nor what the simulation does. What a missing effect leaves follows
-//! them, nearly always.
+//! Differences of neighbouring samples show how strong white noise is. They show almost nothing of slow noise:
+//! a road under a car, wind on a yaw rate, a process that wanders. Slow noise differs from a gap in that
+//! nothing known predicts it: neither past inputs nor the simulation. The residual of a missing effect nearly
+//! always follows these.
 //!
-//! *When not to use:* where the model states the noise, as then its size says what is too much; and on a coarse grid,
-//! of which the rounding errors are no noise of a filter.
+//! *When not to use:* where the model states the noise, because its size then shows what is too much; and on a
+//! coarse grid, whose rounding errors are not filtered noise.
 
 use super::{
     SOMETHING,

@@ -1,12 +1,12 @@
 //! An FMU for co-simulation, FMI 2.0 (Modelica Association, <https://fmi-standard.org>), as a simulator.
 //!
-//! Inputs, outputs, parameters, initial states and ports are variables of type `Real`; ports are inputs that the
-//! user names as such. The communication step is the sample time. An instance is used again for the next run by
-//! `fmi2Reset`; parameters and initial states are set before it is initialised.
+//! Inputs, outputs, parameters, initial states and ports are variables of type `Real`; ports are inputs that
+//! the user names as such. The communication step is the sample time. An instance is reused for the next run
+//! with `fmi2Reset`; parameters and initial states are set before it is initialised.
 //!
-//! *When not to use:* FMUs for model exchange, or of another version; FMUs that crash, for they take this program
-//! with them: serve those from a process. Outputs that depend on inputs of the same instant are as good as the FMU
-//! is at showing them before it steps; many show those of the step before.
+//! *When not to use:* FMUs for model exchange, or of another version; FMUs that crash, because this process
+//! crashes with them: serve those from a separate process. Whether outputs with direct feedthrough reflect the
+//! inputs of the same instant depends on the FMU; many return those of the step before.
 
 mod api;
 mod archive;

@@ -1,9 +1,10 @@
-//! A program of its own as a simulator, over its standard input and output.
+//! A separate program as a simulator, over its standard input and output.
 //!
-//! Each way begins with a line of JSON, the *hello*: what the file says of the simulator, and what the
-//! simulator says of itself. Then binary frames go back and forth. `docs/process-protocol.md` describes both.
+//! Each direction begins with a line of JSON, the *hello*: what the file says about the simulator, and what the
+//! simulator says about itself. Then binary frames go back and forth. `docs/process-protocol.md` describes
+//! both.
 //!
-//! *When not to use:* on systems other than Unix, where waiting for a pipe with a limit needs other means: a
+//! *When not to use:* on systems other than Unix, where waiting for a pipe with a timeout needs other means; a
 //! process is refused there.
 
 mod child;

@@ -1,4 +1,4 @@
-//! What a running model remembers, for snapshots.
+//! The memory of a running model, for snapshots.
 
 use fd_core::StateVisitor;
 

@@ -1,4 +1,4 @@
-//! What happens in one integration step.
+//! One integration step.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"

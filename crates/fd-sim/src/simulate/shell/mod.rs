@@ -1,13 +1,12 @@
-//! A shell of equations around a simulator that only steps, so that effects can be spliced in.
+//! A shell of equations around a simulator that can only be stepped, so that effects can be spliced in.
 //!
 //! The model of the shell has the inputs of the simulator inside, and its raw outputs as further
 //! inputs; its outputs pass these through. Effects splice into the shell as into any model:
 //!
-//! * **Inputs.** For each input `u` the shell integrates what the plant sees, `u_integral' = u`.
-//!   An effect wraps `u` there. The simulator inside gets the mean over its step, which is the
-//!   increment of the integral; delays by parts of a step work. What does not change within a step
-//!   is its own mean and is not integrated, so a shell without effects gives the bits of the
-//!   simulator inside.
+//! * **Inputs.** For each input `u` the shell integrates what the plant sees, `u_integral' = u`. An effect
+//!   wraps `u` there. The simulator inside gets the mean over its step, which is the increment of the integral;
+//!   delays by fractions of a step work. A value that does not change within a step is its own mean and is not
+//!   integrated, so a shell without effects is bit-identical to the simulator inside.
 //! * **Outputs.** Sensors wrap the raw outputs.
 //! * **Parameters** of the simulator inside are those of the shell, each handed on by a definition
 //!   `p_inside = p`, in which an error of the parameter wraps it.
@@ -21,8 +20,8 @@
 //! coarse (friction that stops a fast motion), give it a step that is a whole fraction of the
 //! sample time of the log; the shell steps it as often as needed.
 //!
-//! *When not to use:* a plant of which the equations are known. Friction that depends on load, an
-//! appendage that swings, coupling to inner states and stores that overflow need equations.
+//! *When not to use:* for a plant whose equations are known. Friction that depends on load, swinging
+//! appendages, coupling to inner states and stores that overflow need equations.
 
 mod build;
 mod prune;

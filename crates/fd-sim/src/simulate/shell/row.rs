@@ -1,4 +1,4 @@
-//! A shell around a simulator that has to be told which sample of which log it is at.
+//! A shell around a simulator that needs to know which sample of which log it is at.
 
 use fd_model::SampleTime;
 

@@ -1,4 +1,4 @@
-//! What a patched shell does before, and what after, a step of the simulator inside.
+//! The work of a patched shell before and after a step of the simulator inside.
 
 use super::{
     Names,

@@ -37,7 +37,7 @@ pub(super) fn headline(report: &Report) -> String {
     };
     let Some(reading) = &report.reading else { return answer };
     format!(
-        "The log reads as if {} ({}); with that mended: {answer}",
+        "The log reads as if {} ({}); with that corrected: {answer}",
         reading.statement,
         p(reading.probability)
     )
@@ -78,7 +78,7 @@ fn no_gap(report: &Report) -> String {
     let p = p(report.diagnosis.no_gap);
     let slow = words::slow_noise(report);
     let slow =
-        slow.map_or_else(String::new, |slow| format!(", if what wanders in {slow} is noise"));
+        slow.map_or_else(String::new, |slow| format!(", if the slow wander of {slow} is noise"));
     match words::missed(report) {
         None => format!(
             "No gap: with its parameters refitted within their tolerances{moved} the model explains \
@@ -203,13 +203,13 @@ fn unclear(report: &Report) -> String {
 /// How far the gap shrinks, and where the rest is.
 fn closes(report: &Report, adding: &str) -> String {
     let Some(held_out) = report.diagnosis.held_out.first() else {
-        return format!("{adding} was not checked on held-out data, as there are none");
+        return format!("{adding} was not checked on held-out data, because there are none");
     };
     let Some(closed) = held_out.closed() else {
         return "the held-out data show no gap above the noise".to_owned();
     };
     if closed.fraction == 0.0 && closed.interval == [0.0, 0.0] {
-        return "it changes what is measured, so no simulation comes closer by it".to_owned();
+        return "it only changes the measurement, so it brings no simulation closer".to_owned();
     }
     let of = if held_out.closed_of_refit.is_some() {
         "the gap that refitted parameters leave on held-out data"

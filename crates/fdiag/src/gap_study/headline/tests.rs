@@ -277,6 +277,6 @@ fn a_log_that_is_read_wrongly_is_said_first() {
     };
     let plain = headline(&report(Verdict::NoGap));
     let said = headline(&Report { reading: Some(reading), ..report(Verdict::NoGap) });
-    let begin = "The log reads as if `y` had the other sign (p = 0.97); with that mended: ";
+    let begin = "The log reads as if `y` had the other sign (p = 0.97); with that corrected: ";
     assert_eq!(said, format!("{begin}{plain}"));
 }

@@ -45,7 +45,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     if is_mute {
         steps.push(
             "No excitation, sensor or sampling within the range of this log would separate the \
-             candidates: they are the same in this plant, unless it is taken apart."
+             candidates: they are equivalent in this plant, unless it is taken apart."
                 .to_owned(),
         );
     }
@@ -58,8 +58,8 @@ fn idle(names: &[String]) -> Option<String> {
     let move_ = if names.len() == 1 { "moves" } else { "move" };
     (!names.is_empty()).then(|| {
         format!(
-            "{} {move_} no output in these logs, which therefore say nothing of {}: if that is not meant, see whether \
-             the simulator takes it.",
+            "{} {move_} no output in these logs, which therefore say nothing about {}: if this is unexpected, check \
+             whether the simulator uses it.",
             list(&quoted, "and"),
             if names.len() == 1 { "its value" } else { "their values" }
         )
@@ -69,17 +69,17 @@ fn idle(names: &[String]) -> Option<String> {
 /// What was taken for noise, and how to say otherwise.
 fn state_it(slow: &str) -> String {
     format!(
-        "What wanders slowly in {slow} counts as noise, since nothing that was logged foretells it: if the sensor is \
-         better than that, say so (`noise = …`, a standard deviation), and it is a gap."
+        "The slow wander of {slow} counts as noise, since nothing that was logged predicts it: if the sensor is better \
+         than that, state its noise (`noise = …`, a standard deviation); then the wander counts as a gap."
     )
 }
 
 /// What to do about held-out data that contradict the fitted logs.
 fn fit_as_well(missed: &str) -> String {
     format!(
-        "{}, fitted logs are not: give the held-out log to `--log` as well and hold out another. It shows what the \
-         fitted ones do not, or begins elsewhere than the model says (then a wider `tolerance` of the initial \
-         states lets it).",
+        "{}, fitted logs are not: pass the held-out log to `--log` as well and hold out another. It shows something \
+         that the fitted ones do not, or begins outside the range that the model allows (then widen the `tolerance` \
+         of the initial states).",
         capital(missed)
     )
 }
@@ -94,8 +94,8 @@ fn cure(objection: &Objection) -> Option<String> {
         Objection::NoBetterThanConstant
         | Objection::NoBetterThanLastValue
         | Objection::WorseThanNominal => Some(
-            "Check the model and the reading of the log (signs, units, columns, start) before any \
-             effect: its forecasts are worth nothing."
+            "Check the model and the reading of the log (signs, units, columns, start) before \
+             considering any effect: its forecasts are useless."
                 .to_owned(),
         ),
         Objection::WorseThanRefitted => Some(
@@ -108,7 +108,7 @@ fn cure(objection: &Objection) -> Option<String> {
         )),
         Objection::ParametersAtEdges { .. } => None,
         Objection::ReadsBeyondLimit { .. } => Some(
-            "Look at the sensor beside the log: it reads farther than a saturated one could."
+            "Check the sensor itself: the log has readings that a saturated one could not give."
                 .to_owned(),
         ),
     }
@@ -146,8 +146,8 @@ fn liftable(report: &Report) -> Option<String> {
     names.dedup();
     (!names.is_empty()).then(|| {
         format!(
-            "Not tried for want of a position: {}. Name what moves there in the table `[sites]` of the \
-             model (`position = \"…\"`), and they are.",
+            "Not tried because no position is known: {}. Name what moves there in the table `[sites]` of the \
+             model (`position = \"…\"`), and they will be.",
             list(&names, "and")
         )
     })

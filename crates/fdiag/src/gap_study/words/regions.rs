@@ -1,4 +1,4 @@
-//! What a gap depends on.
+//! The quantities on which a gap depends, in words.
 
 use fd_gap::locate::{RegionOf, RegionOn};
 

@@ -1,4 +1,4 @@
-//! What was taken for slow noise without anybody having said that there is any.
+//! Outputs whose slow errors were taken for noise although no noise is stated.
 
 use fd_model::figure;
 use fd_sim::model::Output;

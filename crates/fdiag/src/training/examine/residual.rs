@@ -1,4 +1,4 @@
-//! What shape a healthy residual has that the inputs do not give it.
+//! The shape of a healthy residual (jumps, drifts, outliers) that the inputs do not explain.
 
 use fd_compensate::calibrate::autocorrelation_time;
 use fd_numeric::{dot, robust_deviation};
