@@ -16,6 +16,41 @@
 //!
 //! Where the model has no finite output (it left its region of validity) the residual is NaN, as the contract
 //! of generators requires, and the filter restarts from its initial state.
+//!
+//! A pendulum that starts 2 rad away from where its filter believes it to be:
+//!
+//! ```
+//! use fd_core::{Frame, stage::ResidualGenerator};
+//! use fd_nonlinear::{Noise, NoisyModel, StateEquations, unscented::UnscentedDesign};
+//! use fd_sim::{model::Model, simulate::StateMap};
+//!
+//! let model: Model = r#"
+//! version = 1
+//! kind = "equations"
+//! name = "pendulum"
+//! sample_time = 0.02
+//! inputs = { u = { unit = "1/s^2" } }
+//! outputs = { y = { unit = "rad", value = "q" } }
+//! [states]
+//! q = { unit = "rad", initial = 0.0, derivative = "w" }
+//! w = { unit = "rad/s", initial = 0.0, derivative = "u - 9*sin(q) - 0.2*w" }
+//! "#.parse()?;
+//! let plant = StateMap::new(&model, &model.nominal(), model.sample_time()?)?;
+//! let noise = Noise { process: vec![1e-4; 2], output: vec![1e-2], initial: vec![1.0; 2] };
+//! let assumed = NoisyModel::new(plant.clone(), vec![0.0, 0.0], noise)?;
+//! let mut filter = UnscentedDesign::new(assumed, None)?.freeze();
+//!
+//! let (mut x, mut next, mut residual) = ([2.0, 0.0], [0.0; 2], [0.0]);
+//! let mut first = None;
+//! for k in 0..500 {
+//!     filter.step(Frame::new(filter.io(), k, &[0.0], &x[..1])?, &mut residual);
+//!     first.get_or_insert(residual[0]);
+//!     plant.clone().advance(k, &x, &[0.0], &[0.0], &mut next);
+//!     x = next;
+//! }
+//! assert!(1.9 < first.unwrap_or(0.0) && residual[0].abs() < 1e-2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod array;
 mod error;

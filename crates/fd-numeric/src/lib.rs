@@ -7,6 +7,17 @@
 //! | compute with many numbers side by side (SIMD) | [`lanes`] |
 //! | measure the size of a signal | [`rms()`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
+//!
+//! One wrong sample changes the size of a residual, not its median:
+//!
+//! ```
+//! use fd_numeric::{dot, median, rms};
+//!
+//! let mut residual = vec![0.1, -0.1, 0.1, 90.0, -0.1, 0.1, 0.1];
+//! assert!(30.0 < rms(residual.iter().copied()));
+//! assert_eq!(median(&mut residual), 0.1);
+//! assert_eq!(dot(&[1.0, 2.0], &[3.0, 4.0]), 11.0);
+//! ```
 
 mod dot;
 pub mod lanes;

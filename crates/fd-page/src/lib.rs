@@ -2,6 +2,15 @@
 //!
 //! [`page()`] and [`tables()`] present a [`GapStudy`]. Numbers, probabilities and verdicts come from its typed
 //! report; only words, units and pictures are made here. [`json`] returns the contents of `report.json`.
+//!
+//! ```no_run
+//! use fdiag::gap_study::{GapStudy, Request};
+//!
+//! let study = GapStudy::run(&Request::new("cart.toml", ["monday.csv"]), &())?;
+//! std::fs::write("report.html", fd_page::page(&study)?.to_html())?;
+//! std::fs::write("report.json", fd_page::json(&study.report)?)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod page;
 mod pictures;

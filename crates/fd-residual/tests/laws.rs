@@ -340,3 +340,52 @@ fn static_gain(column: [f64; 2]) -> <Fixed<2, 1, 1> as fd_core::Storage<f64>>::X
     fd_core::LinMap::from_fn("observer gain L", fd_core::Shape::new(2, 1), |i, _| column[i])
         .unwrap()
 }
+
+/// A nonlinear generator has no answer where its model diverges, and begins anew: so does the filter behind it.
+#[test]
+fn a_filter_begins_anew_with_its_generator() {
+    use fd_core::{IoDims, StateVisitor};
+    use fd_residual::weighted::Filtered;
+
+    #[derive(Clone, Debug)]
+    struct LostAboveTen;
+
+    impl Stage for LostAboveTen {
+        fn reset(&mut self) {}
+
+        fn visit_state(&mut self, _visitor: &mut dyn StateVisitor<f64>) {}
+    }
+
+    impl ResidualGenerator for LostAboveTen {
+        fn io(&self) -> IoDims {
+            IoDims { nu: 1, ny: 1 }
+        }
+
+        fn residual_len(&self) -> usize {
+            1
+        }
+
+        fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
+            r[0] = if frame.y()[0] < 10.0 { frame.y()[0] } else { f64::NAN };
+        }
+    }
+
+    let scalar = |v: f64| Mat::from_fn(1, 1, |_, _| v);
+    let domain = plant(DRAW).domain();
+    let lag = StateSpace::new(scalar(0.8), scalar(0.2), scalar(1.0), scalar(0.0), domain).unwrap();
+    let fresh =
+        Filtered::<f64, _, Fixed<1, 1, 1>, [f64; 1]>::new(LostAboveTen, lag.freeze().unwrap());
+    let fresh = fresh.unwrap();
+    let mut used = fresh.clone();
+    let sample = |filter: &mut Filtered<_, _, Fixed<1, 1, 1>, _>, y: f64| {
+        let mut r = [0.0];
+        filter.step(Frame::new(filter.io(), 0, &[0.0], &[y]).unwrap(), &mut r);
+        r[0]
+    };
+    (0..5).for_each(|_| assert!(sample(&mut used, 1.0).is_finite()));
+    assert!(sample(&mut used, 11.0).is_nan());
+    let mut fresh = fresh;
+    for _ in 0..5 {
+        assert_eq!(sample(&mut used, 1.0).to_bits(), sample(&mut fresh, 1.0).to_bits());
+    }
+}

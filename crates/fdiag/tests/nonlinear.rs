@@ -68,6 +68,25 @@ fn on_a_linear_model_the_filters_are_the_stationary_kalman_filter() {
     }
 }
 
+/// What is left of the patched simulation, observed: of a linear model the residual of the observer itself.
+#[test]
+fn on_a_linear_model_the_observed_simulation_is_the_observer() {
+    let log = run(&plant(), &input(3000, 1), 1e-3, 4);
+    let linear = GeneratorSpec::Observer { rate: 2.0 };
+    let expected =
+        residuals(&mut *linear.design(&nominal(), None, &[]).unwrap().build().unwrap(), &log);
+    let design = generator("patched", "observer_rate = 2.0").design(&nominal(), None, &[]).unwrap();
+    let found = residuals(&mut *design.build().unwrap(), &log);
+    let largest = expected.iter().map(|r| r.abs()).fold(0.0, f64::max);
+    let left = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // The same sums in another order: outputs below 10, stable states, rounding of 2e-16 a step.
+    assert!(left < 1e-12 && 1e-3 < largest, "{left} {largest}");
+    let theirs = linear.design(&nominal(), None, &[]).unwrap().form().unwrap();
+    let (ours, theirs) = (design.form().unwrap().hy().unwrap(), theirs.hy().unwrap());
+    let difference = (ours.dc_gain().unwrap() - theirs.dc_gain().unwrap()).norm_max();
+    assert!(difference < 1e-12, "{difference}");
+}
+
 #[test]
 fn they_go_through_gaps_and_snapshots() {
     let log = run(&plant(), &input(2000, 0), 1e-2, 1);
@@ -235,6 +254,7 @@ fn a_patched_engine_goes_on_from_a_snapshot() {
         suspicion: 1.5,
         memory_s: 5.0,
         settle_s: 0.0,
+        observer_rate: None,
     };
     let design = spec.design(&linear, None, &[]).unwrap();
     let (mut one, mut twin) = (design.build().unwrap(), design.build().unwrap());

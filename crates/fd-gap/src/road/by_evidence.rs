@@ -31,7 +31,7 @@ use crate::{
 /// Most rounds of going on and looking back …
 const ROUNDS: usize = 3;
 /// … and most diagnoses on the way, each of which takes as long as the first one without its pairs.
-const DIAGNOSES: usize = 24;
+const DIAGNOSES: usize = 16;
 
 /// Causes as long as evidence asks for more. `None` where one cause or two are all there is to say.
 pub(super) fn by_evidence(

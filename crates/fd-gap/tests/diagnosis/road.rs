@@ -79,7 +79,7 @@ fn suspects<'a>(model: &'a Model, fitted: &Record) -> EverySite<'a> {
 
 /// Suspects of which a model with one of them in it was fitted before.
 #[derive(Debug)]
-struct Again<'a>(EverySite<'a>, Model);
+struct Again<'a>(&'a EverySite<'a>, Model);
 
 impl Suspects for Again<'_> {
     fn alone(&self) -> Offers {
@@ -106,7 +106,7 @@ fn what_was_fitted_before_is_found_again() {
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &[] };
     let first = diagnose(&case, &settings, &()).unwrap();
     assert_eq!(first.causes[0].label, "input-dead-zone");
-    let again = Again(suspects, first.causes[0].model.clone());
+    let again = Again(&suspects, first.causes[0].model.clone());
     let second = diagnose(&Case { suspects: &again, ..case }, &settings, &()).unwrap();
     for (before, after) in first.causes.iter().zip(&second.causes) {
         // A fit to the end leaves a hundredth of a nat, and evidence is divided by a temperature of 1.5.

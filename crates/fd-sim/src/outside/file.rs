@@ -223,6 +223,7 @@ impl OutsideFile {
     }
 
     #[cfg(not(feature = "fmu"))]
+    #[expect(clippy::unused_self, reason = "the same call as with the feature")]
     fn open_fmu(&self, path: &Path) -> Result<OutsideSimulator, OutsideError> {
         Err(OutsideError::Fmu {
             file: path.display().to_string(),

@@ -212,6 +212,10 @@ pub enum GeneratorSpec {
         /// Time in s at the start of each healthy log that is not learned from for that.
         #[serde(default)]
         settle_s: f64,
+        /// Rate in 1/s at which an observer of the pipeline's linear model forgets what the simulation leaves, as that
+        /// of `observer`; without it nothing corrects the simulation.
+        #[serde(default)]
+        observer_rate: Option<f64>,
     },
 }
 
@@ -310,10 +314,13 @@ impl GeneratorSpec {
         plant: &NominalPlant<'_>,
         healthy: &[Record],
     ) -> Option<Result<Box<dyn GeneratorDesign>, GeneratorSpecError>> {
-        if let Self::Patched { model, track, suspicion, memory_s, settle_s } = self {
+        if let Self::Patched { model, track, suspicion, memory_s, settle_s, observer_rate } = self {
             let (suspicion, memory_s, settle_s) = (*suspicion, *memory_s, *settle_s);
             let spec = PatchedSpec { model, track, suspicion, memory_s, settle_s };
-            return Some(spec.design(plant, healthy).map(|design| Box::new(design) as _));
+            return Some(match observer_rate {
+                Some(rate) => spec.observed(plant, healthy, *rate).map(|d| Box::new(d) as _),
+                None => spec.design(plant, healthy).map(|design| Box::new(design) as _),
+            });
         }
         let (Self::Extended { model, process_noise, output_noise, initial }
         | Self::Unscented { model, process_noise, output_noise, initial, .. }

@@ -16,6 +16,9 @@ const DIAGNOSED_S: f64 = 20.0;
 /// Noise that drives each state of a filter, relative, per root of a second.
 const PROCESS_NOISE: f64 = 1e-3;
 
+/// Rate of the observers in 1/s, that of the benchmark.
+const OBSERVER_RATE: f64 = 2.0;
+
 /// Which residual watches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Residual {
@@ -31,12 +34,35 @@ pub enum Residual {
     Nominal,
     /// The same with the named cause in it.
     Patched,
+    /// What the nominal simulation leaves, seen by the linear observer.
+    ObservedNominal,
+    /// What the patched simulation leaves, seen by the linear observer.
+    ObservedPatched,
 }
 
 impl Residual {
     /// All of them, the opponent first.
-    pub const ALL: [Self; 6] =
-        [Self::Linear, Self::Kalman, Self::Extended, Self::Unscented, Self::Nominal, Self::Patched];
+    pub const ALL: [Self; 8] = [
+        Self::Linear,
+        Self::Kalman,
+        Self::Extended,
+        Self::Unscented,
+        Self::Nominal,
+        Self::Patched,
+        Self::ObservedNominal,
+        Self::ObservedPatched,
+    ];
+
+    /// Those that run the engine once per sample, not once per slope or sigma point of its 17 states: a filter takes
+    /// minutes per engine.
+    pub const QUICK: [Self; 6] = [
+        Self::Linear,
+        Self::Kalman,
+        Self::Nominal,
+        Self::Patched,
+        Self::ObservedNominal,
+        Self::ObservedPatched,
+    ];
 
     /// Its name in tables.
     #[must_use]
@@ -48,6 +74,8 @@ impl Residual {
             Self::Unscented => "unscented",
             Self::Nominal => "nonlinear simulation",
             Self::Patched => "patched simulation",
+            Self::ObservedNominal => "nonlinear simulation, observed",
+            Self::ObservedPatched => "patched simulation, observed",
         }
     }
 }
@@ -70,17 +98,17 @@ pub struct JoinedTrial {
     pub named: String,
     /// Time in s that the diagnosis took.
     pub diagnosis_s: f64,
-    /// One per residual of [`Residual::ALL`]; or why it could not watch.
+    /// One per residual of [`Residual::ALL`]; or why it could not watch, or was not asked.
     pub residuals: Vec<Result<Smallest, String>>,
 }
 
 impl JoinedScenario {
-    /// Runs one engine.
+    /// Runs one engine, watched by the residuals that are `asked` for.
     ///
     /// # Errors
     ///
     /// Returns an error when the engine cannot be run at all.
-    pub fn trial(&self, seed: u64) -> Result<JoinedTrial, EngineStudyError> {
+    pub fn trial(&self, seed: u64, asked: &[Residual]) -> Result<JoinedTrial, EngineStudyError> {
         let benchmark = Benchmark::new(self.config.clone())?;
         let mut case = benchmark.case(seed)?;
         if let Some((parameter, shift)) = self.worn
@@ -106,6 +134,9 @@ impl JoinedScenario {
         let residuals = Residual::ALL
             .into_iter()
             .map(|residual| {
+                if !asked.contains(&residual) {
+                    return Err("not asked".to_owned());
+                }
                 let generator = generator(residual, &text, &named, noise)?;
                 let spec = PipelineSpec { generator, ..self.config.pipeline.clone() };
                 watched(&benchmark, &case, &logs, &spec).map_err(|error| error.to_string())
@@ -125,15 +156,17 @@ fn generator(
 ) -> Result<GeneratorSpec, String> {
     let model = ModelSource::Text { text: text.to_owned() };
     let process_noise = DeviationSpec::Relative(PROCESS_NOISE);
+    let is_observed = matches!(residual, Residual::ObservedNominal | Residual::ObservedPatched);
     let simulated = |model| GeneratorSpec::Patched {
         model,
         track: std::collections::BTreeMap::new(),
         suspicion: 1.5,
         memory_s: 5.0,
         settle_s: 0.0,
+        observer_rate: is_observed.then_some(OBSERVER_RATE),
     };
     Ok(match residual {
-        Residual::Linear => GeneratorSpec::Observer { rate: 2.0 },
+        Residual::Linear => GeneratorSpec::Observer { rate: OBSERVER_RATE },
         Residual::Kalman => {
             // The same noises: a sample of 0.05 s takes this part of a second's variance.
             let process_noise = PROCESS_NOISE.powi(2) * 0.05;
@@ -149,8 +182,8 @@ fn generator(
             initial: None,
             kappa: None,
         },
-        Residual::Nominal => simulated(model),
-        Residual::Patched => match named {
+        Residual::Nominal | Residual::ObservedNominal => simulated(model),
+        Residual::Patched | Residual::ObservedPatched => match named {
             Ok(named) => simulated(ModelSource::Text { text: named.text.clone() }),
             Err(error) => return Err(error.clone()),
         },

@@ -5,10 +5,15 @@ use std::collections::BTreeMap;
 use fd_core::{IoDims, stage::ResidualGenerator};
 use fd_model::{Discrete, Record, StateSpace};
 use fd_nonlinear::patched::{PatchedDesign, Tracked, Tracking};
-use fd_residual::{DesignError, GeneratorDesign, ResidualForm, simulation::SimulationDesign};
+use fd_residual::{
+    DesignError, GeneratorDesign, ResidualForm, simulation::SimulationDesign,
+    weighted::FilteredDesign,
+};
 use fd_sim::model::Hold;
 
-use super::{error::GeneratorSpecError, filter::same_channels, model_source::ModelSource};
+use super::{
+    GeneratorSpec, error::GeneratorSpecError, filter::same_channels, model_source::ModelSource,
+};
 use crate::spec::NominalPlant;
 
 /// What a spec says of a simulation with tracked parameters.
@@ -29,6 +34,19 @@ pub(super) struct SimulatedDesign {
 }
 
 impl PatchedSpec<'_> {
+    /// The simulation, and behind it the observer of the linear model as it sees outputs: `H_y` of its form. Where the
+    /// simulation is the linear model, that is the observer itself, as `H_u = −H_y G` for every observer.
+    pub(super) fn observed(
+        &self,
+        plant: &NominalPlant<'_>,
+        healthy: &[Record],
+        rate: f64,
+    ) -> Result<FilteredDesign<SimulatedDesign>, GeneratorSpecError> {
+        let observer = GeneratorSpec::Observer { rate }.linear(plant.system, healthy)?;
+        let filter = observer.form()?.hy()?;
+        Ok(FilteredDesign::new(self.design(plant, healthy)?, &filter)?)
+    }
+
     /// The simulation, its parameters tracked as far as the healthy logs allow.
     pub(super) fn design(
         &self,
