@@ -4,7 +4,8 @@ use super::judged::Judged;
 use crate::diagnose::prepare::start::SURE;
 
 /// The judgement to believe: that of free starts only where its best answer leaves so much less than the other
-/// one's that chance with so many more unknowns does not explain it.
+/// one's that chance with so many more unknowns does not explain it, or where it is the plainer one: fewer starts and
+/// effects together than the other needs effects, and as good.
 pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> Judged<'a> {
     let squares = |judged: &Judged<'_>, sigma: &[f64]| -> f64 {
         let own = &judged.singles.searched.noise.sigma;
@@ -18,5 +19,7 @@ pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> J
     let plan = free.singles.base.plan();
     let (n, unknowns) = (plan.measured() as f64, plan.own_variables().count() as f64);
     let gain = n * (squares(&stated, &sigma) / squares(&free, &sigma)).ln();
-    if unknowns * (n.ln() + SURE) < gain { free } else { stated }
+    let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64;
+    let least = if is_plainer { -SURE } else { unknowns * (n.ln() + SURE) };
+    if least < gain { free } else { stated }
 }
