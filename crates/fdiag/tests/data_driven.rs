@@ -6,9 +6,11 @@ mod support;
 use faer::Mat;
 use fdiag::{
     data::parity::DataParityDesign,
+    log::{LogMap, read_log},
     model::{
         Channel, Inputs, Simulation,
         fault::{FaultProfile, FaultSpec, Site},
+        file::LinearModel,
         signal::{Prbs, WhiteNoise},
     },
     residual::{GeneratorDesign, parity::ParityDesign},
@@ -81,5 +83,23 @@ fn a_drift_is_found_without_a_model() {
         let quiet =
             Trace::of(&mut trained.uncompensated().unwrap(), &run(3, vec![]).unwrap()).unwrap();
         assert_eq!(quiet.first_alarm(0), None, "{generator}");
+    }
+}
+
+/// `examples/data-driven.toml` on the model and the log beside it, as `fdiag compensate` goes about it.
+#[test]
+fn the_example_runs() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let model = LinearModel::read(root.join("turbine.toml")).unwrap();
+    let log = read_log(root.join("turbine-run.csv"), &LogMap::for_model(&model)).unwrap().record;
+    let log = log.scaled(&model.scaling()).unwrap();
+    let plant = model.system.sampled(log.ts()).unwrap();
+    let text = std::fs::read_to_string(root.join("data-driven.toml")).unwrap();
+    let spec: PipelineSpec = toml::from_str(&text).unwrap();
+    let trained = train(&spec, &plant, &[Healthy::split(&log, 0.7)]).unwrap();
+    for mut pipeline in [trained.uncompensated().unwrap(), trained.compensated().unwrap()] {
+        let trace = Trace::of(&mut pipeline, &log).unwrap();
+        assert_eq!(trace.channels, trained.design().residual_len());
+        assert_eq!(trace.first_alarm(0), None, "the log is that of a healthy turbine");
     }
 }
