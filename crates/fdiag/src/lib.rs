@@ -60,6 +60,7 @@ pub mod training;
 
 pub use fd_compensate as compensate;
 pub use fd_core as core;
+pub use fd_data as data;
 pub use fd_effect as effect;
 pub use fd_gap as gap;
 pub use fd_ident as ident;

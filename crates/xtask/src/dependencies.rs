@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 22] = [
+const ALLOWED: [(&str, &[&[&str]]); 23] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -16,6 +16,7 @@ const ALLOWED: [(&str, &[&[&str]]); 22] = [
     ("fd-ident", &[MODELS]),
     ("fd-compensate", &[MODELS]),
     ("fd-jetengine", &[MODELS]),
+    ("fd-data", &[MODELS]),
     ("fd-structure", &[MODELS, &["fd-sim"]]),
     ("fd-nonlinear", &[MODELS, &["fd-sim"]]),
     ("fd-effect", &[MODELS, &["fd-sim"]]),
@@ -37,6 +38,7 @@ const METHODS: &[&str] = &[
     "fd-sim",
     "fd-structure",
     "fd-nonlinear",
+    "fd-data",
     "fd-residual",
     "fd-ident",
     "fd-compensate",

@@ -1,5 +1,6 @@
 //! Which residual generator, as a line of a spec.
 
+mod data;
 mod deviations;
 mod disturbance;
 mod error;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 #[cfg(feature = "testing")]
 pub(super) use self::every::EVERY;
 pub use self::{
+    data::{ComponentSpec, PartSpec},
     deviations::DeviationSpec,
     disturbance::DisturbanceSpec,
     error::GeneratorSpecError,
@@ -217,6 +219,39 @@ pub enum GeneratorSpec {
         #[serde(default)]
         observer_rate: Option<f64>,
     },
+    /// Principal components of the healthy logs.
+    Pca {
+        /// Past samples beside the present one.
+        #[serde(default)]
+        lags: usize,
+        /// How many components.
+        #[serde(default)]
+        components: ComponentSpec,
+        /// What of them is the residual.
+        #[serde(default)]
+        part: PartSpec,
+    },
+    /// Canonical variates of past and future in the healthy logs.
+    Cva {
+        /// Samples of the past, the present one included.
+        past: usize,
+        /// Samples of the future.
+        future: usize,
+        /// How many variates are states; none asks Akaike's criterion.
+        #[serde(default)]
+        states: Option<usize>,
+        /// What of them is the residual.
+        #[serde(default)]
+        part: PartSpec,
+    },
+    /// Parity relations of the healthy logs.
+    DataParity {
+        /// Window length minus one.
+        order: usize,
+        /// States of the plant; none counts them.
+        #[serde(default)]
+        states: Option<usize>,
+    },
 }
 
 fn unit_rate() -> f64 {
@@ -266,7 +301,8 @@ impl GeneratorSpec {
         healthy: &[Record],
     ) -> Result<Box<dyn GeneratorDesign>, GeneratorSpecError> {
         let plant = model.into();
-        let design = match self.nonlinear(&plant, healthy) {
+        let special = self.nonlinear(&plant, healthy);
+        let design = match special.or_else(|| data::design(self, &plant, healthy)) {
             Some(design) => design?,
             None => self.linear(plant.system, healthy)?,
         };
@@ -293,7 +329,10 @@ impl GeneratorSpec {
             | Self::Eigenstructure { .. }
             | Self::Optimal { .. }
             | Self::Structured { .. }
-            | Self::FaultEstimate { .. } => false,
+            | Self::FaultEstimate { .. }
+            | Self::Pca { .. }
+            | Self::Cva { .. }
+            | Self::DataParity { .. } => false,
         }
     }
 

@@ -67,10 +67,12 @@ fn resource(key: &str) -> Option<Resource> {
         "seed" | "first_seed" => return None,
         "window" | "out_of" | "raise" | "horizon" | "delay" | "lag" => Resource::Window,
         "na" | "nb" | "nc" | "nd" | "most" | "order" | "degree" | "segments" | "states"
-        | "regions" | "rank" | "whitening" | "tones" => Resource::Order,
+        | "regions" | "rank" | "whitening" | "tones" | "lags" | "past" | "future" => {
+            Resource::Order
+        }
         "corners" => Resource::Corners,
-        "models" | "runs" | "records" | "rounds" | "calibration_runs" | "threshold_runs"
-        | "test_runs" | "fault_runs" => Resource::Models,
+        "models" | "draws" | "runs" | "records" | "rounds" | "calibration_runs"
+        | "threshold_runs" | "test_runs" | "fault_runs" => Resource::Models,
         "seeds" | "thresholds" | "test" => Resource::Cases,
         _ => Resource::Count,
     })

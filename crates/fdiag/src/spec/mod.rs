@@ -28,8 +28,8 @@ pub use self::{
     bias::{BiasSpec, LearningSpec, OrderSpec, StructureSpec},
     detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
-        DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec, GeneratorSpecError, ModelSource,
-        ParameterSpec, ShiftSpec, SignatureSpec,
+        ComponentSpec, DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec,
+        GeneratorSpecError, ModelSource, ParameterSpec, PartSpec, ShiftSpec, SignatureSpec,
     },
     isolation::{IsolationSpec, IsolationSpecError},
     limits::check_limits,

@@ -1,5 +1,6 @@
 //! Why a generator of a spec cannot be made.
 
+use fd_data::DataError;
 use fd_nonlinear::NonlinearError;
 use fd_residual::DesignError;
 use fd_sim::model::LoadError;
@@ -17,6 +18,9 @@ pub enum GeneratorSpecError {
     /// The nonlinear model does not allow it, or a setting makes no sense.
     #[error(transparent)]
     Nonlinear(#[from] NonlinearError),
+    /// The healthy logs do not allow it, or a setting makes no sense.
+    #[error("generator: {0}")]
+    Data(#[from] DataError),
     /// The model file cannot be read.
     #[error(transparent)]
     Model(#[from] LoadError),

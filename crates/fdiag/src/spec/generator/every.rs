@@ -20,7 +20,7 @@ macro_rules! nonlinear {
 /// Lines of specs, at least one of each kind, for a model of one input, two states and two outputs.
 ///
 /// Those with a model of their own have that of the tests.
-pub(in crate::spec) const EVERY: [&str; 22] = [
+pub(in crate::spec) const EVERY: [&str; 27] = [
     r#"kind = "simulation""#,
     r#"kind = "observer", rate = 2.0"#,
     r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
@@ -43,4 +43,9 @@ pub(in crate::spec) const EVERY: [&str; 22] = [
     nonlinear!("particle", "process_noise = { a = 0.05, b = 0.05 }, particles = 40, seed = 3"),
     nonlinear!("patched", "suspicion = 2.0"),
     nonlinear!("patched", "suspicion = 2.0, observer_rate = 2.0"),
+    r#"kind = "pca""#,
+    r#"kind = "pca", lags = 2, components = { kind = "variance", share = 0.99 }, part = "scores""#,
+    r#"kind = "pca", components = { kind = "count", count = 1 }, part = "statistics""#,
+    r#"kind = "cva", past = 4, future = 3, states = 2"#,
+    r#"kind = "data-parity", order = 3, states = 2"#,
 ];

@@ -97,11 +97,14 @@ impl GeneratorSpec {
                 let noise = FaultNoise { process, output, drift };
                 Box::new(FaultEstimatorDesign::new(model, &faults, &noise)?)
             }
-            // Those of a nonlinear model were told apart before.
+            // Those of a nonlinear model or of none were told apart before.
             Self::Extended { .. }
             | Self::Unscented { .. }
             | Self::Particle { .. }
-            | Self::Patched { .. } => {
+            | Self::Patched { .. }
+            | Self::Pca { .. }
+            | Self::Cva { .. }
+            | Self::DataParity { .. } => {
                 return Err(DesignError::Empty { what: "nonlinear model" });
             }
         })
