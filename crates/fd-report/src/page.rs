@@ -189,6 +189,8 @@ impl Page {
             }
         }
         .into_string()
+        // Names of files and columns may hold what is no text, and what HTML does not allow.
+        .replace(|c: char| c.is_control() && c != '\n' && c != '\t', "\u{fffd}")
     }
 
     fn footer(&self) -> Markup {

@@ -56,9 +56,9 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "http")]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) http: Option<String>,
-    /// Ask on the live page before a unit is trained again; unanswered, it is not
-    #[cfg(feature = "http")]
-    #[arg(long, requires = "http")]
+    /// Ask on the live page, and at PREFIX/UNIT/wish of a broker, before a unit is trained again; unanswered, it is not
+    #[cfg(any(feature = "http", feature = "mqtt"))]
+    #[arg(long)]
     pub(crate) ask: bool,
     /// Broker to take samples from or to tell alarms to (MQTT 3.1.1, not encrypted), such as localhost:1883
     #[cfg(feature = "mqtt")]

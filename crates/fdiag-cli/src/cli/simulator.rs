@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
@@ -11,8 +10,9 @@ use std::{
 use clap::{Args, Subcommand};
 use fd_report::Table;
 use fdiag::{
+    core::Limits,
     gap_study::{Cost, Request, SimulatorCheck, Subject},
-    model::{SampleTime, figure},
+    model::{SampleTime, duration, figure, file::read_text},
     sim::{
         equation::Expr,
         outside::{
@@ -23,7 +23,7 @@ use fdiag::{
     },
 };
 
-use super::{failure::Failure, output::said};
+use super::{failure::Failure, say::say};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulatorCommand {
@@ -120,7 +120,8 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
 }
 
 fn of_file(model: &Path) -> Result<Result<OutsideSimulator, OutsideError>, Failure> {
-    let text = std::fs::read_to_string(model).map_err(|error| Failure::input(model, error))?;
+    let text =
+        read_text(model, Limits::default().bytes).map_err(|error| Failure::input(model, error))?;
     let file = OutsideFile::parse(model, &text).map_err(Failure::of_input)?;
     Ok(file.open())
 }
@@ -206,11 +207,7 @@ fn cost(check: &SimulatorCheck, workers: usize) -> String {
         if workers == 1 { "" } else { "s" },
     );
     for Cost { what, runs, seconds } in &check.costs {
-        let time = match *seconds {
-            s if s < 120.0 => format!("{} s", figure(s)),
-            s if s < 7200.0 => format!("{} min", figure(s / 60.0)),
-            s => format!("{} h", figure(s / 3600.0)),
-        };
+        let time = duration(*seconds);
         let runs = runs.map_or_else(String::new, |runs| format!(" for {runs} runs"));
         let _ = writeln!(text, "  {time}{runs} ({what})");
     }
@@ -238,8 +235,4 @@ fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (std::io::stdin().lock(), std::io::stdout().lock());
     serve(&mut simulator, &hello, input, output).map_err(Failure::analysis)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn say(text: &str) -> Result<(), Failure> {
-    said(std::io::stdout().lock().write_all(text.as_bytes()))
 }
