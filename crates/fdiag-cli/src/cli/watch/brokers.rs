@@ -20,8 +20,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 #[derive(Default)]
 pub(super) struct Brokers {
     pub(super) outlet: Option<Outlet>,
-    /// Questions, and the prefix of their topics.
-    pub(super) questions: Option<(Questions, String)>,
+    /// Questions to whoever listens.
+    pub(super) questions: Option<Questions>,
     /// For messages whose samples are not yet on the disk.
     owed: Vec<Receipt>,
 }
@@ -36,8 +36,15 @@ impl Brokers {
 
     /// Something was said.
     pub(super) fn hear(&self, messages: &[Message]) {
-        if let Some((questions, prefix)) = &self.questions {
-            questions.hear(prefix, messages);
+        if let Some(questions) = &self.questions {
+            questions.hear(messages);
+        }
+    }
+
+    /// Answers have been kept.
+    pub(super) fn settle(&self) {
+        if let Some(questions) = &self.questions {
+            questions.settle();
         }
     }
 
@@ -103,7 +110,7 @@ impl<W: Write> Watching<W> {
 
     /// Deals with answers that a broker has brought; they are acknowledged when they are kept.
     pub(super) fn replies(&mut self) -> Result<(), Failure> {
-        let Some((questions, _)) = &self.brokers.questions else { return Ok(()) };
+        let Some(questions) = &self.brokers.questions else { return Ok(()) };
         for (reply, said) in questions.replies() {
             let outcome = match said {
                 Ok((id, confirmed)) => self.answer(&id, confirmed)?,

@@ -171,8 +171,8 @@ fn brokers(
             let asked = monitor
                 .units()
                 .filter_map(|unit| Some((unit.name.to_owned(), unit.wish?.to_owned())));
-            let questions = mqtt::Questions::start(broker.clone(), prefix.clone(), asked);
-            brokers.questions = Some((questions, prefix));
+            let questions = mqtt::Questions::start(broker.clone(), prefix, asked);
+            brokers.questions = Some(questions);
         }
     }
     if args.mqtt_in.is_empty() {

@@ -136,7 +136,10 @@ impl<W: Write> Watching<W> {
         self.publish()?;
         let kept = self.state.as_mut().map(|state| state.save_answered(&mut self.monitor));
         let lost = |error| format!("it acts now, and is lost at a restart: {error}");
-        Ok(kept.unwrap_or(Ok(())).map_err(lost))
+        let kept = kept.unwrap_or(Ok(())).map_err(lost);
+        #[cfg(feature = "mqtt")]
+        self.brokers.settle();
+        Ok(kept)
     }
 
     /// Judges lines, and returns how many there were.

@@ -55,11 +55,14 @@ pub(in super::super) struct Questions {
     replies: Receiver<Reply>,
 }
 
-#[derive(Default)]
 struct Shared {
+    /// What topics begin with.
+    prefix: String,
     client: Option<Client>,
     /// The question of each unit that has one, by its level of a topic.
     waiting: BTreeMap<String, String>,
+    /// Levels of units whose answer is being kept.
+    answered: Vec<String>,
 }
 
 fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
@@ -74,30 +77,45 @@ impl Questions {
         asked: impl Iterator<Item = (String, String)>,
     ) -> Self {
         let waiting = asked.map(|(unit, id)| (level(&unit), id)).collect();
-        let shared = Arc::new(Mutex::new(Shared { client: None, waiting }));
+        let answered = Vec::new();
+        let shared = Shared { prefix: prefix.clone(), client: None, waiting, answered };
+        let shared = Arc::new(Mutex::new(shared));
         let (sender, replies) = sync_channel(WAITING);
         let asker = Asker { broker, prefix, shared: Arc::clone(&shared), sender };
         std::thread::spawn(move || asker.run());
         Self { shared, replies }
     }
 
-    /// Takes from what was said who asks, and who does no more.
-    pub(in super::super) fn hear(&self, prefix: &str, messages: &[Message]) {
+    /// Takes from what was said who asks, and who does no more. That a question was answered the broker hears when the
+    /// answer is [settled](Self::settle).
+    pub(in super::super) fn hear(&self, messages: &[Message]) {
         for message in messages {
             let Message::Event(event) = message else { continue };
             let Some(unit) = &event.unit else { continue };
-            let question = match &event.what {
-                What::RetrainingWanted { id } => Some(id.clone()),
-                What::RetrainingWithdrawn { .. } | What::RetrainingAnswered { .. } => None,
-                _ => continue,
-            };
             let (mut shared, level) = (lock(&self.shared), level(unit));
-            match question {
-                Some(id) => shared.waiting.insert(level.clone(), id),
-                None => shared.waiting.remove(&level),
-            };
-            shared.tell(prefix, &level);
+            match &event.what {
+                What::RetrainingWanted { id } => {
+                    shared.waiting.insert(level.clone(), id.clone());
+                    shared.tell(&level);
+                }
+                What::RetrainingWithdrawn { .. } => {
+                    shared.waiting.remove(&level);
+                    shared.tell(&level);
+                }
+                What::RetrainingAnswered { .. } => {
+                    shared.waiting.remove(&level);
+                    shared.answered.push(level);
+                }
+                _ => {}
+            }
         }
+    }
+
+    /// Answers have been kept: their questions go away.
+    pub(in super::super) fn settle(&self) {
+        let mut shared = lock(&self.shared);
+        let answered = std::mem::take(&mut shared.answered);
+        answered.iter().for_each(|level| shared.tell(level));
     }
 
     /// Answers that came meanwhile: whom to thank, and either question and answer or what is wrong.
@@ -126,11 +144,15 @@ impl Reply {
 
 impl Shared {
     /// Tells the broker what a unit asks. Without a connection the next one begins with it.
-    fn tell(&self, prefix: &str, level: &str) {
+    fn tell(&self, level: &str) {
         if let Some(client) = &self.client {
             let text = self.waiting.get(level).map_or_else(String::new, |id| text(id));
-            let _ =
-                client.try_publish(format!("{prefix}/{level}/wish"), QoS::AtLeastOnce, true, text);
+            let _ = client.try_publish(
+                format!("{}/{level}/wish", self.prefix),
+                QoS::AtLeastOnce,
+                true,
+                text,
+            );
         }
     }
 }
@@ -182,7 +204,7 @@ impl Asker {
         let _ = client.try_subscribe_many([filter("answer"), filter("wish")]);
         let mut shared = lock(&self.shared);
         shared.client = Some(client.clone());
-        shared.waiting.keys().for_each(|level| shared.tell(&self.prefix, level));
+        shared.waiting.keys().for_each(|level| shared.tell(level));
     }
 
     /// Takes what came; false when nobody listens any more.
@@ -191,15 +213,17 @@ impl Asker {
         receipt.pkid = message.pkid;
         let rest = message.topic.strip_prefix(&self.prefix);
         let rest = rest.and_then(|rest| rest.strip_prefix('/')).unwrap_or_default();
-        let Some((level, what)) = rest.split_once('/') else { return true };
+        let (level, what) = rest.split_once('/').unwrap_or_default();
         if what == "wish" {
             let shared = lock(&self.shared);
             // Its own echo, mostly; else what an earlier monitor has asked.
             let asked = shared.waiting.get(level).map_or_else(String::new, |id| text(id));
             if message.payload != asked.as_bytes() {
-                shared.tell(&self.prefix, level);
+                shared.tell(level);
             }
-            drop(shared);
+        }
+        if what != "answer" {
+            // Also what an earlier monitor of another prefix has subscribed to.
             let _ = client.try_ack(&receipt);
             return true;
         }
