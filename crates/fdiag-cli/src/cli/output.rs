@@ -1,6 +1,6 @@
 //! Where results go: whole files only, and standard output for what was asked for.
 
-use std::{cell::RefCell, fs, io::Write as _, path::Path};
+use std::{cell::RefCell, fs, path::Path};
 
 use fd_report::{Page, Table};
 use fdiag::model::file::write_atomically;

@@ -12,9 +12,13 @@ use fd_report::Table;
 use fdiag::{
     core::Limits,
     gap_study::{Cost, Request, SimulatorCheck, Subject},
-    model::{SampleTime, duration, figure, file::read_text},
+    model::{
+        SampleTime, duration, figure,
+        file::{LinearModel, read_text},
+    },
     sim::{
         equation::Expr,
+        model::{LinearOptions, Model},
         outside::{
             Checked, Contract, Drive, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
             serve, stated,
@@ -214,11 +218,35 @@ fn cost(check: &SimulatorCheck, workers: usize) -> String {
     text
 }
 
+/// The text of a file with a linear model.
+fn linear_of(file: &Path) -> Option<String> {
+    let text = read_text(file, Limits::default().bytes).ok()?;
+    let table = text.parse::<toml::Table>().ok()?;
+    (table.get("kind")?.as_str()? == "state-space").then_some(text)
+}
+
+/// A linear model as equations, at the step that is wanted or else at its own.
+fn of_linear(file: &Path, text: &str, step: Option<SampleTime>) -> Result<Model, Failure> {
+    let linear =
+        LinearModel::parse(&file.display().to_string(), text).map_err(Failure::of_input)?;
+    let ts = linear.system.sample_time().or(step);
+    let ts =
+        ts.ok_or_else(|| Failure::input(file, "it states no sample time: say --step SECONDS"))?;
+    Model::from_linear(&linear, ts, &LinearOptions::default())
+        .map_err(|error| Failure::input(file, error))
+}
+
 fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
-    let request = Request::new(&args.model, Vec::<PathBuf>::new());
-    let subject = Subject::of(&request).map_err(Failure::of_input)?;
-    let model = subject.model();
-    let ts = SampleTime::new(args.step.unwrap_or(model.sample_time)).map_err(Failure::of_input)?;
+    let step = args.step.map(SampleTime::new).transpose().map_err(Failure::of_input)?;
+    let model = &match linear_of(&args.model) {
+        Some(text) => of_linear(&args.model, &text, step)?,
+        None => {
+            let request = Request::new(&args.model, Vec::<PathBuf>::new());
+            Subject::of(&request).map_err(Failure::of_input)?.model().clone()
+        }
+    };
+    let own = SampleTime::new(model.sample_time).map_err(Failure::of_input);
+    let ts = step.map_or(own, Ok)?;
     let mut simulator =
         EquationSimulator::<f64>::with_ports(model, ts).map_err(Failure::analysis)?;
     let noise: Vec<Option<f64>> = model.outputs.iter().map(|output| output.noise).collect();
