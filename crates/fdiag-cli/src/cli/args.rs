@@ -127,7 +127,7 @@ const GAP_HELP: &str = "\
 Examples:
   fdiag gap --model cart.toml --log monday.csv
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
-  fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
+  fdiag gap --model cart.toml --log monday.csv --tolerance m=0.01 --noise speed=0.005
   fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
   fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";

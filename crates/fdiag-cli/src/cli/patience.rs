@@ -38,10 +38,11 @@ pub(crate) enum Plan {
 impl PatienceArgs {
     /// What is said of work that will take so many seconds more and so many bytes.
     pub(crate) fn plan(&self, seconds: f64, bytes: f64) -> Plan {
-        let mut cost = format!("about {}", duration(rounded(seconds)));
-        if TOLD_BYTES < bytes {
-            cost += &format!(", {:.1} GB", bytes / 1e9);
-        }
+        let time = format!("about {}", duration(rounded(seconds)));
+        let cost = match bytes {
+            bytes if TOLD_BYTES < bytes => format!("{time}, {:.1} GB", bytes / 1e9),
+            _ => time,
+        };
         let ends = self.time_limit.is_some_and(|limit| limit.as_secs_f64() < LARGE);
         let is_long = LARGE < seconds && !ends;
         if !self.yes && (is_long || LARGE_BYTES < bytes) {

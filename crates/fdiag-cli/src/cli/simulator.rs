@@ -238,12 +238,11 @@ fn of_linear(file: &Path, text: &str, step: Option<SampleTime>) -> Result<Model,
 
 fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
     let step = args.step.map(SampleTime::new).transpose().map_err(Failure::of_input)?;
-    let model = &match linear_of(&args.model) {
-        Some(text) => of_linear(&args.model, &text, step)?,
-        None => {
-            let request = Request::new(&args.model, Vec::<PathBuf>::new());
-            Subject::of(&request).map_err(Failure::of_input)?.model().clone()
-        }
+    let model = &if let Some(text) = linear_of(&args.model) {
+        of_linear(&args.model, &text, step)?
+    } else {
+        let request = Request::new(&args.model, Vec::<PathBuf>::new());
+        Subject::of(&request).map_err(Failure::of_input)?.model().clone()
     };
     let own = SampleTime::new(model.sample_time).map_err(Failure::of_input);
     let ts = step.map_or(own, Ok)?;

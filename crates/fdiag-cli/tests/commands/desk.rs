@@ -80,9 +80,8 @@ impl Desk {
         output
     }
 
-    /// Runs a line of a shell, which must succeed.
-    #[track_caller]
-    pub(crate) fn runs(&self, place: &str, line: &str) {
+    /// Runs a line of a shell, and says what went wrong.
+    pub(crate) fn runs(&self, place: &str, line: &str) -> Result<(), String> {
         let is_endless = line.contains("--follow");
         let line = if is_endless { format!("exec {line}") } else { line.to_owned() };
         let begun = Instant::now();
@@ -90,24 +89,29 @@ impl Desk {
             self.sh(&line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         if is_endless {
             std::thread::sleep(WATCHED);
-            assert!(child.try_wait().unwrap().is_none(), "{place}: `{line}` has ended");
+            if child.try_wait().unwrap().is_some() {
+                return Err(format!("{place}: `{line}` has ended"));
+            }
             let id = child.id().to_string();
             assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
         }
         while child.try_wait().unwrap().is_none() {
             if PATIENCE < begun.elapsed() {
                 child.kill().unwrap();
-                panic!("{place}: `{line}` takes longer than {PATIENCE:?}");
+                return Err(format!("{place}: `{line}` takes longer than {PATIENCE:?}"));
             }
             std::thread::sleep(Duration::from_millis(20));
         }
         let output = child.wait_with_output().unwrap();
         let error = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{place}: `{line}`: {error}");
+        if !output.status.success() {
+            return Err(format!("{place}: `{line}`: {error}"));
+        }
         println!("{place}: `{line}`: {:.1} s", begun.elapsed().as_secs_f64());
         for left in ["state", "fdiag-report", "gap-report"] {
             let _ = fs::remove_dir_all(self.path(left));
         }
+        Ok(())
     }
 
     fn fdiag(&self, arguments: &[&str]) -> Command {

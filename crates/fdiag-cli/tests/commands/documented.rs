@@ -67,7 +67,7 @@ fn of_block(place: &str, block: &str) -> Vec<Shown> {
     let lines = joined.lines().map(|line| line.split(" #").next().unwrap_or_default().trim());
     let ours = lines.filter_map(|line| {
         let line = match line.strip_prefix("cargo run --release") {
-            Some(rest) if rest.is_empty() => "fdiag".to_owned(),
+            Some("") => "fdiag".to_owned(),
             Some(rest) => format!("fdiag {}", rest.strip_prefix(" -- ")?),
             None => line.to_owned(),
         };

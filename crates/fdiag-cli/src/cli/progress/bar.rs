@@ -26,7 +26,7 @@ const WATCHED: Duration = Duration::from_secs(1);
 
 /// A bar over work of many alike pieces; invisible when standard error is not a terminal.
 pub(crate) struct Bar {
-    bar: ProgressBar,
+    shown: ProgressBar,
     what: &'static str,
     patience: PatienceArgs,
     /// Memory that a piece needs until the end, in bytes.
@@ -57,7 +57,7 @@ impl Bar {
         bar.set_message(what);
         bar.enable_steady_tick(TICK);
         Self {
-            bar,
+            shown: bar,
             what,
             patience: PatienceArgs { yes: true, ..PatienceArgs::default() },
             bytes: 0.0,
@@ -76,14 +76,14 @@ impl Bar {
 
     /// The end. What was too large to be gone on with is a failure.
     pub(crate) fn finish(self) -> Result<(), Failure> {
-        self.bar.finish_and_clear();
+        self.shown.finish_and_clear();
         self.refused.into_inner().map_or(Ok(()), |reason| Err(Failure::Analysis(reason)))
     }
 
     /// Why work that keeps what it has finished in `kept` was not done to its end.
     pub(crate) fn stopped(self, kept: &std::path::Path) -> Failure {
-        let (done, what, kept) = (self.bar.position(), self.what, kept.display());
-        self.bar.finish_and_clear();
+        let (done, what, kept) = (self.shown.position(), self.what, kept.display());
+        self.shown.finish_and_clear();
         let limit = self.patience.time_limit.map_or(0.0, |limit| limit.as_secs_f64());
         let why = self.refused.into_inner();
         let why =
@@ -105,7 +105,7 @@ impl Bar {
         match self.patience.plan(seconds, self.bytes * pieces as f64) {
             Plan::Short => {}
             Plan::Told(cost) => {
-                self.bar.suspend(|| remark(&format!("{left} more {}: {cost}", self.what)));
+                self.shown.suspend(|| remark(&format!("{left} more {}: {cost}", self.what)));
             }
             Plan::Refused(cost) => {
                 let reason = format!("{left} more {}: {cost}; go on with --yes", self.what);
@@ -118,16 +118,16 @@ impl Bar {
 
 impl Watcher for Bar {
     fn begin(&self, pieces: u64, done: u64) {
-        self.bar.set_length(pieces);
-        self.bar.set_position(done);
+        self.shown.set_length(pieces);
+        self.shown.set_position(done);
         // What was done before says nothing about the time that is left.
-        self.bar.reset_eta();
+        self.shown.reset_eta();
         let work = (Instant::now(), pieces.saturating_sub(done));
         *self.work.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
     }
 
     fn advance(&self) {
-        self.bar.inc(1);
+        self.shown.inc(1);
         self.plan(1 + self.finished.fetch_add(1, Relaxed));
     }
 

@@ -40,6 +40,9 @@ enum Said {
     Refuse,
 }
 
+/// A question and its answer, or what is wrong with it.
+type Judged = Result<(String, bool), String>;
+
 /// An answer that came, to be acknowledged.
 pub(in super::super) struct Reply {
     client: Client,
@@ -115,11 +118,13 @@ impl Questions {
     pub(in super::super) fn settle(&self) {
         let mut shared = lock(&self.shared);
         let answered = std::mem::take(&mut shared.answered);
-        answered.iter().for_each(|level| shared.tell(level));
+        for level in &answered {
+            shared.tell(level);
+        }
     }
 
     /// Answers that came meanwhile: whom to thank, and either question and answer or what is wrong.
-    pub(in super::super) fn replies(&self) -> Vec<(Reply, Result<(String, bool), String>)> {
+    pub(in super::super) fn replies(&self) -> Vec<(Reply, Judged)> {
         let shared = lock(&self.shared);
         let judged = |reply: Reply| {
             let outcome = match &reply.said {
@@ -204,7 +209,9 @@ impl Asker {
         let _ = client.try_subscribe_many([filter("answer"), filter("wish")]);
         let mut shared = lock(&self.shared);
         shared.client = Some(client.clone());
-        shared.waiting.keys().for_each(|level| shared.tell(level));
+        for level in shared.waiting.keys() {
+            shared.tell(level);
+        }
     }
 
     /// Takes what came; false when nobody listens any more.
