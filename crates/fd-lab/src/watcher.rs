@@ -32,6 +32,10 @@ pub trait Watcher: Sync {
     fn begin(&self, pieces: u64, done: u64);
     /// One more is done; from any thread.
     fn advance(&self);
+    /// Whether nobody wants to wait any longer: pieces that were not begun are left out.
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// Nobody.

@@ -21,6 +21,26 @@ pub fn figure(value: f64) -> String {
     }
 }
 
+/// A time in seconds, in the unit in which people would say it.
+///
+/// ```
+/// use fd_model::duration;
+///
+/// assert_eq!([90.0, 600.0, 5520.0, 9000.0].map(duration), ["90 s", "10 min", "92 min", "2.5 h"]);
+/// ```
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        s if s < 120.0 => (s, "s"),
+        s if s < 7200.0 => (s / 60.0, "min"),
+        s => (s / 3600.0, "h"),
+    };
+    let text = figure(number);
+    let is_fraction = text.contains('.') && !text.contains('e');
+    let text = if is_fraction { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{text} {unit}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -80,7 +80,7 @@ pub use crate::{
     channel::Channel,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
     error::ModelError,
-    figure::figure,
+    figure::{duration, figure},
     freeze::freeze,
     lti::Lti,
     record::Record,

@@ -7,7 +7,7 @@ use fd_gap::{
     locate::SideEvidence,
     quality::Severity,
 };
-use fd_model::figure;
+use fd_model::{duration, figure};
 use fd_report::{Bar, Bars, Page, PictureError, Shares, Table};
 
 use fdiag::gap_study::{
@@ -42,8 +42,11 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
         page.text(format!("{}.", capital(&words::objection(objection))));
     }
     if !report.stopped.is_empty() {
+        let by = report.time_limit;
+        let by = by
+            .map_or_else(String::new, |limit| format!(" by its time limit of {}", duration(limit)));
         page.warning(format!(
-            "It was stopped, and has not come to: {}.",
+            "It was stopped{by}, and has not come to: {}.",
             report.stopped.join(", ")
         ));
     }

@@ -16,7 +16,7 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("plot.js");
 
 /// Size of the pictures in the page, in pixels before scaling to the page.
-const PICTURE_SIZE: (u32, u32) = (720, 400);
+const PICTURE_SIZE: (u32, u32) = (560, 330);
 /// The same for pictures side by side, which a narrow screen shows one below the other.
 const SMALL_SIZE: (u32, u32) = (460, 300);
 
@@ -34,7 +34,7 @@ pub struct Page {
 enum Block {
     Heading(String),
     Text(String),
-    Picture { plot: Plot, caption: String },
+    Picture(Exhibit),
     Gallery(Vec<Exhibit>),
     Matrix { svg: String, caption: String },
     Bars(Bars),
@@ -51,8 +51,7 @@ struct Plot {
     data: String,
 }
 
-/// A picture of a gallery, with its legend and caption beside it, where a phone shows them large
-/// enough.
+/// A picture with its legend and caption beside it, where a phone shows them large enough and no line is hidden.
 #[derive(Clone, Debug)]
 struct Exhibit {
     plot: Plot,
@@ -92,8 +91,8 @@ impl Page {
         picture: &Picture,
         caption: impl Into<String>,
     ) -> Result<(), PictureError> {
-        let plot = Plot::of(picture, picture, PICTURE_SIZE)?;
-        self.blocks.push(Block::Picture { plot, caption: caption.into() });
+        let exhibit = Exhibit::of(picture, caption.into(), PICTURE_SIZE)?;
+        self.blocks.push(Block::Picture(exhibit));
         Ok(())
     }
 
@@ -119,11 +118,7 @@ impl Page {
     /// Returns an error when a picture cannot be drawn.
     pub fn gallery(&mut self, pictures: &[(Picture, String)]) -> Result<(), PictureError> {
         let draw = |(picture, caption): &(Picture, String)| {
-            Ok(Exhibit {
-                plot: Plot::of(&picture.without_legend(), picture, SMALL_SIZE)?,
-                legend: picture.legend(),
-                caption: caption.clone(),
-            })
+            Exhibit::of(picture, caption.clone(), SMALL_SIZE)
         };
         let drawn: Result<Vec<_>, PictureError> = pictures.iter().map(draw).collect();
         self.blocks.push(Block::Gallery(drawn?));
@@ -189,6 +184,8 @@ impl Page {
             }
         }
         .into_string()
+        // Names of files and columns may hold what is no text, and what HTML does not allow.
+        .replace(|c: char| c.is_control() && c != '\n' && c != '\t', "\u{fffd}")
     }
 
     fn footer(&self) -> Markup {
@@ -227,30 +224,41 @@ impl Plot {
     }
 }
 
+impl Exhibit {
+    fn of(picture: &Picture, caption: String, size: (u32, u32)) -> Result<Self, PictureError> {
+        let plot = Plot::of(&picture.without_legend(), picture, size)?;
+        Ok(Self { plot, legend: picture.legend(), caption })
+    }
+
+    fn markup(&self) -> Markup {
+        html! {
+            figure {
+                (self.plot.markup())
+                @if !self.legend.is_empty() {
+                    div.legend {
+                        @for (name, colour) in &self.legend {
+                            span { i style=(format!("background:{colour}")) {} (name) }
+                        }
+                    }
+                }
+                figcaption { (inline(&self.caption)) }
+            }
+        }
+    }
+}
+
 impl Block {
     fn markup(&self) -> Markup {
         match self {
             Self::Heading(text) => html! { h2 { (text) } },
             Self::Text(text) => html! { p { (inline(text)) } },
-            Self::Picture { plot, caption } => html! {
-                figure { (plot.markup()) figcaption { (inline(caption)) } }
-            },
+            Self::Picture(exhibit) => exhibit.markup(),
             Self::Matrix { svg, caption } => html! {
                 figure { div.matrix { (PreEscaped(svg)) } figcaption { (inline(caption)) } }
             },
             Self::Gallery(pictures) => html! {
                 div.gallery {
-                    @for Exhibit { plot, legend, caption } in pictures {
-                        figure {
-                            (plot.markup())
-                            div.legend {
-                                @for (name, colour) in legend {
-                                    span { i style=(format!("background:{colour}")) {} (name) }
-                                }
-                            }
-                            figcaption { (inline(caption)) }
-                        }
-                    }
+                    @for exhibit in pictures { (exhibit.markup()) }
                 }
             },
             Self::Bars(bars) => bars.markup(),

@@ -232,6 +232,11 @@ pub enum What {
         /// Whether the unit is trained again.
         confirmed: bool,
     },
+    /// An answer came that answers no question, or that cannot be read.
+    AnswerRefused {
+        /// Why.
+        reason: String,
+    },
     /// The residual of a unit has grown for long, and its recent samples are being compared with the model.
     GapStudyStarted {
         /// How many.

@@ -36,7 +36,8 @@ const OUTSIDE: f64 = 0.1;
 
 /// Diagnoses `replicas` simulated logs for each of the leading causes and for "no gap". The seed of
 /// the settings settles the answer, whatever the number of threads. The monitor sees one stage,
-/// [`Stage::Calibrate`], with a piece per replica.
+/// [`Stage::Calibrate`], with a piece per replica. What comes out after the monitor has stopped it, of the replicas that
+/// had been begun, is worth little: the later rows have fewest.
 ///
 /// ```
 /// use fd_effect::Candidate;
@@ -89,7 +90,7 @@ pub fn self_calibrate(
     let outcomes: Vec<Outcome> = jobs
         .into_par_iter()
         .filter_map(|(row, i)| {
-            if monitor.is_over() {
+            if monitor.is_over() || monitor.is_stopped() {
                 return None;
             }
             let (model, starts) = match truths[row] {

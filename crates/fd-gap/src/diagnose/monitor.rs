@@ -19,6 +19,11 @@ pub trait Monitor: Sync {
         false
     }
 
+    /// The time limit, in seconds, that has stopped it; `None` when nothing has, or somebody.
+    fn time_limit(&self) -> Option<f64> {
+        None
+    }
+
     /// What is going to be done, where that takes long, in a sentence.
     fn plan(&self, _text: &str) {}
 }

@@ -48,6 +48,9 @@ pub enum BlindError {
         /// What the system says.
         error: std::io::Error,
     },
+    /// Nobody waited any longer; answers that were finished are in the file of answers.
+    #[error("stopped before all cases were diagnosed")]
+    Stopped,
     /// The file of answers.
     #[error(transparent)]
     Journal(#[from] JournalError),

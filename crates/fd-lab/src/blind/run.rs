@@ -81,7 +81,7 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
 ///
 /// # Errors
 ///
-/// Returns an error when the directory has no cases or the answers cannot be read or written.
+/// Returns an error when the directory has no cases, the answers cannot be read or written, or the watcher stops it.
 pub fn run(
     directory: &Path,
     manner: &Manner<'_>,
@@ -96,6 +96,9 @@ pub fn run(
     watcher.begin(cases.len() as u64, (cases.len() - open.len()) as u64);
     let journal = Journal::open(&path)?;
     open.par_iter().try_for_each(|case| {
+        if watcher.is_stopped() {
+            return Err(BlindError::Stopped);
+        }
         let answer = answer_of(case, manner).unwrap_or_else(|error| Answer {
             case: case.name.clone(),
             error: Some(error.to_string()),
@@ -104,7 +107,7 @@ pub fn run(
         });
         journal.append(&answer)?;
         watcher.advance();
-        Ok::<_, BlindError>(())
+        Ok(())
     })?;
     Ok(cases.len())
 }

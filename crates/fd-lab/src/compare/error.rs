@@ -50,6 +50,9 @@ pub enum CompareError {
         /// Why.
         error: Box<EngineStudyError>,
     },
+    /// Nobody waited any longer; what was finished is in the journal.
+    #[error("stopped before all engines were finished")]
+    Stopped,
     /// The file of finished engines.
     #[error(transparent)]
     Journal(#[from] JournalError),

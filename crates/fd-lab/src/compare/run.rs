@@ -48,8 +48,8 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// Returns an error when a setting cannot be, an engine does not exist, or the journal cannot be
-    /// used. Entries that cannot be built, and engines that cannot be run, are listed in the result.
+    /// Returns an error when a setting cannot be, an engine does not exist, the journal cannot be
+    /// used, or the watcher stops it. Entries that cannot be built, and engines that cannot be run, are listed in the result.
     pub fn run(
         config: &CompareConfig,
         journal: Option<&Path>,
@@ -78,7 +78,9 @@ impl Comparison {
         watcher.begin(total, (known_thresholds.len() + known_tests.len()) as u64);
 
         let keep = |line: &Line| journal.as_ref().map_or(Ok(()), |journal| journal.append(line));
+        let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         let thresholds = all(&scenes, &threshold_seeds, &known_thresholds, |scene, seed| {
+            goes_on()?;
             let unit = unit(scene, seed, Role::Thresholds);
             keep(&Line::Thresholds(unit.clone()))?;
             watcher.advance();
@@ -87,6 +89,7 @@ impl Comparison {
         let factors: Vec<Vec<Vec<f64>>> =
             (0..scenes.len()).map(|scenario| factors(config, &of(&thresholds, scenario))).collect();
         let tests = all(&scenes, &test_seeds, &known_tests, |scene, seed| {
+            goes_on()?;
             let unit = unit(scene, seed, Role::Test(&factors[scene.index]));
             keep(&Line::Test(unit.clone()))?;
             watcher.advance();

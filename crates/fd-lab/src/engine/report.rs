@@ -39,13 +39,24 @@ impl Study {
             })
             .collect();
         format!(
-            "Compensation makes the largest fault-free residual {} times smaller and shows {} at \
+            "{}Compensation makes the largest fault-free residual {} times smaller and shows {} at \
              the same threshold rule (medians over {} engines).{}",
+            self.cut_short(),
             figure(s.fault_free_ratio.median),
             if faults.is_empty() { "no faults".to_owned() } else { faults.join(" and ") },
             self.trials.len(),
             self.fair_words(),
         )
+    }
+
+    /// Whether somebody did not wait for all engines, as the beginning of a sentence.
+    fn cut_short(&self) -> String {
+        let (done, asked) = ((self.trials.len() + self.failed.len()) as u64, self.config.seeds);
+        if done < asked {
+            format!("Stopped after {done} of {asked} engines; so far: ")
+        } else {
+            String::new()
+        }
     }
 
     /// How much of that is left next to the best constant threshold.

@@ -107,7 +107,8 @@ impl Benchmark {
     /// Runs all seeds on the threads of the current rayon pool.
     ///
     /// The result does not depend on the number of threads: each seed draws from a generator of
-    /// its own and the trials are kept in order.
+    /// its own and the trials are kept in order. Where the watcher stops it, the trials are those that had been begun,
+    /// one at least.
     ///
     /// # Errors
     ///
@@ -128,12 +129,15 @@ impl Benchmark {
         watcher.begin(config.seeds, 0);
         let results: Vec<(u64, Result<Trial, EngineStudyError>)> = (0..config.seeds)
             .into_par_iter()
-            .map(|i| {
+            .filter_map(|i| {
+                if 0 < i && watcher.is_stopped() {
+                    return None;
+                }
                 // After the largest seed comes 0.
                 let seed = config.first_seed.wrapping_add(i);
                 let trial = self.trial(seed);
                 watcher.advance();
-                (seed, trial)
+                Some((seed, trial))
             })
             .collect();
         let (mut trials, mut failed, mut first_error) = (Vec::new(), Vec::new(), None);

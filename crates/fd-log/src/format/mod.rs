@@ -183,6 +183,21 @@ pub(crate) enum Opened {
     Columns(Recording),
 }
 
+/// Whether something is no file of any length: a terminal, a source of noise. A pipe is none of these.
+fn is_device(file: &File) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = file.metadata().map(|about| about.file_type());
+        kind.is_ok_and(|kind| kind.is_char_device() || kind.is_block_device())
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = file;
+        false
+    }
+}
+
 /// Opens a file, and names its format.
 pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogError> {
     let file = path.display().to_string();
@@ -203,6 +218,10 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
         });
     }
     let mut from = File::open(path).map_err(unreadable)?;
+    if is_device(&from) {
+        let (expected, found) = ("a file", "found a device, which may never end".to_owned());
+        return Err(LogError::NoLog { file, expected, found });
+    }
     let mut first = Vec::new();
     (&mut from).take(MAGIC).read_to_end(&mut first).map_err(unreadable)?;
     let format = recognised(&file, &first, format_of(path))?;

@@ -7,12 +7,14 @@ mod model_error;
 mod model_parse;
 mod model_write;
 mod settings;
+mod text;
 
 pub use self::{
     atomic::write_atomically,
     model::{LinearModel, LinearSystem, ModelChannel},
     model_error::{FileAction, ModelFileError},
     settings::{SettingsError, parse_settings, read_settings},
+    text::read_text,
 };
 
 #[cfg(test)]

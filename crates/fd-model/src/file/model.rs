@@ -1,9 +1,10 @@
 //! Linear models as they stand in files: matrices with named channels, units, an operating point
 //! and scales.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use faer::MatRef;
+use fd_core::Limits;
 
 use crate::{
     channel::Channel,
@@ -13,6 +14,7 @@ use crate::{
         atomic::write_atomically,
         model_error::{FileAction, ModelFileError},
         model_parse, model_write,
+        text::read_text,
     },
     record::{ChannelScale, Scaling},
     state_space::StateSpace,
@@ -161,8 +163,8 @@ impl LinearModel {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ModelFileError> {
         let path = path.as_ref();
         let file = path.display().to_string();
-        let text =
-            fs::read_to_string(path).map_err(|error| io_error(&file, FileAction::Read, &error))?;
+        let text = read_text(path, Limits::default().bytes)
+            .map_err(|error| io_error(&file, FileAction::Read, &error))?;
         Self::parse(&file, &text)
     }
 

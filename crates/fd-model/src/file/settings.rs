@@ -1,11 +1,13 @@
 //! Settings from TOML, with errors that name file, line and key.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
+use fd_core::Limits;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::{Table, Value};
 
+use super::text::read_text;
 use crate::shown::{Shown, ShownMessage};
 
 /// A file of settings cannot be read.
@@ -37,7 +39,7 @@ fn at_key(key: &str) -> String {
 /// Returns an error that names the file, and line and key where there is one to blame.
 pub fn read_settings<T: DeserializeOwned>(path: &Path) -> Result<T, SettingsError> {
     let file = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|error| {
+    let text = read_text(path, Limits::default().bytes).map_err(|error| {
         let message = error.to_string();
         SettingsError { file: file.clone(), line: None, key: String::new(), message }
     })?;

@@ -17,7 +17,8 @@ mod rename;
 
 use std::{ops::Deref, path::Path, str::FromStr};
 
-use fd_model::{Channel, SampleTime};
+use fd_core::Limits;
+use fd_model::{Channel, SampleTime, file::read_text};
 
 pub(crate) use self::file::Ordered;
 pub(crate) use self::rename::FreshNames;
@@ -92,7 +93,7 @@ impl Model {
     /// the file, line and column.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
+        let text = read_text(path, Limits::default().bytes)
             .map_err(|error| LoadError::Read { file: file.clone(), message: error.to_string() })?;
         text.parse().map_err(|error| LoadError::Model { file, error })
     }

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use fdiag::gap_study::{Budget, HorizonChoice, Named};
 
+use super::patience::PatienceArgs;
+
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
 ///
@@ -14,6 +16,9 @@ use fdiag::gap_study::{Budget, HorizonChoice, Named};
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Say nothing on standard error but what is wrong
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -110,13 +115,19 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: super::blind::BlindCommand,
     },
+    /// Print a script that completes commands and options in a shell
+    #[command(after_help = super::shell::COMPLETIONS_HELP)]
+    Completions(super::shell::CompletionsArgs),
+    /// Write this help as pages of `man`
+    #[command(after_help = super::shell::MAN_HELP)]
+    Man(super::shell::ManArgs),
 }
 
 const GAP_HELP: &str = "\
 Examples:
   fdiag gap --model cart.toml --log monday.csv
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
-  fdiag gap --model cart.toml --log monday.csv --tolerance mass=0.01 --noise position=0.0005
+  fdiag gap --model cart.toml --log monday.csv --tolerance m=0.01 --noise speed=0.005
   fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
   fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
@@ -135,6 +146,8 @@ pub(crate) struct EngineArgs {
     /// Print the configuration that would run, and stop
     #[arg(long)]
     pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) patience: PatienceArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -159,6 +172,8 @@ pub(crate) struct CompareArgs {
     /// Print the configuration that would run, and stop
     #[arg(long)]
     pub(crate) print_config: bool,
+    #[command(flatten)]
+    pub(crate) patience: PatienceArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -265,9 +280,8 @@ pub(crate) struct GapArgs {
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Begin also what will take hours
-    #[arg(long)]
-    pub(crate) yes: bool,
+    #[command(flatten)]
+    pub(crate) patience: PatienceArgs,
     /// Print the model that would be diagnosed, with all its places for effects, and stop
     #[arg(long)]
     pub(crate) print_model: bool,

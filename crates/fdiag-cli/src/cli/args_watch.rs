@@ -10,9 +10,9 @@ use super::args::{positive, share};
 pub(crate) const WATCH_HELP: &str = "\
 Examples:
   fdiag watch --model model.toml --healthy healthy.csv --format csv < later.csv
-  fdiag watch --model model.toml --learn 1400 --unit rig --state state < samples.ndjson
+  fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --unit rig --state state < samples.ndjson
   fdiag watch --model model.toml --healthy healthy.csv --format csv --follow growing.csv
-  mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --unit rig
+  mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --unit rig
 
 Exit codes: as for all commands; 0 also after SIGTERM or Ctrl-C, when all units have been saved.";
 
@@ -56,9 +56,9 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "http")]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) http: Option<String>,
-    /// Ask on the live page before a unit is trained again; unanswered, it is not
-    #[cfg(feature = "http")]
-    #[arg(long, requires = "http")]
+    /// Ask on the live page, and at PREFIX/UNIT/wish of a broker, before a unit is trained again; unanswered, it is not
+    #[cfg(any(feature = "http", feature = "mqtt"))]
+    #[arg(long)]
     pub(crate) ask: bool,
     /// Broker to take samples from or to tell alarms to (MQTT 3.1.1, not encrypted), such as localhost:1883
     #[cfg(feature = "mqtt")]

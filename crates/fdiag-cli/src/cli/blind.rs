@@ -13,7 +13,10 @@ use fd_model::Record;
 use fdiag::gap_study::automatic_settings;
 use fdiag::sim::model::Model;
 
-use super::{args::OutputArgs, failure::Failure, output::Output, pool::pool, progress::Bar};
+use super::{
+    args::OutputArgs, failure::Failure, output::Output, patience::PatienceArgs, pool::pool,
+    progress::Bar, say::say,
+};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BlindCommand {
@@ -196,6 +199,8 @@ pub(crate) struct RunArgs {
     /// How long simulations run without seeing the outputs
     #[arg(long, value_name = "HORIZON", value_enum, default_value_t)]
     horizon: Span,
+    #[command(flatten)]
+    patience: PatienceArgs,
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -244,24 +249,26 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
     let made = pool(args.threads)?
         .install(|| make(&order, &args.out, &truth, &key, &progress))
         .map_err(refusal)?;
-    progress.finish();
-    println!("{} cases in {}, their truth in {}", made.len(), args.out.display(), truth.display());
+    progress.finish()?;
+    let [out, truth] = [&args.out, &truth].map(|path| path.display());
+    say(&format!("{} cases in {out}, their truth in {truth}\n", made.len()))?;
     Ok(ExitCode::SUCCESS)
 }
 
 fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
     let variant = args.form.variant();
-    let progress = Bar::new("cases");
+    let progress = Bar::new("cases").within(&args.patience, 0.0);
     let settings = |model: &Model, logs: &[Record; 2]| match args.horizon {
         Span::Free => Ok(Settings::default()),
         Span::Auto => Ok(automatic_settings(model, logs)?),
     };
     let manner = Manner { variant, with_baselines: !args.no_baselines, settings: &settings };
-    let cases = pool(args.threads)?
-        .install(|| run(&args.directory, &manner, &progress))
-        .map_err(refusal)?;
-    progress.finish();
-    println!("{cases} cases are answered in {}", args.directory.display());
+    let cases = match pool(args.threads)?.install(|| run(&args.directory, &manner, &progress)) {
+        Err(BlindError::Stopped) => return Err(progress.stopped(&args.directory)),
+        done => done.map_err(refusal)?,
+    };
+    progress.finish()?;
+    say(&format!("{cases} cases are answered in {}\n", args.directory.display()))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -272,7 +279,7 @@ fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let score = pool(args.output.threads)?
         .install(|| score(&args.directory, &truth, args.form.variant(), &progress))
         .map_err(refusal)?;
-    progress.finish();
+    progress.finish()?;
     if let Some(file) = &args.markdown {
         fs::write(file, score.markdown()).map_err(|e| Failure::output(file, e))?;
     }

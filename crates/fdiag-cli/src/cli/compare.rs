@@ -6,16 +6,20 @@ use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
 
 use super::{
-    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::Bar, toml_file,
+    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::Bar, say::say,
+    toml_file,
 };
 
+/// Memory that an entry of an engine needs until the report is written, in bytes: its part of a
+/// line of the journal, measured, which is more than its numbers are.
+const ENTRY_BYTES: f64 = 400.0;
 /// Name of the file of finished engines.
 const JOURNAL: &str = "progress.jsonl";
 
 pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let config = configuration(args)?;
     if args.print_config {
-        print!("{}", toml::to_string(&config).map_err(Failure::analysis)?);
+        say(&toml::to_string(&config).map_err(Failure::analysis)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let refused = |error| refusal(args, &error);
@@ -26,10 +30,13 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
         begin_anew(&journal).map_err(refused)?;
     }
     let pool = pool(args.output.threads)?;
-    let shown = Bar::new("engines");
-    let comparison =
-        pool.install(|| Comparison::run(&config, Some(&journal), &shown)).map_err(refused)?;
-    shown.finish();
+    let bytes = config.entries() as f64 * ENTRY_BYTES;
+    let shown = Bar::new("engines").within(&args.patience, bytes);
+    let comparison = match pool.install(|| Comparison::run(&config, Some(&journal), &shown)) {
+        Err(CompareError::Stopped) => return Err(shown.stopped(&journal)),
+        done => done.map_err(refused)?,
+    };
+    shown.finish()?;
     let mut page = comparison.page().map_err(Failure::analysis)?;
     page.heading("Configuration");
     page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);

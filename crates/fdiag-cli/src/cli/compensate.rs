@@ -8,13 +8,15 @@ use std::{
 use fdiag::{core::Limits, training::TrainingError};
 use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
 
-use super::{args::CompensateArgs, failure::Failure, output::Output, progress::Bar, toml_file};
+use super::{
+    args::CompensateArgs, failure::Failure, output::Output, progress::Bar, say::say, toml_file,
+};
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
     let spec = spec.unwrap_or_default();
     if args.print_spec {
-        print!("{}", toml::to_string(&spec).map_err(Failure::analysis)?);
+        say(&toml::to_string(&spec).map_err(Failure::analysis)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut logs = args.logs.clone();
@@ -49,7 +51,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
             _ => Failure::of_input(reason),
         }
     })?;
-    progress.finish();
+    progress.finish()?;
     let mut page = study.page(&traces).map_err(Failure::analysis)?;
     page.heading("Settings");
     page.details("Show the spec", toml::to_string(&study.spec).map_err(Failure::analysis)?);

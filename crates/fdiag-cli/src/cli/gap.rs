@@ -20,7 +20,13 @@ use fdiag::{
 use signal_hook::{consts::SIGINT, flag};
 
 use super::{
-    args::GapArgs, failure::Failure, output::Output, pool::pool, progress::Stages, toml_file,
+    args::GapArgs,
+    failure::Failure,
+    output::Output,
+    pool::pool,
+    progress::Stages,
+    say::{complain, remark, say},
+    toml_file,
 };
 
 /// Exit code of a program that Ctrl-C has ended, as shells have it.
@@ -29,14 +35,14 @@ const INTERRUPTED: i32 = 130;
 pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let request = request(args)?;
     if args.print_model {
-        print!("{}", Subject::of(&request).map_err(|error| refusal(&error))?);
+        say(&Subject::of(&request).map_err(|error| refusal(&error))?.to_string())?;
         return Ok(ExitCode::SUCCESS);
     }
     let is_stopped = interrupted()?;
     let output = Output::prepare(&args.output)?;
     let pool = pool(args.output.threads)?;
     let begun = Instant::now();
-    let progress = Stages::new().stopped_by(is_stopped);
+    let progress = Stages::new().stopped_by(is_stopped, args.patience.time_limit);
     let study = pool.install(|| GapStudy::run(&request, &progress));
     progress.finish();
     let mut study = study.map_err(|error| refusal(&error))?;
@@ -49,9 +55,9 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let report = &study.report;
     output.finish(&report.headline, &tables(report), page, report, &inputs(args))?;
     if let Some((counts, trouble)) = &study.outside {
-        eprintln!("{}", work(counts));
+        remark(&work(counts));
         if let Some(trouble) = trouble {
-            eprintln!("The simulator was in trouble: {trouble}");
+            complain(&format!("The simulator was in trouble: {trouble}"));
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -79,6 +85,10 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
     };
     let effects = args.effects.as_deref().map(|file| {
         let read: TextEffects = toml_file::read(file)?;
+        if read == TextEffects::default() {
+            let expected = "there is no effect in it: expected a table for each, such as [brush]";
+            return Err(Failure::input(file, expected));
+        }
         let wrong = |error| Failure::of_input(format!("{}: {error}", file.display()));
         read.effects().map_err(wrong)
     });
@@ -106,7 +116,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         budget: args.budget,
         thorough: args.thorough,
         limits: Limits {
-            steps: if args.yes { u64::MAX } else { plain.limits.steps },
+            steps: if args.patience.yes { u64::MAX } else { plain.limits.steps },
             ..plain.limits
         },
         ..plain

@@ -7,7 +7,7 @@ use fd_log::{ClockInfo, ColumnInfo, LogInfo, LogMap, TableInfo, info};
 use fd_report::Table;
 use fdiag::model::figure;
 
-use super::{failure::Failure, output::said, toml_file};
+use super::{failure::Failure, say::say, toml_file};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum LogCommand {
@@ -48,7 +48,7 @@ pub(crate) fn run(command: &LogCommand) -> Result<ExitCode, Failure> {
     } else {
         describe(&found)
     };
-    said(std::io::Write::write_all(&mut std::io::stdout().lock(), text.as_bytes()))?;
+    say(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -5,14 +5,20 @@ mod args_watch;
 mod blind;
 mod compare;
 mod compensate;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+mod documented;
 mod engine;
 mod failure;
 mod gap;
 mod log;
 mod output;
+mod patience;
 mod pool;
 mod progress;
 mod provenance;
+mod say;
+mod shell;
 mod simulator;
 mod structure;
 mod toml_file;
@@ -22,11 +28,18 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use self::args::{Cli, Command, EngineArgs};
+use self::{
+    args::{Cli, Command, EngineArgs},
+    say::{be_quiet, complain},
+};
 
 /// Runs what the command line asks for and says how it went.
 pub(crate) fn run() -> ExitCode {
-    let result = match Cli::parse().command {
+    let cli = Cli::parse();
+    if cli.quiet {
+        be_quiet();
+    }
+    let result = match cli.command {
         None => engine::run(&EngineArgs::default()),
         Some(Command::Engine(args)) => engine::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
@@ -37,11 +50,13 @@ pub(crate) fn run() -> ExitCode {
         Some(Command::Simulator { command }) => simulator::run(&command),
         Some(Command::Watch(args)) => watch::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),
+        Some(Command::Completions(args)) => shell::completions(&args),
+        Some(Command::Man(args)) => shell::man(&args),
     };
     match result {
         Ok(code) => code,
         Err(failure) => {
-            eprintln!("fdiag: {failure}");
+            complain(&format!("fdiag: {failure}"));
             failure.code()
         }
     }

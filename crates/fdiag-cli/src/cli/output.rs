@@ -1,17 +1,17 @@
 //! Where results go: whole files only, and standard output for what was asked for.
 
-use std::{
-    cell::RefCell,
-    fs,
-    io::{IsTerminal, Write},
-    path::Path,
-};
+use std::{cell::RefCell, fs, path::Path};
 
 use fd_report::{Page, Table};
 use fdiag::model::file::write_atomically;
 use serde::Serialize;
 
-use super::{args::OutputArgs, failure::Failure, provenance::provenance};
+use super::{
+    args::OutputArgs,
+    failure::Failure,
+    provenance::provenance,
+    say::{is_watched, remark, say},
+};
 
 /// Width of tables when the terminal does not say.
 const DEFAULT_WIDTH: u16 = 110;
@@ -87,35 +87,20 @@ impl<'a> Output<'a> {
             page.provenance(line);
         }
         self.write("report.html", &page.to_html())?;
-        let mut out = std::io::stdout().lock();
-        let printed = if self.json {
-            writeln!(out, "{json}")
+        if self.json {
+            say(&(json + "\n"))?;
         } else {
-            print_tables(&mut out, headline, tables)
-        };
-        said(printed)?;
-        if std::io::stderr().is_terminal() {
+            say(&texts(headline, tables))?;
+        }
+        if is_watched() {
             let report = self.directory.join("report.html");
-            eprintln!("Report: {}", report.display());
+            remark(&format!("Report: {}", report.display()));
         }
         Ok(())
     }
 }
 
-/// What came of printing: a reader that has seen enough, such as `head`, is no failure.
-pub(crate) fn said(printed: std::io::Result<()>) -> Result<(), Failure> {
-    match printed {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::output("standard output", e))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn print_tables(out: &mut impl Write, headline: &str, tables: &[Table]) -> std::io::Result<()> {
-    writeln!(out, "{headline}")?;
-    for table in tables {
-        writeln!(out, "\n{}", table.to_text(DEFAULT_WIDTH))?;
-    }
-    Ok(())
+fn texts(headline: &str, tables: &[Table]) -> String {
+    let tables = tables.iter().map(|table| format!("\n{}\n", table.to_text(DEFAULT_WIDTH)));
+    std::iter::once(format!("{headline}\n")).chain(tables).collect()
 }

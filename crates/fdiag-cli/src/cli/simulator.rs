@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
@@ -11,10 +10,15 @@ use std::{
 use clap::{Args, Subcommand};
 use fd_report::Table;
 use fdiag::{
+    core::Limits,
     gap_study::{Cost, Request, SimulatorCheck, Subject},
-    model::{SampleTime, figure},
+    model::{
+        SampleTime, duration, figure,
+        file::{LinearModel, read_text},
+    },
     sim::{
         equation::Expr,
+        model::{LinearOptions, Model},
         outside::{
             Checked, Contract, Drive, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
             serve, stated,
@@ -23,7 +27,7 @@ use fdiag::{
     },
 };
 
-use super::{failure::Failure, output::said};
+use super::{failure::Failure, say::say};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulatorCommand {
@@ -120,7 +124,8 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
 }
 
 fn of_file(model: &Path) -> Result<Result<OutsideSimulator, OutsideError>, Failure> {
-    let text = std::fs::read_to_string(model).map_err(|error| Failure::input(model, error))?;
+    let text =
+        read_text(model, Limits::default().bytes).map_err(|error| Failure::input(model, error))?;
     let file = OutsideFile::parse(model, &text).map_err(Failure::of_input)?;
     Ok(file.open())
 }
@@ -206,22 +211,41 @@ fn cost(check: &SimulatorCheck, workers: usize) -> String {
         if workers == 1 { "" } else { "s" },
     );
     for Cost { what, runs, seconds } in &check.costs {
-        let time = match *seconds {
-            s if s < 120.0 => format!("{} s", figure(s)),
-            s if s < 7200.0 => format!("{} min", figure(s / 60.0)),
-            s => format!("{} h", figure(s / 3600.0)),
-        };
+        let time = duration(*seconds);
         let runs = runs.map_or_else(String::new, |runs| format!(" for {runs} runs"));
         let _ = writeln!(text, "  {time}{runs} ({what})");
     }
     text
 }
 
+/// The text of a file with a linear model.
+fn linear_of(file: &Path) -> Option<String> {
+    let text = read_text(file, Limits::default().bytes).ok()?;
+    let table = text.parse::<toml::Table>().ok()?;
+    (table.get("kind")?.as_str()? == "state-space").then_some(text)
+}
+
+/// A linear model as equations, at the step that is wanted or else at its own.
+fn of_linear(file: &Path, text: &str, step: Option<SampleTime>) -> Result<Model, Failure> {
+    let linear =
+        LinearModel::parse(&file.display().to_string(), text).map_err(Failure::of_input)?;
+    let ts = linear.system.sample_time().or(step);
+    let ts =
+        ts.ok_or_else(|| Failure::input(file, "it states no sample time: say --step SECONDS"))?;
+    Model::from_linear(&linear, ts, &LinearOptions::default())
+        .map_err(|error| Failure::input(file, error))
+}
+
 fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
-    let request = Request::new(&args.model, Vec::<PathBuf>::new());
-    let subject = Subject::of(&request).map_err(Failure::of_input)?;
-    let model = subject.model();
-    let ts = SampleTime::new(args.step.unwrap_or(model.sample_time)).map_err(Failure::of_input)?;
+    let step = args.step.map(SampleTime::new).transpose().map_err(Failure::of_input)?;
+    let model = &if let Some(text) = linear_of(&args.model) {
+        of_linear(&args.model, &text, step)?
+    } else {
+        let request = Request::new(&args.model, Vec::<PathBuf>::new());
+        Subject::of(&request).map_err(Failure::of_input)?.model().clone()
+    };
+    let own = SampleTime::new(model.sample_time).map_err(Failure::of_input);
+    let ts = step.map_or(own, Ok)?;
     let mut simulator =
         EquationSimulator::<f64>::with_ports(model, ts).map_err(Failure::analysis)?;
     let noise: Vec<Option<f64>> = model.outputs.iter().map(|output| output.noise).collect();
@@ -238,8 +262,4 @@ fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (std::io::stdin().lock(), std::io::stdout().lock());
     serve(&mut simulator, &hello, input, output).map_err(Failure::analysis)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn say(text: &str) -> Result<(), Failure> {
-    said(std::io::stdout().lock().write_all(text.as_bytes()))
 }

@@ -34,6 +34,8 @@ impl LogStudy {
         let alarmed = later.iter().filter(|log| log.first_alarm_s.1.is_some()).count();
         let alarms = match (later.len(), alarmed) {
             (0, _) => String::new(),
+            (1, 0) => " The later log raises no alarm.".to_owned(),
+            (1, _) => " The later log raises an alarm.".to_owned(),
             (n, 0) => format!(" None of the {n} later logs raises an alarm."),
             (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
         };

@@ -248,6 +248,22 @@ fn ctrl_c_ends_with_the_best_answer_so_far() {
     assert!(desk.read("out/report.html").contains("It was stopped, and has not come to: "));
 }
 
+/// So does a time limit, also in the midst of a self-calibration that would take hours.
+#[test]
+fn a_time_limit_ends_with_the_best_answer_so_far() {
+    let desk = Desk::new();
+    let output = desk.gap(&["--calibrate", "10000", "--time-limit", "3s"]);
+    assert!(output.status.success(), "{output:?}");
+    let report = desk.report();
+    assert_eq!(report["time_limit"], json!(3.0));
+    assert_eq!(report["calibration"], json!(null));
+    let left_out = report["stopped"].as_array().unwrap();
+    assert!(left_out.contains(&json!("the self-calibration")), "{left_out:?}");
+    let headline = report["headline"].as_str().unwrap();
+    assert!(headline.starts_with("Stopped by the time limit of 3 s; so far: "), "{headline}");
+    assert!(desk.read("out/report.html").contains("It was stopped by its time limit of 3 s, and"));
+}
+
 /// The commonest silent mistake: a parameter that the simulator does not take.
 #[test]
 fn a_parameter_that_moves_nothing_is_named() {

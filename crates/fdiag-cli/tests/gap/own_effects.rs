@@ -41,5 +41,10 @@ fn what_is_wrong_in_the_file_is_said() {
         desk.put("own.toml", &BRUSH.replacen(from, to, 1));
         refuses(&desk, &desk.gap(&["--effects", "own.toml"]), 3, parts);
     }
+    for empty in ["", "\n\n", "# [brush]\n# side = \"force\"\n"] {
+        desk.put("own.toml", empty);
+        let parts = ["own.toml", "there is no effect in it"];
+        refuses(&desk, &desk.gap(&["--effects", "own.toml"]), 3, &parts);
+    }
     refuses(&desk, &desk.gap(&["--effects", "none.toml"]), 3, &["none.toml"]);
 }

@@ -94,6 +94,17 @@ impl Broker {
         }
     }
 
+    /// Publishes a text that the broker keeps for whoever comes later.
+    pub fn retain(&self, topic: &str, text: &str) {
+        let (client, mut connection) = Client::new(self.options("retainer"), 2);
+        client.try_publish(topic, QoS::AtLeastOnce, true, text.as_bytes()).unwrap();
+        for event in connection.iter() {
+            if let Ok(Event::Incoming(Packet::PubAck(_))) = event {
+                return;
+            }
+        }
+    }
+
     /// Starts to listen to a topic; what is heard, by topic and in order. `name` is a session that lasts.
     pub fn listen(&self, name: &str, topic: &str) -> Heard {
         let mut options = self.options(name);

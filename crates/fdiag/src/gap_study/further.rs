@@ -66,7 +66,8 @@ impl Further {
             .calibrate
             .filter(|_| !is_followed && pause.goes_on("the self-calibration"))
             .map(|replicas| self_calibrate(case, diagnosis, settings, replicas, monitor))
-            .transpose()?;
+            .transpose()?
+            .filter(|_| pause.came_to_its_end("the self-calibration"));
         Ok(Self { road, location, ceiling, advice, calibration })
     }
 }

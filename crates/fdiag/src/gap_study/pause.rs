@@ -24,6 +24,16 @@ impl<'a> Pause<'a> {
         !is_stopped
     }
 
+    /// The same of a part that has been done: one that was cut short is worth nothing, and is left out.
+    pub(super) fn came_to_its_end(&self, part: &'static str) -> bool {
+        self.goes_on(part)
+    }
+
+    /// The time limit, in seconds, that ended it, if one did.
+    pub(super) fn time_limit(&self) -> Option<f64> {
+        self.monitor.time_limit()
+    }
+
     /// What was left out, with what the diagnosis did not come to.
     pub(super) fn left_out(self, diagnosis: &Diagnosis) -> Vec<String> {
         let untried = diagnosis.is_stopped.then_some("effects and pairs that had not been tried");

@@ -109,9 +109,16 @@ impl GapStudy {
         let pause = Pause::of(monitor);
         let richer = whole.as_ref().and_then(|whole| with_unlike(&data, whole, follower.as_ref()));
         let richer = richer.filter(|_| pause.goes_on("windows that are unlike the others"));
-        let as_read = match &richer {
-            Some(data) => Attempt::new(request, subject, nominal, data, monitor),
-            None => first,
+        let again =
+            richer.as_ref().map(|data| Attempt::new(request, subject, nominal, data, monitor));
+        let (is_richer, as_read) = match again {
+            // What was cut short is no better than what came to its end.
+            Some(Ok(again)) if again.diagnosis.is_stopped && first.is_ok() => {
+                pause.goes_on("windows that are unlike the others");
+                (false, first)
+            }
+            Some(again) => (true, again),
+            None => (false, first),
         };
         // What follows a log makes up for many a mistake of reading.
         let mended = match follower {
@@ -133,7 +140,7 @@ impl GapStudy {
             _ => None,
         };
         let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
-        let is_first = richer.is_none() && reading.is_none() && found.is_none();
+        let is_first = !is_richer && reading.is_none() && found.is_none();
         let attempt = found.unwrap_or(attempt);
         let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, .. } = attempt;
         let (diagnosis, sparing) = (attempt.diagnosis, attempt.sparing);
@@ -170,6 +177,7 @@ impl GapStudy {
             calibration,
             findings: findings(&diagnosis, data, model),
             whole,
+            time_limit: pause.time_limit(),
             stopped: pause.left_out(&diagnosis),
             sparing: sparing.as_ref().map(|(sparing, _)| sparing.clone()),
             inputs: Inputs::of(request, model, data, memory),

@@ -7,7 +7,10 @@ use fd_core::{Limits, Resource};
 use fd_effect::{Effect, library, natives, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
 use fd_log::{ColumnMap, LogMap};
-use fd_model::{Channel, Record, SampleTime, Shown, figure, file::LinearModel};
+use fd_model::{
+    Channel, Record, SampleTime, Shown, figure,
+    file::{LinearModel, read_text},
+};
 use fd_sim::{
     model::{Draft, Law, LinearOptions, LoadError, Model},
     outside::{OUTSIDE_KINDS, OutsideFile, OutsideSimulator},
@@ -60,7 +63,7 @@ impl Subject {
             |error: io::Error| LoadError::Read { file: file.clone(), message: error.to_string() };
         let bytes = fs::metadata(path).map_err(unread)?.len();
         request.limits.check(Resource::Bytes, Shown(&file).to_string(), bytes as f64)?;
-        Self::of_text(request, &fs::read_to_string(path).map_err(unread)?)
+        Self::of_text(request, &read_text(path, request.limits.bytes).map_err(unread)?)
     }
 
     /// The subject of a request, from the text of its model file, which need not be there: its path is for

@@ -14,7 +14,10 @@ use fd_report::Page;
 use fd_structure::equations::EquationModel;
 use fdiag::{
     gap_study::{Request, Subject},
-    model::{SampleTime, file::LinearModel},
+    model::{
+        SampleTime,
+        file::{LinearModel, read_text},
+    },
     sim::model::{LinearOptions, Model},
 };
 
@@ -54,10 +57,7 @@ fn model(args: &StructureArgs) -> Result<Model, Failure> {
     let file = &args.model;
     let request = Request::new(file, Vec::<PathBuf>::new());
     // Whatever is not small and readable is refused before it is looked into.
-    let text = match std::fs::metadata(file) {
-        Ok(about) if about.len() <= request.limits.bytes => std::fs::read_to_string(file).ok(),
-        _ => None,
-    };
+    let text = read_text(file, request.limits.bytes).ok();
     let kind = text.as_ref().and_then(|text| text.parse::<toml::Table>().ok());
     let kind = kind.as_ref().and_then(|table| table.get("kind")).and_then(toml::Value::as_str);
     match (kind, &text) {

@@ -2,10 +2,12 @@
 
 use std::{io::Write, sync::mpsc::Receiver, time::Duration};
 
+use fd_watch::{Event, Message, What};
+
 use super::{
-    super::failure::Failure,
+    super::{failure::Failure, say::complain},
     feed::{Chunk, LONGEST_LINE},
-    mqtt::{Delivery, Outlet, Receipt},
+    mqtt::{Delivery, Outlet, Questions, Receipt},
     watching::Watching,
 };
 
@@ -18,6 +20,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 #[derive(Default)]
 pub(super) struct Brokers {
     pub(super) outlet: Option<Outlet>,
+    /// Questions to whoever listens.
+    pub(super) questions: Option<Questions>,
     /// For messages whose samples are not yet on the disk.
     owed: Vec<Receipt>,
 }
@@ -27,6 +31,20 @@ impl Brokers {
     pub(super) fn promised(&self, bytes: u64) {
         if let Some(outlet) = &self.outlet {
             outlet.promised(bytes);
+        }
+    }
+
+    /// Something was said.
+    pub(super) fn hear(&self, messages: &[Message]) {
+        if let Some(questions) = &self.questions {
+            questions.hear(messages);
+        }
+    }
+
+    /// Answers have been kept.
+    pub(super) fn settle(&self) {
+        if let Some(questions) = &self.questions {
+            questions.settle();
         }
     }
 
@@ -90,6 +108,24 @@ impl<W: Write> Watching<W> {
         Ok(count)
     }
 
+    /// Deals with answers that a broker has brought; they are acknowledged when they are kept.
+    pub(super) fn replies(&mut self) -> Result<(), Failure> {
+        let Some(questions) = &self.brokers.questions else { return Ok(()) };
+        for (reply, said) in questions.replies() {
+            let outcome = match said {
+                Ok((id, confirmed)) => self.answer(&id, confirmed)?,
+                Err(why) => Err(why),
+            };
+            if let Err(reason) = outcome {
+                let what = What::AnswerRefused { reason };
+                self.monitor.tell(Event { unit: None, time: None, what });
+                self.publish()?;
+            }
+            reply.sign();
+        }
+        Ok(())
+    }
+
     /// Signs for messages when their samples are on the disk; until then the broker keeps them.
     pub(super) fn sign(&mut self) {
         if self.brokers.owed.is_empty() {
@@ -99,7 +135,9 @@ impl<W: Write> Watching<W> {
             && let Err(error) = state.secure(&self.monitor)
         {
             if !std::mem::replace(&mut self.cannot_save, true) {
-                eprintln!("fdiag: {error}; the broker keeps its samples until that is mended");
+                complain(&format!(
+                    "fdiag: {error}; the broker keeps its samples until that is mended"
+                ));
             }
             return;
         }

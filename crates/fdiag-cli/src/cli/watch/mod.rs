@@ -14,7 +14,7 @@ mod watching;
 #[cfg(feature = "mqtt")]
 use std::sync::mpsc::Receiver;
 use std::{
-    io::{BufWriter, IsTerminal},
+    io::BufWriter,
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
     time::Duration,
@@ -34,10 +34,16 @@ use self::{
 use super::{
     args_watch::{StreamFormat, WatchArgs},
     failure::Failure,
+    say::{is_watched, remark},
     toml_file,
 };
 
 pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
+    if asks_nobody(args) {
+        return Err(Failure::of_input(
+            "--ask: nobody could answer; say --http, --mqtt-out or both",
+        ));
+    }
     let (plan, map) = plan(args)?;
     let diagnosing = diagnosing(args, &plan)?;
     let format = match args.format {
@@ -64,7 +70,7 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
             .map_err(|error| Failure::analysis(format!("signals cannot be heard: {error}")))?;
     }
     #[cfg(feature = "mqtt")]
-    let (listened, brokers) = brokers(args, state.as_ref())?;
+    let (listened, brokers) = brokers(args, state.as_ref(), &monitor)?;
     #[cfg(not(feature = "mqtt"))]
     let listened = None;
     let feed = match (&args.follow, listened) {
@@ -72,9 +78,9 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
         (Some(path), None) => feed::follow(path).map_err(|error| Failure::input(path, error))?,
         (None, None) => feed::stream(std::io::stdin()),
     };
-    if std::io::stderr().is_terminal() {
+    if is_watched() {
         let units = monitor.units().len();
-        eprintln!("watching; {units} units restored, {} alarms told again", unsure.len());
+        remark(&format!("watching; {units} units restored, {} alarms told again", unsure.len()));
     }
     let mut watching = Watching {
         monitor,
@@ -95,11 +101,26 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
     watching.say(&unsure)?;
     watching.replay()?;
     watching.run(&feed)?;
-    if std::io::stderr().is_terminal() {
+    if is_watched() {
         let (counts, units) = (watching.monitor.counts(), watching.monitor.units().len());
-        eprintln!("{} samples of {units} units, {} alarms", counts.rows, counts.alarms);
+        remark(&format!("{} samples of {units} units, {} alarms", counts.rows, counts.alarms));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether there are to be questions, and no place for them.
+fn asks_nobody(args: &WatchArgs) -> bool {
+    let places = [
+        #[cfg(feature = "http")]
+        args.http.is_some(),
+        #[cfg(feature = "mqtt")]
+        args.mqtt_out.is_some(),
+        // Without either there is no `--ask`.
+        cfg!(not(any(feature = "http", feature = "mqtt"))),
+    ];
+    #[cfg(any(feature = "http", feature = "mqtt"))]
+    let places = places.into_iter().chain([!args.ask]);
+    !places.into_iter().any(|is_place| is_place)
 }
 
 /// Studies of units that have moved away from their model, if they are wanted.
@@ -131,6 +152,7 @@ fn diagnosing(args: &WatchArgs, plan: &Plan) -> Result<Option<(Nightly, Studies)
 fn brokers(
     args: &WatchArgs,
     state: Option<&StateFolder>,
+    monitor: &Monitor,
 ) -> Result<(Option<Receiver<feed::Chunk>>, brokers::Brokers), Failure> {
     let mut brokers = brokers::Brokers::default();
     // The command line asks for both or none.
@@ -143,7 +165,15 @@ fn brokers(
     if let Some(prefix) = args.mqtt_out.clone() {
         let outbox = state.outbox().map_err(failures::of_state)?;
         let promised = state.promised();
-        brokers.outlet = Some(mqtt::Outlet::start(broker.clone(), prefix, outbox, promised)?);
+        let outlet = mqtt::Outlet::start(broker.clone(), prefix.clone(), outbox, promised)?;
+        brokers.outlet = Some(outlet);
+        if args.ask {
+            let asked = monitor
+                .units()
+                .filter_map(|unit| Some((unit.name.to_owned(), unit.wish?.to_owned())));
+            let questions = mqtt::Questions::start(broker.clone(), prefix, asked);
+            brokers.questions = Some(questions);
+        }
     }
     if args.mqtt_in.is_empty() {
         return Ok((None, brokers));
@@ -164,7 +194,7 @@ fn board(args: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
     let found = fd_watch::serve(address.as_str(), Arc::clone(&board))
         .map_err(|error| Failure::of_input(format!("--http {address}: {error}")))?;
     // The port may have been left to the system.
-    eprintln!("live page: http://{found}/");
+    remark(&format!("live page: http://{found}/"));
     Ok(Some(board))
 }
 
@@ -214,7 +244,7 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         sample_time: stated,
         longest_gap,
         most_units: args.most_units,
-        #[cfg(feature = "http")]
+        #[cfg(any(feature = "http", feature = "mqtt"))]
         ask: args.ask,
         ..Request::new(model, learning)
     };

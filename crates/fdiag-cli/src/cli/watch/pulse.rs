@@ -1,12 +1,13 @@
 //! The monitor watches itself: how far behind it is, how old its last sample, how large it has become.
 
 use std::{
-    io::IsTerminal,
     sync::Arc,
     time::{Duration, Instant},
 };
 
 use fd_watch::{Answer, Board, Doing, Health, Message, Monitor};
+
+use super::super::say::{is_watched, remark};
 
 /// How often somebody who looks is shown something new.
 const LOOK: Duration = Duration::from_secs(1);
@@ -29,7 +30,7 @@ pub(super) struct Pulse {
 impl Pulse {
     pub(super) fn new(board: Option<Arc<Board>>) -> Self {
         let now = Instant::now();
-        let has_terminal = std::io::stderr().is_terminal();
+        let has_terminal = is_watched();
         let (looked, last_sample) = (None, None);
         Self {
             begun: now,
@@ -87,11 +88,11 @@ impl Pulse {
             let age =
                 health.age_s.map_or_else(|| "never".to_owned(), |age| format!("{age:.1} s ago"));
             let Health { samples, alarms, lag_s, units, .. } = health;
-            eprintln!(
+            remark(&format!(
                 "{samples} samples of {} units, the last {age}, {alarms} alarms, {:.0} ms behind",
                 units.iter().sum::<u64>(),
                 1e3 * lag_s
-            );
+            ));
         }
     }
 

@@ -15,7 +15,7 @@ use fd_watch::{Answer, Event, Format, Message, Monitor, RowReader, StateFolder};
 #[cfg(feature = "mqtt")]
 use super::brokers::Brokers;
 use super::{
-    super::failure::Failure,
+    super::{failure::Failure, say::complain},
     failures,
     feed::{Chunk, LONGEST_LINE},
     nightly::Nightly,
@@ -98,6 +98,8 @@ impl<W: Write> Watching<W> {
             }
             self.publish()?;
             self.answers()?;
+            #[cfg(feature = "mqtt")]
+            self.replies()?;
             self.studied();
             #[cfg(feature = "mqtt")]
             self.sign();
@@ -115,18 +117,29 @@ impl<W: Write> Watching<W> {
     fn answers(&mut self) -> Result<(), Failure> {
         for answer in self.pulse.take_answers() {
             let Answer { id, confirmed, heard } = answer;
-            let outcome = if self.monitor.answer(&id, confirmed).is_none() {
-                Err("nobody asks this any more".to_owned())
-            } else {
-                self.publish()?;
-                let kept = self.state.as_mut().map(|state| state.save_answered(&mut self.monitor));
-                let lost = |error| format!("it acts now, and is lost at a restart: {error}");
-                kept.unwrap_or(Ok(())).map_err(lost)
-            };
+            let outcome = self.answer(&id, confirmed)?;
             // Whoever has left does not want to know.
             let _ = heard.try_send(outcome);
         }
         Ok(())
+    }
+
+    /// Acts on an answer and keeps it; in words, why that cannot be.
+    pub(super) fn answer(
+        &mut self,
+        id: &str,
+        confirmed: bool,
+    ) -> Result<Result<(), String>, Failure> {
+        if self.monitor.answer(id, confirmed).is_none() {
+            return Ok(Err("nobody asks this any more".to_owned()));
+        }
+        self.publish()?;
+        let kept = self.state.as_mut().map(|state| state.save_answered(&mut self.monitor));
+        let lost = |error| format!("it acts now, and is lost at a restart: {error}");
+        let kept = kept.unwrap_or(Ok(())).map_err(lost);
+        #[cfg(feature = "mqtt")]
+        self.brokers.settle();
+        Ok(kept)
     }
 
     /// Judges lines, and returns how many there were.
@@ -162,7 +175,7 @@ impl<W: Write> Watching<W> {
         let Some((nightly, studies)) = &mut self.diagnosing else { return };
         if std::mem::take(&mut nightly.is_full) && !self.is_short {
             self.is_short = true;
-            eprintln!("fdiag: --diagnose: no room for recent samples of further units");
+            complain("fdiag: --diagnose: no room for recent samples of further units");
         }
         for event in studies.answers() {
             self.monitor.tell(event);
@@ -194,6 +207,8 @@ impl<W: Write> Watching<W> {
             #[cfg(feature = "mqtt")]
             self.brokers.promised(state.promised());
         }
+        #[cfg(feature = "mqtt")]
+        self.brokers.hear(&messages);
         self.say(&messages)
     }
 
@@ -228,9 +243,9 @@ impl<W: Write> Watching<W> {
                 Ok(_) => self.cannot_save = false,
                 Err(error) => {
                     if !std::mem::replace(&mut self.cannot_save, true) {
-                        eprintln!(
+                        complain(&format!(
                             "fdiag: {error}; the monitor goes on, and tries again every second"
-                        );
+                        ));
                     }
                     return;
                 }

@@ -6,7 +6,7 @@ use fd_gap::{
     diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
     locate::Spectrum,
 };
-use fd_model::figure;
+use fd_model::{duration, figure};
 
 use crate::gap_study::{
     findings::{LogDefect, LogFinding, TimeBaseDefect},
@@ -30,10 +30,12 @@ const SHOWN: f64 = 0.05;
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
     let answer = answer(report);
-    let answer = if report.stopped.is_empty() {
-        answer
-    } else {
-        format!("Stopped before the end; so far: {answer}")
+    let answer = match report.time_limit {
+        _ if report.stopped.is_empty() => answer,
+        Some(limit) => {
+            format!("Stopped by the time limit of {}; so far: {answer}", duration(limit))
+        }
+        None => format!("Stopped before the end; so far: {answer}"),
     };
     let Some(reading) = &report.reading else { return answer };
     format!(

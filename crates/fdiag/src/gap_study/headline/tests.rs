@@ -139,6 +139,7 @@ fn report(verdict: Verdict) -> Report {
         whole: None,
         sparing: None,
         stopped: Vec::new(),
+        time_limit: None,
         next: Vec::new(),
         law: None,
         ceiling: None,

@@ -68,6 +68,8 @@ pub struct Report {
     pub sparing: Option<Sparing>,
     /// What was left out because nobody wanted to wait any longer; empty if it came to its end.
     pub stopped: Vec<String>,
+    /// The time limit that was reached, in seconds; `null` when none was, or somebody stopped it before.
+    pub time_limit: Option<f64>,
     /// What was diagnosed.
     pub inputs: Inputs,
     /// How it was made.

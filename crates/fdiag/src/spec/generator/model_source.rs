@@ -1,12 +1,10 @@
 //! Where the nonlinear model of a generator comes from.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
+use fd_core::Limits;
 use fd_jetengine::engine17::input_channels;
-use fd_model::{Channel, SampleTime};
+use fd_model::{Channel, SampleTime, file::read_text};
 use fd_nonlinear::{PlantEquations, StateEquations};
 use fd_sim::{
     model::{LoadError, Model},
@@ -67,9 +65,8 @@ impl ModelSource {
         let file = self.name();
         let text = match self {
             Self::Text { text } => text.clone(),
-            Self::File(path) => fs::read_to_string(path).map_err(|error| LoadError::Read {
-                file: file.clone(),
-                message: error.to_string(),
+            Self::File(path) => read_text(path, Limits::default().bytes).map_err(|error| {
+                LoadError::Read { file: file.clone(), message: error.to_string() }
             })?,
         };
         // What is no TOML at all is an error of the reader of equations, which says where.

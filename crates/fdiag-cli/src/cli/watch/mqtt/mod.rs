@@ -6,6 +6,7 @@
 
 mod inlet;
 mod outlet;
+mod questions;
 
 use std::{path::Path, time::Duration};
 
@@ -14,6 +15,7 @@ use rumqttc::MqttOptions;
 pub(super) use self::{
     inlet::{Delivery, Inlet, Receipt},
     outlet::Outlet,
+    questions::Questions,
 };
 use super::super::{args_watch::WatchArgs, failure::Failure};
 

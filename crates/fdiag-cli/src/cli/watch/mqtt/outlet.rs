@@ -13,7 +13,10 @@ use std::{
 use fd_watch::{Message, Outbox};
 use rumqttc::{Client, Event, LastWill, Packet, QoS, valid_topic};
 
-use super::{super::super::failure::Failure, Broker, Patience};
+use super::{
+    super::super::{failure::Failure, say::complain},
+    Broker, Patience,
+};
 
 /// Messages that are on their way at once.
 const BATCH: usize = 50;
@@ -113,7 +116,10 @@ impl Teller {
             let client = self.connect(number);
             let reason = self.tell(&client, &mut patience, &mut is_told);
             if !std::mem::replace(&mut is_told, true) {
-                eprintln!("fdiag: {}: {reason}; alarms wait in the journal", self.broker.address());
+                complain(&format!(
+                    "fdiag: {}: {reason}; alarms wait in the journal",
+                    self.broker.address()
+                ));
             }
             // The thread of the connection ends with its last client.
             let _ = client.try_disconnect();
@@ -233,7 +239,7 @@ fn texts(prefix: &str, messages: &[Message]) -> Vec<(String, bool, String)> {
 }
 
 /// The name of a unit as one level of a topic: what has a meaning there, and `%`, as `%XX`.
-fn level(unit: &str) -> String {
+pub(super) fn level(unit: &str) -> String {
     let mut level = String::new();
     for character in unit.chars() {
         if matches!(character, '/' | '+' | '#' | '%') || character.is_control() {

@@ -1,64 +1,27 @@
-//! Progress on standard error, only when somebody is looking.
+//! Progress of a diagnosis, one stage after another.
 
 use std::{
-    io::IsTerminal,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering::Relaxed},
         mpsc::{RecvTimeoutError, Sender, channel},
     },
     thread::JoinHandle,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
-use fd_lab::Watcher;
 use fdiag::gap::diagnose::{Monitor, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::{
+    super::say::{is_watched, remark},
+    TICK,
+};
+
 /// After this long, a waiting user wants to know what for.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Time between two drawings.
-const TICK: Duration = Duration::from_millis(200);
 
-/// A bar over work of many alike pieces; invisible when standard error is not a terminal.
-pub(crate) struct Bar(ProgressBar);
-
-impl Bar {
-    pub(crate) fn new(what: &'static str) -> Self {
-        let target = if std::io::stderr().is_terminal() {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let bar = ProgressBar::with_draw_target(Some(1), target);
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left");
-        if let Ok(style) = style {
-            bar.set_style(style);
-        }
-        bar.set_message(what);
-        bar.enable_steady_tick(TICK);
-        Self(bar)
-    }
-
-    pub(crate) fn finish(self) {
-        self.0.finish_and_clear();
-    }
-}
-
-impl Watcher for Bar {
-    fn begin(&self, pieces: u64, done: u64) {
-        self.0.set_length(pieces);
-        self.0.set_position(done);
-        // What was done before says nothing about the time that is left.
-        self.0.reset_eta();
-    }
-
-    fn advance(&self) {
-        self.0.inc(1);
-    }
-}
-
-/// Progress of a diagnosis, one stage after another; shown once it takes long.
+/// Progress of a diagnosis; shown once it takes long.
 pub(crate) struct Stages {
     bar: ProgressBar,
     /// Dropped at the end, which the thread that shows the bar hears.
@@ -66,6 +29,9 @@ pub(crate) struct Stages {
     shown: Option<JoinHandle<()>>,
     /// Whether nobody wants to wait any longer.
     is_stopped: Arc<AtomicBool>,
+    begun: Instant,
+    /// The longest that anybody waits.
+    limit: Option<Duration>,
 }
 
 impl Stages {
@@ -76,7 +42,7 @@ impl Stages {
         }
         let (ended, end) = channel();
         let late = bar.clone();
-        let shown = std::io::stderr().is_terminal().then(|| {
+        let shown = is_watched().then(|| {
             std::thread::spawn(move || {
                 if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                     late.set_draw_target(ProgressDrawTarget::stderr());
@@ -85,13 +51,14 @@ impl Stages {
                 }
             })
         });
-        Self { bar, ended: Some(ended), shown, is_stopped: Arc::default() }
+        let begun = Instant::now();
+        Self { bar, ended: Some(ended), shown, is_stopped: Arc::default(), begun, limit: None }
     }
 
-    /// The same, stopped by a flag.
-    pub(crate) fn stopped_by(self, is_stopped: Arc<AtomicBool>) -> Self {
+    /// The same, stopped by a flag or after so long.
+    pub(crate) fn stopped_by(self, is_stopped: Arc<AtomicBool>, limit: Option<Duration>) -> Self {
         let mut stages = self;
-        stages.is_stopped = is_stopped;
+        (stages.is_stopped, stages.limit) = (is_stopped, limit);
         stages
     }
 
@@ -102,6 +69,10 @@ impl Stages {
             let _ = shown.join();
         }
         self.bar.finish_and_clear();
+    }
+
+    fn is_late(&self) -> bool {
+        self.limit.is_some_and(|limit| limit <= self.begun.elapsed())
     }
 }
 
@@ -127,10 +98,15 @@ impl Monitor for Stages {
     }
 
     fn is_stopped(&self) -> bool {
-        self.is_stopped.load(Relaxed)
+        self.is_stopped.load(Relaxed) || self.is_late()
+    }
+
+    fn time_limit(&self) -> Option<f64> {
+        let is_asked = self.is_stopped.load(Relaxed);
+        self.limit.filter(|_| self.is_late() && !is_asked).map(|limit| limit.as_secs_f64())
     }
 
     fn plan(&self, text: &str) {
-        self.bar.suspend(|| eprintln!("{text}"));
+        self.bar.suspend(|| remark(text));
     }
 }

@@ -1,0 +1,53 @@
+// What is wrong with the page in the frame, for browser.rs.
+function look(frame) {
+  const view = frame.contentWindow, page = view.document, root = page.documentElement;
+  const found = { width: view.innerWidth, dark: view.matchMedia("(prefers-color-scheme: dark)").matches,
+    pictures: 0, words: page.body.innerText.length, clipped: [], empty: [], faint: [] };
+  const name = e => e.tagName + "." + (e.getAttribute("class") || "") + " " + (e.textContent || "").trim().slice(0, 60);
+  const scrolls = e => {
+    for (; e && e !== page.body; e = e.parentElement)
+      if (/auto|scroll/.test(view.getComputedStyle(e).overflowX)) return true;
+    return false;
+  };
+  if (root.clientWidth < root.scrollWidth) found.clipped.push("the page is " + root.scrollWidth + " wide");
+  for (const e of page.body.querySelectorAll("*")) {
+    const box = e.getBoundingClientRect();
+    if (box.width && (root.clientWidth + 0.5 < box.right || box.left < -0.5) && !scrolls(e)) found.clipped.push(name(e));
+  }
+  for (const svg of page.querySelectorAll("svg")) {
+    found.pictures += 1;
+    const frame = svg.getBoundingClientRect();
+    const drawn = [...svg.querySelectorAll("path,polyline,polygon,line,circle,rect")].filter(e => {
+      const box = e.getBoundingClientRect();
+      return 0 < box.width + box.height && view.getComputedStyle(e).display !== "none";
+    });
+    // A ground and a frame alone show nothing.
+    if (frame.width < 40 || frame.height < 20 || drawn.length < 2) found.empty.push(name(svg));
+    for (const text of svg.querySelectorAll("text")) {
+      const box = text.getBoundingClientRect();
+      if (box.left < frame.left - 1 || frame.right + 1 < box.right || box.top < frame.top - 1 || frame.bottom + 1 < box.bottom)
+        found.clipped.push("in a picture: " + name(text));
+    }
+  }
+  // Words that cannot be told from what is behind them: a contrast below 3, as WCAG 2 counts it.
+  const numbers = color => (color.match(/[\d.]+/g) || []).map(Number);
+  const light = ([r, g, b]) => [r, g, b].map(c => c / 255).map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const behind = e => {
+    for (; e; e = e.parentElement) {
+      const ground = numbers(view.getComputedStyle(e).backgroundColor);
+      if (ground.length === 3 || ground[3] === 1) return ground;
+    }
+    return found.dark ? [18, 18, 18] : [255, 255, 255];
+  };
+  const words = page.createTreeWalker(page.body, NodeFilter.SHOW_TEXT);
+  while (words.nextNode()) {
+    const e = words.currentNode.parentElement;
+    if (!words.currentNode.data.trim() || /SCRIPT|STYLE/.test(e.tagName) || !e.getClientRects().length) continue;
+    const style = view.getComputedStyle(e), isDrawn = e.namespaceURI.endsWith("svg");
+    const [a, b] = [light(numbers(isDrawn ? style.fill : style.color)), light(behind(isDrawn ? e.ownerSVGElement : e))];
+    if ((Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 3) found.faint.push(name(e));
+  }
+  for (const list of ["clipped", "empty", "faint"]) found[list] = [...new Set(found[list])].slice(0, 20);
+  return found;
+}
