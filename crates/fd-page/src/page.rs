@@ -85,10 +85,17 @@ fn several(page: &mut Page, report: &Report) {
     if !bars.bars.is_empty() {
         page.bars(bars);
     }
-    page.text(
-        "Each was accepted because it improves forecasts of data that no fit has seen, with all \
-         others present and everything refitted together. patched.toml contains all of them.",
-    );
+    let why = match report.diagnosis.regime {
+        Regime::AtTheFloor => {
+            "Each was accepted because the likelihood asks for it beside all others, and forecasts of data that no fit \
+             has seen do not contradict it; a share near zero may be a real but small effect."
+        }
+        Regime::AboveTheFloor => {
+            "Each was accepted because it improves forecasts of data that no fit has seen, with all others present and \
+             everything refitted together."
+        }
+    };
+    page.text(format!("{why} patched.toml contains all of them."));
     page.table(tables::road(road));
 }
 

@@ -20,6 +20,7 @@ mod frequency;
 mod lanes;
 mod locate;
 mod measurement;
+mod motion;
 mod quality;
 mod reading;
 mod reproduce;

@@ -10,9 +10,9 @@ use super::args::{positive, share};
 pub(crate) const WATCH_HELP: &str = "\
 Examples:
   fdiag watch --model model.toml --healthy healthy.csv --format csv < later.csv
-  fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --unit rig --state state < samples.ndjson
+  fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --state state < samples.ndjson
   fdiag watch --model model.toml --healthy healthy.csv --format csv --follow growing.csv
-  mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --unit rig
+  mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --sample-time 0.1
 
 Exit codes: as for all commands; 0 also after SIGTERM or Ctrl-C, when all units have been saved.";
 

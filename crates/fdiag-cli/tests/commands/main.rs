@@ -130,8 +130,9 @@ fn what_is_merely_large_has_to_be_wanted() {
     assert_eq!(code, Some(4), "{error}");
     assert!(error.contains("more engines: about") && error.contains("go on with --yes"), "{error}");
     assert!(!desk.path("large").exists());
-    let (code, error) =
-        desk.fails(&["compare", "--threads", "1", "--out", "large"], Duration::from_secs(300));
+    let line =
+        ["compare", "--scenario", "linear", "--seeds", "20000", "--threads", "1", "--out", "large"];
+    let (code, error) = desk.fails(&line, Duration::from_secs(300));
     assert_eq!(code, Some(4), "{error}");
     assert!(
         error.contains("go on with --yes (") && error.contains("are finished and kept in"),
@@ -154,7 +155,7 @@ fn a_time_limit_ends_it_with_what_there_is() {
     );
     let page = std::fs::read_to_string(desk.path("limited/report.html")).unwrap();
     assert!(page.contains("of 50000 engines; so far: "), "the page does not say so");
-    let line = ["compare", "--time-limit", "1s", "--out", "later"];
+    let line = ["compare", "--scenario", "linear", "--time-limit", "1s", "--out", "later"];
     let (code, error) = desk.fails(&line, Duration::from_secs(300));
     assert_eq!(code, Some(4), "{error}");
     assert!(error.contains("stopped by the time limit of 1 s ("), "{error}");
