@@ -28,11 +28,13 @@ const ONSET: usize = 160;
 const LEVEL: f64 = 0.99;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
+/// The values of a statistic for the samples of a log.
+type Values = dyn Fn(&Record) -> Outcome<Vec<f64>>;
 
 /// One statistic: what it is called, and its values for the samples of a log.
 struct Column {
     name: String,
-    values: Box<dyn Fn(&Record) -> Outcome<Vec<f64>>>,
+    values: Box<Values>,
     limit: f64,
 }
 
@@ -99,7 +101,7 @@ fn logs(folder: &Path, start: &str, inputs: &[usize]) -> Outcome<Vec<Record>> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
-        if name.starts_with(start) && name.ends_with(".csv") {
+        if name.starts_with(start) && path.extension().is_some_and(|end| end == "csv") {
             paths.push(path);
         }
     }

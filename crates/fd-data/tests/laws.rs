@@ -57,7 +57,9 @@ proptest! {
     #[test]
     fn statistics_of_scaled_components_do_not_depend_on_units(seed in 0_u64..1 << 40) {
         let log = Plant::random(2, 1, 3, seed).log(150, 0.3, seed + 1);
-        let unit = |n: usize| Mat::from_fn(n, n, |i, j| if i == j { 1000.0_f64.powi(i as i32 - 1) } else { 0.0 });
+        let unit = |n: usize| {
+            Mat::from_fn(n, n, |i, j| if i == j { 1000.0_f64.powf(i as f64 - 1.0) } else { 0.0 })
+        };
         let other = through(&log, &unit(1), &unit(3));
         let (before, after) = (pca(&log, 0, 2, Scaling::Standard), pca(&other, 0, 2, Scaling::Standard));
         for (a, b) in all(&before, &log).iter().zip(&all(&after, &other)) {

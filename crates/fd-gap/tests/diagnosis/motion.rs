@@ -33,7 +33,7 @@ fn drive(model: &Model, begin: f64, bias: f64, seed: u64) -> Record {
     let mut v = begin;
     let rows = (0..SAMPLES).map(|k| {
         let t = 0.2 * k as f64 + 17.0 * seed as f64;
-        let square = if (t / 17.0) as u64 % 2 == 0 { 300.0 } else { -300.0 };
+        let square = 300.0_f64.copysign((0.18 * t).sin());
         let force = 900.0 + 500.0 * (0.11 * t).sin() + square;
         let y = v + bias + noise[k];
         // Forty Euler steps; the largest rate is 0.03/s.

@@ -172,7 +172,7 @@ where
         self.filter.advance(self.x.as_ref(), self.r.as_ref(), self.x_next.as_mut());
         std::mem::swap(&mut self.x, &mut self.x_next);
         // A generator that begins anew, as a nonlinear one does where its model has no answer, finds the filter at rest.
-        if !self.r.as_ref().iter().all(|r| r.is_finite()) {
+        if self.r.as_ref().iter().any(|r| !r.is_finite()) {
             r.fill(T::from_design(f64::NAN));
             self.x.as_mut().fill(T::zero());
         }
