@@ -66,14 +66,14 @@ impl Study {
             .faults
             .iter()
             .filter(|fault| fault.fair_ratio.median.is_finite())
-            .map(|fault| format!("{} for {}", figure(fault.fair_ratio.median), fault.sensor))
+            .map(|fault| format!("{} times for {}", figure(fault.fair_ratio.median), fault.sensor))
             .collect();
         if ratios.is_empty() {
             return String::new();
         }
         format!(
-            " Next to the best constant threshold on the whole residual vector it is {} times.",
-            ratios.join(", ")
+            " Against the best constant threshold on the whole residual vector the gain is {}.",
+            ratios.join(" and ")
         )
     }
 
