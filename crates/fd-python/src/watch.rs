@@ -44,18 +44,7 @@ impl Monitor for Watch {
 
     fn begin(&self, stage: Stage, pieces: usize) {
         self.look();
-        let name = match stage {
-            Stage::StandIn => "linearising the simulator",
-            Stage::Screen => "trying effects",
-            Stage::Fit => "fitting",
-            Stage::Pairs => "trying pairs",
-            Stage::Judge => "judging",
-            Stage::Locate => "locating",
-            Stage::Ceiling => "learning black boxes",
-            Stage::Experiment => "trying experiments",
-            Stage::Calibrate => "diagnosing simulated logs",
-        };
-        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = (name, pieces);
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = (stage.words(), pieces);
         self.done.store(0, Relaxed);
     }
 

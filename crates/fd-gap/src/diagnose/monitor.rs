@@ -51,6 +51,24 @@ pub enum Stage {
     Calibrate,
 }
 
+impl Stage {
+    /// What is being done, in words for a progress bar.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::StandIn => "linearising the simulator",
+            Self::Screen => "trying effects",
+            Self::Fit => "fitting",
+            Self::Pairs => "trying pairs",
+            Self::Judge => "judging",
+            Self::Locate => "locating",
+            Self::Ceiling => "learning black boxes",
+            Self::Experiment => "trying experiments",
+            Self::Calibrate => "diagnosing simulated logs",
+        }
+    }
+}
+
 /// Nobody is told.
 impl Monitor for () {
     fn begin(&self, _stage: Stage, _pieces: usize) {}

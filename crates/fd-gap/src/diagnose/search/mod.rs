@@ -91,8 +91,9 @@ pub(super) fn search<'a>(
     }
     finish(&mut trials, &null, settings.finalists);
     if let Some(fitted) = fitted {
-        // What stands for one of a longer list has as good a start as that one.
-        trials.par_iter_mut().filter(|trial| trial.is_final).for_each(|trial| {
+        // What stands for one of a longer list has as good a start as that one, which has had its own.
+        let is_rival = |trial: &&mut Trial<'_>| trial.is_final && !trial.is_in(fitted);
+        trials.par_iter_mut().filter(is_rival).for_each(|trial| {
             if trial.start_as_in(&null, fitted) {
                 trial.full_fit(&null);
             }

@@ -256,10 +256,10 @@ impl<'a> Trial<'a> {
     /// has found, with what the nuisances are there.
     pub(super) fn start_as_in(&mut self, null: &NullFit, fitted: &Model) -> bool {
         let value = |name: &str| fitted.parameters.iter().find(|p| p.name == name).map(|p| p.value);
-        let known = self.candidate.parameters.iter().map(|p| value(&p.name)).collect();
+        let own = self.candidate.parameters.iter();
+        let known: Option<Vec<f64>> = own.map(|p| value(&p.name)).collect();
         let found = || self.best.as_ref().map(|best| self.problem.effect_values(&best.z));
-        let values: Option<Vec<f64>> = known;
-        let Some(values) = values.or_else(found) else { return false };
+        let Some(values) = known.or_else(found) else { return false };
         let mut nuisances = null.minimum.z.clone();
         for (z, variable) in nuisances.iter_mut().zip(null.problem.plan().nuisances()) {
             *z = value(&variable.name).map_or(*z, |value| variable.scaled(value));

@@ -80,17 +80,7 @@ impl Monitor for Stages {
     fn begin(&self, stage: Stage, pieces: usize) {
         self.bar.set_length(pieces as u64);
         self.bar.set_position(0);
-        self.bar.set_message(match stage {
-            Stage::StandIn => "linearising the simulator",
-            Stage::Screen => "trying effects",
-            Stage::Fit => "fitting",
-            Stage::Pairs => "trying pairs",
-            Stage::Judge => "judging",
-            Stage::Locate => "locating",
-            Stage::Ceiling => "learning black boxes",
-            Stage::Experiment => "trying experiments",
-            Stage::Calibrate => "diagnosing simulated logs",
-        });
+        self.bar.set_message(stage.words());
     }
 
     fn advance(&self) {
