@@ -10,6 +10,15 @@
 //! | `online` | trained pipelines, a sample or an array at a time |
 //! | `errors` | messages as exceptions |
 //!
+//! What a user writes, and what of it ends up here (`simulator`, `study`):
+//!
+//! ```python
+//! import fdiag
+//!
+//! result = fdiag.gap(fdiag.Model("cart.toml"), "monday.csv", held_out="friday.csv")
+//! print(result.headline)
+//! ```
+//!
 //! Nothing here is for users directly: names, units, doubts and pictures are made in Python, and numbers in the
 //! crates below. Rust threads run without the interpreter lock and take it only for each call of a user's
 //! object.

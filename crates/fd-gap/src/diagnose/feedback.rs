@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Noise of any size and colour.
-const ANY: NoisePrior = NoisePrior { centre: 0.0, spread: 1e3, is_coloured: true };
+const ANY: NoisePrior = NoisePrior { centre: 0.0, spread: 1e3, is_coloured: true, step: None };
 
 /// The loop as it is diagnosed: closed, or with the controller on logged outputs.
 #[derive(Debug)]

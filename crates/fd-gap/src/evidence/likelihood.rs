@@ -1,6 +1,12 @@
 //! Likelihood of simulation errors, with the noise as an unknown.
 
-use crate::quality::Autoregression;
+use std::f64::consts::PI;
+
+use crate::quality::{Autoregression, interval_log_likelihood};
+
+/// Least noise before rounding, in steps of the grid: values at the edge of a cell are no evidence against a
+/// simulation that is off by its own standard error.
+const SOFT: f64 = 0.15;
 
 /// What is known of the noise of an output before the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +17,9 @@ pub struct NoisePrior {
     pub spread: f64,
     /// Whether it may have a colour.
     pub is_coloured: bool,
+    /// Step of the grid that measured values are rounded to after the noise came in, in units of sigma, if that is
+    /// coarse beside the noise: a simulation is then judged by the cells that it hits, not by where in the cell it is.
+    pub step: Option<f64>,
 }
 
 impl NoisePrior {
@@ -23,7 +32,30 @@ impl NoisePrior {
     /// ```
     #[must_use]
     pub fn white(spread: f64) -> Self {
-        Self { centre: 0.0, spread, is_coloured: false }
+        Self { centre: 0.0, spread, is_coloured: false, step: None }
+    }
+
+    /// Noise of size `before` sigma that is rounded to a grid of a `step`, which makes it larger.
+    ///
+    /// ```
+    /// use fd_gap::evidence::NoisePrior;
+    ///
+    /// let rounded = NoisePrior::white(0.1).rounded(1.0, 2.0);
+    /// assert!((rounded.centre.exp() - f64::sqrt(1.0 + 2.0_f64.powi(2) / 12.0)).abs() < 1e-12);
+    /// assert!((rounded.before_rounding() - 1.0).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn rounded(self, before: f64, step: f64) -> Self {
+        let before = before.max(SOFT * step);
+        Self { centre: before.hypot(of_rounding(step)).ln(), step: Some(step), ..self }
+    }
+
+    /// The noise that is expected before values are rounded, in units of sigma.
+    #[must_use]
+    pub fn before_rounding(&self) -> f64 {
+        let step = self.step.unwrap_or(0.0);
+        let squared = (2.0 * self.centre).exp() - of_rounding(step).powi(2);
+        squared.max(0.0).sqrt().max(SOFT * step)
     }
 
     /// The same noise, which may have a colour or not.
@@ -37,6 +69,12 @@ impl NoisePrior {
     pub fn cost(&self, log_scale: f64) -> f64 {
         0.5 * ((log_scale - self.centre) / self.spread).powi(2)
     }
+}
+
+/// Standard deviation of what rounding to a grid adds.
+#[must_use]
+pub(crate) fn of_rounding(step: f64) -> f64 {
+    step / f64::sqrt(12.0)
 }
 
 /// Log-likelihood of the errors of a simulation, and the noise that makes it largest.
@@ -60,25 +98,84 @@ pub struct Likelihood {
 pub fn likelihood(errors: &[Vec<Vec<f64>>], noise: &[NoisePrior]) -> Likelihood {
     let mut sum = Likelihood { log: 0.0, scale: Vec::new(), colour: Vec::new() };
     for (signals, prior) in errors.iter().zip(noise) {
-        let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-        let highest = if prior.is_coloured { Autoregression::HIGHEST_ORDER } else { 0 };
-        let colour = Autoregression::fit(&slices, highest);
-        let (mut n, mut squares, mut spreads) = (0.0_f64, 0.0, 0.0);
-        for signal in signals {
-            let mut e = vec![0.0; signal.len()];
-            colour.whiten(signal, &mut e);
-            n += signal.iter().filter(|v| v.is_finite()).count() as f64;
-            squares += e.iter().map(|e| e * e).sum::<f64>();
-            spreads += colour.log_spread(signal);
-        }
-        let log_scale = best_log_scale(n, squares, prior);
-        let fit = n * log_scale + 0.5 * squares * (-2.0 * log_scale).exp();
-        sum.log -=
-            fit + prior.cost(log_scale) + spreads + 0.5 * colour.order() as f64 * n.max(1.0).ln();
-        sum.scale.push(log_scale.exp());
-        sum.colour.push(colour);
+        let cells = prior.step.map(|step| of_cells(signals, prior, step));
+        let filtered = (cells.is_none() || prior.is_coloured).then(|| of_filter(signals, prior));
+        // Rounding hides a colour or does not.
+        let [best, other] = [cells, filtered];
+        let Some(one) = best.into_iter().chain(other).max_by(|a, b| a.log.total_cmp(&b.log)) else {
+            continue;
+        };
+        sum.log += one.log;
+        sum.scale.push(one.scale);
+        sum.colour.push(one.colour);
     }
     sum
+}
+
+/// The likelihood of one output.
+struct One {
+    log: f64,
+    scale: f64,
+    colour: Autoregression,
+}
+
+/// Of noise that a filter may have coloured.
+fn of_filter(signals: &[Vec<f64>], prior: &NoisePrior) -> One {
+    let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
+    let highest = if prior.is_coloured { Autoregression::HIGHEST_ORDER } else { 0 };
+    let colour = Autoregression::fit(&slices, highest);
+    let (mut n, mut squares, mut spreads) = (0.0_f64, 0.0, 0.0);
+    for signal in signals {
+        let mut e = vec![0.0; signal.len()];
+        colour.whiten(signal, &mut e);
+        n += signal.iter().filter(|v| v.is_finite()).count() as f64;
+        squares += e.iter().map(|e| e * e).sum::<f64>();
+        spreads += colour.log_spread(signal);
+    }
+    let log_scale = best_log_scale(n, squares, prior);
+    let fit = n * log_scale + 0.5 * squares * (-2.0 * log_scale).exp();
+    let orders = 0.5 * colour.order() as f64 * n.max(1.0).ln();
+    let log = -(fit + prior.cost(log_scale) + spreads + orders);
+    One { log, scale: log_scale.exp(), colour }
+}
+
+/// Of noise that rounding hides: the log-likelihood of errors of rounded values (without `−½ ln 2π` per sample, as everywhere here), and the size that
+/// such errors have.
+fn of_cells(signals: &[Vec<f64>], prior: &NoisePrior, step: f64) -> One {
+    let errors: Vec<f64> = signals.iter().flatten().copied().filter(|e| e.is_finite()).collect();
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    let largest = (squares / errors.len().max(1) as f64).sqrt();
+    let expected = prior.before_rounding();
+    let log = |log_scale: f64| {
+        let cost = NoisePrior { centre: expected.ln(), ..*prior }.cost(log_scale);
+        interval_log_likelihood(&errors, log_scale.exp(), step) - cost
+    };
+    let [low, high] = [(SOFT * step).ln(), largest.max(expected).ln()];
+    let (log_scale, log) = maximum(log, low, high.max(low));
+    let constant = 0.5 * errors.len() as f64 * (2.0 * PI).ln();
+    let scale = log_scale.exp().hypot(of_rounding(step));
+    One { log: log + constant, scale, colour: Autoregression::fit(&[], 0) }
+}
+
+/// The place and the value of the top of a function with one hill, by golden sections.
+fn maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> (f64, f64) {
+    let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
+    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
+    let mut values = inner.map(&f);
+    // To a hundredth of a logarithm: a likelihood is flat at its top.
+    while 0.01 < high - low {
+        if values[0] < values[1] {
+            low = inner[0];
+            inner = [inner[1], low + golden * (high - low)];
+            values = [values[1], f(inner[1])];
+        } else {
+            high = inner[1];
+            inner = [high - golden * (high - low), inner[0]];
+            values = [f(inner[0]), values[0]];
+        }
+    }
+    let best = usize::from(values[0] < values[1]);
+    (inner[best], values[best])
 }
 
 /// The `l` with the least `n l + E exp(−2 l)/2 + (l − c)²/(2 t²)`, a convex function, by Newton's

@@ -22,7 +22,7 @@ use super::{
 use crate::{
     diagnose::{
         Case, Cause, Diagnosis, FAINT, Monitor, Settings, Verdict, diagnose, follows_anything,
-        is_a_pair, is_free_curve,
+        is_a_pair,
     },
     fit::FitError,
     shrink::gap,
@@ -41,7 +41,7 @@ pub(super) fn by_evidence(
     let Journey { first, settings, lists, .. } = *journey;
     let is_single = matches!(first.verdict, Verdict::Cause | Verdict::Tied);
     let Some(leader) = first.causes.first() else { return Ok(None) };
-    let is_law = |cause: &Cause| lists.candidate(&[], cause).is_some_and(|c| !is_free_curve(&c));
+    let is_law = |cause: &Cause| lists.candidate(&[], cause).is_some_and(|c| !follows_anything(&c));
     if is_single && is_law(leader) {
         return Ok(None);
     }
@@ -58,7 +58,7 @@ pub(super) fn by_evidence(
     let list = largest_first(journey, list);
     let is_news = match first.verdict {
         Verdict::Pair => 2 < list.len(),
-        // Laws that explain clearly more than a curve, which draws itself …
+        // Laws that explain clearly more than what follows anything …
         Verdict::Cause | Verdict::Tied => is_a_pair(gained(journey, &list, leader), 0.0),
         _ => true,
     };
@@ -109,7 +109,8 @@ fn beginning(journey: &Journey<'_>) -> Vec<Milestone> {
     let pair = first.pairs.iter().find(|pair| pair.causes.iter().all(is_law));
     match pair.filter(|pair| is_a_pair(pair.log_evidence, alone)) {
         Some(pair) => {
-            let of_pair = |cause: &Cause| Cause { probability: pair.probability, ..cause.clone() };
+            // What each has alone is no part of the pair's.
+            let of_pair = |cause: &Cause| Cause { probability: 0.0, ..cause.clone() };
             pair.causes.iter().map(|c| milestone(first, &of_pair(c), horizon)).collect()
         }
         None => single.map(|cause| milestone(first, cause, horizon)).into_iter().collect(),
@@ -162,11 +163,11 @@ impl Growth<'_> {
     fn onwards(&self, mut list: Vec<Listed>) -> Result<Grown, FitError> {
         loop {
             let diagnosis = self.diagnosed(&list, None)?;
-            let next = self.next(&diagnosis, &list).filter(|_| self.goes_on());
+            let next = self.next(&diagnosis, &list)?.filter(|_| self.goes_on());
             let is_noise = diagnosis.verdict == Verdict::NoGap && !diagnosis.is_unexplained;
             let end = match next {
                 Some(next) if list.len() < self.journey.most => {
-                    list.push(next);
+                    list = self.with(list, next);
                     continue;
                 }
                 Some(_) => End::Enough,
@@ -193,7 +194,7 @@ impl Growth<'_> {
             let others = list.iter().enumerate().filter(|(j, _)| *j != i);
             let others = others.map(|(_, listed)| listed.milestone.clone());
             let others = lists.of(others).filter(|others| !others.is_empty());
-            let Some(mut others) = others else {
+            let Some(others) = others else {
                 i += 1;
                 continue;
             };
@@ -201,15 +202,14 @@ impl Growth<'_> {
             let old = &list[i];
             let same = diagnosis.causes.iter().find(|c| c.identity() == old.candidate.identity());
             let worth = same.map_or(f64::NEG_INFINITY, |same| same.log_evidence);
-            let rival = self.next(&diagnosis, &others).filter(|next| {
+            let rival = self.next(&diagnosis, &others)?.filter(|next| {
                 let margin = self.journey.settings.bayes_factor.ln();
                 worth + margin < next.milestone.cause.log_evidence
             });
             match (same, rival) {
                 (_, Some(rival)) => {
                     is_changed = true;
-                    others.push(rival);
-                    list = others;
+                    list = self.with(others, rival);
                 }
                 (Some(same), None)
                     if diagnosis.verdict != Verdict::NoGap
@@ -249,6 +249,18 @@ impl Growth<'_> {
         Milestone { probability, ..milestone }
     }
 
+    /// A list with one more cause, all of it as it was fitted together.
+    fn with(&self, list: Vec<Listed>, next: Listed) -> Vec<Listed> {
+        let lists = self.journey.lists;
+        let settled = lists.settled(&list, &next.milestone.cause.model);
+        let settled = settled.and_then(|mut settled| {
+            let next = lists.listed(&settled, next.milestone.clone())?;
+            settled.push(next);
+            Some(settled)
+        });
+        settled.unwrap_or_else(|| list.into_iter().chain([next]).collect())
+    }
+
     /// Whether there is time for more.
     fn goes_on(&self) -> bool {
         0 < self.left.get() && !self.monitor.is_stopped()
@@ -264,16 +276,36 @@ impl Growth<'_> {
     }
 
     /// The law with the most evidence beside a list, if it is worth a place, and if held-out forecasts do not get worse.
-    fn next(&self, diagnosis: &Diagnosis, list: &[Listed]) -> Option<Listed> {
+    fn next(&self, diagnosis: &Diagnosis, list: &[Listed]) -> Result<Option<Listed>, FitError> {
         let lists = self.journey.lists;
         if diagnosis.verdict == Verdict::NoGap {
-            return None;
+            return Ok(None);
         }
         let worth_it = diagnosis.causes.iter().filter(|cause| self.is_worth_it(diagnosis, cause));
         let next = worth_it
             .filter_map(|cause| lists.listed(list, self.milestone(diagnosis, cause)))
-            .find(|listed| !follows_anything(&listed.candidate))?;
+            .find(|listed| !follows_anything(&listed.candidate));
+        let Some(next) = next else { return Ok(None) };
+        Ok(if self.contradicts(diagnosis, list, &next)? { None } else { Some(next) })
+    }
+
+    /// Whether held-out forecasts get clearly worse with a cause. Those of a diagnosis are of its best answer, which may
+    /// be a curve that goes on as it likes.
+    fn contradicts(
+        &self,
+        diagnosis: &Diagnosis,
+        list: &[Listed],
+        next: &Listed,
+    ) -> Result<bool, FitError> {
         let is_worse = next.milestone.closed.is_some_and(|closed| closed.interval[1] < 0.0);
-        (!is_worse).then_some(next)
+        let is_best = diagnosis.causes.first().is_some_and(|best| {
+            best.identity() == next.candidate.identity() && diagnosis.verdict != Verdict::Pair
+        });
+        let Some(judge) = self.journey.judge().filter(|_| is_worse && !is_best) else {
+            return Ok(is_worse);
+        };
+        let before = judge.refitted(self.journey.lists.model(list))?;
+        let after = judge.refitted(&next.candidate.model)?;
+        Ok(!judge.is_missed(before.as_ref(), after.as_ref()))
     }
 }

@@ -53,7 +53,7 @@ impl Judge<'_> {
 
     /// Whether held-out forecasts of the fuller model are clearly better, or, where evidence has spoken, not clearly
     /// worse; where one of the two diverges, nobody knows.
-    fn is_missed(&self, plainer: Option<&Refitted>, fuller: Option<&Refitted>) -> bool {
+    pub(super) fn is_missed(&self, plainer: Option<&Refitted>, fuller: Option<&Refitted>) -> bool {
         let (Some(before), Some(after)) = (plainer, fuller) else { return true };
         let Settings { replicas, seed, .. } = *self.settings;
         let share = closed(&before.errors, &after.errors, self.floor, replicas, seed);

@@ -86,6 +86,25 @@ fn coloured_noise_is_no_evidence_once_its_colour_is_known() {
     assert!(gains[1] < 12.0, "coloured: {}", gains[1]);
 }
 
+/// A simulation that draws the staircase of a log says no more than one that goes through the steps, if noise hides
+/// nothing; one that misses them is as wrong as it is far.
+#[test]
+fn where_in_a_step_a_simulation_is_says_nothing() {
+    let step = 10.0;
+    let prior = NoisePrior::white(0.1).rounded(1.0, step);
+    let log = |errors: Vec<f64>| likelihood(&[vec![errors]], &[prior]).log;
+    let through: Vec<f64> = (0..1000).map(|k| 4.0 * (0.01 * f64::from(k)).sin()).collect();
+    let (drawn, far) = (log(vec![0.0; 1000]), log(through.iter().map(|e| 2.0 * e).collect()));
+    let through = log(through);
+    // Noise of 1.5, the least, throws a value 1 from the edge into the next step one time in four: ln(1/.75) = .29 at
+    // the most, .11 on average over the sine.
+    assert!((drawn - through).abs() < 0.12 * 1000.0, "{drawn} {through}");
+    // White noise of the same size says half the mean square of the sine, 8, in that of the noise.
+    let white = 1000.0 * 0.5 * 8.0 / (2.0 * prior.centre).exp();
+    assert!(3.0 * (drawn - through) < white, "{drawn} {through} {white}");
+    assert!(far + 500.0 < through, "{far} {through}");
+}
+
 #[test]
 fn the_interval_of_the_closed_share_covers_the_truth() {
     // Before: AR(0.9) errors of size 5 on noise of 1; after: of size 2. True share of rms above

@@ -112,22 +112,44 @@ fn a_single_wrong_sample_is_no_property_of_the_sensor() {
     assert_eq!(wrong, Some((1, "position", 300)));
 }
 
-/// The faster the carriage moves, the more a clock that is 3 ms off is wrong; noise of one size has heavy tails then.
-#[test]
-fn a_clock_that_jitters_is_no_noise_of_the_sensor() {
-    let clean = log(&example("mass_spring_damper"));
-    let off = WhiteNoise::new(0.003, 9).values(600).unwrap();
-    let y: Vec<f64> = (0..clean.len()).map(|k| clean.y(k)[0]).collect();
+/// A log of which the samples were taken a little early or late.
+fn jittered(log: &Record, deviation: f64) -> Record {
+    let off = WhiteNoise::new(deviation, 9).values(log.len()).unwrap();
+    let y: Vec<f64> = (0..log.len()).map(|k| log.y(k)[0]).collect();
     let slope = |k: usize| {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(y.len() - 1));
         (y[after] - y[before]) / (0.01 * (after - before) as f64)
     };
-    let diagnosis = run(measured(&clean, |k, y| y + off[k] * slope(k)));
-    let first = &diagnosis.causes[0];
-    assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, "sensor-jitter"));
-    let jitter = &first.parameters[0];
-    // The standard deviation of 600 numbers is known to 1/√1200, and the grid of jitters is as coarse as 15 %.
-    assert!((jitter.value - 0.003).abs() < 5e-4, "{jitter:?}");
+    measured(log, |k, y| y + off[k] * slope(k))
+}
+
+/// The faster the carriage moves, the more a clock that is 3 ms off is wrong; noise of one size has heavy tails then.
+/// Slow noise does not hide it: what a clock does is gone with the next sample.
+#[test]
+fn a_clock_that_jitters_is_no_noise_of_the_sensor() {
+    for colour in [0.0, 0.8] {
+        let log = coloured_log(&example("mass_spring_damper"), colour);
+        let diagnosis = run(jittered(&log, 0.003));
+        let first = &diagnosis.causes[0];
+        assert_eq!((diagnosis.verdict, first.label), (Verdict::Cause, "sensor-jitter"), "{colour}");
+        let jitter = &first.parameters[0];
+        // The standard deviation of 600 numbers is known to 1/√1200, and the grid of jitters is as coarse as 15 %.
+        assert!((jitter.value - 0.003).abs() < 5e-4, "{jitter:?}");
+    }
+}
+
+/// Steps of eight times the noise: a staircase that nothing has to draw, with or without a cause beside it.
+#[test]
+fn rounding_is_no_gap_and_hides_no_cause() {
+    let model = example("mass_spring_damper");
+    let step = 0.004;
+    let rounded = |log: &Record| measured(log, |_, y| step * (y / step).round());
+    let nothing = run(rounded(&log(&model)));
+    assert_eq!((nothing.verdict, nothing.causes[0].label), (Verdict::Cause, "sensor-quantisation"));
+    let mut friction = Patch::of(&model);
+    friction.add_force("carriage", "rail", expr("-0.4*sign(v)")).unwrap();
+    let named = run(rounded(&log(&friction.finish().unwrap())));
+    assert_eq!((named.verdict, named.causes[0].label), (Verdict::Cause, "coulomb-friction"));
 }
 
 /// A sensor that is wrong by accident is wrong now and then, not ten times in a row.

@@ -12,12 +12,10 @@ use fd_sim::{
     simulate::{EquationSimulator, Simulator},
 };
 
-use self::{
-    noise::{KnownNoise, of_rounding},
-    step::with_step,
-};
+use self::{noise::KnownNoise, step::with_step};
 use super::case::Case;
 use crate::{
+    evidence::of_rounding,
     fit::{FitError, Horizon, Log, NullFit, Plan, Weights, null_fit},
     quality::{grid_step, robust_third_difference_floor},
 };

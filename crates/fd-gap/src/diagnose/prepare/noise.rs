@@ -1,10 +1,14 @@
 //! What is known of the noise, and whether errors come near it.
 
-use crate::{evidence::NoisePrior, quality::noise_floor, shrink::gap_per_output};
+use crate::{
+    evidence::{NoisePrior, of_rounding},
+    quality::noise_floor,
+    shrink::gap_per_output,
+};
 
 /// Spread of `ln` of the noise where the model states it, and where it does not.
 const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
-/// A grid above this many times the noise colours it: errors of rounding are no noise of a filter.
+/// A grid above this many times the noise is seen in it: errors of rounding are no noise of a filter.
 const COARSE: f64 = 1.0;
 /// Times the stated noise that the best explanation leaves from which likelihoods are no use.
 const FAR: f64 = 5.0;
@@ -30,10 +34,15 @@ impl KnownNoise {
     pub(in crate::diagnose) fn priors(&self, is_coloured: bool) -> Vec<NoisePrior> {
         let of = |c: usize| {
             let (stated, sigma) = (self.stated[c], self.sigma[c]);
-            let spread = NOISE_SPREAD[usize::from(stated.is_none())];
-            let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
-            NoisePrior { centre, ..NoisePrior::white(spread) }
-                .coloured(is_coloured && !self.is_coarse(c))
+            let white = NoisePrior::white(NOISE_SPREAD[usize::from(stated.is_none())]);
+            let prior = if let Some(step) = self.grids[c].filter(|_| self.is_coarse(c)) {
+                let before = stated.unwrap_or_else(|| without_rounding(sigma, step));
+                white.rounded(before / sigma, step / sigma)
+            } else {
+                let centre = stated.map_or(0.0, |stated| (stated / sigma).ln());
+                NoisePrior { centre, ..white }
+            };
+            prior.coloured(is_coloured)
         };
         (0..self.sigma.len()).map(of).collect()
     }
@@ -47,6 +56,12 @@ impl KnownNoise {
     /// errors of `q/√12`, however smooth it looks.
     pub(in crate::diagnose) fn of_rounding(&self, output: usize) -> f64 {
         self.grids[output].map_or(0.0, of_rounding) / self.sigma[output]
+    }
+
+    /// The size of the noise that the model states of an output, in sigma, after values are rounded as they are.
+    pub(in crate::diagnose) fn expected(&self, output: usize) -> Option<f64> {
+        let rounding = if self.is_coarse(output) { self.of_rounding(output) } else { 0.0 };
+        self.stated[output].map(|stated| (stated / self.sigma[output]).hypot(rounding))
     }
 
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
@@ -67,24 +82,24 @@ impl KnownNoise {
     fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<Reach> {
         let gaps = gap_per_output(errors);
         let of = |c: usize| {
-            let stated = self.stated[c];
-            let floor = if let Some(stated) = stated {
-                (stated / self.sigma[c]).max(1.0)
+            let expected = self.expected(c);
+            let floor = if let Some(expected) = expected {
+                expected.max(1.0)
             } else if self.slow[c] {
                 gaps[c].max(f64::MIN_POSITIVE)
             } else {
                 let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
                 found.max(self.of_rounding(c))
             };
-            Reach { times: gaps[c] / floor, is_stated: stated.is_some() }
+            Reach { times: gaps[c] / floor, is_stated: expected.is_some() }
         };
         (0..errors.len()).map(of).collect()
     }
 }
 
-/// Standard deviation of what rounding to a grid adds.
-pub(super) fn of_rounding(step: f64) -> f64 {
-    step / f64::sqrt(12.0)
+/// Noise that has a size after it was rounded to a grid, before that.
+fn without_rounding(sigma: f64, step: f64) -> f64 {
+    (sigma * sigma - of_rounding(step).powi(2)).max(0.0).sqrt()
 }
 
 /// How far above the noise the errors of an output are.

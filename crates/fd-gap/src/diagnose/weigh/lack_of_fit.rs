@@ -32,7 +32,7 @@ pub(super) fn lack_of_fit(
     let gaps = gap_per_output(&answer.errors);
     let floor: Vec<f64> = (0..gaps.len())
         .map(|c| {
-            let stated = noise.stated[c].map(|stated| stated / noise.sigma[c]);
+            let stated = noise.expected(c);
             let floor = noise_floor(&answer.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
             let floor = floor.max(noise.of_rounding(c));
             // Slow noise of the stated size is noise, whatever its innovation; where none is stated, of any size.

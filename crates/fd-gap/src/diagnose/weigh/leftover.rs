@@ -30,7 +30,7 @@ pub(super) fn leftover(
     let pattern = errors
         .iter()
         .zip(&priors)
-        .filter(|(_, prior)| prior.is_coloured)
+        .filter(|(_, prior)| prior.step.is_none())
         .map(|(errors, _)| pattern(errors, &signals))
         .sum();
     let reducible = |gaps: &[f64]| -> f64 {

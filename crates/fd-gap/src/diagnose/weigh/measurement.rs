@@ -3,16 +3,13 @@
 use fd_effect::{Candidate, Kind, Observation, SiteRef};
 
 use super::{
-    gaussian::gaussian,
     jitter::Jitter,
     outliers::Outliers,
     stronger_noise::{Known, StrongerNoise, heavier, stronger, weaken},
 };
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Estimate},
-    evidence::NoisePrior,
     fit::Problem,
-    quality::interval_log_likelihood,
 };
 
 /// A grid above this many times the noise is a matter of the sensor, not of the file.
@@ -78,7 +75,8 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
     let (gain, given, values) = match kind {
         Observation::Quantised => {
             let step = noise.grids[*output].filter(|step| COARSE * sigma < *step)?;
-            (rounded(signals, prior.coloured(false), step / sigma), ON_GRID, vec![exact(step)])
+            // What rounding does to the errors is part of the likelihood of every explanation.
+            (0.0, ON_GRID, vec![exact(step)])
         }
         Observation::Outliers => {
             let found = Outliers::of(signals, prior)?;
@@ -112,33 +110,4 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
     });
     let (gain, parameters) = (gain + given, parameters.collect());
     Some(MeasurementCause { candidate, gain, given, bursts, left, parameters })
-}
-
-/// Rounded to a grid of known step (in sigma) after the noise came in: the probability of the cell
-/// that a value lies in, against the density of the same noise without rounding.
-fn rounded(signals: &[Vec<f64>], prior: NoisePrior, step: f64) -> f64 {
-    let errors: Vec<f64> = signals.iter().flatten().copied().filter(|e| e.is_finite()).collect();
-    let log = |log_scale: f64| {
-        interval_log_likelihood(&errors, log_scale.exp(), step) - prior.cost(log_scale)
-    };
-    maximum(log, prior.centre - 3.0, prior.centre + 3.0) - gaussian(signals, prior).log
-}
-
-/// The largest value of a function with one hill, by golden sections.
-fn maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
-    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-    let mut values = inner.map(&f);
-    for _ in 0..40 {
-        if values[0] < values[1] {
-            low = inner[0];
-            inner = [inner[1], low + golden * (high - low)];
-            values = [values[1], f(inner[1])];
-        } else {
-            high = inner[1];
-            inner = [high - golden * (high - low), inner[0]];
-            values = [f(inner[0]), values[0]];
-        }
-    }
-    values[0].max(values[1])
 }
