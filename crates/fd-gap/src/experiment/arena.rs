@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fd_model::SampleTime;
 use fd_sim::{
     equation::Expr,
-    model::{Hold, Model, Output, Parameter},
+    model::{Hold, Model, Output},
     simulate::{Outcome, Simulator},
 };
 
@@ -188,7 +188,7 @@ impl<'a> Arena<'a> {
         let horizon = self.window.map_or(Horizon::FreeRun, |samples| Horizon::Windows { samples });
         let plan = Plan::of_logs(&*self.nominal, logs.clone(), horizon)?;
         let value = |name: &str, otherwise: f64| {
-            let known = self.leader_model.parameters.iter().find(|p| p.name == name);
+            let known = self.leader_model.parameter(name);
             known.map_or(otherwise, |parameter| parameter.value)
         };
         let mut centre: Vec<f64> =
@@ -212,9 +212,7 @@ impl<'a> Arena<'a> {
         let mut problem =
             Problem::new(Arc::clone(plan), simulator, rival.effects.clone(), weights).ok()?;
         let known = |variable: &Variable| {
-            let found: Option<&Parameter> =
-                rival.fitted.parameters.iter().find(|p| p.name == variable.name);
-            found.map_or(0.0, |p| variable.scaled(p.value))
+            rival.fitted.parameter(&variable.name).map_or(0.0, |p| variable.scaled(p.value))
         };
         let own = problem.layout().own * problem.layout().segments.len();
         let moved: Vec<f64> =

@@ -121,7 +121,7 @@ impl<'a> Probe<'a> {
         let mut columns = Vec::new();
         let whole = 0..self.residual.len();
         for Nuisance { name, deviation, .. } in &diagnosis.refit.nuisances {
-            let known = nominal.parameters.iter().find(|parameter| parameter.name == *name);
+            let known = nominal.parameter(name);
             let place = simulator.parameters().iter().position(|p| p.name == *name);
             let variable = known.and_then(Variable::nuisance);
             let (Some(place), Some(variable)) = (place, variable) else { continue };

@@ -129,7 +129,7 @@ fn time_said(factor: f64, ts: f64) -> Said {
 }
 
 fn parameter_said(name: &str, factor: f64, model: &Model) -> Said {
-    let parameter = model.parameters.iter().find(|p| p.name == name);
+    let parameter = model.parameter(name);
     let unit = parameter.map_or_else(String::new, |p| p.unit.clone());
     let statement = if factor < 0.0 {
         format!("the parameter `{name}` of the model had the other sign")

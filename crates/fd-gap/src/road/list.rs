@@ -40,7 +40,7 @@ impl Lists<'_> {
         let settled = |listed: &Listed| {
             let mut milestone = listed.milestone.clone();
             for estimate in &mut milestone.cause.parameters {
-                let same = fitted.parameters.iter().find(|p| p.name == estimate.name);
+                let same = fitted.parameter(&estimate.name);
                 estimate.value = same.map_or(estimate.value, |same| same.value);
             }
             milestone

@@ -71,7 +71,7 @@ pub(super) trait Observer {
 
 impl<'a> Bench<'a> {
     pub(super) fn new(plant: &'a Plant, model: &'a Model) -> Result<Self, BlindError> {
-        let value = |name: &str| model.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+        let value = |name: &str| model.parameter(name).map(|p| p.value);
         let limits = model.inputs.iter().map(|input| {
             let limit = |i: usize, default: f64| {
                 let expr = input.saturation.as_ref().map(|limits| &limits[i]);

@@ -135,6 +135,30 @@ impl Model {
         self.0.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
+    /// A parameter by its name.
+    ///
+    /// ```
+    /// use fd_sim::model::Model;
+    ///
+    /// let text = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// sample_time = 0.01
+    /// parameters = { m = { unit = "kg", value = 2.0 } }
+    /// inputs = { force = { unit = "N" } }
+    /// states = { v = { unit = "m/s", initial = 0.0, derivative = "force/m" } }
+    /// outputs = { speed = { unit = "m/s", value = "v" } }
+    /// "#;
+    /// let model: Model = text.parse()?;
+    /// assert_eq!(model.parameter("m").map(|mass| mass.value), Some(2.0));
+    /// assert!(model.parameter("k").is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.0.parameters.iter().find(|parameter| parameter.name == name)
+    }
+
     /// States in the order in which a simulation takes their initial values: those of the plant,
     /// then those of the controller.
     pub fn all_states(&self) -> impl Iterator<Item = &State> {

@@ -45,7 +45,7 @@ pub(super) fn check_delays(
     timing: Timing,
     limits: &Limits,
 ) -> Result<(), SimulateError> {
-    let nominal = |name: &str| model.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+    let nominal = |name: &str| model.parameter(name).map(|p| p.value);
     for delay in &model.delays {
         // A checked model has no delay that is not a finite number.
         let Ok(seconds) = delay.time.evaluate::<f64>(&nominal) else { continue };

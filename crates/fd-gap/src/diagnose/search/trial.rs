@@ -255,7 +255,7 @@ impl<'a> Trial<'a> {
     /// The same from a model that was fitted before: from its own values there, if that has them, or from those that it
     /// has found, with what the nuisances are there.
     pub(super) fn start_as_in(&mut self, null: &NullFit, fitted: &Model) -> bool {
-        let value = |name: &str| fitted.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+        let value = |name: &str| fitted.parameter(name).map(|p| p.value);
         let own = self.candidate.parameters.iter();
         let known: Option<Vec<f64>> = own.map(|p| value(&p.name)).collect();
         let found = || self.best.as_ref().map(|best| self.problem.effect_values(&best.z));

@@ -30,7 +30,7 @@ pub(super) fn refit(bench: &Bench<'_>) -> Result<Baseline, BlindError> {
     let fit = null_fit(&plan, &simulator, &Weights::white(bench.sigma.clone()))?;
     let values = parameters(&fit);
     let off = |(name, value): &(String, f64)| {
-        let nominal = bench.model.parameters.iter().find(|p| p.name == *name)?;
+        let nominal = bench.model.parameter(name)?;
         let tolerance = nominal.tolerance * nominal.value.abs();
         Some((name.clone(), (value - nominal.value).abs() / tolerance))
     };

@@ -174,7 +174,7 @@ fn drawn(
     let at_rest = |output: usize| {
         let value = |name: &str| {
             let state = model.states.iter().find(|s| s.name == name).map(|s| s.initial);
-            state.or_else(|| model.parameters.iter().find(|p| p.name == name).map(|p| p.value))
+            state.or_else(|| model.parameter(name).map(|p| p.value))
         };
         model.outputs[output].value.evaluate(&value).unwrap_or(0.0)
     };
