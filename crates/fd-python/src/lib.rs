@@ -25,6 +25,7 @@ mod log;
 mod online;
 mod settings;
 mod simulator;
+mod stacked;
 mod study;
 mod values;
 mod watch;
