@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ._names import nearest
 from ._stated import Entries, Uncertain
+from ._vector_env import VectorSteps, endless_autoreset, number
 from .errors import Diverged, Error, InputError
 from .simulators import Opener, Simulator, lent, rooms_of
 
@@ -32,6 +33,10 @@ class Gymnasium(Simulator):
     values that they have. `initial` names its states, in the order of its attribute `state` (classic control) or of
     positions and then velocities (MuJoCo); with `set_state(env, x0)` you say yourself how a start is set. Without
     `initial` each run begins where `reset(seed=seed)` puts it: the noise of a reset is the same in all runs.
+
+    A vector of environments (`gymnasium.vector.SyncVectorEnv` and others, or one that is vectorised itself) makes as many
+    runs at once as it has environments: each step of all of them is one call. All must be alike. `set_state` then gets
+    arrays with an entry per environment, and returns the observations, if they are others then.
 
     Time limits are taken away. A run ends where the environment says `terminated`, unless `ignore_terminated`.
     `sample_time` is that of the environment (`dt`, `tau`) where it says one.
@@ -56,33 +61,38 @@ class Gymnasium(Simulator):
         if workers != 1 and not (isinstance(env, str) or _is_maker(env)):
             raise InputError("workers: expected 1 for a single environment, or a function that makes environments")
         first = _without_limit(made())
-        if hasattr(first, "num_envs"):
-            raise InputError(
-                "env: expected a single environment, found a vector of "
-                f"{first.num_envs}: give one of them, or a function that makes one, and `workers`"
-            )
-        base = first.unwrapped
-        actions = _width("action", first.action_space)
-        width = _width("observation", first.observation_space)
+        lanes = int(getattr(first, "num_envs", 0))
+        single = _single(first) if lanes else first
+        base = single.unwrapped
+        actions = _width("action", first.single_action_space if lanes else first.action_space)
+        width = _width("observation", first.single_observation_space if lanes else first.observation_space)
         inputs = _default_names("action", actions) if inputs is None else inputs
         kept, shown = _shown(outputs, width)
-        rooms = rooms_of(inputs, shown, _parameters(base, uncertain or {}), initial, None)
+        known = _parameters(first if lanes else base, uncertain or {})
+        rooms = rooms_of(inputs, shown, known, initial, None)
         if len(rooms["inputs"]) != actions:
             found = len(rooms["inputs"])
             raise InputError(f"inputs: expected {actions} names, one per entry of the action, found {found}")
         ts = _sample_time(base) if sample_time is None else float(sample_time)
         states = [entry["name"] for entry in rooms["states"]]
-        setter = _setter(base, states, set_state)
+        if lanes:
+            setter = _vector_setter(first, single, states, set_state)
+            if ignore_terminated:
+                endless_autoreset(first)
+        else:
+            setter = _setter(base, states, set_state)
         parts = (kept, setter, int(seed), ignore_terminated)
         waiting = [first]
+        steps: Any = VectorSteps if lanes else _Steps
 
-        def opened() -> _Steps:
+        def opened() -> Any:
             # The one that was looked at is the first that runs.
-            return _Steps(waiting.pop() if waiting else _without_limit(made()), *parts)
+            return steps(waiting.pop() if waiting else _without_limit(made()), *parts)
 
         native = lent(
-            Opener(opened if workers != 1 or _is_maker(env) else lambda: _Steps(first, *parts)),
-            {"step": True, "measure": True},
+            Opener(opened if workers != 1 or _is_maker(env) else lambda: steps(first, *parts)),
+            {"step": True, "measure": True, "lanes": max(lanes, 1)},
+            stacked=lanes or None,
             name=name or _title(first),
             sample_time=ts,
             rooms=rooms,
@@ -187,7 +197,7 @@ def _count(states: list[str], expected: int, what: str) -> None:
 def _parameters(base: Any, uncertain: Mapping[str, float | Uncertain]) -> dict[str, Uncertain]:
     all_of: dict[str, Uncertain] = {}
     for name, known in uncertain.items():
-        value = getattr(base, name, None)
+        value = number(base, name) if hasattr(base, "num_envs") else getattr(base, name, None)
         if not isinstance(value, (int, float, np.floating)) or isinstance(value, bool):
             numbers = [
                 key
@@ -270,8 +280,36 @@ def _is_maker(env: Any) -> bool:
     return callable(env) and (isinstance(env, type) or not hasattr(env, "step"))
 
 
+def _single(env: Any) -> Any:
+    """One of a vector of environments, or the vector where it is vectorised itself."""
+    envs = getattr(env, "envs", None)
+    return envs[0] if envs else env
+
+
+def _vector_setter(env: Any, single: Any, states: list[str], said: SetState | None) -> SetState | None:
+    if said is not None or not states:
+        return said
+    if not getattr(env, "envs", None):
+        raise InputError(
+            f"initial: the environments in `{type(env).__name__}` cannot be reached: expected `set_state`, a function of "
+            "it and a dict of arrays of initial states, which returns the observations"
+        )
+    setter = _setter(single.unwrapped, states, None)
+
+    def set_each(env: Any, x0: dict[str, Any]) -> Any:
+        for i, each in enumerate(env.envs):
+            if setter is not None:
+                setter(each, {name: float(column[i]) for name, column in x0.items()})
+        return np.stack([_flat(_observed(each)) for each in env.envs])
+
+    return set_each
+
+
 def _without_limit(env: Any) -> Any:
     """The environment without the wrapper that ends it after some steps: logs are as long as they are."""
+    if getattr(env, "envs", None):
+        env.envs = type(env.envs)(_without_limit(each) for each in env.envs)
+        return env
     return env.env if type(env).__name__ == "TimeLimit" else env
 
 

@@ -75,7 +75,7 @@ def odd(fault: str) -> Any:
     [
         ("dead parameter", "broken", "parameters", "no output moves with `d`: is it applied?"),
         ("something left", "broken", "repeatability", "of the outputs"),
-        ("noise", "broken", "repeatability", "two equal runs differ by"),
+        ("noise", "doubt", "repeatability", "equal runs differ in `speed` by"),
         ("single precision", "doubt", "precision", "single precision"),
         ("no input", "broken", "inputs", "no output moves with `force`"),
         ("nan", "broken", "a run", "`speed` is not finite at sample"),

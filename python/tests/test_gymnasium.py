@@ -161,3 +161,63 @@ def test_what_is_said_of_an_environment_is_checked(change: dict[str, Any], messa
     asked = {**SAID, **change}
     with pytest.raises(fdiag.InputError, match=message):
         fdiag.Gymnasium(asked.pop("env", Sled()), **asked)
+
+
+def sleds(count: int, made: Any = Sled) -> Any:
+    return gym.vector.SyncVectorEnv([made] * count)
+
+
+class Counted:
+    """A vector of sleds that counts its calls."""
+
+    def __new__(cls, count: int) -> Any:
+        env = sleds(count)
+        stepped, env.calls = env.step, 0
+
+        def step(actions: np.ndarray) -> Any:
+            env.calls += 1
+            return stepped(actions)
+
+        env.step = step
+        return env
+
+
+def test_a_vector_of_environments_is_each_of_them() -> None:
+    start: dict[str, Any] = {"initial": {"x0": 0.0, "v0": 0.0}}
+    u = excitation(80, 4.0)
+    for runs in (1, 5):
+        one = fdiag.Gymnasium(Sled(), **SAID, **start)
+        many = fdiag.Gymnasium(sleds(runs), **SAID, **start)
+        for mass in (0.9, 1.0, 1.2):
+            assert (one.simulate(u, {"mass": mass}) == many.simulate(u, {"mass": mass})).all()
+        assert not fdiag.check(many, samples=60).is_broken
+
+
+def test_a_vector_of_environments_is_stepped_in_one_call() -> None:
+    start: dict[str, Any] = {"initial": {"x0": 0.0, "v0": 0.0}}
+    u = excitation(300, 4.0)
+    y = real(Seen(), u, late=3)
+    y += np.random.default_rng(5).standard_normal(y.shape) * [0.002, 0.005]
+    log = {"time": 0.02 * np.arange(300), "force": u, "x": y[:, 0], "v": y[:, 1]}
+    only = ["input-delay", "input-gain", "sensor-bias", "input-lag"]
+    answers, calls = [], []
+    for env in (Counted(1), Counted(8)):
+        result = fdiag.gap(fdiag.Gymnasium(env, **SAID, **start), log, only=only, most=1)
+        answers.append((result.verdict, result.causes[0].name, result.causes[0].parameters[0].value))
+        calls.append(env.calls)
+    assert answers[0][:2] == answers[1][:2] and answers[0][1] == "input-delay@force"
+    assert answers[0][2] == pytest.approx(answers[1][2], rel=1e-6)
+    assert calls[1] < calls[0], calls
+
+
+def test_one_environment_that_ends_does_not_touch_the_others() -> None:
+    class Close(Sled):
+        wall = 0.05
+
+    start: dict[str, Any] = {"initial": {"x0": 0.0, "v0": 0.0}}
+    u = np.full(40, 5.0)
+    one = fdiag.Gymnasium(Close, **SAID, **start).simulate(u)
+    many = fdiag.Gymnasium(sleds(4, Close), **SAID, **start).simulate(u)
+    np.testing.assert_array_equal(one, many)
+    with pytest.raises(fdiag.InputError, match="autoreset_mode"):
+        fdiag.Gymnasium(sleds(2), **SAID, ignore_terminated=True)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fd_sim::outside::{Contract, Instance, Lane, Lost, OutsideError, Start, by_steps};
+use fd_sim::outside::{Contract, Instance, Lane, Lost, OutsideError, Start, by_lanes, by_steps};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{
     intern,
@@ -20,21 +20,21 @@ use crate::{
 #[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]
 pub(crate) struct PythonInstance {
     name: String,
-    object: Py<PyAny>,
-    inputs: usize,
-    ports: usize,
-    outputs: Vec<String>,
-    parameters: Vec<String>,
-    states: Vec<String>,
-    shows_states: bool,
+    pub(crate) object: Py<PyAny>,
+    pub(crate) inputs: usize,
+    pub(crate) ports: usize,
+    pub(crate) outputs: Vec<String>,
+    pub(crate) parameters: Vec<String>,
+    pub(crate) states: Vec<String>,
+    pub(crate) shows_states: bool,
     rolls_out: bool,
-    takes_forces: bool,
+    pub(crate) takes_forces: bool,
     /// Whether `rollout` takes stacked runs.
     pub(crate) is_stacked: bool,
     troubles: Arc<Troubles>,
     /// For messages: where it stands.
     at: String,
-    samples: usize,
+    pub(crate) samples: usize,
 }
 
 impl PythonInstance {
@@ -83,14 +83,14 @@ impl PythonInstance {
         self.samples = 0;
     }
 
-    fn broken(&self, what: &str, expected: String, found: String) -> Lost {
+    pub(crate) fn broken(&self, what: &str, expected: String, found: String) -> Lost {
         let place = format!("simulator `{}`", self.name);
         let error = OutsideError::Value { place, key: what.to_owned(), expected, found };
         Lost::Broken(Box::new(error))
     }
 
     /// What an exception means: no numbers here, or the end.
-    fn lost(&self, py: Python<'_>, what: &str, error: PyErr) -> Lost {
+    pub(crate) fn lost(&self, py: Python<'_>, what: &str, error: PyErr) -> Lost {
         let message = error.to_string();
         let what = format!("`{what}`{}", self.at);
         if is_divergence(py, &error) {
@@ -103,7 +103,7 @@ impl PythonInstance {
     }
 
     /// Calls a method and takes its numbers.
-    fn call<'py>(
+    pub(crate) fn call<'py>(
         &self,
         py: Python<'py>,
         method: &Bound<'py, PyString>,
@@ -120,7 +120,7 @@ impl PythonInstance {
         })
     }
 
-    fn wanted(&self) -> String {
+    pub(crate) fn wanted(&self) -> String {
         let names = self.outputs.join("`, `");
         format!("{} numbers, the outputs `{names}`", self.outputs.len())
     }
@@ -135,7 +135,7 @@ impl PythonInstance {
         Err(Lost::Broken(Box::new(OutsideError::Raised { simulator, what, message })))
     }
 
-    fn note_values(&self, y: &[f64], method: &str, sample: usize) {
+    pub(crate) fn note_values(&self, y: &[f64], method: &str, sample: usize) {
         if let Some(i) = y.iter().position(|value| !value.is_finite()) {
             let (output, sample) =
                 (&self.outputs[i % self.outputs.len()], sample + i / self.outputs.len());
@@ -155,6 +155,9 @@ impl Instance for PythonInstance {
             // Whole runs begin with their start.
             return Ok(());
         }
+        if self.is_stacked {
+            return self.begin_stacked(&[start]);
+        }
         Python::attach(|py| {
             let made = || -> PyResult<()> {
                 let parameters = Self::named(py, &self.parameters, start.theta)?;
@@ -168,6 +171,9 @@ impl Instance for PythonInstance {
 
     fn measure(&mut self, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
         self.check()?;
+        if self.is_stacked {
+            return self.measure_stacked(1, u, y);
+        }
         Python::attach(|py| {
             let arguments = (PyArray1::from_slice(py, u),).into_pyobject(py);
             let arguments = arguments.map_err(|error| self.lost(py, "measure", error))?;
@@ -177,6 +183,9 @@ impl Instance for PythonInstance {
 
     fn step(&mut self, row: &[f64], y: &mut [f64], x: &mut [f64]) -> Result<(), Lost> {
         self.check()?;
+        if self.is_stacked {
+            return self.step_stacked(1, row, y, x);
+        }
         Python::attach(|py| {
             let (u, f) = row.split_at(self.inputs);
             let u = PyArray1::from_slice(py, u);
@@ -217,9 +226,36 @@ impl Instance for PythonInstance {
         Python::attach(|_| by_steps(self, start, rows, samples, y, x))
     }
 
+    fn reset_lanes(&mut self, starts: &[Start<'_>]) -> Result<(), Lost> {
+        self.check()?;
+        if let Some(first) = starts.first() {
+            self.note_start(*first);
+        }
+        self.begin_stacked(starts)
+    }
+
+    fn measure_lanes(&mut self, lanes: usize, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
+        self.check()?;
+        self.measure_stacked(lanes, u, y)
+    }
+
+    fn step_lanes(
+        &mut self,
+        lanes: usize,
+        rows: &[f64],
+        y: &mut [f64],
+        x: &mut [f64],
+    ) -> Result<(), Lost> {
+        self.check()?;
+        self.step_stacked(lanes, rows, y, x)
+    }
+
     fn rollouts(&mut self, samples: usize, lanes: &mut [Lane<'_>]) -> Result<(), Lost> {
         self.check()?;
-        if self.is_stacked {
+        if self.is_stacked && !self.rolls_out {
+            // One lock for all steps.
+            Python::attach(|_| by_lanes(self, samples, lanes))
+        } else if self.is_stacked {
             self.stacked(samples, lanes)
         } else {
             lanes.iter_mut().try_for_each(|lane| self.alone(samples, lane))

@@ -34,6 +34,7 @@ mod log;
 mod online;
 mod settings;
 mod simulator;
+mod stacked;
 mod study;
 mod values;
 mod watch;

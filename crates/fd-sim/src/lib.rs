@@ -58,3 +58,4 @@ pub mod patch;
 pub mod scales;
 pub mod simulate;
 pub mod stand_in;
+mod workers;

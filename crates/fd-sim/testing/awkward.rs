@@ -12,7 +12,7 @@ use std::{
 use fd_model::{Channel, SampleTime};
 use fd_sim::{
     model::{Model, Parameter},
-    outside::{Powers, Stated, serve, stated},
+    outside::{Powers, serve, stated},
     simulate::{EquationSimulator, Initial, Port, Simulator},
 };
 
@@ -212,44 +212,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "steps" => {
             hello.powers = Some(Powers { rollout: false, measure: false, states: false, ..powers });
-            return Ok(serve_less(&mut simulator, &hello, input, output)?);
         }
         "runs" => {
             hello.powers = Some(Powers { step: false, ..powers });
+        }
+        "lanes" => {
+            hello.powers = Some(Powers { lanes: 8, ..powers });
+        }
+        "lanes of runs" => {
+            hello.powers = Some(Powers { lanes: 8, measure: false, states: false, ..powers });
         }
         _ => {}
     }
     let lies = Lies { out: output, kind, frames: 0 };
     Ok(serve(&mut simulator, &hello, input, lies)?)
-}
-
-/// Serves without showing states.
-fn serve_less(
-    simulator: &mut Awkward,
-    hello: &Stated,
-    input: impl io::BufRead,
-    output: impl Write,
-) -> io::Result<()> {
-    struct Stateless<W> {
-        out: W,
-        states: usize,
-    }
-    impl<W: Write> Write for Stateless<W> {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            let mut told = bytes.to_vec();
-            // Steps have values, and the last of them are states.
-            if bytes.starts_with(&[2, 0, 0, 0]) {
-                told.truncate(bytes.len() - 8 * self.states);
-                told[8] -= u8::try_from(self.states).map_err(io::Error::other)?;
-            }
-            self.out.write_all(&told)?;
-            Ok(bytes.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            self.out.flush()
-        }
-    }
-    let states = simulator.initial().len();
-    serve(simulator, hello, input, Stateless { out: output, states })
 }

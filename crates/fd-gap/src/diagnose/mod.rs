@@ -225,9 +225,9 @@ fn once(
     let feedback = Feedback::of(case, settings.horizon);
     let candidates = Candidates::of(case.suspects);
     let logged = feedback.case(case);
-    let context = Context { case: logged, candidates: &candidates, settings, monitor };
-
-    let prepared = prepare(&context.case, settings.horizon)?;
+    let prepared = prepare(&logged, settings.horizon)?;
+    let tempered = prepared.with_chance(settings);
+    let context = Context { case: logged, candidates: &candidates, settings: &tempered, monitor };
     let free = in_motion(&prepared, &context.case, settings.horizon)?;
     let stated = judged(prepared, &context)?;
     let judged = match free {

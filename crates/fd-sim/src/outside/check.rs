@@ -1,8 +1,10 @@
 //! Whether a simulator keeps what the contract of a simulator promises.
 
+mod repeat;
+
 use std::time::Instant;
 
-use super::drive::Drive;
+use super::{drive::Drive, simulator::Spread};
 use crate::simulate::{Run, Simulator, Tape};
 
 /// Relative change of a parameter between two runs that must differ smoothly.
@@ -50,6 +52,8 @@ pub struct Conformance {
     pub steps: f64,
     /// Relative differences of the second order between runs 1e-7 apart: the precision of its outputs.
     pub precision: f64,
+    /// By how much equal runs differ, where they do.
+    pub spread: Option<Spread>,
 }
 
 impl Conformance {
@@ -78,6 +82,8 @@ struct Bench<'a> {
     u: Vec<f64>,
     f: Vec<f64>,
     findings: Vec<Checked>,
+    /// By how much equal runs differ.
+    spread: Option<Spread>,
 }
 
 /// Checks a simulator with inputs within plus and minus `amplitude`. A simulator with a memory must have been told
@@ -118,6 +124,7 @@ pub fn check_driven(simulator: &mut dyn Simulator, drive: Drive) -> Conformance 
         sizes,
         f: vec![0.0; samples * nf],
         findings: Vec::new(),
+        spread: None,
         simulator,
         samples,
     };
@@ -127,6 +134,7 @@ pub fn check_driven(simulator: &mut dyn Simulator, drive: Drive) -> Conformance 
         run: f64::NAN,
         steps: f64::NAN,
         precision: f64::NAN,
+        spread: None,
     };
     let (theta, x0) = (bench.theta.clone(), bench.x0.clone());
     // The first run starts what has to be started.
@@ -147,7 +155,7 @@ pub fn check_driven(simulator: &mut dyn Simulator, drive: Drive) -> Conformance 
         bench.natives(&base);
         bench.the_rest(&base);
     }
-    found.findings = bench.findings;
+    (found.findings, found.spread) = (bench.findings, bench.spread);
     found
 }
 
@@ -180,7 +188,7 @@ impl Bench<'_> {
             let u = &self.u[k * nu..(k + 1) * nu];
             let can_measure = self.simulator.measure(u, &mut seen);
             self.simulator.step(u, u, &[], row);
-            if can_measure && apart(row, &seen) > ROUNDING {
+            if can_measure && self.spread.is_none() && apart(row, &seen) > ROUNDING {
                 row.fill(f64::NAN);
             }
         }
@@ -199,52 +207,6 @@ impl Bench<'_> {
         let text = format!("`{output}` is not finite at sample {sample} of the nominal run");
         self.say("a run", Grade::Broken, text);
         false
-    }
-
-    fn repeats(&mut self, base: &[f64], again: &[f64]) {
-        // Something else in between, so that what is left of it shows.
-        let other: Vec<f64> = self.theta.iter().map(|p| p * (1.0 + TRIAL)).collect();
-        let x0 = self.x0.clone();
-        self.run(&other, &x0);
-        let theta = self.theta.clone();
-        let later = self.run(&theta, &x0);
-        let [now, then] = [apart(base, again), apart(base, &later)];
-        let (grade, text) = if now == 0.0 && then == 0.0 {
-            (Grade::Fine, "the same run three times gives the same bits".to_owned())
-        } else if now == 0.0 {
-            let text = format!("something is left of the run before: {then:.1e} of the outputs");
-            (Grade::Broken, text)
-        } else {
-            let text = format!("two equal runs differ by {:.1e} of the outputs", now.max(then));
-            (Grade::Broken, text)
-        };
-        self.say("repeatability", grade, text);
-        // Both at once.
-        let mut both = [base.to_vec(), base.to_vec()];
-        let [y, second] = &mut both;
-        let mut runs = [Run::new(&theta, &x0, y), Run::new(&other, &x0, second)];
-        self.simulator.simulate_many(0, &self.u, &mut runs);
-        let side_by_side = apart(base, &both[0]);
-        if side_by_side != 0.0 {
-            let grade = if side_by_side <= ROUNDING { Grade::Doubt } else { Grade::Broken };
-            let text = format!("a run by itself and beside another differ by {side_by_side:.1e}");
-            self.say("several runs at once", grade, text);
-        }
-    }
-
-    fn is_the_same_by_steps(&mut self, base: &[f64], stepped: &[f64]) {
-        let (grade, text) = match apart(base, stepped) {
-            0.0 => (Grade::Fine, "whole runs, steps and measurements agree to the bit".to_owned()),
-            d if d <= ROUNDING => {
-                (Grade::Doubt, format!("whole runs and steps differ by rounding, {d:.1e}"))
-            }
-            d if d.is_nan() => {
-                let text = "what is measured before a step is not what the step gives".to_owned();
-                (Grade::Broken, text)
-            }
-            d => (Grade::Broken, format!("whole runs and steps differ by {d:.1e} of the outputs")),
-        };
-        self.say("steps", grade, text);
     }
 
     /// Differences of the second order of runs that are 1e-7 apart: rounding, and a curvature of 1e-14.
@@ -289,14 +251,15 @@ impl Bench<'_> {
             theta[i] += share * if theta[i] == 0.0 { 1.0 } else { theta[i] };
             let y = self.run(&theta, &x0);
             match apart(base, &y) {
-                0.0 => dead.push(parameter.name.as_str()),
                 d if d.is_nan() => lost.push(parameter.name.as_str()),
+                _ if self.is_still(base, &y) => dead.push(parameter.name.as_str()),
                 _ => {}
             }
         }
         if !dead.is_empty() {
-            let text = format!("no output moves with {}: is it applied?", quoted(&dead));
-            self.say("parameters", Grade::Broken, text);
+            let text =
+                format!("no output moves with {}{}: is it applied?", quoted(&dead), self.beyond());
+            self.say("parameters", self.of_still(), text);
         }
         if !lost.is_empty() {
             let text = format!("runs diverge within the tolerance of {}", quoted(&lost));
@@ -322,7 +285,8 @@ impl Bench<'_> {
             let high = native.parameter.bounds.map_or(f64::INFINITY, |[_, high]| high);
             let is_inside = theta[lent + i] + native.size <= high;
             theta[lent + i] += if is_inside { native.size } else { -native.size };
-            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+            let y = self.run(&theta, &x0);
+            if self.is_still(base, &y) {
                 dead.push(native.parameter.name.as_str());
             }
         }
@@ -345,7 +309,8 @@ impl Bench<'_> {
             let mut x0 = self.x0.clone();
             let tolerance = self.simulator.initial()[i].tolerance;
             x0[i] += tolerance.unwrap_or(TRIAL * x0[i].abs().max(1.0));
-            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+            let y = self.run(&theta, &x0);
+            if self.is_still(base, &y) {
                 dead[0].push(self.simulator.initial()[i].channel.name.clone());
             }
         }
@@ -353,7 +318,8 @@ impl Bench<'_> {
         for i in 0..nu {
             self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += TRIAL * self.sizes[i]);
             let x0 = self.x0.clone();
-            if apart(base, &self.run(&theta, &x0)) == 0.0 {
+            let y = self.run(&theta, &x0);
+            if self.is_still(base, &y) {
                 dead[1].push(self.simulator.inputs()[i].name.clone());
             }
             self.u.clone_from(&u);
@@ -365,7 +331,7 @@ impl Bench<'_> {
             let mut y = vec![f64::NAN; base.len()];
             let run = Run::new(&theta, &self.x0, &mut y);
             self.simulator.replay(0, &mut [Tape { run, u: &self.u, f: &f }]);
-            if apart(base, &y) == 0.0 {
+            if self.is_still(base, &y) {
                 dead[2].push(self.simulator.ports()[i].channel.name.clone());
             }
         }
@@ -374,8 +340,8 @@ impl Bench<'_> {
         for ((what, dead), count) in what.into_iter().zip(dead).zip(counts) {
             if !dead.is_empty() {
                 let names: Vec<&str> = dead.iter().map(String::as_str).collect();
-                let text = format!("no output moves with {}", quoted(&names));
-                self.say(what, Grade::Broken, text);
+                let text = format!("no output moves with {}{}", quoted(&names), self.beyond());
+                self.say(what, self.of_still(), text);
             } else if 0 < count {
                 self.say(what, Grade::Fine, format!("each of {count} moves an output"));
             }

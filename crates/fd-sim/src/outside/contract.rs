@@ -3,7 +3,7 @@
 use fd_model::{Channel, SampleTime, nearest};
 use serde::{Deserialize, Serialize};
 
-use super::{error::OutsideError, native::natives};
+use super::{error::OutsideError, native::natives, powers::Powers};
 use crate::{
     model::{DEFAULT_TOLERANCE, Parameter},
     simulate::{Initial, NativeEffect, Port},
@@ -43,33 +43,6 @@ pub struct Motion {
     pub position: Option<String>,
     /// Name of the output that is the velocity.
     pub velocity: Option<String>,
-}
-
-/// What a simulator can do.
-#[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Powers {
-    /// It can be asked for one step after another.
-    pub step: bool,
-    /// It can be asked for a whole run in one call.
-    pub rollout: bool,
-    /// It can show the outputs of a sample without moving on.
-    pub measure: bool,
-    /// It shows its states, in the order of the initial ones.
-    pub states: bool,
-    /// Relative error of its outputs, if it knows: about 1e-16 for double, 1e-7 for single precision.
-    pub precision: Option<f64>,
-    /// The same run gives the same numbers.
-    pub deterministic: bool,
-}
-
-impl Default for Powers {
-    /// One that steps, and does the same twice.
-    fn default() -> Self {
-        let (rollout, measure, states) = (false, false, false);
-        Self { step: true, rollout, measure, states, precision: None, deterministic: true }
-    }
 }
 
 /// What a hello or a file says; what is left out is for the other one to say.
@@ -320,13 +293,7 @@ impl Stated {
             }
         }
         let mut powers = self.powers.unwrap_or_default();
-        if !powers.step && !powers.rollout {
-            return Err(wrong(place, "powers", "`step` or `rollout`", "neither"));
-        }
-        if let Some(precision) = powers.precision.filter(|p| !(0.0..1.0).contains(p)) {
-            let expected = "a relative error from 0 on and below 1";
-            return Err(wrong(place, "powers.precision", expected, precision));
-        }
+        powers.check(place)?;
         powers.measure &= powers.step;
         let channel = |e: &Entry| Channel::new(&e.name, e.unit.as_deref().unwrap_or("1"));
         let outputs: Vec<Channel> = self.outputs.iter().map(channel).collect();

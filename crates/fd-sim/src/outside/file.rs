@@ -10,8 +10,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{
-    contract::{Entry, Powers, Stated},
+    contract::{Entry, Stated},
     error::OutsideError,
+    powers::Powers,
     simulator::OutsideSimulator,
 };
 use crate::{

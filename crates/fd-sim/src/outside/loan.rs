@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, MutexGuard},
+    sync::{Mutex, MutexGuard, OnceLock},
     time::Instant,
 };
 
@@ -13,7 +13,7 @@ use super::{
     lock::open,
     memory::{Memory, Past},
     pool::{Lease, Pool},
-    simulator::Tapes,
+    simulator::{Spread, Tapes},
     source::{Instance, Lost, Source},
     tally::Tally,
 };
@@ -35,6 +35,8 @@ pub(super) struct Shared {
     pub(super) memory: Option<Memory>,
     pub(super) tally: Tally,
     pub(super) grain: Grain,
+    /// By how much equal runs differ; none where they do not, or nobody has looked.
+    pub(super) spread: OnceLock<Spread>,
     /// Inputs that were gone through before.
     pub(super) tapes: Tapes,
     /// Deaths by parameters and initial states; and whether all is given up.

@@ -26,6 +26,7 @@ mod lock;
 mod memory;
 mod native;
 mod pool;
+mod powers;
 #[cfg(unix)]
 mod process;
 mod simulator;
@@ -38,11 +39,12 @@ pub use self::fmu::Fmu;
 pub use self::process::{PROTOCOL_VERSION, Process, serve, stated};
 pub use self::{
     check::{Checked, Conformance, Grade, check, check_driven},
-    contract::{Contract, Entry, Motion, Powers, Stated},
+    contract::{Contract, Entry, Motion, Stated},
     drive::Drive,
     error::OutsideError,
     file::{OUTSIDE_KINDS, OutsideFile},
-    simulator::OutsideSimulator,
-    source::{Instance, Lane, Lost, Source, Start, by_steps},
+    powers::Powers,
+    simulator::{OutsideSimulator, Spread},
+    source::{Instance, Lane, Lost, Source, Start, by_lanes, by_steps},
     tally::Counts,
 };

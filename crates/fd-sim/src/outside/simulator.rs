@@ -1,14 +1,17 @@
 //! A simulator outside of this program, as a simulator.
 
 mod foresight;
+mod lanes;
+mod repeat;
 mod replay;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use fd_model::{Channel, SampleTime};
 
 use self::foresight::Foreseen;
 pub(super) use self::foresight::Tapes;
+pub use self::repeat::Spread;
 use super::{
     contract::Contract,
     error::OutsideError,
@@ -22,7 +25,8 @@ use super::{
 use crate::{
     model::Parameter,
     simulate::{
-        Initial, NativeEffect, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape, as_tapes,
+        Driven, Initial, NativeEffect, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape,
+        as_tapes,
     },
 };
 
@@ -92,6 +96,7 @@ impl OutsideSimulator {
             memory: Some(Memory::default()),
             tally,
             grain: Grain::default(),
+            spread: OnceLock::new(),
             tapes: Tapes::default(),
             fate: Fate::default().into(),
         };
@@ -149,12 +154,6 @@ impl OutsideSimulator {
         &self.shared.contract
     }
 
-    /// How many instances there may be at once.
-    #[must_use]
-    pub fn workers(&self) -> usize {
-        self.shared.pool.workers()
-    }
-
     /// What was asked so far, of this and all its copies.
     #[must_use]
     pub fn counts(&self) -> Counts {
@@ -201,30 +200,6 @@ impl OutsideSimulator {
             *reached = Some(samples + more);
             Ok(())
         })
-    }
-
-    /// A whole run on a tape of inputs and forces, answered from memory if it was made before. Its end is
-    /// where this copy is then. Says whether it was made to the end.
-    fn roll_out(&mut self, rows: &[f64], samples: usize, y: &mut [f64]) -> bool {
-        let past = self.origin.with(self.first).and(rows).with(WHOLE);
-        Tally::add(&self.shared.tally.asked, 1);
-        if self.shared.recall(past, [y, &mut self.x]) {
-            // A run that was refused is remembered as such.
-            return y.iter().all(|value| value.is_finite());
-        }
-        let Self { shared, loan, theta, x0, first, x, .. } = self;
-        let start = Start { theta, x0, first: *first };
-        let work = loan.work(shared, self.origin, |instance, reached| {
-            *reached = None;
-            Tally::add(&shared.tally.made, 1);
-            Tally::add(&shared.tally.steps, samples as u64);
-            instance.rollout(start, rows, samples, y, x)
-        });
-        if work != Work::Done {
-            y.fill(f64::NAN);
-        }
-        self.shared.keep(past, [y, &self.x], work);
-        work == Work::Done
     }
 
     /// Inputs and forces of a sample as one row.
@@ -382,9 +357,27 @@ impl Simulator for OutsideSimulator {
         replay::replay(self, first, tapes);
     }
 
-    /// What it says, or what its outputs look like.
+    fn lock_step(&mut self, first: u64, lanes: &mut [Box<dyn Driven + '_>]) {
+        lanes::lock_step(self, first, lanes);
+    }
+
+    /// What it says, or what its outputs look like; where it does not repeat itself, what differs.
     fn precision(&self) -> f64 {
-        self.shared.contract.powers.precision.unwrap_or_else(|| self.shared.grain.precision())
+        let Shared { contract, grain, .. } = &*self.shared;
+        let said = contract.powers.precision.unwrap_or_else(|| grain.precision());
+        self.measured_spread().map_or(said, |spread| said.max(spread.relative))
+    }
+
+    fn spread(&self) -> &[f64] {
+        self.measured_spread().map_or(&[], |spread| &spread.deviation)
+    }
+
+    fn repeats(&self) -> bool {
+        self.measured_spread().is_none()
+    }
+
+    fn workers(&self) -> usize {
+        self.shared.pool.workers()
     }
 
     fn rest(&mut self) {

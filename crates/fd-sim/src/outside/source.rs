@@ -77,6 +77,43 @@ pub trait Instance: Debug + Send {
         by_steps(self, start, rows, samples, y, x)
     }
 
+    /// Begins a run in each of several lanes, which then step together; only as many as the contract says.
+    ///
+    /// # Errors
+    ///
+    /// Returns why all of them are lost; one that cannot begin gives outputs that are not finite.
+    fn reset_lanes(&mut self, starts: &[Start<'_>]) -> Result<(), Lost> {
+        match starts {
+            [start] => self.reset(*start),
+            _ => Err(Lost::Refused),
+        }
+    }
+
+    /// Writes the outputs of this sample of all lanes, one after the other, without moving on.
+    ///
+    /// # Errors
+    ///
+    /// Returns why all of them are lost.
+    fn measure_lanes(&mut self, lanes: usize, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
+        if lanes == 1 { self.measure(u, y) } else { Err(Lost::Refused) }
+    }
+
+    /// Writes the outputs of this sample of all lanes and moves on, then the states: rows, outputs and states of one
+    /// lane after those of the other. A lane that diverges gives outputs that are not finite, and is stepped on.
+    ///
+    /// # Errors
+    ///
+    /// Returns why all of them are lost.
+    fn step_lanes(
+        &mut self,
+        lanes: usize,
+        rows: &[f64],
+        y: &mut [f64],
+        x: &mut [f64],
+    ) -> Result<(), Lost> {
+        if lanes == 1 { self.step(rows, y, x) } else { Err(Lost::Refused) }
+    }
+
     /// Whole runs of so many samples each; of a simulator that shows no states, and only as many as its source says.
     ///
     /// # Errors
@@ -114,6 +151,38 @@ pub fn by_steps<I: Instance + ?Sized>(
         if !is_finite {
             y[k * ny..].fill(f64::NAN);
             break;
+        }
+    }
+    Ok(())
+}
+
+/// Whole runs of so many samples each, step by step in lanes beside each other; after a divergence the rest is NaN.
+///
+/// # Errors
+///
+/// Returns why all of them are lost.
+pub fn by_lanes<I: Instance + ?Sized>(
+    instance: &mut I,
+    samples: usize,
+    lanes: &mut [Lane<'_>],
+) -> Result<(), Lost> {
+    let starts: Vec<Start<'_>> = lanes.iter().map(|lane| lane.start).collect();
+    instance.reset_lanes(&starts)?;
+    let of = |all: usize| all / samples.max(1);
+    let width = lanes.first().map_or(0, |lane| of(lane.rows.len()));
+    let ny = lanes.first().map_or(0, |lane| of(lane.y.len()));
+    let mut y = vec![0.0; lanes.len() * ny];
+    for k in 0..samples {
+        let rows: Vec<f64> =
+            lanes.iter().flat_map(|l| &l.rows[k * width..(k + 1) * width]).copied().collect();
+        instance.step_lanes(lanes.len(), &rows, &mut y, &mut [])?;
+        for (lane, y) in lanes.iter_mut().zip(y.chunks_exact(ny.max(1))) {
+            lane.y[k * ny..(k + 1) * ny].copy_from_slice(y);
+        }
+    }
+    for lane in lanes {
+        if let Some(from) = lane.y.iter().position(|value| !value.is_finite()) {
+            lane.y[from / ny * ny..].fill(f64::NAN);
         }
     }
     Ok(())

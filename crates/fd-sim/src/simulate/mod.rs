@@ -17,6 +17,10 @@
 //! (more with powers and inverse functions, which are computed lane by lane). A fit computes all its slopes in
 //! this way.
 //!
+//! Runs whose forces depend on what they show cannot be made in one go. [`Simulator::lock_step`] makes several of them
+//! step by step beside each other, each driven by a [`Driven`]: a simulator that steps many lanes in one call then gets
+//! one call per step, with the equations of the shells before and after it.
+//!
 //! A simulation that diverges is neither an error nor a panic: it is NaN from then on, and
 //! [`Outcome::Diverged`] says since when.
 
@@ -29,6 +33,7 @@ mod follower;
 mod jacobian;
 mod limits;
 mod linearize;
+mod lock_step;
 mod logged_loop;
 mod logged_outputs;
 mod native;
@@ -39,7 +44,6 @@ mod simulator;
 mod state_map;
 mod timing;
 
-pub(crate) use self::run::as_tapes;
 pub use self::{
     black_box::BlackBox,
     equations::EquationSimulator,
@@ -47,6 +51,7 @@ pub use self::{
     follower::Follower,
     limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
+    lock_step::Driven,
     logged_loop::LoggedLoop,
     native::NativeEffect,
     nominal::Nominal,
@@ -55,3 +60,4 @@ pub use self::{
     simulator::{Initial, Port, Simulator},
     state_map::StateMap,
 };
+pub(crate) use self::{lock_step::lane_by_lane, run::as_tapes};

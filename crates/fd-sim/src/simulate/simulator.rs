@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
+use super::lock_step::{Driven, lane_by_lane};
 use super::native::NativeEffect;
 use super::run::{Outcome, Run, Tape, drive, one_by_one};
 use crate::model::Parameter;
@@ -30,8 +31,9 @@ use crate::model::Parameter;
 /// * [`step`](Self::step) writes the outputs of *this* sample and then advances to the next one. Inputs are
 ///   held between samples, unless the simulator interpolates towards `u_next`.
 /// * *The same run gives the same bits*, in this simulator, in a [copy](Self::boxed), on any thread, and as one
-///   of many in [`simulate_many`](Self::simulate_many). Slopes are finite differences of runs; a simulator with
-///   noise in it has none. Measurement noise belongs to the diagnosis.
+///   of many in [`simulate_many`](Self::simulate_many). Slopes are finite differences of runs, and noise makes
+///   them worse: a simulator that cannot do without says so ([`repeats`](Self::repeats), [`spread`](Self::spread)).
+///   Measurement noise belongs to the diagnosis.
 /// * *Smooth in its parameters*, as far as the plant is. An integrator with an adaptive step makes small jumps
 ///   where it changes the step, and a fit stops at the first of them. Use an even grid of steps.
 ///
@@ -305,6 +307,18 @@ pub trait Simulator: Debug + Send + Sync {
         }
     }
 
+    /// Makes several runs from sample number `first` on, each driven by what it shows, step by step. Results are to the
+    /// bit those of each lane alone.
+    ///
+    /// A simulator that steps several lanes in one call overrides this; by default it is one lane after the other.
+    ///
+    /// # Panics
+    ///
+    /// May panic when the numbers of values are wrong.
+    fn lock_step(&mut self, first: u64, lanes: &mut [Box<dyn Driven + '_>]) {
+        lane_by_lane(self, first, lanes);
+    }
+
     /// Announces that the run is over, so that its resources (a process, a licence) are free for others. The
     /// next call, if any, is [`start`](Self::start). Calling this is optional: it only saves time.
     fn rest(&mut self) {}
@@ -313,6 +327,23 @@ pub trait Simulator: Debug + Send + Sync {
     /// differences are taken.
     fn precision(&self) -> f64 {
         f64::EPSILON
+    }
+
+    /// Standard deviation of each output among equal runs, in its unit: part of the noise of whatever is compared
+    /// with a run. Empty where nothing is known to differ.
+    fn spread(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Whether the same run gives the same numbers. Where it does not, runs at two places of the parameters differ by
+    /// the [`spread`](Self::spread), too; a linear model of such a simulator repeats itself and still has its spread.
+    fn repeats(&self) -> bool {
+        true
+    }
+
+    /// How many copies of it can run at the same time; more of them wait for each other.
+    fn workers(&self) -> usize {
+        1
     }
 
     /// A cheaper simulator whose slopes may replace those of this one, if this one is expensive to run. It has

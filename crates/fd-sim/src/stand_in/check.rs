@@ -63,6 +63,14 @@ pub(super) fn explained(
         real.rest();
         begin += replay.samples;
     }
+    // The run of the simulator and the one that it was linearised along differ by chance as well.
+    let samples = (begin * steps) as f64;
+    for (squares, spread) in squares.iter_mut().zip(simulator.spread()) {
+        let by_chance = 2.0 * samples * spread * spread;
+        for square in squares {
+            *square = (*square - by_chance).max(0.0);
+        }
+    }
     let shares = squares.iter().filter(|[_, all]| 0.0 < *all).map(|[left, all]| 1.0 - left / all);
     let least = shares.fold(f64::INFINITY, f64::min);
     // What nothing moves says nothing; what diverges is not foretold.

@@ -1,11 +1,11 @@
 //! From runs of a simulator to its slopes along replays.
 
-use super::{nudge::nudge, replay::Replay, slopes::Slopes};
-use crate::simulate::Simulator;
-
-/// Step of a difference, as a part of what a signal usually does: outputs may be rounded to seven digits, and
-/// plants bend.
-const STEP: f64 = 1e-3;
+use super::{
+    nudge::{STEP, nudge, part},
+    replay::Replay,
+    slopes::Slopes,
+};
+use crate::{simulate::Simulator, workers::on_workers};
 
 /// Runs through the replays, once as they are, and once more for everything that can be moved, in each step from
 /// the state that the replay has there. `None` when that is not possible, or a run diverges.
@@ -43,8 +43,14 @@ pub(super) fn linearise(
     let columns: usize = widths.iter().sum();
     found.columns = vec![0.0; found.result.len() * columns];
     let (rows, results) = (found.rows(), found.results());
-    for (column, (moved, step)) in all_moved(&*simulator, &found, forces).into_iter().enumerate() {
-        let (_, result) = walk(&mut *simulator, replays, steps, &moved, Some(&found.x))?;
+    let all = all_moved(&*simulator, &found, forces);
+    let mut walked: Vec<Option<Walked>> = all.iter().map(|_| None).collect();
+    let work: Vec<_> = all.iter().zip(&mut walked).collect();
+    on_workers(simulator.workers(), work, |((moved, _), walked)| {
+        *walked = walk(&mut *simulator.boxed(), replays, steps, moved, Some(&found.x));
+    });
+    for (column, ((_, step), walked)) in all.iter().zip(walked).enumerate() {
+        let (_, result) = walked?;
         for row in 0..rows {
             let to = &mut found.columns[(row * columns + column) * results..][..results];
             let [new, old] =
@@ -73,20 +79,20 @@ struct Moved {
 /// Everything that can be moved, and how far.
 fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(Moved, f64)> {
     let [nx, nu, nf, _] = found.widths;
-    let theta = &found.theta;
+    let (theta, part) = (&found.theta, part(simulator));
     let plain = || Moved { x: None, u: None, f: None, theta: theta.clone() };
     let states = (0..nx).map(|i| {
         let tolerance = simulator.initial()[i].tolerance;
-        let step = step(&found.x, nx, i, tolerance);
+        let step = part * size(&found.x, nx, i, tolerance);
         (Moved { x: Some((i, step)), ..plain() }, step)
     });
     let inputs = (0..nu).map(|i| {
-        let step = step(&found.u, nu, i, None);
+        let step = part * size(&found.u, nu, i, None);
         (Moved { u: Some((i, step)), ..plain() }, step)
     });
     let ports = (0..nf).map(|i| {
         let usual = forces.get(i).copied().filter(|f| f.is_finite() && 0.0 < *f);
-        let step = STEP * usual.unwrap_or(1.0);
+        let step = part * usual.unwrap_or(1.0);
         (Moved { f: Some((i, step)), ..plain() }, step)
     });
     let parameters = (0..theta.len()).map(|i| {
@@ -98,14 +104,14 @@ fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(
     states.chain(inputs).chain(ports).chain(parameters).collect()
 }
 
-/// How far column `i` of signals is moved: a part of its range, or of its tolerance or size where it rests.
-fn step(rows: &[f64], width: usize, i: usize, tolerance: Option<f64>) -> f64 {
+/// What column `i` of signals usually does: its range, or its tolerance or a part of its size where it rests.
+fn size(rows: &[f64], width: usize, i: usize, tolerance: Option<f64>) -> f64 {
     let column = || rows.iter().skip(i).step_by(width).copied();
     let (low, high) =
         (column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max));
-    let size = low.abs().max(high.abs());
-    let range = (high - low).max(tolerance.unwrap_or(0.0)).max(STEP * size);
-    STEP * if 0.0 < range && range.is_finite() { range } else { 1.0 }
+    let largest = low.abs().max(high.abs());
+    let range = (high - low).max(tolerance.unwrap_or(0.0)).max(STEP * largest);
+    if 0.0 < range && range.is_finite() { range } else { 1.0 }
 }
 
 /// States before the steps, and outputs and states after each of them.

@@ -41,6 +41,8 @@ struct Contract {
     parameters: Vec<Parameter>,
     initial: Vec<Initial>,
     ports: Vec<Port>,
+    /// Of the run that it is linearised along, which is that of all its runs.
+    spread: Vec<f64>,
     /// Steps per sample.
     steps: usize,
     /// Whether outputs can be looked at before a step: a force sees those of the step before otherwise, as with
@@ -76,6 +78,7 @@ impl<L: Linear> Replayed<L> {
             parameters: simulator.parameters().to_vec(),
             initial: simulator.initial().to_vec(),
             ports: simulator.ports().to_vec(),
+            spread: simulator.spread().to_vec(),
             steps,
             measures: measures(simulator),
         };
@@ -167,6 +170,10 @@ impl<L: Linear> Simulator for Replayed<L> {
 
     fn boxed(&self) -> Box<dyn Simulator> {
         Box::new(self.clone())
+    }
+
+    fn spread(&self) -> &[f64] {
+        &self.contract.spread
     }
 }
 

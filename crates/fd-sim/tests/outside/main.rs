@@ -5,6 +5,7 @@
 
 mod bad;
 mod good;
+mod lanes;
 mod lost;
 
 use std::time::Duration;

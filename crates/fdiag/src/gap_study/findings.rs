@@ -6,7 +6,7 @@ use fd_gap::{
     diagnose::Diagnosis,
     quality::{Defect, Finding, Severity},
 };
-use fd_model::SampleTime;
+use fd_model::{Channel, SampleTime};
 use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -21,7 +21,7 @@ const SAME_PACE: f64 = 1e-3;
 pub struct LogFinding {
     /// How bad it is.
     pub severity: Severity,
-    /// Name of the file.
+    /// Name of the file; of the simulator, where that is what the finding is about.
     pub file: String,
     /// Name of the channel; `time` for the time base.
     pub channel: String,
@@ -37,6 +37,23 @@ pub enum LogDefect {
     Channel(Defect),
     /// In the time base.
     TimeBase(TimeBaseDefect),
+    /// In the simulator that the log is compared with.
+    Simulator(SimulatorDefect),
+}
+
+/// What was found in a simulator outside of this program.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum SimulatorDefect {
+    /// Equal runs differ: their spread is part of the noise of the output.
+    NotRepeatable {
+        /// Standard deviation of the output among equal runs, in its unit.
+        spread: f64,
+        /// That unit.
+        unit: String,
+        /// Equal runs that were made to measure it.
+        runs: usize,
+    },
 }
 
 /// What was found in the time base of a log.
@@ -76,6 +93,14 @@ impl LogFinding {
         let (file, defect) = (file_name(path), LogDefect::Channel(defect));
         Self { severity, file, channel, defect }
     }
+
+    /// An output that differs between equal runs of a simulator of that name.
+    pub(super) fn of_simulator(name: &str, output: &Channel, spread: f64, runs: usize) -> Self {
+        let unit = output.unit.clone();
+        let defect = LogDefect::Simulator(SimulatorDefect::NotRepeatable { spread, unit, runs });
+        let (severity, file) = (Severity::Warning, name.to_owned());
+        Self { severity, file, channel: output.name.clone(), defect }
+    }
 }
 
 impl LogDefect {
@@ -93,8 +118,13 @@ impl LogDefect {
     }
 }
 
-/// Findings of a diagnosis and of the time bases, the worst first.
-pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, nominal: &Model) -> Vec<LogFinding> {
+/// Findings of a diagnosis, of the time bases, and those of the simulator that are known, the worst first.
+pub(super) fn findings(
+    diagnosis: &Diagnosis,
+    data: &Data,
+    nominal: &Model,
+    of_simulator: Vec<LogFinding>,
+) -> Vec<LogFinding> {
     let of_channel = |finding: &Finding| LogFinding {
         severity: finding.severity(),
         file: data.parts.get(finding.log - 1).map_or_else(String::new, |part| part.file.clone()),
@@ -133,6 +163,7 @@ pub(super) fn findings(diagnosis: &Diagnosis, data: &Data, nominal: &Model) -> V
         all.push(of_time(Severity::Warning, first, TimeBaseDefect::Clock));
     }
     all.extend(data.findings.iter().cloned());
+    all.extend(of_simulator);
     all.sort_by_key(|finding| Reverse(finding.severity));
     all
 }

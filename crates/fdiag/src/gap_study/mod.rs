@@ -33,7 +33,7 @@ pub mod words;
 pub use self::{
     budget::Budget,
     error::GapError,
-    findings::{LogDefect, LogFinding, TimeBaseDefect},
+    findings::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
     follow::follow,
     law::Law,
     memory::Memory,

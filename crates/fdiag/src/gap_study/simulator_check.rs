@@ -147,7 +147,7 @@ impl SimulatorCheck {
     }
 
     fn new(found: Conformance, trouble: Option<OutsideError>) -> Self {
-        let Conformance { findings, samples, run, steps, precision } = found;
+        let Conformance { findings, samples, run, steps, precision, .. } = found;
         Self { findings, samples, run, steps, precision, costs: Vec::new(), trouble }
     }
 
@@ -198,8 +198,9 @@ impl SimulatorCheck {
             self.say(Grade::Doubt, "stated precision", text);
         }
         if !powers.deterministic {
-            let text = "it declares that the same run may give different numbers";
-            self.say(Grade::Broken, "stated powers", text);
+            let text = "it declares that the same run may give different numbers: what differs is measured and counts \
+                        as noise";
+            self.say(Grade::Doubt, "stated powers", text);
         }
         if !powers.step {
             let text = "it makes whole runs only: no force can depend on the motion, and friction, springs and \

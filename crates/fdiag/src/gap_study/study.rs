@@ -8,7 +8,7 @@ use fd_gap::{
 use fd_model::{Record, SampleTime};
 use fd_sim::{
     outside::{Counts, OutsideError},
-    simulate::{Follower, Nominal},
+    simulate::{Follower, Nominal, Simulator},
 };
 
 use super::{
@@ -79,7 +79,9 @@ impl GapStudy {
         subject: &Subject,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
-        let mut study = Self::of(request, subject, monitor).map_err(|e| subject.explained(e))?;
+        let workers = subject.outside().map_or(1, Simulator::workers);
+        let study = on_threads(workers, || Self::of(request, subject, monitor));
+        let mut study = study.map_err(|e| subject.explained(e))?;
         study.outside =
             subject.outside().map(|simulator| (simulator.counts(), simulator.trouble()));
         Ok(study)
@@ -88,6 +90,7 @@ impl GapStudy {
     fn of(request: &Request, subject: &Subject, monitor: &dyn Monitor) -> Result<Self, GapError> {
         let mut data = Data::read(request, subject, None)?;
         subject.check_cost(&data, &request.limits)?;
+        let of_simulator = subject.unrepeated(&data)?;
         // Who states a horizon wants that, and no filter.
         let is_auto = request.horizon == HorizonChoice::Auto;
         let follower = if is_auto { follow(subject.nominal(), &data.fit)? } else { None };
@@ -175,7 +178,7 @@ impl GapStudy {
             ceiling,
             advice,
             calibration,
-            findings: findings(&diagnosis, data, model),
+            findings: findings(&diagnosis, data, model, of_simulator),
             whole,
             time_limit: pause.time_limit(),
             stopped: pause.left_out(&diagnosis),
@@ -190,6 +193,22 @@ impl GapStudy {
         report.headline = headline(&report);
         report.next = words::next_steps(&report);
         Ok(Self { report, trace, outside: None })
+    }
+}
+
+/// Most threads for the instances of a simulator.
+const MOST_THREADS: usize = 64;
+
+/// Works on as many threads as a simulator has instances, where that is more than there are: most of them wait.
+fn on_threads<T: Send>(workers: usize, act: impl FnOnce() -> T + Send) -> T {
+    let threads = workers.min(MOST_THREADS);
+    if threads <= rayon::current_num_threads() {
+        return act();
+    }
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(act),
+        // Fewer instances are then at work.
+        Err(_) => act(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Before any candidate is tried: the logs, the noise, the fit of the nuisances.
 
+mod chance;
 pub(super) mod noise;
 pub(super) mod start;
 pub(super) mod step;
@@ -43,14 +44,18 @@ pub(crate) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, Fit
     let model = pinned(case.nominal.model(), ts);
     let simulator = case.nominal.patched(&model, ts)?;
     let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
+    let mut spread = simulator.spread().to_vec();
+    spread.resize(model.outputs.len(), 0.0);
+    // A stated noise is that of the logs.
     let said = model.outputs.iter().map(|output| output.noise.filter(|noise| 0.0 < *noise));
-    let stated: Vec<Option<f64>> = said.collect();
+    let stated: Vec<Option<f64>> =
+        said.zip(&spread).map(|(said, spread)| Some(said?.hypot(*spread))).collect();
     let grids: Vec<Option<f64>> =
         (0..stated.len()).map(|c| grid_step(&measured(&plan, c))).collect();
-    let null = weighted_null_fit(&plan, &*simulator, &stated, &grids)?;
+    let null = weighted_null_fit(&plan, &*simulator, &stated, &grids, &spread)?;
     let sigma = null.problem.weights().sigma.clone();
     let slow = vec![false; sigma.len()];
-    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, sigma, slow } })
+    Ok(Prepared { model, null, noise: KnownNoise { stated, grids, spread, sigma, slow } })
 }
 
 /// The model with the integration step that it has with its nominal parameters, whatever they will
@@ -68,12 +73,13 @@ fn measured(plan: &Plan, output: usize) -> Vec<f64> {
 }
 
 /// Fits the nuisances with the stated noise, or that which third differences show; a stated noise
-/// that is clearly too small is raised.
+/// that is clearly too small is raised. One that is not stated is at least the `spread` of the simulator.
 fn weighted_null_fit(
     plan: &Arc<Plan>,
     nominal: &dyn Simulator,
     stated: &[Option<f64>],
     grids: &[Option<f64>],
+    spread: &[f64],
 ) -> Result<NullFit, FitError> {
     let guess = |c: usize| {
         let signal = measured(plan, c);
@@ -82,7 +88,11 @@ fn weighted_null_fit(
         let smallest = (1e-9 * largest).max(f64::MIN_POSITIVE);
         robust_third_difference_floor(&signal).unwrap_or(smallest).max(smallest)
     };
-    let rounding: Vec<f64> = grids.iter().map(|grid| grid.map_or(0.0, of_rounding)).collect();
+    let least = |c: usize| {
+        let rounding = grids[c].map_or(0.0, of_rounding);
+        if stated[c].is_some() { rounding } else { rounding.hypot(spread[c]) }
+    };
+    let rounding: Vec<f64> = (0..grids.len()).map(least).collect();
     // What rounding adds to a noise that does not hide the grid.
     let rounded = |sigma: f64, c: usize| {
         if sigma < rounding[c] { sigma.hypot(rounding[c]) } else { sigma }

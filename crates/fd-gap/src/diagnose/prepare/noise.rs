@@ -18,10 +18,12 @@ pub(in crate::diagnose) const REACHED: f64 = 2.0;
 /// What is known of the noise of each output.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct KnownNoise {
-    /// What the model states, in the unit of the output.
+    /// What the model states, with the spread of the simulator on top, in the unit of the output.
     pub(in crate::diagnose) stated: Vec<Option<f64>>,
     /// Steps of grids that measured values lie on, in the unit of the output.
     pub(in crate::diagnose) grids: Vec<Option<f64>>,
+    /// Standard deviation among equal runs of the simulator, in the unit of the output.
+    pub(in crate::diagnose) spread: Vec<f64>,
     /// What residuals are measured in, in the unit of the output.
     pub(in crate::diagnose) sigma: Vec<f64>,
     /// Whether the noise of an output, which nobody states, is slow: what is left of it has a colour, and nothing
@@ -52,16 +54,18 @@ impl KnownNoise {
         self.grids[output].is_some_and(|step| COARSE * self.sigma[output] < step)
     }
 
-    /// What rounding to the grid of an output makes of errors at least, in sigma: a log in steps of `q` has
-    /// errors of `q/√12`, however smooth it looks.
-    pub(in crate::diagnose) fn of_rounding(&self, output: usize) -> f64 {
-        self.grids[output].map_or(0.0, of_rounding) / self.sigma[output]
+    /// What errors are at least, in sigma: a log in steps of `q` has errors of `q/√12`, however smooth it looks, and
+    /// a simulator that does not repeat itself has its spread.
+    pub(in crate::diagnose) fn at_least(&self, output: usize) -> f64 {
+        let rounding = self.grids[output].map_or(0.0, of_rounding);
+        rounding.hypot(self.spread[output]) / self.sigma[output]
     }
 
     /// The size of the noise that the model states of an output, in sigma, after values are rounded as they are.
     pub(in crate::diagnose) fn expected(&self, output: usize) -> Option<f64> {
-        let rounding = if self.is_coarse(output) { self.of_rounding(output) } else { 0.0 };
-        self.stated[output].map(|stated| (stated / self.sigma[output]).hypot(rounding))
+        let step = self.grids[output].filter(|_| self.is_coarse(output));
+        let rounding = step.map_or(0.0, of_rounding);
+        self.stated[output].map(|stated| stated.hypot(rounding) / self.sigma[output])
     }
 
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
@@ -89,7 +93,7 @@ impl KnownNoise {
                 gaps[c].max(f64::MIN_POSITIVE)
             } else {
                 let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
-                found.max(self.of_rounding(c))
+                found.max(self.at_least(c))
             };
             Reach { times: gaps[c] / floor, is_stated: expected.is_some() }
         };

@@ -35,8 +35,8 @@ pub(in crate::diagnose) fn in_motion(
     let logs = prepared.null.problem.plan().logs.iter().map(|log| log.clone().in_motion());
     // Too short for so many unknowns, or lost from everywhere: then the log begins where it is said to.
     let Ok(plan) = Plan::of_logs(&*simulator, logs.collect(), horizon) else { return Ok(None) };
-    let KnownNoise { stated, grids, .. } = &prepared.noise;
-    let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated, grids) else {
+    let KnownNoise { stated, grids, spread, .. } = &prepared.noise;
+    let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated, grids, spread) else {
         return Ok(None);
     };
     if !begins_in_motion(&prepared.null, &null) {

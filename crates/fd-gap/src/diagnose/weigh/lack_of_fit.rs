@@ -34,7 +34,7 @@ pub(super) fn lack_of_fit(
         .map(|c| {
             let stated = noise.expected(c);
             let floor = noise_floor(&answer.errors[c].join(&f64::NAN), stated).unwrap_or(1.0);
-            let floor = floor.max(noise.of_rounding(c));
+            let floor = floor.max(noise.at_least(c));
             // Slow noise of the stated size is noise, whatever its innovation; where none is stated, of any size.
             let largest = if noise.slow[c] { Some(f64::INFINITY) } else { stated };
             let slow = largest.filter(|_| is_coloured).map(|largest| gaps[c].min(largest));

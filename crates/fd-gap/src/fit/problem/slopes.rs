@@ -14,6 +14,8 @@ const NUISANCE_STEP: f64 = 1e-5;
 const EFFECT_STEP: f64 = 1e-4;
 /// Where outputs are rounded to `p`, a step is at least this many times `√p`.
 const OF_ROOT: f64 = 10.0;
+/// … but not more than a scale: beyond that a difference is no slope, however rough the outputs.
+const LARGEST_STEP: f64 = 1.0;
 /// Outputs that are no rougher are as smooth as those of equations.
 const SMOOTH: f64 = 1e-12;
 
@@ -23,7 +25,8 @@ impl Problem {
         let is_effect = (self.plan.shared.len()..self.layout.shared).contains(&column);
         let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
         let precision = self.simulator.precision();
-        let size = if precision < SMOOTH { size } else { size.max(OF_ROOT * precision.sqrt()) };
+        let rough = (OF_ROOT * precision.sqrt()).min(LARGEST_STEP);
+        let size = if precision < SMOOTH { size } else { size.max(rough) };
         let is_inside = |i: usize| z[i] + size <= self.bounds[i][1];
         if self.unknowns(column).all(is_inside) { size } else { -size }
     }

@@ -28,8 +28,9 @@ use self::{
     instance::{FmuInstance, References},
 };
 use super::{
-    contract::{Contract, Entry, Powers, Stated},
+    contract::{Contract, Entry, Stated},
     error::OutsideError,
+    powers::Powers,
     source::{Instance, Source},
 };
 

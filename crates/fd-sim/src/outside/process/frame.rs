@@ -27,13 +27,10 @@ impl Op {
 pub(super) const REFUSED: u32 = 0;
 /// Bytes before the values.
 pub(super) const HEAD: usize = 12;
-/// Runs side by side.
-pub(super) const LANES: u32 = 1;
-
-/// Writes the head of a frame, into an empty buffer.
-pub(super) fn begin(bytes: &mut Vec<u8>, op: Op, count: u32) {
+/// Writes the head of a frame of so many lanes and values, into an empty buffer.
+pub(super) fn begin(bytes: &mut Vec<u8>, op: Op, [lanes, count]: [u32; 2]) {
     bytes.clear();
-    for word in [op as u32, LANES, count] {
+    for word in [op as u32, lanes, count] {
         bytes.extend_from_slice(&word.to_le_bytes());
     }
 }

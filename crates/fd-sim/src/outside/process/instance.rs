@@ -6,11 +6,11 @@ use super::{
     super::{
         contract::Contract,
         error::OutsideError,
-        source::{Instance, Lost, Start, by_steps},
+        source::{Instance, Lane, Lost, Start, by_lanes, by_steps},
     },
     Process,
     child::Child,
-    frame::{self, HEAD, LANES, Op, REFUSED, begin, put},
+    frame::{self, HEAD, Op, REFUSED, begin, put},
     hello::hello,
 };
 
@@ -35,15 +35,28 @@ impl ProcessInstance {
         Ok((Self { child, rolls_out, bytes: Vec::new() }, contract))
     }
 
-    /// Sends a frame of these parts and takes an answer that fills those.
+    /// Sends a frame of one lane with these parts and takes an answer that fills those.
     fn ask(&mut self, op: Op, parts: &[&[f64]], answer: [&mut [f64]; 2]) -> Result<(), Lost> {
+        self.ask_lanes(op, 1, parts, answer)
+    }
+
+    /// The same of several lanes, one after the other in parts and answers: outputs and then states of each.
+    fn ask_lanes(
+        &mut self,
+        op: Op,
+        lanes: usize,
+        parts: &[&[f64]],
+        answer: [&mut [f64]; 2],
+    ) -> Result<(), Lost> {
         let (what, deadline) = (op.name(), self.child.deadline());
         let count: usize = parts.iter().map(|part| part.len()).sum();
-        let count = u32::try_from(count).map_err(|_| {
+        let too_much = |_| {
             let (expected, found) = ("at most 2^32 - 1 values", format!("a call with {count}"));
             Lost::Broken(Box::new(self.child.protocol(what, expected.to_owned(), found)))
-        })?;
-        begin(&mut self.bytes, op, count);
+        };
+        let lanes = u32::try_from(lanes).map_err(too_much)?;
+        let count = u32::try_from(count).map_err(too_much)?;
+        begin(&mut self.bytes, op, [lanes, count]);
         for part in parts {
             put(&mut self.bytes, part);
         }
@@ -55,18 +68,27 @@ impl ProcessInstance {
         let expected = y.len() + x.len();
         match frame::head(&head) {
             [REFUSED, _, 0] => return Err(Lost::Refused),
-            [found, LANES, count] if found == op as u32 && count as usize == expected => {}
-            [found, lanes, count] => {
-                let wanted = format!("op {}, 1 lane and {expected} values", op as u32);
-                let found = format!("op {found}, {lanes} lanes and {count} values");
+            [found, of, count]
+                if found == op as u32 && of == lanes && count as usize == expected => {}
+            [found, of, count] => {
+                let s = if lanes == 1 { "" } else { "s" };
+                let wanted = format!("op {}, {lanes} lane{s} and {expected} values", op as u32);
+                let found = format!("op {found}, {of} lanes and {count} values");
                 return Err(Lost::Broken(Box::new(self.child.protocol(what, wanted, found))));
             }
         }
         self.bytes.resize(8 * expected, 0);
         self.child.receive(&mut self.bytes, what, deadline).map_err(gone)?;
-        let (front, back) = self.bytes.split_at(8 * y.len());
-        frame::get(front, y);
-        frame::get(back, x);
+        // Outputs and states of one lane after those of the other.
+        let (ny, nx) = (y.len() / lanes as usize, x.len() / lanes as usize);
+        let mut rest = &self.bytes[..];
+        for lane in 0..lanes as usize {
+            for values in [&mut y[lane * ny..(lane + 1) * ny], &mut x[lane * nx..(lane + 1) * nx]] {
+                let (front, back) = rest.split_at(8 * values.len());
+                frame::get(front, values);
+                rest = back;
+            }
+        }
         Ok(())
     }
 }
@@ -99,11 +121,52 @@ impl Instance for ProcessInstance {
         }
         by_steps(self, start, rows, samples, y, x)
     }
+
+    fn reset_lanes(&mut self, starts: &[Start<'_>]) -> Result<(), Lost> {
+        let firsts: Vec<[f64; 1]> = starts.iter().map(|start| [start.first as f64]).collect();
+        let each = starts.iter().zip(&firsts);
+        let parts: Vec<&[f64]> = each.flat_map(|(s, first)| [&first[..], s.theta, s.x0]).collect();
+        self.ask_lanes(Op::Reset, starts.len(), &parts, [&mut [], &mut []])
+    }
+
+    fn measure_lanes(&mut self, lanes: usize, u: &[f64], y: &mut [f64]) -> Result<(), Lost> {
+        self.ask_lanes(Op::Measure, lanes, &[u], [y, &mut []])
+    }
+
+    fn step_lanes(
+        &mut self,
+        lanes: usize,
+        rows: &[f64],
+        y: &mut [f64],
+        x: &mut [f64],
+    ) -> Result<(), Lost> {
+        self.ask_lanes(Op::Step, lanes, &[rows], [y, x])
+    }
+
+    fn rollouts(&mut self, samples: usize, lanes: &mut [Lane<'_>]) -> Result<(), Lost> {
+        if !self.rolls_out {
+            return by_lanes(self, samples, lanes);
+        }
+        let heads: Vec<[f64; 2]> =
+            lanes.iter().map(|lane| [lane.start.first as f64, samples as f64]).collect();
+        let each = lanes.iter().zip(&heads);
+        let parts: Vec<&[f64]> =
+            each.flat_map(|(l, head)| [&head[..], l.start.theta, l.start.x0, l.rows]).collect();
+        let mut y = vec![0.0; lanes.iter().map(|lane| lane.y.len()).sum()];
+        self.ask_lanes(Op::Rollout, lanes.len(), &parts, [&mut y, &mut []])?;
+        let mut rest = &y[..];
+        for lane in lanes {
+            let (front, back) = rest.split_at(lane.y.len());
+            lane.y.copy_from_slice(front);
+            rest = back;
+        }
+        Ok(())
+    }
 }
 
 impl Drop for ProcessInstance {
     fn drop(&mut self) {
-        begin(&mut self.bytes, Op::Bye, 0);
+        begin(&mut self.bytes, Op::Bye, [1, 0]);
         let deadline = self.child.deadline().min(Instant::now() + GOODBYE);
         // Who is no more does not hear it.
         if self.child.send(&self.bytes, Op::Bye.name(), deadline).is_ok() {

@@ -3,7 +3,10 @@
 use std::io::{BufRead, Error, ErrorKind, Read, Result, Write};
 
 use super::{
-    super::contract::{Entry, Powers, Stated},
+    super::{
+        contract::{Entry, Stated},
+        powers::Powers,
+    },
     PROTOCOL_VERSION,
     frame::{self, HEAD, Op, begin, put},
 };
@@ -117,77 +120,145 @@ pub fn serve(
     writeln!(output, "{}", serde_json::to_string(&ours).map_err(Error::other)?)?;
     output.flush()?;
 
-    let (np, nx) = (simulator.parameters().len(), simulator.initial().len());
-    let (nu, nf, ny) =
-        (simulator.inputs().len(), simulator.ports().len(), simulator.outputs().len());
-    let (mut y, mut bytes) = (Vec::new(), Vec::new());
-    while let Some((op, values)) = ask(&mut input)? {
-        let wrong = |expected: usize| {
-            let found = values.len();
-            Error::new(ErrorKind::InvalidData, format!("op {op}: {found} values, not {expected}"))
-        };
-        let (op, samples) = match op {
-            1 if values.len() == 1 + np + nx => (Op::Reset, 0),
-            2 if values.len() == nu + nf => (Op::Step, 1),
-            3 if 2 + np + nx <= values.len() => {
-                let samples = natural(values[1])?;
-                let expected = 2 + np + nx + samples * (nu + nf);
-                if values.len() != expected {
-                    return Err(wrong(expected));
-                }
-                (Op::Rollout, samples)
-            }
-            4 if values.len() == nu => (Op::Measure, 1),
-            5 => return Ok(()),
-            1 => return Err(wrong(1 + np + nx)),
-            2 => return Err(wrong(nu + nf)),
-            3 => return Err(wrong(2 + np + nx)),
-            4 => return Err(wrong(nu)),
-            _ => return Err(wrong(0)),
-        };
-        y.clear();
-        y.resize(samples * ny, f64::NAN);
-        let begin_run = |simulator: &mut dyn Simulator, rest: &[f64]| -> Result<()> {
-            simulator.start(&rest[..np], &rest[np..np + nx], natural(values[0])? as u64);
-            Ok(())
-        };
-        match op {
-            Op::Reset => begin_run(simulator, &values[1..])?,
-            Op::Step => {
-                let (u, f) = values.split_at(nu);
-                simulator.step(u, u, f, &mut y);
-            }
-            Op::Measure => {
-                simulator.measure(&values, &mut y);
-            }
-            _ => {
-                begin_run(simulator, &values[2..])?;
-                for k in 0..samples {
-                    let row = &values[2 + np + nx + k * (nu + nf)..][..nu + nf];
-                    let (u, f) = row.split_at(nu);
-                    simulator.step(u, u, f, &mut y[k * ny..(k + 1) * ny]);
-                }
-            }
+    // What was not said of states is that they are there.
+    let shows_states = hello.powers.is_none_or(|powers| powers.states);
+    let widths = Widths::of(simulator, shows_states);
+    // Lanes beyond the first, as many as were asked for at once.
+    let mut others: Vec<Box<dyn Simulator>> = Vec::new();
+    let (mut answer, mut bytes) = (Vec::new(), Vec::new());
+    while let Some((op, lanes, values)) = ask(&mut input)? {
+        if op == Op::Bye as u32 {
+            return Ok(());
         }
-        let x = if matches!(op, Op::Step | Op::Rollout) { simulator.state() } else { &[] };
-        let count = u32::try_from(y.len() + x.len()).map_err(Error::other)?;
-        begin(&mut bytes, op, count);
-        put(&mut bytes, &y);
-        put(&mut bytes, x);
+        let (op, samples) = widths.check(op, lanes, &values)?;
+        if matches!(op, Op::Reset | Op::Rollout) {
+            // A lane brings values here, so that there are no more of them than values came.
+            while others.len() + 1 < lanes {
+                others.push(simulator.boxed());
+            }
+        } else if others.len() + 1 < lanes {
+            let found = others.len() + 1;
+            let message = format!("{} of {lanes} lanes, of which {found} have begun", op.name());
+            return Err(Error::new(ErrorKind::InvalidData, message));
+        }
+        answer.clear();
+        let each = values.len() / lanes;
+        for lane in 0..lanes {
+            let values = &values[lane * each..(lane + 1) * each];
+            let simulator = match lane.checked_sub(1) {
+                Some(other) => &mut *others[other],
+                None => &mut *simulator,
+            };
+            widths.act(simulator, op, samples, values, &mut answer)?;
+        }
+        let count = u32::try_from(answer.len()).map_err(Error::other)?;
+        begin(&mut bytes, op, [u32::try_from(lanes).map_err(Error::other)?, count]);
+        put(&mut bytes, &answer);
         output.write_all(&bytes)?;
         output.flush()?;
     }
     Ok(())
 }
 
+/// How many values belong to what.
+struct Widths {
+    parameters: usize,
+    states: usize,
+    inputs: usize,
+    ports: usize,
+    outputs: usize,
+    /// Whether states are answered.
+    shows_states: bool,
+}
+
+impl Widths {
+    fn of(simulator: &dyn Simulator, shows_states: bool) -> Self {
+        Self {
+            shows_states,
+            parameters: simulator.parameters().len(),
+            states: simulator.initial().len(),
+            inputs: simulator.inputs().len(),
+            ports: simulator.ports().len(),
+            outputs: simulator.outputs().len(),
+        }
+    }
+
+    /// What is asked for, and samples of it; or why so many values cannot be for it.
+    fn check(&self, op: u32, lanes: usize, values: &[f64]) -> Result<(Op, usize)> {
+        let row = self.inputs + self.ports;
+        let start = self.parameters + self.states;
+        let samples = if op == Op::Rollout as u32 { natural(values.get(1).copied())? } else { 1 };
+        let (found, expected) = match op {
+            1 => (Op::Reset, 1 + start),
+            2 => (Op::Step, row),
+            3 => (Op::Rollout, samples.saturating_mul(row).saturating_add(2 + start)),
+            4 => (Op::Measure, self.inputs),
+            _ => {
+                let message = format!("op {op}, not 1 to 5");
+                return Err(Error::new(ErrorKind::InvalidData, message));
+            }
+        };
+        if lanes == 0 || Some(values.len()) != expected.checked_mul(lanes) {
+            let message =
+                format!("op {op}, {lanes} lanes: {} values, not {expected} each", values.len());
+            return Err(Error::new(ErrorKind::InvalidData, message));
+        }
+        Ok((found, samples))
+    }
+
+    /// Does what is asked of a lane, and adds what it answers.
+    fn act(
+        &self,
+        simulator: &mut dyn Simulator,
+        op: Op,
+        samples: usize,
+        values: &[f64],
+        answer: &mut Vec<f64>,
+    ) -> Result<()> {
+        let begin_run = |simulator: &mut dyn Simulator, rest: &[f64]| -> Result<()> {
+            let (theta, rest) = rest.split_at(self.parameters);
+            let first = natural(values.first().copied())? as u64;
+            simulator.start(theta, &rest[..self.states], first);
+            Ok(())
+        };
+        let from = answer.len();
+        let samples = if op == Op::Reset { 0 } else { samples };
+        answer.resize(from + samples * self.outputs, f64::NAN);
+        let y = &mut answer[from..];
+        match op {
+            Op::Reset => begin_run(simulator, &values[1..])?,
+            Op::Step => {
+                let (u, f) = values.split_at(self.inputs);
+                simulator.step(u, u, f, y);
+            }
+            Op::Measure => {
+                simulator.measure(values, y);
+            }
+            Op::Rollout | Op::Bye => {
+                begin_run(simulator, &values[2..])?;
+                let rows = &values[2 + self.parameters + self.states..];
+                let width = self.inputs + self.ports;
+                for (k, y) in y.chunks_exact_mut(self.outputs).enumerate() {
+                    let (u, f) = rows[k * width..(k + 1) * width].split_at(self.inputs);
+                    simulator.step(u, u, f, y);
+                }
+            }
+        }
+        if self.shows_states && matches!(op, Op::Step | Op::Rollout) {
+            answer.extend_from_slice(simulator.state());
+        }
+        Ok(())
+    }
+}
+
 /// The next frame; `None` at the end.
-fn ask(input: &mut impl Read) -> Result<Option<(u32, Vec<f64>)>> {
+fn ask(input: &mut impl Read) -> Result<Option<(u32, usize, Vec<f64>)>> {
     let mut head = [0; HEAD];
     match input.read_exact(&mut head) {
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(None),
         read => read?,
     }
-    let [op, _, count] = frame::head(&head);
+    let [op, lanes, count] = frame::head(&head);
     let mut bytes = Vec::new();
     // As much as comes, not as much as is claimed.
     input.take(8 * u64::from(count)).read_to_end(&mut bytes)?;
@@ -196,12 +267,13 @@ fn ask(input: &mut impl Read) -> Result<Option<(u32, Vec<f64>)>> {
     }
     let mut values = vec![0.0; count as usize];
     frame::get(&bytes, &mut values);
-    Ok(Some((op, values)))
+    Ok(Some((op, lanes as usize, values)))
 }
 
 /// A number that counts something.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
-fn natural(value: f64) -> Result<usize> {
+fn natural(value: Option<f64>) -> Result<usize> {
+    let value = value.unwrap_or(f64::NAN);
     // Counts up to 2^32 are exact.
     if (0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0 {
         return Ok(value as usize);

@@ -23,7 +23,10 @@
 //! *When not to use:* for a plant whose equations are known. Friction that depends on load, swinging
 //! appendages, coupling to inner states and stores that overflow need equations.
 
+mod around;
 mod build;
+mod lane;
+mod part;
 mod prune;
 mod row;
 mod run;

@@ -1,8 +1,10 @@
 //! What is wrong with logs, and what was done with their time bases.
 
+use fd_model::figure;
+
 use super::numbers::four;
 use crate::gap_study::{
-    findings::{LogDefect, TimeBaseDefect},
+    findings::{LogDefect, SimulatorDefect, TimeBaseDefect},
     report::Pace,
 };
 
@@ -29,6 +31,14 @@ pub fn defect(defect: &LogDefect) -> String {
             "the effect depends on the time since the start of a run, and held-out logs have a \
              start of their own: what it does there may not carry over"
                 .to_owned()
+        }
+        LogDefect::Simulator(SimulatorDefect::NotRepeatable { spread, unit, runs }) => {
+            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+            let spread = figure(*spread);
+            format!(
+                "the simulator does not repeat itself: this output differs by {spread}{unit} between equal runs \
+                 ({runs} were made), which counts as noise"
+            )
         }
     }
 }

@@ -1,0 +1,57 @@
+//! Several runs of one simulator, step by step beside each other.
+
+use super::simulator::Simulator;
+
+/// One of several runs that go on together. What drives it may depend on what it shows, which is why it cannot be made
+/// in one go.
+///
+/// The simulator asks: [`begin`](Self::begin), and then for each step [`input`](Self::input),
+/// [`drive`](Self::drive) and [`take`](Self::take), in this order.
+pub trait Driven: Send {
+    /// Begins, or begins again where a simulator has ended in the middle of a run.
+    fn begin(&mut self);
+
+    /// Parameters, in the order of [`Simulator::parameters`]; after [`begin`](Self::begin).
+    fn theta(&self) -> &[f64];
+
+    /// Initial state, in the order of [`Simulator::initial`].
+    fn x0(&self) -> &[f64];
+
+    /// How many steps there are to make.
+    fn steps(&self) -> usize;
+
+    /// Inputs that come from outside in a step: those that outputs are measured with.
+    fn input(&self, step: usize) -> &[f64];
+
+    /// Writes the inputs `u` and the forces `f` of a step. `seen` are the outputs at its start, `None` where the
+    /// simulator cannot show them without moving on: those of the step before are then what there is.
+    fn drive(&mut self, step: usize, seen: Option<&[f64]>, u: &mut [f64], f: &mut [f64]);
+
+    /// Takes the outputs of a step, and says whether the run goes on.
+    fn take(&mut self, step: usize, y: &[f64]) -> bool;
+}
+
+/// One lane after the other.
+pub(crate) fn lane_by_lane<S: Simulator + ?Sized>(
+    simulator: &mut S,
+    first: u64,
+    lanes: &mut [Box<dyn Driven + '_>],
+) {
+    let (nu, nf, ny) =
+        (simulator.inputs().len(), simulator.ports().len(), simulator.outputs().len());
+    let (mut u, mut f) = (vec![0.0; nu], vec![0.0; nf]);
+    let (mut seen, mut y) = (vec![0.0; ny], vec![0.0; ny]);
+    for lane in lanes {
+        lane.begin();
+        simulator.start(lane.theta(), lane.x0(), first);
+        for step in 0..lane.steps() {
+            let measures = simulator.measure(lane.input(step), &mut seen);
+            lane.drive(step, measures.then_some(&seen[..]), &mut u, &mut f);
+            simulator.step(&u, &u, &f, &mut y);
+            if !lane.take(step, &y) {
+                break;
+            }
+        }
+        simulator.rest();
+    }
+}

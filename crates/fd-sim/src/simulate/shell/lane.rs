@@ -1,0 +1,87 @@
+//! A run in a shell, beside others.
+
+use super::around::Around;
+use crate::simulate::{Driven, Outcome, Run, run::rows};
+
+/// The equations around one lane of the simulator inside.
+pub(super) struct ShellLane<'r, 'a> {
+    around: Around,
+    run: &'r mut Run<'a>,
+    /// Inputs, row by row; the last row is held.
+    u: &'r [f64],
+    /// Steps of the simulator inside per sample.
+    steps: usize,
+    /// The first of them.
+    begin: u64,
+    /// Outputs between two samples.
+    between: Vec<f64>,
+}
+
+impl<'r, 'a> ShellLane<'r, 'a> {
+    pub(super) fn new(
+        around: &Around,
+        run: &'r mut Run<'a>,
+        u: &'r [f64],
+        steps: usize,
+        begin: u64,
+    ) -> Self {
+        let between = vec![0.0; around.raw.len()];
+        Self { around: around.clone(), run, u, steps, begin, between }
+    }
+
+    fn samples(&self) -> usize {
+        self.run.y.len() / self.between.len().max(1)
+    }
+}
+
+impl Driven for ShellLane<'_, '_> {
+    fn begin(&mut self) {
+        self.around.start(self.run.theta, self.begin);
+        self.run.outcome = Outcome::Complete;
+    }
+
+    fn theta(&self) -> &[f64] {
+        &self.around.theta
+    }
+
+    fn x0(&self) -> &[f64] {
+        self.run.x0
+    }
+
+    fn steps(&self) -> usize {
+        self.samples() * self.steps
+    }
+
+    fn input(&self, step: usize) -> &[f64] {
+        rows(self.u, self.around.seen.len())(step / self.steps)[0]
+    }
+
+    fn drive(&mut self, step: usize, seen: Option<&[f64]>, u: &mut [f64], f: &mut [f64]) {
+        let now = rows(self.u, self.around.seen.len())(step / self.steps)[0];
+        self.around.prepare(now, &[], |raw| {
+            // Without, the outputs of the step before are still there.
+            if let Some(seen) = seen {
+                raw.copy_from_slice(seen);
+            }
+        });
+        u.copy_from_slice(&self.around.seen);
+        f.copy_from_slice(&self.around.pushed);
+    }
+
+    fn take(&mut self, step: usize, y: &[f64]) -> bool {
+        let (sample, ny) = (step / self.steps, self.between.len());
+        let now = rows(self.u, self.around.seen.len())(sample)[0];
+        self.around.raw.copy_from_slice(y);
+        if step.is_multiple_of(self.steps) {
+            let row = &mut self.run.y[sample * ny..(sample + 1) * ny];
+            self.around.conclude(now, row);
+            return self.run.check(sample, ny);
+        }
+        let is_fine = self.around.conclude(now, &mut self.between);
+        // A divergence between two samples shows at the second one.
+        if !is_fine && sample + 1 < self.samples() {
+            self.run.outcome = Outcome::Diverged { sample: sample + 1 };
+        }
+        is_fine
+    }
+}
