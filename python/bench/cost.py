@@ -5,8 +5,8 @@
     python python/bench/cost.py ray --tasks 400
 
 `memory`: resident memory of one process after every tenth diagnosis, which alternate between a model file and an object
-of Python. `steps`: a sample of a run through `fdiag`, less what the object, or `mj_step`, takes by itself. `ray`: tasks that do
-nothing, and how long until all answers are in their files, here and on a cluster of two workers on this machine.
+of Python. `steps`: a sample of a run through `fdiag`, less what the object, or `mj_step`, takes by itself. `ray`: tasks
+that do nothing, and how long until all answers are in their files, in one process and by two workers of Ray.
 """
 
 from __future__ import annotations
@@ -64,7 +64,8 @@ def resident() -> float:
 def memory(diagnoses: int) -> None:
     random = np.random.default_rng(20261124)
     u = np.repeat(random.uniform(-3.0, 3.0, 20), 20)
-    object_log = {"time": 0.01 * np.arange(400), "u": u, "y": lag().simulate(0.9 * u).ravel() + 0.01 * random.standard_normal(400)}
+    shown = lag().simulate(0.9 * u).ravel() + 0.01 * random.standard_normal(400)
+    object_log = {"time": 0.01 * np.arange(400), "u": u, "y": shown}
     print("| diagnoses | resident memory, MiB |\n|---|---|")
     seen = []
     for done in range(diagnoses + 1):
@@ -121,7 +122,8 @@ def steps() -> None:
             print(missing)
             continue
         substeps, count = round(scene.sample_time / model.opt.timestep), 2_000
-        command = np.tile(scene.home(model) if scene.is_servo else np.zeros(len(scene.inputs)), (count, 1))
+        home = scene.home(model) if scene.is_servo else np.zeros(len(scene.inputs))
+        command = np.tile(home, (count, 1))
         data = mujoco.MjData(model)
 
         def bare(factor: float) -> None:
@@ -132,8 +134,10 @@ def steps() -> None:
             data.ctrl[:] = factor * (command[0] + 1e-3)
             mujoco.mj_step(model, data, substeps * count)
 
-        through, itself = per_step(lambda factor: simulator.simulate(factor * (command + 1e-3)), count), per_step(bare, count)
-        print(f"| {scene.name}, a sample of {substeps} `mj_step` | {through:.2f} | {itself:.2f} | {through - itself:.2f} |", flush=True)
+        through = per_step(lambda factor: simulator.simulate(factor * (command + 1e-3)), count)
+        itself = per_step(bare, count)
+        what = f"{scene.name}, a sample of {substeps} `mj_step`"
+        print(f"| {what} | {through:.2f} | {itself:.2f} | {through - itself:.2f} |", flush=True)
 
 
 def nothing(x: int) -> int:
@@ -154,7 +158,8 @@ def tasks(count: int) -> None:
     asked = {f"job {i}": {"x": i} for i in range(count)}
     begun = time.perf_counter()
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
-    print(f"Start of Ray: {time.perf_counter() - begun:.1f} s.\n\n| task | where | tasks | s | ms per task |\n|---|---|---|---|---|")
+    print(f"Start of Ray: {time.perf_counter() - begun:.1f} s.\n")
+    print("| task | where | tasks | s | ms per task |\n|---|---|---|---|---|")
     for function, many in ((nothing, count), (busy, count // 10)):
         some = dict(list(asked.items())[:many])
         for where, run in (("one process", jobs.run), ("Ray, two workers", fdiag.ray.map)):
@@ -163,7 +168,8 @@ def tasks(count: int) -> None:
                 found = run(function, some, folder=folder)
                 seconds = time.perf_counter() - begun
             assert all(outcome.is_ok for outcome in found)
-            print(f"| {function.__name__} | {where} | {many} | {seconds:.2f} | {1e3 * seconds / many:.1f} |", flush=True)
+            figures = f"{many} | {seconds:.2f} | {1e3 * seconds / many:.1f}"
+            print(f"| {function.__name__} | {where} | {figures} |", flush=True)
     ray.shutdown()
 
 

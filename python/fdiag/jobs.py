@@ -41,8 +41,8 @@ class Outcome:
     seed: int
     """The seed that follows from its name."""
     result: Any
-    """What the function returned, as JSON has it: for a diagnosis the report, as `Result.to_dict()` without its `timing`.
-    `None` after an error."""
+    """What the function returned, as JSON has it: for a diagnosis the report, as `Result.to_dict()` without its
+    `timing`. `None` after an error."""
     error: str | None
     """Kind and text of the exception that the function raised; of a job whose worker was lost, too."""
     seconds: float

@@ -1,8 +1,9 @@
-"""Many diagnoses on a cluster, by Ray (`pip install ray`). Not needed for what one machine does in an hour: `fdiag.jobs.run`
-gives the same answers without it.
+"""Many diagnoses on a cluster, by Ray (`pip install ray`). Not needed for what one machine does in an hour:
+`fdiag.jobs.run` gives the same answers without it.
 
->>> import fdiag.ray                                                                  # doctest: +SKIP
->>> found = fdiag.ray.map(fdiag.gap, {car: {"model": "car.toml", "log": f"{car}.csv"} for car in cars}, folder="out")  # doctest: +SKIP
+>>> import fdiag.ray  # doctest: +SKIP
+>>> cars = {car: {"model": "car.toml", "log": f"{car}.csv"} for car in ("red", "blue")}  # doctest: +SKIP
+>>> found = fdiag.ray.map(fdiag.gap, cars, folder="out")  # doctest: +SKIP
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ def map(
     cpus: float = 1.0,
     retries: int = 3,
 ) -> list[Outcome]:
-    """Calls a function once per job, as tasks of Ray, and returns the outcomes in the order of the jobs. They are those of
-    `fdiag.jobs.run`, to the bit.
+    """Calls a function once per job, as tasks of Ray, and returns the outcomes in the order of the jobs. They are those
+    of `fdiag.jobs.run`, to the bit.
 
     A task whose worker or node is lost is run again, up to `retries` times; then its outcome says so, and it has no
     file. Nothing else is lost with it. Files are written where this is called, when an answer arrives: workers need no
