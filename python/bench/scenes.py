@@ -1,11 +1,13 @@
-"""How often the cause of a gap of a MuJoCo scene is named, on cases whose truth is made by another path than the effects.
+"""How often the cause of a gap of a MuJoCo scene is named; the truth is made by another path than the effects.
 
-    python python/bench/scenes.py --seed 20261123 --cases 20
+    python python/bench/scenes.py run --seed 20261123 --cases 20 --scene arm --out rows.jsonl
+    python python/bench/scenes.py baselines --seed 20261123 --cases 20 --scene arm --out fits.jsonl
+    python python/bench/scenes.py table rows.jsonl fits.jsonl
 
-A case is a scene with one withheld change: the scene itself is edited (MjSpec), the command on its way to the actuators is
-changed by a function, or what the sensors show is. The log of it comes from a loop of its own around `mj_step`, with
-parameters that are off within their tolerances and white noise. Nothing of `fdiag` is in that path. Case, size, place and
-excitation are drawn from the seed; nothing was tuned on the seed that is reported.
+A case is a scene (`robots.py`) with one withheld change (`withheld.py`), parameters that are off within their
+tolerances and white noise. Nothing of `fdiag` is in that path. Kinds of change take turns; size, place and excitation
+are drawn from the seed; nothing was tuned on the seed that is reported. Cases that are in the file already are not run
+again. The baselines (`baselines.py`) fit parameters to the same logs.
 """
 
 from __future__ import annotations
@@ -14,226 +16,17 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 
+import baselines
 import fdiag
+from robots import SCENES, Scene
+from withheld import Truth, draw, real
 
-Rng = np.random.Generator
-Array = np.ndarray
-
-PENDULUM = """
-<mujoco model="pendulum">
-  <option timestep="0.01" integrator="implicitfast"/>
-  <worldbody>
-    <body name="rod">
-      <joint name="pivot" axis="0 1 0" damping=".08" armature=".01"/>
-      <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".02" mass="1"/>
-    </body>
-  </worldbody>
-  <actuator><motor name="torque" joint="pivot"/></actuator>
-  <sensor><jointpos name="at_pivot" joint="pivot"/><jointvel name="rate_pivot" joint="pivot"/></sensor>
-</mujoco>
-"""
-ARM = """
-<mujoco model="arm">
-  <option timestep="0.01" integrator="implicitfast"/>
-  <worldbody>
-    <body name="link1">
-      <joint name="q1" axis="0 1 0" damping=".3" armature=".02"/>
-      <geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03" mass="1.2"/>
-      <body name="link2" pos="0 0 -.4">
-        <joint name="q2" axis="0 1 0" damping=".15" armature=".01"/>
-        <geom type="capsule" fromto="0 0 0 0 0 -.35" size=".025" mass=".8"/>
-      </body>
-    </body>
-  </worldbody>
-  <actuator><motor name="u1" joint="q1"/><motor name="u2" joint="q2"/></actuator>
-  <sensor>
-    <jointpos name="at_q1" joint="q1"/><jointpos name="at_q2" joint="q2"/>
-    <jointvel name="rate_q1" joint="q1"/><jointvel name="rate_q2" joint="q2"/>
-  </sensor>
-</mujoco>
-"""
-
-
-@dataclass(frozen=True)
-class Scene:
-    name: str
-    text: str
-    joints: tuple[str, ...]
-    inputs: tuple[str, ...]
-    amplitude: tuple[float, ...]
-    uncertain: dict[str, float]
-    noise: tuple[float, float] = (0.002, 0.01)
-    samples: int = 600
-
-    @property
-    def outputs(self) -> dict[str, fdiag.Output]:
-        of_joint = [(f"at_{j}", fdiag.Output("rad", self.noise[0])) for j in self.joints]
-        rates = [(f"rate_{j}", fdiag.Output("rad/s", self.noise[1])) for j in self.joints]
-        return dict(of_joint + rates)
-
-    def simulator(self) -> fdiag.MuJoCo:
-        return fdiag.MuJoCo(self.text, list(self.inputs), self.outputs, self.uncertain, ports="all")
-
-
-SCENES = (
-    Scene("pendulum", PENDULUM, ("pivot",), ("torque",), (1.5,), {"joint/pivot.damping": 0.1, "body/rod.mass": 0.02}),
-    Scene(
-        "arm",
-        ARM,
-        ("q1", "q2"),
-        ("u1", "u2"),
-        (4.0, 1.5),
-        {"joint/q1.damping": 0.1, "joint/q2.damping": 0.1, "body/link1.mass": 0.02, "body/link2.mass": 0.02},
-    ),
-)
-
-
-@dataclass
-class Truth:
-    """A withheld change: what is right, and how the real system differs."""
-
-    names: set[str]
-    edit: Callable[[Any], None] = lambda spec: None
-    command: Callable[[Array], Array] = lambda u: u
-    shown: Callable[[Array], Array] = lambda y: y
-    size: dict[str, float] = field(default_factory=dict)
-
-
-def joint_edit(joint: str, **values: float) -> Callable[[Any], None]:
-    def edit(spec: Any) -> None:
-        for name, value in values.items():
-            old = getattr(spec.joint(joint), name)
-            if np.ndim(old):
-                new = np.array(old, float)
-                new[0] += value
-                setattr(spec.joint(joint), name, new)
-            else:
-                setattr(spec.joint(joint), name, old + value)
-
-    return edit
-
-
-def draw(scene: Scene, kind: str, random: Rng) -> Truth:
-    """One change of a kind, at a place by chance."""
-    i = int(random.integers(len(scene.joints)))
-    joint, name, amplitude = scene.joints[i], scene.inputs[i], scene.amplitude[i]
-    inertia = mujoco.MjModel.from_xml_string(scene.text).dof_M0[i]
-    much = float(random.uniform(1.0, 2.0))
-    if kind == "nothing":
-        return Truth(set())
-    if kind == "friction":
-        size = 0.06 * amplitude * much
-        return Truth({f"coulomb-friction@{joint}"}, edit=joint_edit(joint, frictionloss=size), size={"f": size})
-    if kind == "damping":
-        # Far beyond the 10 % of the parameter: an error of it, and friction there, are the same.
-        size = 0.25 * much * (0.08 if scene.name == "pendulum" else (0.3, 0.15)[i]) * 2
-        names = {f"viscous-friction@{joint}", f"parameter-error@joint_{joint}_damping"}
-        return Truth(names, edit=joint_edit(joint, damping=size), size={"c": size})
-    if kind == "armature":
-        size = 0.25 * much * float(inertia)
-        return Truth({f"armature@{joint}"}, edit=joint_edit(joint, armature=size), size={"I": size})
-    if kind == "spring":
-        size = 0.5 * amplitude * much
-        return Truth({f"linear-stiffness@{joint}"}, edit=joint_edit(joint, stiffness=size), size={"k": size})
-    if kind == "gain":
-        factor = 1.0 - 0.12 * much
-
-        def weaken(spec: Any) -> None:
-            spec.actuator(name).gear = np.array(spec.actuator(name).gear) * factor
-
-        return Truth({f"input-gain@{name}"}, edit=weaken, size={"e": factor - 1.0})
-    if kind == "delay":
-        late = int(random.integers(2, 5))
-
-        def delay(u: Array) -> Array:
-            u = u.copy()
-            u[late:, i] = u[:-late, i].copy()
-            u[:late, i] = 0.0
-            return u
-
-        return Truth({f"input-delay@{name}"}, command=delay, size={"T": 0.01 * late})
-    if kind == "dead-zone":
-        size = 0.1 * amplitude * much
-
-        def dead(u: Array) -> Array:
-            u = u.copy()
-            u[:, i] -= np.clip(u[:, i], -size, size)
-            return u
-
-        return Truth({f"input-dead-zone@{name}"}, command=dead, size={"w": size})
-    if kind == "bias":
-        size = 0.02 * much
-
-        def bias(y: Array) -> Array:
-            y = y.copy()
-            y[:, i] += size
-            return y
-
-        return Truth({f"sensor-bias@at_{joint}"}, shown=bias, size={"b": size})
-    if kind == "slow-sensor":
-        late = int(random.integers(2, 5))
-
-        def slow(y: Array) -> Array:
-            y = y.copy()
-            y[late:, i] = y[:-late, i].copy()
-            return y
-
-        return Truth({f"sensor-delay@at_{joint}"}, shown=slow, size={"T": 0.01 * late})
-    raise ValueError(kind)
-
-
-KINDS = (
-    "nothing", "friction", "damping", "armature", "spring", "gain", "delay", "dead-zone", "bias", "slow-sensor"
-)
-
-
-def excitation(scene: Scene, random: Rng, samples: int) -> Array:
-    """Steps of random height, held for 10 to 40 samples."""
-    u = np.empty((samples, len(scene.inputs)))
-    for i, amplitude in enumerate(scene.amplitude):
-        values: list[float] = []
-        while len(values) < samples:
-            values += [float(random.uniform(-amplitude, amplitude))] * int(random.integers(10, 41))
-        u[:, i] = values[:samples]
-    # From rest.
-    u[:10] = 0.0
-    return u
-
-
-def real(scene: Scene, truth: Truth, random: Rng) -> dict[str, Array]:
-    """A log of the real system."""
-    spec = mujoco.MjSpec.from_string(scene.text)
-    for path, tolerance in scene.uncertain.items():
-        factor = 1.0 + float(random.uniform(-0.5, 0.5)) * tolerance
-        kind, _, rest = path.partition("/")
-        name, _, what = rest.rpartition(".")
-        if kind == "joint":
-            joint_edit(name, **{what: (factor - 1.0) * float(np.ravel(getattr(spec.joint(name), what))[0])})(spec)
-        else:
-            for geom in spec.body(name).geoms:
-                geom.mass *= factor
-    truth.edit(spec)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    u = excitation(scene, random, scene.samples)
-    sent = truth.command(u)
-    n = len(scene.joints)
-    y = np.empty((scene.samples, 2 * n))
-    for k in range(scene.samples):
-        y[k, :n], y[k, n:] = data.qpos[:n], data.qvel[:n]
-        data.ctrl[:] = sent[k]
-        mujoco.mj_step(model, data)
-    y = truth.shown(y) + random.standard_normal(y.shape) * np.repeat(scene.noise, n)
-    named = {name: u[:, i] for i, name in enumerate(scene.inputs)}
-    shown = {name: y[:, i] for i, name in enumerate(scene.outputs)}
-    return {"time": np.arange(scene.samples) * model.opt.timestep, **named, **shown}
+Row = dict[str, Any]
 
 
 def judged(truth: Truth, result: fdiag.Result) -> str:
@@ -251,63 +44,146 @@ def judged(truth: Truth, result: fdiag.Result) -> str:
     return "wrong" if result.verdict == "no-gap" else "open"
 
 
-def main() -> None:
-    asked = argparse.ArgumentParser(description=__doc__)
-    asked.add_argument("--seed", type=int, required=True)
-    asked.add_argument("--cases", type=int, default=20, help="cases per scene")
-    asked.add_argument("--scene", choices=[scene.name for scene in SCENES], help="that one only")
-    asked.add_argument("--native", choices=("all", "none"), default="all")
-    arguments = asked.parse_args()
-    rows = []
+def diagnosed(scene: Scene, truth: Truth, log: dict[str, Any], native: str | None, budget: str | None) -> Row:
+    """What `fdiag` says of a case, and what it is worth on the last third of the log."""
+    begun = time.perf_counter()
+    result = fdiag.gap(scene.simulator(native), log, budget=budget, seed=1)
+    seconds = time.perf_counter() - begun
+    first = result.causes[0] if result.causes else None
+    return {
+        "verdict": result.verdict,
+        "first": first.name if first else None,
+        "law": first.law if first else None,
+        "p": first.probability if first else None,
+        "gap": first.gap if first else None,
+        "judged": judged(truth, result),
+        "held": held_out(scene, log, result),
+        "runs": result.work.made if result.work else None,
+        "steps": result.work.steps / scene.samples if result.work else None,
+        "seconds": seconds,
+        "foretold": result.foretold,
+    }
+
+
+def held_out(scene: Scene, log: dict[str, Any], result: fdiag.Result) -> float | None:
+    """What the patched simulator leaves of the last third in a run from the start of the log, in standard deviations
+    of the noise."""
+    u = np.column_stack([log[name] for name in scene.inputs])
+    y = np.column_stack([log[name] for name in scene.outputs])
+    try:
+        left = (result.patched().simulate(u) - y) / np.array([output.noise for output in scene.outputs.values()])
+    except fdiag.Error:
+        return None
+    return float(np.sqrt(np.mean(left[2 * len(left) // 3 :] ** 2)))
+
+
+def cases(arguments: argparse.Namespace) -> Any:
+    """Those that are asked for and not yet in the file."""
+    out = Path(arguments.out)
+    done = {(r["scene"], r["case"], r["seed"]) for r in rows_of([out])} if out.exists() else set()
     for number, scene in enumerate(SCENES):
-        if arguments.scene not in (None, scene.name):
+        if scene.name not in arguments.scene:
             continue
-        for case in range(arguments.cases):
+        for case in range(arguments.first, arguments.first + arguments.cases):
+            if (scene.name, case, arguments.seed) in done:
+                continue
             random = np.random.default_rng([arguments.seed, number, case])
-            kind = KINDS[case % len(KINDS)]
+            kind = scene.kinds[case % len(scene.kinds)]
             truth = draw(scene, kind, random)
             log = real(scene, truth, random)
-            simulator = scene.simulator() if arguments.native == "all" else fdiag.MuJoCo(
-                scene.text, list(scene.inputs), scene.outputs, scene.uncertain, ports="all", native=None
-            )
-            begun = time.perf_counter()
-            result = fdiag.gap(simulator, log)
-            seconds = time.perf_counter() - begun
-            first = result.causes[0] if result.causes else None
-            row = {
-                "scene": scene.name,
-                "kind": kind,
-                "truth": sorted(truth.names),
-                "size": truth.size,
-                "verdict": result.verdict,
-                "first": first.name if first else None,
-                "law": first.law if first else None,
-                "p": first.probability if first else None,
-                "gap": first.gap if first else None,
-                "judged": judged(truth, result),
-                "runs": result.work.made if result.work else None,
-                "steps": result.work.steps / scene.samples if result.work else None,
-                "seconds": seconds,
-                "foretold": result.foretold,
-            }
-            rows.append(row)
-            print(json.dumps(row), file=sys.stderr, flush=True)
-    table(rows)
+            about = {"scene": scene.name, "case": case, "seed": arguments.seed, "kind": kind}
+            yield scene, truth, log, {**about, "truth": sorted(truth.names), "size": truth.size}
 
 
-def table(rows: list[dict[str, Any]]) -> None:
-    print("| scene | kind | cases | right | right, tied | half of a pair | open | wrong | runs' worth of steps, median | s, median |")
+def rows_of(files: list[Path]) -> list[Row]:
+    return [json.loads(line) for file in files for line in file.read_text().splitlines() if line.strip()]
+
+
+def wilson(right: int, of: int) -> tuple[float, float]:
+    """The 95 % interval of a proportion (Wilson 1927)."""
+    z, n = 1.96, max(of, 1)
+    middle, spread = right / n + z * z / (2 * n), z * np.sqrt(right / n * (1 - right / n) / n + z * z / (4 * n * n))
+    return max(0.0, float((middle - spread) / (1 + z * z / n))), min(1.0, float((middle + spread) / (1 + z * z / n)))
+
+
+def proportion(right: int, of: int) -> str:
+    low, high = wilson(right, of)
+    return f"{right} of {of} ({low:.2f} to {high:.2f})"
+
+
+def table(rows: list[Row]) -> None:
+    words = ("right", "tied", "half", "open", "wrong")
+    heads = ["scene", "kind", "cases", *words[:2], "half of a pair", *words[3:]]
+    heads += ["runs' worth of steps, median", "s, median"]
+    print(f"| {' | '.join(heads)} |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     keys = list(dict.fromkeys((row["scene"], row["kind"]) for row in rows))
     for scene in dict.fromkeys(row["scene"] for row in rows):
         for kind in [k for s, k in keys if s == scene] + ["all"]:
             of = [r for r in rows if r["scene"] == scene and kind in (r["kind"], "all")]
-            counts = [sum(r["judged"] == word for r in of) for word in ("right", "tied", "half", "open", "wrong")]
-            middle = [np.median([r[key] for r in of]) for key in ("steps", "seconds")]
-            print(f"| {scene} | {kind} | {len(of)} | {' | '.join(map(str, counts))} | {middle[0]:.0f} | {middle[1]:.1f} |")
+            counts = [sum(r["judged"] == word for r in of) for word in words]
+            middle = [np.median([r[key] or np.nan for r in of]) for key in ("steps", "seconds")]
+            cells = [scene, kind, len(of), *counts, f"{middle[0]:.0f}", f"{middle[1]:.1f}"]
+            print(f"| {' | '.join(map(str, cells))} |")
+    print(f"\nRight: {proportion(sum(r['judged'] == 'right' for r in rows), len(rows))}.")
     sure = [r for r in rows if r["verdict"] == "cause" and r["p"] > 0.9]
     right = sum(r["judged"] == "right" for r in sure)
-    print(f"\nOf {len(sure)} causes named with p > .9 {right} are right.")
+    print(f"Causes named with p > .9 that are right: {proportion(right, len(sure))}.")
+    false = [r for r in rows if r["kind"] == "nothing"]
+    print(f"A cause where nothing is changed: {proportion(sum(r['verdict'] == 'cause' for r in false), len(false))}.")
+
+
+def compared(rows: list[Row], fits: list[Row]) -> None:
+    """The diagnosis beside fits of parameters, on the cases that have both."""
+    both = {(r["scene"], r["case"], r["seed"]): r for r in rows}
+    heads = ["scene", "method", "named, where a number of the scene can express it"]
+    print(f"\n| {' | '.join([*heads, 'held-out error, median', '90th percentile', 'runs, median'])} |")
+    print("|---|---|---|---|---|---|")
+    for scene in dict.fromkeys(f["scene"] for f in fits):
+        of = [(both[k], f) for f in fits if f["scene"] == scene and (k := (f["scene"], f["case"], f["seed"])) in both]
+        for method in ("fdiag", *baselines.METHODS):
+            part = [(r, r if method == "fdiag" else f["fits"].get(method)) for r, f in of]
+            part = [(r, g) for r, g in part if g is not None]
+            if not part:
+                continue
+            asked = [(r, g) for r, g in part if r["kind"] in baselines.EXPRESSED]
+            named = sum(g["judged"] == "right" for r, g in asked)
+            held = [np.inf if g["held"] is None else g["held"] for _, g in part]
+            runs = np.median([g["steps"] if method == "fdiag" else g["runs"] for _, g in part])
+            error = [f"{np.quantile(held, q, method='nearest'):.2f}" for q in (0.5, 0.9)]
+            print(f"| {scene} | {method} | {proportion(named, len(asked))} | {error[0]} | {error[1]} | {runs:.0f} |")
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("what", choices=("run", "baselines", "table"))
+    asked.add_argument("files", nargs="*", type=Path, help="for `table`: what the others wrote")
+    asked.add_argument("--seed", type=int)
+    asked.add_argument("--cases", type=int, default=20, help="cases per scene")
+    asked.add_argument("--first", type=int, default=0, help="the number of the first of them")
+    asked.add_argument("--scene", nargs="*", choices=[scene.name for scene in SCENES], default=[s.name for s in SCENES])
+    asked.add_argument("--native", choices=("all", "none"), default="all")
+    asked.add_argument("--budget", help="as `fdiag.gap` takes it")
+    asked.add_argument("--evaluations", type=int, default=2000, help="runs that a baseline may make")
+    asked.add_argument("--out", help="a file of one line of JSON per case")
+    arguments = asked.parse_args()
+    if arguments.what == "table":
+        rows = rows_of(arguments.files)
+        table([row for row in rows if "fits" not in row])
+        compared([row for row in rows if "fits" not in row], [row for row in rows if "fits" in row])
+        return
+    if arguments.seed is None or arguments.out is None:
+        asked.error("--seed and --out are needed")
+    native = None if arguments.native == "none" else "all"
+    for scene, truth, log, about in cases(arguments):
+        if arguments.what == "run":
+            row = {**about, **diagnosed(scene, truth, log, native, arguments.budget)}
+        else:
+            row = {**about, "fits": baselines.fitted(scene, truth, log, arguments.evaluations, arguments.seed)}
+        line = json.dumps(row)
+        print(line, file=sys.stderr, flush=True)
+        with open(arguments.out, "a") as file:
+            file.write(line + "\n")
 
 
 if __name__ == "__main__":

@@ -146,19 +146,23 @@ impl Effect for Native {
         let sketch =
             Sketch::of_native(self, NATIVE, nominal, scales, self.site.clone(), &self.definition);
         let [low, high] = self.reach();
+        let is_stated = parameter.bounds.is_some();
         let sketch = match self.twin(nominal, scales).filter(|_| !is_reciprocal) {
             Some(twin) => {
                 let (scale, prefix) = (twin.scale, format!("{}_", sketch.prefix()));
                 let name = twin.name.strip_prefix(&prefix).unwrap_or(&twin.name).to_owned();
                 // Where the simulator has some of it already, there may be less.
                 let least = twin.low.min(-twin.high);
-                let bounds = [low.max(least) / scale, high.min(twin.high) / scale];
-                sketch.strength("c", &name, twin.unit, scale, bounds).starts([
-                    [0.05],
-                    [0.4],
-                    [-0.05],
-                    [-0.3],
-                ])
+                // What the simulator states has the last word. The library's range comes from the replay, and a
+                // nominal simulator that turns over and over has no idea of the spring that would hold it.
+                let range =
+                    if is_stated { [low, high] } else { [low.max(least), high.min(twin.high)] };
+                let [low, high] = range.map(|end| end / scale);
+                let mut starts = vec![[0.05], [0.4], [-0.05], [-0.3]];
+                let beyond = [0.2, 1.0].map(|share| share * size / scale);
+                let is_new = |start: &f64| twin.high / scale < *start && *start < high;
+                starts.extend(beyond.into_iter().filter(is_new).map(|start| [start]));
+                sketch.strength("c", &name, twin.unit, scale, [low, high]).starts(starts)
             }
             None if *is_reciprocal => {
                 let bounds = [low.max(0.0) / size, high / size];

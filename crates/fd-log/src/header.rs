@@ -16,7 +16,8 @@ pub struct HeaderColumn {
 }
 
 impl HeaderColumn {
-    /// Splits `T_7 [K]` and `T_7 (K)` into name and unit.
+    /// Splits `T_7 [K]` and `T_7 (K)` into name and unit. A whole number in square brackets right behind a name is
+    /// an index, and part of the name: `gyro[0]`. As a unit, 1 stands apart: `duty [1]`.
     ///
     /// ```
     /// let column = fd_log::HeaderColumn::parse("T_7 [K]");
@@ -27,6 +28,11 @@ impl HeaderColumn {
         let text = text.trim();
         let split = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
             let (name, unit) = text.strip_suffix(close)?.rsplit_once(open)?;
+            let is_index =
+                open == '[' && !unit.is_empty() && unit.bytes().all(|c| c.is_ascii_digit());
+            if is_index && !name.ends_with(char::is_whitespace) {
+                return None;
+            }
             let name = name.trim();
             (!name.is_empty()).then(|| (name.to_owned(), unit.trim().to_owned()))
         });
@@ -80,6 +86,10 @@ mod tests {
         assert_eq!(parts("T_7 [K]"), ("T_7".to_owned(), some("K")));
         assert_eq!(parts(" P 6(kPa) "), ("P 6".to_owned(), some("kPa")));
         assert_eq!(parts("x[0] [m]"), ("x[0]".to_owned(), some("m")));
+        assert_eq!(parts("gyro[0]"), ("gyro[0]".to_owned(), None));
+        assert_eq!(parts("gyro[12] [rad/s]"), ("gyro[12]".to_owned(), some("rad/s")));
+        assert_eq!(parts("duty [1]"), ("duty".to_owned(), some("1")));
+        assert_eq!(parts("duty[-]"), ("duty".to_owned(), some("-")));
         assert_eq!(parts("wf"), ("wf".to_owned(), None));
         assert_eq!(parts("[K]"), ("[K]".to_owned(), None));
     }

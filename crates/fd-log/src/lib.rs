@@ -13,6 +13,8 @@
 //! | `npz` | arrays of numpy |
 //! | `mcap` | recordings of ROS 2 |
 //! | `ulog` | flight logs of PX4 |
+//! | `hdf5` | HDF5, and MAT-files of version 7.3 |
+//! | `mat` | MAT-files of version 5 |
 //! | `parquet` | Parquet, and datasets of `LeRobot` |
 //!
 //! A format is one source file that produces a [`LogSource`] or a [`Recording`], and an entry in the list of

@@ -66,6 +66,18 @@ impl Topic {
 }
 
 impl Recording {
+    /// Adds columns that have no clock of their own: those with equally many rows are one table.
+    #[allow(dead_code, reason = "each format that has such columns is a feature")]
+    pub(crate) fn add_table(&mut self, table: Topic) {
+        match self.topics.iter_mut().find(|known| known.rows() == table.rows()) {
+            Some(known) => {
+                known.columns.extend(table.columns);
+                known.values.extend(table.values);
+            }
+            None => self.topics.push(table),
+        }
+    }
+
     /// The columns that a map asks for, on one time base.
     ///
     /// When all of them come from one topic, its own clock is the time base. When they come from several, the map

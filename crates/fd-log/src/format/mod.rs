@@ -1,6 +1,10 @@
 //! The formats that can be read: one list, from the name and the first bytes of a file to a source.
 
 mod csv;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+#[cfg(feature = "mat")]
+mod mat;
 #[cfg(feature = "mcap")]
 mod mcap;
 #[cfg(any(feature = "mcap", feature = "ulog"))]
@@ -8,6 +12,8 @@ mod message;
 mod ndjson;
 #[cfg(feature = "npz")]
 mod npz;
+#[cfg(any(feature = "npz", feature = "hdf5", feature = "mat"))]
+mod number;
 #[cfg(feature = "packed")]
 mod packed;
 #[cfg(feature = "parquet")]
@@ -137,6 +143,33 @@ pub const FORMATS: &[LogFormat] = &[
         read: Reading::Columns(mcap::read),
         #[cfg(not(feature = "mcap"))]
         read: Reading::NotBuilt("mcap"),
+    },
+    LogFormat {
+        name: "MAT 7.3",
+        extensions: &[],
+        magic: &[b"MATLAB 7.3 MAT"],
+        #[cfg(feature = "hdf5")]
+        read: Reading::Columns(hdf5::read_matlab),
+        #[cfg(not(feature = "hdf5"))]
+        read: Reading::NotBuilt("hdf5"),
+    },
+    LogFormat {
+        name: "HDF5",
+        extensions: &["h5", "hdf5", "hdf", "nc"],
+        magic: &[b"\x89HDF\r\n\x1a\n"],
+        #[cfg(feature = "hdf5")]
+        read: Reading::Columns(hdf5::read),
+        #[cfg(not(feature = "hdf5"))]
+        read: Reading::NotBuilt("hdf5"),
+    },
+    LogFormat {
+        name: "MAT",
+        extensions: &["mat"],
+        magic: &[b"MATLAB 5.0 MAT"],
+        #[cfg(feature = "mat")]
+        read: Reading::Columns(mat::read),
+        #[cfg(not(feature = "mat"))]
+        read: Reading::NotBuilt("mat"),
     },
     LogFormat {
         name: "ULog",

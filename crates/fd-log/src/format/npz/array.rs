@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use super::{literal::Literal, number::Number};
+use super::{super::number::Number, literal::Literal};
 use crate::{error::LogError, header::HeaderColumn, limit::Budget, recording::Topic};
 
 /// First bytes.

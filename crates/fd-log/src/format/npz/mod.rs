@@ -8,7 +8,6 @@
 
 mod array;
 mod literal;
-mod number;
 
 use std::{fs::File, io::Read};
 
@@ -90,13 +89,7 @@ fn add(
 ) -> Result<(), LogError> {
     match read {
         Ok(topic) => {
-            match recording.topics.iter_mut().find(|table| table.rows() == topic.rows()) {
-                Some(table) => {
-                    table.columns.extend(topic.columns);
-                    table.values.extend(topic.values);
-                }
-                None => recording.topics.push(topic),
-            }
+            recording.add_table(topic);
             Ok(())
         }
         Err(NoArray::Unfit(what)) => {

@@ -1,4 +1,4 @@
-//! Types of the numbers in arrays, and their values as `f64`.
+//! Types of the numbers in arrays, by the names that numpy gives them, and their values as `f64`.
 
 /// How one number is stored.
 #[derive(Clone, Copy, Debug, PartialEq)]

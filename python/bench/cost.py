@@ -1,0 +1,191 @@
+"""What the Python side costs, in processor time, so that other work on the machine counts little.
+
+    python python/bench/cost.py memory --diagnoses 100
+    python python/bench/cost.py steps
+    python python/bench/cost.py ray --tasks 400
+
+`memory`: resident memory of one process after every tenth diagnosis, which alternate between a model file and an object
+of Python. `steps`: a sample of a run through `fdiag`, less what the object, or `mj_step`, takes by itself. `ray`: tasks
+that do nothing, and how long until all answers are in their files, in one process and by two workers of Ray.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import fdiag
+import fdiag.ray
+from fdiag import jobs
+
+QUICK = Path(__file__).resolve().parents[2] / "examples" / "gap" / "quick-start"
+FEW = ["coulomb-friction", "viscous-friction", "input-delay", "input-gain"]
+
+
+class Lag:
+    """As little as an object can do: one state, no port that matters."""
+
+    def reset(self, parameters: dict[str, float], x0: dict[str, float]) -> None:
+        self.x = 0.0
+
+    def measure(self, u: np.ndarray) -> float:
+        return self.x
+
+    def step(self, u: np.ndarray, f: np.ndarray) -> float:
+        shown = self.x
+        self.x += 0.1 * (u[0] + f[0] - shown)
+        return shown
+
+
+def lag() -> fdiag.Steps:
+    return fdiag.Steps(
+        Lag,
+        sample_time=0.01,
+        inputs={"u": "N"},
+        outputs={"y": {"unit": "m/s", "noise": 0.01}},
+        ports={"rail": {"unit": "N", "velocity": "y"}},
+    )
+
+
+def resident() -> float:
+    """MiB."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+def memory(diagnoses: int) -> None:
+    random = np.random.default_rng(20261124)
+    u = np.repeat(random.uniform(-3.0, 3.0, 20), 20)
+    shown = lag().simulate(0.9 * u).ravel() + 0.01 * random.standard_normal(400)
+    object_log = {"time": 0.01 * np.arange(400), "u": u, "y": shown}
+    print("| diagnoses | resident memory, MiB |\n|---|---|")
+    seen = []
+    for done in range(diagnoses + 1):
+        if done % 10 == 0:
+            gc.collect()
+            seen.append(resident())
+            print(f"| {done} | {seen[-1]:.1f} |", flush=True)
+        if done == diagnoses:
+            break
+        if done % 2:
+            fdiag.gap(lag(), object_log, only=FEW, most=1)
+        else:
+            fdiag.gap(str(QUICK / "model.toml"), str(QUICK / "monday.csv"), only=FEW, most=1)
+    half = len(seen) // 2
+    slope = np.polyfit(10.0 * np.arange(len(seen) - half), seen[half:], 1)[0]
+    print(f"\nSlope over the second half: {1024 * slope:.1f} KiB per diagnosis.")
+
+
+def per_step(call: Callable[[float], object], steps: int, repeats: int = 9) -> float:
+    """Microseconds of processor time, the median of several. Every call is another run: one that was made before is
+    remembered."""
+    call(1.0)
+    found = []
+    for repeat in range(1, repeats + 1):
+        begun = time.process_time()
+        call(1.0 + 1e-9 * repeat)
+        found.append((time.process_time() - begun) / steps * 1e6)
+    return statistics.median(found)
+
+
+def steps() -> None:
+    n = 20_000
+    u = np.sin(0.01 * np.arange(n))
+    row, force, own, simulator = u[:, None], np.zeros(1), Lag(), lag()
+
+    def alone(factor: float) -> None:
+        own.reset({}, {})
+        for k in range(n):
+            own.step(row[k], force)
+
+    print("| simulator | through fdiag, us | by itself, us | overhead, us |\n|---|---|---|---|")
+    through, itself = per_step(lambda factor: simulator.simulate(factor * u), n), per_step(alone, n)
+    print(f"| a Python object of one state | {through:.2f} | {itself:.2f} | {through - itself:.2f} |")
+    try:
+        import mujoco
+        from robots import SCENES
+    except ImportError:
+        print("mujoco is not installed")
+        return
+    for scene in SCENES:
+        try:
+            simulator, model = scene.simulator(), scene.spec().compile()
+        except SystemExit as missing:
+            print(missing)
+            continue
+        substeps, count = round(scene.sample_time / model.opt.timestep), 2_000
+        home = scene.home(model) if scene.is_servo else np.zeros(len(scene.inputs))
+        command = np.tile(home, (count, 1))
+        data = mujoco.MjData(model)
+
+        def bare(factor: float) -> None:
+            if scene.keyframe is None:
+                mujoco.mj_resetData(model, data)
+            else:
+                mujoco.mj_resetDataKeyframe(model, data, model.key(scene.keyframe).id)
+            data.ctrl[:] = factor * (command[0] + 1e-3)
+            mujoco.mj_step(model, data, substeps * count)
+
+        through = per_step(lambda factor: simulator.simulate(factor * (command + 1e-3)), count)
+        itself = per_step(bare, count)
+        what = f"{scene.name}, a sample of {substeps} `mj_step`"
+        print(f"| {what} | {through:.2f} | {itself:.2f} | {through - itself:.2f} |", flush=True)
+
+
+def nothing(x: int) -> int:
+    return x
+
+
+def busy(x: int) -> float:
+    """A tenth of a second of processor time."""
+    end, total = time.process_time() + 0.1, 0.0
+    while time.process_time() < end:
+        total += float(np.sin(x))
+    return total
+
+
+def tasks(count: int) -> None:
+    import ray
+
+    asked = {f"job {i}": {"x": i} for i in range(count)}
+    begun = time.perf_counter()
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    print(f"Start of Ray: {time.perf_counter() - begun:.1f} s.\n")
+    print("| task | where | tasks | s | ms per task |\n|---|---|---|---|---|")
+    for function, many in ((nothing, count), (busy, count // 10)):
+        some = dict(list(asked.items())[:many])
+        for where, run in (("one process", jobs.run), ("Ray, two workers", fdiag.ray.map)):
+            with tempfile.TemporaryDirectory() as folder:
+                begun = time.perf_counter()
+                found = run(function, some, folder=folder)
+                seconds = time.perf_counter() - begun
+            assert all(outcome.is_ok for outcome in found)
+            figures = f"{many} | {seconds:.2f} | {1e3 * seconds / many:.1f}"
+            print(f"| {function.__name__} | {where} | {figures} |", flush=True)
+    ray.shutdown()
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("what", choices=("memory", "steps", "ray"))
+    asked.add_argument("--diagnoses", type=int, default=100)
+    asked.add_argument("--tasks", type=int, default=400)
+    arguments = asked.parse_args()
+    if arguments.what == "memory":
+        memory(arguments.diagnoses)
+    elif arguments.what == "steps":
+        steps()
+    else:
+        tasks(arguments.tasks)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,227 @@
+"""The scenes of the bench: two small ones, and two robots out of the package `dm_control`, of which only the files are
+read (`pip install --no-deps dm_control`). The robots of the Menagerie are not in a package: theirs fetches them when
+they are used."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+import fdiag
+
+PENDULUM = """
+<mujoco model="pendulum">
+  <option timestep="0.01" integrator="implicitfast"/>
+  <worldbody>
+    <body name="rod">
+      <joint name="pivot" axis="0 1 0" damping=".08" armature=".01"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".02" mass="1"/>
+    </body>
+  </worldbody>
+  <actuator><motor name="torque" joint="pivot"/></actuator>
+  <sensor><jointpos name="at_pivot" joint="pivot"/><jointvel name="rate_pivot" joint="pivot"/></sensor>
+</mujoco>
+"""
+ARM = """
+<mujoco model="arm">
+  <option timestep="0.01" integrator="implicitfast"/>
+  <worldbody>
+    <body name="link1">
+      <joint name="q1" axis="0 1 0" damping=".3" armature=".02"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03" mass="1.2"/>
+      <body name="link2" pos="0 0 -.4">
+        <joint name="q2" axis="0 1 0" damping=".15" armature=".01"/>
+        <geom type="capsule" fromto="0 0 0 0 0 -.35" size=".025" mass=".8"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor name="u1" joint="q1"/><motor name="u2" joint="q2"/></actuator>
+  <sensor>
+    <jointpos name="at_q1" joint="q1"/><jointpos name="at_q2" joint="q2"/>
+    <jointvel name="rate_q1" joint="q1"/><jointvel name="rate_q2" joint="q2"/>
+  </sensor>
+</mujoco>
+"""
+MOTORS = ("nothing", "friction", "damping", "armature", "spring", "gain", "delay", "dead-zone", "bias", "slow-sensor")
+SERVOS = ("nothing", "friction", "damping", "armature", "payload", "gain", "delay", "lag", "bias", "slow-sensor")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A nominal scene, and how it is run."""
+
+    name: str
+    spec: Callable[[], Any]
+    """Makes its MjSpec."""
+    joints: tuple[str, ...]
+    inputs: tuple[str, ...]
+    """One actuator per joint, in the same order."""
+    amplitude: tuple[float, ...]
+    """Of the torques, or of the commands of servos about the home position."""
+    uncertain: dict[str, float]
+    kinds: tuple[str, ...] = MOTORS
+    noise: tuple[float, float] = (0.002, 0.01)
+    samples: int = 600
+    sample_time: float = 0.01
+    hold: tuple[int, int] = (10, 41)
+    """A command stays for so many samples."""
+    keyframe: str | None = None
+    payload: tuple[str, ...] = ()
+    """Bodies that may carry more than the scene says."""
+    more: tuple[tuple[str, str, float], ...] = ()
+    """Further outputs: name, unit, noise."""
+
+    @property
+    def outputs(self) -> dict[str, fdiag.Output]:
+        positions = [(f"at_{j}", fdiag.Output("rad", self.noise[0])) for j in self.joints]
+        rates = [(f"rate_{j}", fdiag.Output("rad/s", self.noise[1])) for j in self.joints]
+        return dict(positions + rates + [(name, fdiag.Output(unit, noise)) for name, unit, noise in self.more])
+
+    def simulator(self, native: str | None = "all") -> fdiag.MuJoCo:
+        return fdiag.MuJoCo(
+            self.spec().compile(),
+            list(self.inputs),
+            self.outputs,
+            self.uncertain,
+            ports="all",
+            native=native,
+            keyframe=self.keyframe,
+            sample_time=self.sample_time,
+            name=self.name,
+        )
+
+    def home(self, model: Any) -> np.ndarray:
+        """Positions of the joints where runs begin, which is also where servos are told to stay."""
+        at = model.qpos0 if self.keyframe is None else model.key(self.keyframe).qpos
+        return np.array([at[model.joint(joint).qposadr[0]] for joint in self.joints])
+
+    @property
+    def is_servo(self) -> bool:
+        return self.kinds is SERVOS
+
+
+def _file(path: str) -> str:
+    """A file of the package `dm_control`, without importing it."""
+    found = importlib.util.find_spec("dm_control")
+    if found is None or not found.submodule_search_locations:
+        raise SystemExit("robots: expected the package dm_control: pip install --no-deps dm_control")
+    return str(Path(found.submodule_search_locations[0]) / path)
+
+
+def _instrument(spec: Any, joints: tuple[str, ...]) -> None:
+    """An encoder and a tachometer at each joint."""
+    for word, kind in (("at", "mjSENS_JOINTPOS"), ("rate", "mjSENS_JOINTVEL")):
+        for joint in joints:
+            spec.add_sensor(
+                name=f"{word}_{joint}",
+                type=getattr(mujoco.mjtSensor, kind),
+                objtype=mujoco.mjtObj.mjOBJ_JOINT,
+                objname=joint,
+            )
+
+
+def _servos(spec: Any, joints: tuple[str, ...], gains: tuple[tuple[float, float], ...]) -> None:
+    """Position servos: dm_control adds such actuators when it builds its tasks."""
+    for joint, (kp, kv) in zip(joints, gains):
+        actuator = spec.add_actuator(name=f"{joint}_servo", target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        actuator.set_to_position(kp=kp, kv=kv)
+        actuator.gear = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+
+JACO_JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
+
+
+def jaco() -> Any:
+    """The Kinova Jaco of dm_control: six joints with rotors and dry friction, meshes as links."""
+    spec = mujoco.MjSpec.from_file(_file("third_party/kinova/jaco_arm.xml"))
+    spec.option.timestep = 0.005
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    _servos(spec, JACO_JOINTS, ((400.0, 56.0),) * 3 + ((200.0, 28.0),) * 3)
+    _instrument(spec, JACO_JOINTS)
+    home = [0.0, 2.6, 1.6, 0.5, 0.8, 0.3]
+    spec.add_key(name="home", qpos=home, ctrl=home)
+    return spec
+
+
+LEGS = ("front_left", "front_right", "back_right", "back_left")
+ANT_JOINTS = tuple(f"{leg}_{joint}" for leg in LEGS for joint in ("hip", "ankle"))
+
+
+def ant() -> Any:
+    """The four-legged ant of dm_control, free, on a floor, with servos at its eight joints."""
+    spec = mujoco.MjSpec.from_file(_file("third_party/ant/ant.xml"))
+    spec.option.timestep = 0.01
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.body("torso").add_freejoint(name="root")
+    plane = mujoco.mjtGeom.mjGEOM_PLANE
+    spec.worldbody.add_geom(name="floor", type=plane, size=[20.0, 20.0, 1.0], friction=[1.0, 0.5, 0.5])
+    for old in (*spec.actuators, *(s for s in spec.sensors if s.name != "torso_gyro")):
+        spec.delete(old)
+    # A rotor as large as a leg, not ten times as large.
+    for joint in ANT_JOINTS:
+        spec.joint(joint).armature = 0.1
+    _servos(spec, ANT_JOINTS, ((150.0, 15.0),) * len(ANT_JOINTS))
+    _instrument(spec, ANT_JOINTS)
+    # Where it comes to rest by itself.
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 500)
+    spec.add_key(name="home", qpos=data.qpos.tolist(), ctrl=[0.0] * len(ANT_JOINTS))
+    return spec
+
+
+SCENES = (
+    Scene(
+        "pendulum",
+        lambda: mujoco.MjSpec.from_string(PENDULUM),
+        ("pivot",),
+        ("torque",),
+        (1.5,),
+        {"joint/pivot.damping": 0.1, "body/rod.mass": 0.02},
+    ),
+    Scene(
+        "arm",
+        lambda: mujoco.MjSpec.from_string(ARM),
+        ("q1", "q2"),
+        ("u1", "u2"),
+        (4.0, 1.5),
+        {"joint/q1.damping": 0.1, "joint/q2.damping": 0.1, "body/link1.mass": 0.02, "body/link2.mass": 0.02},
+    ),
+    Scene(
+        "jaco",
+        jaco,
+        JACO_JOINTS,
+        tuple(f"{joint}_servo" for joint in JACO_JOINTS),
+        (0.35,) * 6,
+        {"body/b_2.mass": 0.05, "body/b_3.mass": 0.05},
+        kinds=SERVOS,
+        noise=(0.001, 0.005),
+        samples=300,
+        sample_time=0.02,
+        hold=(15, 46),
+        keyframe="home",
+        payload=("b_4", "b_5"),
+    ),
+    Scene(
+        "ant",
+        ant,
+        ANT_JOINTS,
+        tuple(f"{joint}_servo" for joint in ANT_JOINTS),
+        (0.3,) * 8,
+        {"body/torso.mass": 0.05},
+        kinds=SERVOS,
+        noise=(0.001, 0.01),
+        samples=200,
+        sample_time=0.02,
+        hold=(15, 46),
+        keyframe="home",
+        payload=("front_left_foot", "back_right_foot"),
+        more=(("torso_gyro[0]", "rad/s", 0.01), ("torso_gyro[1]", "rad/s", 0.01), ("torso_gyro[2]", "rad/s", 0.01)),
+    ),
+)
