@@ -23,7 +23,7 @@ use fdiag::{
             Checked, Contract, Drive, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
             serve, stated,
         },
-        simulate::EquationSimulator,
+        simulate::{EquationSimulator, Simulator},
     },
 };
 
