@@ -50,6 +50,12 @@ impl NoisePrior {
         Self { centre: before.hypot(of_rounding(step)).ln(), step: Some(step), ..self }
     }
 
+    /// The same size without a grid.
+    #[must_use]
+    pub fn of_its_size(self) -> Self {
+        Self { step: None, ..self }
+    }
+
     /// The noise that is expected before values are rounded, in units of sigma.
     #[must_use]
     pub fn before_rounding(&self) -> f64 {

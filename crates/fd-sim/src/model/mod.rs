@@ -143,6 +143,7 @@ impl Model {
     /// let text = r#"
     /// version = 1
     /// kind = "equations"
+    /// name = "cart"
     /// sample_time = 0.01
     /// parameters = { m = { unit = "kg", value = 2.0 } }
     /// inputs = { force = { unit = "N" } }

@@ -68,7 +68,10 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
         return None;
     };
     let signals = errors.get(*output)?;
-    let prior = noise.priors(is_coloured)[*output];
+    // Coarse steps are noise of their size to other distributions of errors: as cells a few samples that miss theirs, and
+    // with a colour the jumps between steps, would make any of them look good.
+    let is_white = noise.is_coarse(*output);
+    let prior = noise.priors(is_coloured && !is_white)[*output].of_its_size();
     let sigma = noise.sigma[*output];
     let exact = |value| Known { value, standard_error: 0.0 };
     let (mut bursts, mut left) = (0.0, signals.clone());
