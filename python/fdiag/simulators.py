@@ -185,7 +185,7 @@ def rooms_of(
 
 def lent(
     opener: Any,
-    powers: Mapping[str, bool],
+    powers: Mapping[str, int],
     *,
     name: str,
     sample_time: float,

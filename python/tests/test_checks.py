@@ -74,7 +74,7 @@ def odd(fault: str) -> Any:
     ("fault", "grade", "what", "text"),
     [
         ("dead parameter", "broken", "parameters", "no output moves with `d`: is it applied?"),
-        ("something left", "broken", "repeatability", "of the outputs"),
+        ("something left", "doubt", "repeatability", "of the output"),
         ("noise", "doubt", "repeatability", "equal runs differ in `speed` by"),
         ("single precision", "doubt", "precision", "single precision"),
         ("no input", "broken", "inputs", "no output moves with `force`"),
