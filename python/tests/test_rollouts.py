@@ -113,7 +113,7 @@ def test_steps_through_a_log_do_not_cost_a_run_each() -> None:
     u = random.uniform(-1.0, 1.0, n)
     y = lag.simulate(0.8 * u).ravel() + 0.01 * random.standard_normal(n)
     calls.clear()
-    result = fdiag.gap(lag, {"time": 0.1 * np.arange(n), "u": u, "y": y}, most=1)
+    result = fdiag.gap(lag, {"time": 0.1 * np.arange(n), "u": u, "y": y}, most=1, threads=1)
     # Before and behind a linear plant a gain is the same.
     assert result.causes[0].name in ("input-gain@u", "sensor-scale@y")
     # A run for each of 400 steps, even once, would be 200 logs' worth beyond this.
