@@ -334,14 +334,20 @@ fn effects_go_on_top_of_effects() {
     let first = candidate(&case, "coulomb-friction", "stribeck", "joint");
     let mut theta = case.model.nominal();
     theta.extend(&first.starts[0]);
-    let expected = case.run(&first.model, &theta).1;
-    let second = offers(&library(), &first.model, &case.scales);
-    let second: Vec<Candidate> = second.into_iter().filter_map(Result::ok).collect();
-    assert!(case.simulated().len() <= second.len());
-    for candidate in second.iter().filter(|c| c.kind == Kind::Simulation) {
-        let mut theta = theta.clone();
-        theta.extend(candidate.parameters.iter().map(|p| p.neutral));
-        assert_eq!(case.run(&candidate.model, &theta).1, expected, "{}", name(candidate));
+    // With the step of the study, and with a shorter one that the first was found to need.
+    for part in [1.0, 0.25] {
+        let mut draft = first.model.clone().into_draft();
+        draft.step = Some(part * case.scales.step);
+        let model = Model::try_from(draft).unwrap();
+        let expected = case.run(&model, &theta).1;
+        let second = offers(&library(), &model, &case.scales);
+        let second: Vec<Candidate> = second.into_iter().filter_map(Result::ok).collect();
+        assert!(case.simulated().len() <= second.len());
+        for candidate in second.iter().filter(|c| c.kind == Kind::Simulation) {
+            let mut theta = theta.clone();
+            theta.extend(candidate.parameters.iter().map(|p| p.neutral));
+            assert_eq!(case.run(&candidate.model, &theta).1, expected, "{}", name(candidate));
+        }
     }
 }
 

@@ -230,9 +230,9 @@ impl Patch {
         Ok(std::mem::replace(&mut self.draft.states[place].law, law))
     }
 
-    /// States the longest integration step, in seconds, instead of leaving it to the simulator.
+    /// States the longest integration step, in seconds, instead of leaving it to the simulator; a shorter one stays.
     pub fn pin_step(&mut self, seconds: f64) {
-        self.draft.step = Some(seconds);
+        self.draft.step = Some(self.draft.step.map_or(seconds, |step| step.min(seconds)));
     }
 
     /// Puts everything together and checks it.

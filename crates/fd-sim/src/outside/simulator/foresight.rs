@@ -13,8 +13,10 @@ use super::{super::lock::open, OutsideSimulator};
 const AHEAD: usize = 16;
 /// The first tapes are those of the logs: so many of these are remembered …
 const FIRST: usize = 4;
-/// … and so many of the last ones.
-const LAST: usize = 4;
+/// … and so many of the last ones, those of every trial that is at work on some thread among them …
+const LAST: usize = 64;
+/// … while all of them have at most so many numbers (32 MB).
+const MOST: usize = 4 << 20;
 
 /// Inputs and forces of whole runs.
 #[derive(Debug, Default)]
@@ -40,7 +42,10 @@ impl Tapes {
         if known.iter().any(|tape| tape.first == first && is_same(&tape.rows, rows)) {
             return;
         }
-        if FIRST + LAST <= known.len() {
+        let is_full = |known: &[KnownTape]| {
+            FIRST + LAST <= known.len() || MOST < known.iter().map(|tape| tape.rows.len()).sum::<usize>() + rows.len()
+        };
+        while FIRST < known.len() && is_full(&known) {
             known.remove(FIRST);
         }
         known.push(KnownTape { first, rows: rows.to_vec() });
