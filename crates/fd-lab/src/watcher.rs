@@ -32,6 +32,9 @@ pub trait Watcher: Sync {
     fn begin(&self, pieces: u64, done: u64);
     /// One more is done; from any thread.
     fn advance(&self);
+    /// Step `step` of the `steps` of a piece is done, counted from 1; from any thread. For pieces that take long: whoever
+    /// waits sees at once that it goes on. Steps need not take equally long, and may be left out.
+    fn step(&self, _step: usize, _steps: usize) {}
     /// Whether nobody wants to wait any longer: pieces that were not begun are left out.
     fn is_stopped(&self) -> bool {
         false

@@ -75,6 +75,16 @@ fn numbers_beyond_every_machine_are_refused() {
 }
 
 #[test]
+fn what_is_merely_large_is_said_before_it_begins() {
+    let desk = Desk::new();
+    // Hours for some cases, and gigabytes for one; nothing is made before somebody wants it.
+    let make = "blind make --out made --seed 1 --threads 1 --quick-oracle --none";
+    let said = ["cases of 1000 samples: about", " h", "go on with --yes"];
+    desk.refuses(&format!("{make} 100000"), 4, &said);
+    desk.refuses(&format!("{make} 1 --samples 9000000"), 4, &["GB", "go on with --yes"]);
+}
+
+#[test]
 fn a_clock_that_jumps_is_told() {
     let desk = Desk::new();
     let log = fs::read_to_string(desk.path("monday.csv")).unwrap();

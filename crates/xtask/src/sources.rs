@@ -28,7 +28,7 @@ const NEEDS: [&str; 4] =
 /// Checks every Rust file below `root` that git would track.
 pub(crate) fn check(root: &Path) -> Faults {
     let mut files = Vec::new();
-    for directory in ["crates", "benches", "examples"] {
+    for directory in ["crates", "benches", "examples", "fuzz"] {
         rust_files(&root.join(directory), &mut files)?;
     }
     let mut faults = Vec::new();

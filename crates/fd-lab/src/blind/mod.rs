@@ -11,6 +11,7 @@ mod baselines;
 mod black_box;
 mod conditions;
 mod controller;
+mod cost;
 mod diagnose;
 mod draw;
 mod error;
@@ -42,6 +43,7 @@ pub use self::{
     baselines::{Baseline, Baselines},
     conditions::Conditions,
     controller::{Action, Controller},
+    cost::Cost,
     error::BlindError,
     excitation::Shape,
     files::Variant,

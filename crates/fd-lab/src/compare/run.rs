@@ -81,7 +81,7 @@ impl Comparison {
         let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         let thresholds = all(&scenes, &threshold_seeds, &known_thresholds, |scene, seed| {
             goes_on()?;
-            let unit = unit(scene, seed, Role::Thresholds);
+            let unit = unit(scene, seed, Role::Thresholds, watcher);
             keep(&Line::Thresholds(unit.clone()))?;
             watcher.advance();
             Ok(unit)
@@ -90,7 +90,7 @@ impl Comparison {
             (0..scenes.len()).map(|scenario| factors(config, &of(&thresholds, scenario))).collect();
         let tests = all(&scenes, &test_seeds, &known_tests, |scene, seed| {
             goes_on()?;
-            let unit = unit(scene, seed, Role::Test(&factors[scene.index]));
+            let unit = unit(scene, seed, Role::Test(&factors[scene.index]), watcher);
             keep(&Line::Test(unit.clone()))?;
             watcher.advance();
             Ok(unit)
@@ -158,8 +158,8 @@ fn of(units: &[Unit], scenario: usize) -> Vec<&Unit> {
 }
 
 /// One engine; if it cannot be run at all, no entry can.
-fn unit(scene: &Scene<'_>, seed: u64, role: Role<'_>) -> Unit {
-    scene.unit(seed, role).unwrap_or_else(|error| {
+fn unit(scene: &Scene<'_>, seed: u64, role: Role<'_>, watcher: &impl Watcher) -> Unit {
+    scene.unit(seed, role, watcher).unwrap_or_else(|error| {
         let failed = Outcome::Failed(error.to_string());
         let entries = vec![failed; scene.config.entries()];
         Unit { scenario: scene.index, seed, entries }

@@ -1,5 +1,7 @@
 //! One engine through every entry.
 
+use std::cell::Cell;
+
 use fd_compensate::SampleRows;
 use fd_model::Record;
 use fdiag::{
@@ -15,7 +17,7 @@ use super::{
     tally::{Alarms, Outcome, Role, Unit},
     watch::{Fork, Levels, Watch},
 };
-use crate::engine::EngineStudyError;
+use crate::{Watcher, engine::EngineStudyError};
 
 /// Seconds at the end of a run over which a fault is named.
 const NAMING_S: f64 = 2.0;
@@ -23,20 +25,38 @@ const NAMING_S: f64 = 2.0;
 impl Scene<'_> {
     /// Runs one engine. Entries that cannot be built on it say why; the error is for an engine that
     /// cannot be run at all.
-    pub(super) fn unit(&self, seed: u64, role: Role<'_>) -> Result<Unit, EngineStudyError> {
+    pub(super) fn unit(
+        &self,
+        seed: u64,
+        role: Role<'_>,
+        watcher: &impl Watcher,
+    ) -> Result<Unit, EngineStudyError> {
         let (config, start) = (self.config, self.fault_start());
         let runs = match role {
             Role::Thresholds => self.runs(seed, config.engines.threshold_runs, false)?,
             Role::Test(_) => self.runs(seed, config.engines.test_runs, true)?,
         };
         let mut entries = Vec::with_capacity(config.entries());
+        // Simulated; then everything is trained once and judged once.
+        let steps = 1 + 2 * config.generators.len() * config.biases.len();
+        let done = Cell::new(0);
+        let step = || {
+            done.set(done.get() + 1);
+            watcher.step(done.get(), steps);
+        };
+        step();
         for generator in &config.generators {
             let train = |bias: &BiasSpec| {
                 runs.train(&config.pipeline(generator, bias)).map_err(|error| error.to_string())
             };
             let biases = config.biases.iter();
-            let fits: Vec<Option<Result<Trained, String>>> =
-                biases.map(|bias| bias.spec.as_ref().map(train)).collect();
+            let fits: Vec<Option<Result<Trained, String>>> = biases
+                .map(|bias| {
+                    let fit = bias.spec.as_ref().map(train);
+                    step();
+                    fit
+                })
+                .collect();
             // The primary residual is the same whatever is learned from it.
             let learned;
             let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
@@ -73,6 +93,7 @@ impl Scene<'_> {
                         entries.extend(std::iter::repeat_n(failed, config.detectors.len()));
                     }
                 }
+                step();
             }
         }
         Ok(Unit { scenario: self.index, seed, entries })

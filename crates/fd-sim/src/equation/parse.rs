@@ -1,4 +1,5 @@
-//! Tokens to a tree: a Pratt parser that also checks numbers against conditions.
+//! Tokens to a tree: a Pratt parser that also checks numbers against conditions. What is begun and not finished lies on
+//! a stack of its own, so that nesting costs nothing of the thread's.
 
 use std::str::FromStr;
 
@@ -11,8 +12,8 @@ use super::{
 /// Deepest nesting of a tree: keeps every recursive walk far away from the end of the stack.
 pub(crate) const MAX_DEPTH: usize = 256;
 
-/// Deepest nesting of calls of the parser. A level of the tree needs at most two, one for an
-/// operand and one for its parentheses, so that every tree within [`MAX_DEPTH`] can be read back.
+/// Most of what may be begun and not finished. A level of the tree needs at most two, one for an operand and one for its
+/// parentheses, so that every tree within [`MAX_DEPTH`] can be read back.
 const MAX_NESTING: usize = 2 * MAX_DEPTH + 2;
 
 /// How strongly operators hold their operands, from the weakest to the strongest.
@@ -40,8 +41,8 @@ impl Expr {
     ///
     /// Returns what is wrong and where.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
-        let mut parser = Parser { text, tokens: tokens(text)?, next: 0, nesting: 0 };
-        let node = parser.expression(0)?;
+        let mut parser = Parser { text, tokens: tokens(text)?, next: 0 };
+        let node = parser.expression()?;
         if parser.peek().kind != Kind::End {
             return Err(parser.expected("an operator or the end"));
         }
@@ -61,7 +62,6 @@ struct Parser<'a> {
     text: &'a str,
     tokens: Vec<Token>,
     next: usize,
-    nesting: usize,
 }
 
 struct Node {
@@ -80,6 +80,26 @@ enum Infix {
     Compare(Comparison),
     And,
     Or,
+}
+
+/// What waits for an operand.
+enum Open {
+    /// An operator, for its right side.
+    Infix(Infix, Node),
+    /// `not` or a minus.
+    Not(Span),
+    Minus(Span),
+    /// A parenthesis.
+    Parenthesis(Span),
+    /// A function, for its next argument.
+    Call(Token, Vec<Node>),
+}
+
+/// What stands where an operand should.
+enum Prefix {
+    Operand(Node),
+    /// An operand has to follow, whose operators are at least so strong.
+    Open(Open, u8),
 }
 
 impl Parser<'_> {
@@ -118,24 +138,63 @@ impl Parser<'_> {
         if self.at_symbol(symbol) { Ok(self.advance()) } else { Err(self.expected(expected)) }
     }
 
-    fn expression(&mut self, weakest: u8) -> Result<Node, SyntaxError> {
-        if self.nesting == MAX_NESTING {
-            return Err(self.too_deep(self.peek().span.clone()));
-        }
-        self.nesting += 1;
-        let mut left = self.prefix()?;
-        while let Some((infix, strength)) = self.infix() {
-            if strength < weakest {
-                break;
+    fn expression(&mut self) -> Result<Node, SyntaxError> {
+        // With each the weakest operator that may follow its operand.
+        let mut open: Vec<(Open, u8)> = Vec::new();
+        let mut weakest = 0;
+        loop {
+            if open.len() == MAX_NESTING {
+                return Err(self.too_deep(self.peek().span.clone()));
             }
-            self.advance();
-            // `^` groups to the right, everything else to the left.
-            let right =
-                self.expression(if strength == power::POWER { strength } else { strength + 1 })?;
-            left = self.join(&infix, left, right)?;
+            let mut node = match self.prefix()? {
+                Prefix::Operand(node) => node,
+                Prefix::Open(what, inner) => {
+                    open.push((what, weakest));
+                    weakest = inner;
+                    continue;
+                }
+            };
+            // What the operand completes, up to what needs a further one.
+            loop {
+                if let Some((infix, strength)) = self.infix()
+                    && weakest <= strength
+                {
+                    self.advance();
+                    open.push((Open::Infix(infix, node), weakest));
+                    // `^` groups to the right, everything else to the left.
+                    weakest = if strength == power::POWER { strength } else { strength + 1 };
+                    break;
+                }
+                let Some((what, outer)) = open.pop() else { return Ok(node) };
+                weakest = outer;
+                let (end, depth) = (node.span.end, node.depth + 1);
+                node = match what {
+                    Open::Infix(infix, left) => self.join(&infix, left, node)?,
+                    Open::Not(at) => {
+                        let value = Value::Truth(Cond::Not(Box::new(self.truth(node)?)));
+                        self.node(value, at.start..end, depth)?
+                    }
+                    Open::Minus(at) => {
+                        let value = Value::Number(Expr::unary(Unary::Neg, self.number(node)?));
+                        self.node(value, at.start..end, depth)?
+                    }
+                    Open::Parenthesis(at) => {
+                        let close = self.symbol(")", "`)` or an operator")?;
+                        Node { span: at.start..close.span.end, ..node }
+                    }
+                    Open::Call(function, mut arguments) => {
+                        arguments.push(node);
+                        if self.at_symbol(",") {
+                            self.advance();
+                            open.push((Open::Call(function, arguments), weakest));
+                            weakest = 0;
+                            break;
+                        }
+                        self.called(&function, arguments)?
+                    }
+                };
+            }
         }
-        self.nesting -= 1;
-        Ok(left)
     }
 
     fn infix(&self) -> Option<(Infix, u8)> {
@@ -180,26 +239,23 @@ impl Parser<'_> {
         self.node(value, span, depth + 1)
     }
 
-    fn prefix(&mut self) -> Result<Node, SyntaxError> {
+    fn prefix(&mut self) -> Result<Prefix, SyntaxError> {
         let token = self.peek().clone();
         match token.kind {
             Kind::Number(value) => {
                 self.advance();
-                self.node(Value::Number(Expr::Number(value)), token.span, 1)
+                let node = self.node(Value::Number(Expr::Number(value)), token.span, 1)?;
+                Ok(Prefix::Operand(node))
             }
             Kind::Name if self.word(&token) == "not" => {
                 self.advance();
-                let operand = self.expression(power::NOT)?;
-                let (span, depth) = (token.span.start..operand.span.end, operand.depth + 1);
-                self.node(Value::Truth(Cond::Not(Box::new(self.truth(operand)?))), span, depth)
+                Ok(Prefix::Open(Open::Not(token.span), power::NOT))
             }
             Kind::Name if !matches!(self.word(&token), "and" | "or") => self.name_or_call(),
             Kind::Symbol if self.word(&token) == "-" => self.negation(),
             Kind::Symbol if self.word(&token) == "(" => {
                 self.advance();
-                let inner = self.expression(0)?;
-                let close = self.symbol(")", "`)` or an operator")?;
-                Ok(Node { span: token.span.start..close.span.end, ..inner })
+                Ok(Prefix::Open(Open::Parenthesis(token.span), 0))
             }
             _ => Err(self.expected("a number or name")),
         }
@@ -207,23 +263,21 @@ impl Parser<'_> {
 
     /// A minus before a literal belongs to the literal, unless a power binds it first: `-2` is a
     /// number, `-2^2` is `-(2^2)`, `-(2)` is a change of sign.
-    fn negation(&mut self) -> Result<Node, SyntaxError> {
+    fn negation(&mut self) -> Result<Prefix, SyntaxError> {
         let minus = self.advance();
         if let Kind::Number(value) = self.peek().kind {
             let literal = self.advance();
             if !self.at_symbol("^") {
                 let span = minus.span.start..literal.span.end;
-                return self.node(Value::Number(Expr::Number(-value)), span, 1);
+                let node = self.node(Value::Number(Expr::Number(-value)), span, 1)?;
+                return Ok(Prefix::Operand(node));
             }
             self.next -= 1;
         }
-        let operand = self.expression(power::NEGATION)?;
-        let (span, depth) = (minus.span.start..operand.span.end, operand.depth + 1);
-        let value = Expr::unary(Unary::Neg, self.number(operand)?);
-        self.node(Value::Number(value), span, depth)
+        Ok(Prefix::Open(Open::Minus(minus.span), power::NEGATION))
     }
 
-    fn name_or_call(&mut self) -> Result<Node, SyntaxError> {
+    fn name_or_call(&mut self) -> Result<Prefix, SyntaxError> {
         let token = self.advance();
         let name = self.word(&token).to_owned();
         if !self.at_symbol("(") {
@@ -232,21 +286,23 @@ impl Parser<'_> {
             {
                 return Err(self.expected("`(` and the arguments of the function"));
             }
-            return self.node(Value::Number(Expr::Name(name)), token.span, 1);
+            let node = self.node(Value::Number(Expr::Name(name)), token.span, 1)?;
+            return Ok(Prefix::Operand(node));
         }
         self.advance();
-        let mut arguments = Vec::new();
-        if !self.at_symbol(")") {
-            arguments.push(self.expression(0)?);
-            while self.at_symbol(",") {
-                self.advance();
-                arguments.push(self.expression(0)?);
-            }
+        if self.at_symbol(")") {
+            return Ok(Prefix::Operand(self.called(&token, Vec::new())?));
         }
+        Ok(Prefix::Open(Open::Call(token, Vec::new()), 0))
+    }
+
+    /// A function with all its arguments.
+    fn called(&mut self, function: &Token, arguments: Vec<Node>) -> Result<Node, SyntaxError> {
         let close = self.symbol(")", "`,`, `)` or an operator")?;
         let depth = 1 + arguments.iter().map(|argument| argument.depth).max().unwrap_or(0);
-        let span = token.span.start..close.span.end;
-        let value = self.call(&name, &token.span, arguments)?;
+        let span = function.span.start..close.span.end;
+        let name = self.word(function).to_owned();
+        let value = self.call(&name, &function.span, arguments)?;
         self.node(Value::Number(value), span, depth)
     }
 

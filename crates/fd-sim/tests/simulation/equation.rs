@@ -316,6 +316,33 @@ fn deep_nesting_is_an_error() {
     }
 }
 
+/// The deepest trees in a quarter of the stack of a thread: without optimisation, frames are some three times as large.
+#[test]
+fn the_deepest_trees_need_little_stack() {
+    let deep = |open: &str, close: &str, levels: usize| {
+        format!("{}x{}", open.repeat(levels), close.repeat(levels))
+    };
+    let texts = [
+        deep("-(", ")", 255),
+        deep("sin(", ")", 255),
+        deep("max(1, ", ")", 255),
+        deep("if(x < 1, 2, ", ")", 253),
+        deep("2*(", ")", 255),
+        deep("2^", "", 255),
+    ];
+    let all = move || {
+        for text in texts {
+            let expr = Expr::parse(&text).unwrap();
+            assert!(254 <= expr.depth(), "{text}");
+            assert_eq!(Expr::parse(&expr.to_string()).unwrap(), expr);
+            assert!(expr.clone().evaluate::<f64>(&|_: &str| Some(0.5)).is_ok());
+            assert!(expr.simplify().mentions("x"));
+            drop(expr.differentiate("x"));
+        }
+    };
+    std::thread::Builder::new().stack_size(512 << 10).spawn(all).unwrap().join().unwrap();
+}
+
 #[test]
 fn errors_point_at_the_place() {
     let expected = |text: &str| {

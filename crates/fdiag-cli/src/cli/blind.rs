@@ -7,6 +7,7 @@ use std::{
 };
 
 use clap::{Args, Subcommand, ValueEnum};
+use fd_core::Limits;
 use fd_gap::diagnose::Settings;
 use fd_lab::blind::{BlindError, CaseKind, Manner, Order, SealKey, Variant, make, run, score};
 use fd_model::Record;
@@ -14,8 +15,13 @@ use fdiag::gap_study::automatic_settings;
 use fdiag::sim::model::Model;
 
 use super::{
-    args::OutputArgs, failure::Failure, output::Output, patience::PatienceArgs, pool::pool,
-    progress::Bar, say::say,
+    args::OutputArgs,
+    failure::Failure,
+    output::Output,
+    patience::{PatienceArgs, Plan},
+    pool::pool,
+    progress::Bar,
+    say::{remark, say},
 };
 
 #[derive(Debug, Subcommand)]
@@ -63,6 +69,9 @@ pub(crate) struct MakeArgs {
     /// Only look whether effects can be seen at all, not for rivals that cannot be told from them
     #[arg(long)]
     quick_oracle: bool,
+    /// Begin also what will take very long, or much memory
+    #[arg(long)]
+    yes: bool,
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -245,10 +254,21 @@ fn make_cases(args: &MakeArgs) -> Result<ExitCode, Failure> {
         Order { seed: args.seed, counts, samples: args.samples, full_oracle: !args.quick_oracle };
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.out));
     let key = SealKey::random().map_err(refusal)?;
+    let pool = pool(args.threads)?;
+    let cost = pool.install(|| order.cost(&Limits::default())).map_err(refusal)?;
+    let patience = PatienceArgs { yes: args.yes, ..PatienceArgs::default() };
+    let cases: usize = order.counts.iter().map(|(_, count)| count).sum();
+    let work = format!("{cases} cases of {} samples", order.samples);
+    match patience.plan(cost.seconds, cost.bytes) {
+        Plan::Short => {}
+        Plan::Told(cost) => remark(&format!("{work}: {cost}")),
+        Plan::Refused(cost) => {
+            return Err(Failure::analysis(format!("{work}: {cost}; go on with --yes")));
+        }
+    }
     let progress = Bar::new("cases");
-    let made = pool(args.threads)?
-        .install(|| make(&order, &args.out, &truth, &key, &progress))
-        .map_err(refusal)?;
+    let made =
+        pool.install(|| make(&order, &args.out, &truth, &key, &progress)).map_err(refusal)?;
     progress.finish()?;
     let [out, truth] = [&args.out, &truth].map(|path| path.display());
     say(&format!("{} cases in {out}, their truth in {truth}\n", made.len()))?;

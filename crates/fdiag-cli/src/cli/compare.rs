@@ -6,7 +6,12 @@ use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
 
 use super::{
-    args::CompareArgs, failure::Failure, output::Output, pool::pool, progress::Bar, say::say,
+    args::CompareArgs,
+    failure::Failure,
+    output::Output,
+    pool::pool,
+    progress::Bar,
+    say::{remark, say},
     toml_file,
 };
 
@@ -31,6 +36,14 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     }
     let pool = pool(args.output.threads)?;
     let bytes = config.entries() as f64 * ENTRY_BYTES;
+    let (scenarios, engines) = (config.scenarios.len(), config.engines);
+    remark(&format!(
+        "{} engines: {scenarios} scenarios with {} that set thresholds and {} that are judged, {} entries each",
+        scenarios as u64 * (engines.thresholds + engines.test),
+        engines.thresholds,
+        engines.test,
+        config.entries()
+    ));
     let shown = Bar::new("engines").within(&args.patience, bytes);
     let comparison = match pool.install(|| Comparison::run(&config, Some(&journal), &shown)) {
         Err(CompareError::Stopped) => return Err(shown.stopped(&journal)),

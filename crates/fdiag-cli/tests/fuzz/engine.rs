@@ -4,7 +4,6 @@ use std::{
     collections::HashSet,
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
     sync::{Arc, Mutex},
     time::{Duration, Instant},
 };
@@ -12,10 +11,10 @@ use std::{
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 
-use super::mutate::{mutated, words};
-
-/// What takes an input, and says in words what became of it. Nothing that it is given may make it panic or last.
-pub type Target<'a> = dyn Fn(&[u8]) -> String + 'a;
+use super::{
+    mutate::{mutated, words},
+    targets::Target,
+};
 
 /// Longest time that an input may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -24,7 +23,8 @@ const POOL: usize = 4000;
 
 /// Tries inputs until a number of them or a time is reached, and returns how many and how many outcomes there were.
 /// An input that fails is written into the folder of temporary files, to be kept in `found`.
-pub fn fuzz(name: &str, seeds: Vec<Vec<u8>>, target: &Target<'_>) -> (u64, usize) {
+pub fn fuzz(target: &Target) -> (u64, usize) {
+    let (name, seeds) = (target.name, [&*target.seeds, &*target.corpus].concat());
     let setting = |key: &str| std::env::var(key).ok().and_then(|text| text.parse::<u64>().ok());
     let seconds = setting("FDIAG_FUZZ_SECONDS");
     let inputs = setting("FDIAG_FUZZ_INPUTS").unwrap_or(2000);
@@ -35,7 +35,7 @@ pub fn fuzz(name: &str, seeds: Vec<Vec<u8>>, target: &Target<'_>) -> (u64, usize
     let watched = watch(name);
     let mut outcomes = HashSet::new();
     for input in &pool {
-        outcomes.insert(digest(&tried(name, input, target, &watched)));
+        outcomes.insert(digest(&tried(target, input, &watched)));
     }
     let (begun, mut tries) = (Instant::now(), 0);
     let goes_on = |tries: u64| match seconds {
@@ -44,7 +44,7 @@ pub fn fuzz(name: &str, seeds: Vec<Vec<u8>>, target: &Target<'_>) -> (u64, usize
     };
     while goes_on(tries) {
         let input = mutated(&mut random, &pool, &words);
-        let outcome = tried(name, &input, target, &watched);
+        let outcome = tried(target, &input, &watched);
         tries += 1;
         // Something new became of it: what is near to it may be new again.
         if outcomes.insert(digest(&outcome)) && pool.len() < POOL {
@@ -62,9 +62,10 @@ pub fn fuzz(name: &str, seeds: Vec<Vec<u8>>, target: &Target<'_>) -> (u64, usize
 
 type Watched = Arc<Mutex<Option<(Instant, Vec<u8>)>>>;
 
-fn tried(name: &str, input: &[u8], target: &Target<'_>, watched: &Watched) -> String {
+fn tried(target: &Target, input: &[u8], watched: &Watched) -> String {
     *watched.lock().unwrap() = Some((Instant::now(), input.to_vec()));
-    let outcome = catch_unwind(AssertUnwindSafe(|| target(input))).ok();
+    let outcome = catch_unwind(AssertUnwindSafe(|| (target.run)(input))).ok();
+    let name = target.name;
     outcome.unwrap_or_else(|| panic!("{name}: a panic, of the input {}", kept(name, input)))
 }
 
@@ -104,22 +105,4 @@ fn watch(name: &str) -> Watched {
         }
     });
     watched
-}
-
-/// Files as seeds: those that are named, and what was found before.
-pub fn seeds(name: &str, files: &[&str]) -> Vec<Vec<u8>> {
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let mut seeds: Vec<Vec<u8>> = files
-        .iter()
-        .map(|file| fs::read(root.join(file)).unwrap_or_else(|error| panic!("{file}: {error}")))
-        .collect();
-    let found = root.join("crates/fdiag-cli/tests/fuzz/found");
-    for entry in fs::read_dir(found).unwrap() {
-        let path = entry.unwrap().path();
-        let is_own = path.file_name().unwrap().to_string_lossy().starts_with(&format!("{name}-"));
-        if is_own {
-            seeds.push(fs::read(path).unwrap());
-        }
-    }
-    seeds
 }

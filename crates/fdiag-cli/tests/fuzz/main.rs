@@ -2,7 +2,8 @@
 //!
 //! Each test tries 2000 inputs, always the same; `FDIAG_FUZZ_SECONDS` and `FDIAG_FUZZ_SEED` make it a search. An input
 //! is changed at random from a seed or from an earlier input of which something new became. What was found is kept in
-//! the folder `found` as `TARGET-WHAT`, and is a seed ever after.
+//! the folder `found` as `TARGET-WHAT`, and is a seed ever after; so are the inputs in `corpus`, which were found by the
+//! engine in `fuzz/` that is guided by coverage.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 #![allow(
     clippy::print_stdout,
@@ -12,7 +13,5 @@
 #![allow(unreachable_pub, reason = "modules of one test binary")]
 
 mod engine;
-mod files;
-mod monitor;
 mod mutate;
-mod texts;
+mod targets;

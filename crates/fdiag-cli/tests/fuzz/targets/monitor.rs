@@ -7,7 +7,7 @@ use fd_watch::{
 };
 use fdiag::{core::Snapshot, log::LogMap, model::file::LinearModel};
 
-use super::engine::{fuzz, seeds};
+use super::Target;
 
 const MODEL: &str = "version = 1\nkind = \"state-space\"\nsample_time = 1.0\ninputs = [{ name = \"u\", unit = \"V\" }]\n\
     outputs = [{ name = \"T\", unit = \"K\" }]\nmatrices = { A = [[0.9]], B = [[0.1]], C = [[1.0]], D = [[0.0]] }\n";
@@ -37,11 +37,11 @@ fn lines(samples: u32, line: impl Fn(f64, f64, f64) -> String) -> Vec<u8> {
 }
 
 /// Lines as they come over a pipe or from a broker, into a monitor.
-fn stream(name: &str, format: Format, unit: Option<&str>, own: Vec<u8>) {
+fn stream(name: &'static str, format: Format, unit: Option<&'static str>, own: Vec<u8>) -> Target {
     let input = InputMap::new(LogMap::for_model(&model()));
     let input = if unit.is_none() { input.with_units("rig") } else { input };
     let plan_of = plan;
-    fuzz(name, [seeds(name, &[]), vec![own]].concat(), &|bytes| {
+    Target::new(name, vec![own], move |bytes| {
         let mut rows = RowReader::new(format, input.clone());
         let mut monitor = Monitor::new(plan_of());
         let mut said = String::new();
@@ -67,26 +67,23 @@ fn stream(name: &str, format: Format, unit: Option<&str>, own: Vec<u8>) {
         }
         said.truncate(150);
         said
-    });
+    })
 }
 
-#[test]
-fn streams_of_ndjson() {
+pub fn streams_of_ndjson() -> Target {
     let line = |t, u, y| format!("{{\"rig\":\"a\",\"time\":{t},\"u\":{u},\"T\":{y}}}\n");
-    stream("watch-ndjson", Format::Ndjson, None, lines(60, line));
+    stream("watch-ndjson", Format::Ndjson, None, lines(60, line))
 }
 
-#[test]
-fn streams_of_csv() {
+pub fn streams_of_csv() -> Target {
     let line = |t, u, y| format!("a,{t},{u},{y}\n");
     let own = [b"rig,time,u,T [K]\n".to_vec(), lines(60, line)].concat();
-    stream("watch-csv", Format::Csv, None, own);
+    stream("watch-csv", Format::Csv, None, own)
 }
 
-#[test]
-fn messages_of_brokers() {
+pub fn messages_of_brokers() -> Target {
     let line = |t, u, y| format!("{{\"time\":{t},\"u\":{u},\"T\":{y}}}\n");
-    stream("mqtt", Format::Ndjson, Some("p/1"), lines(3, line));
+    stream("mqtt", Format::Ndjson, Some("p/1"), lines(3, line))
 }
 
 /// FNV-1a of a line, as the files of a state have it.
@@ -120,7 +117,7 @@ fn state(folder: &std::path::Path) {
 }
 
 /// Opens a state of which one file is changed, and goes on with it.
-fn resumed(name: &str, file: &str, is_sealed: bool) {
+fn resumed(name: &'static str, file: &str, is_sealed: bool) -> Target {
     let folder = tempfile::tempdir().unwrap();
     state(folder.path());
     let path = folder.path().join(file);
@@ -130,7 +127,7 @@ fn resumed(name: &str, file: &str, is_sealed: bool) {
     let kept =
         ["samples/0.ndjson", "units/a.unit", "units/a.rows", "journal.ndjson", "outbox.json"]
             .map(|file| (folder.path().join(file), fs::read(folder.path().join(file)).ok()));
-    fuzz(name, [seeds(name, &[]), vec![inner]].concat(), &|input| {
+    Target::new(name, vec![inner], move |input| {
         for (path, bytes) in &kept {
             match bytes {
                 Some(bytes) => fs::write(path, bytes).unwrap(),
@@ -155,36 +152,30 @@ fn resumed(name: &str, file: &str, is_sealed: bool) {
         let heard =
             state.outbox().map(|mut outbox| outbox.next(state.promised(), 10).map(|m| m.len()));
         format!("{} {replayed} {heard:?} {}", unsure.len(), monitor.take_messages().len())
-    });
+    })
 }
 
-#[test]
-fn memories_of_units() {
-    resumed("unit", "units/a.unit", true);
+pub fn memories_of_units() -> Target {
+    resumed("unit", "units/a.unit", true)
 }
 
-#[test]
-fn learned_rows() {
-    resumed("rows", "units/a.rows", true);
+pub fn learned_rows() -> Target {
+    resumed("rows", "units/a.rows", true)
 }
 
-#[test]
-fn journals() {
-    resumed("journal", "journal.ndjson", false);
+pub fn journals() -> Target {
+    resumed("journal", "journal.ndjson", false)
 }
 
-#[test]
-fn kept_samples() {
-    resumed("samples", "samples/0.ndjson", false);
+pub fn kept_samples() -> Target {
+    resumed("samples", "samples/0.ndjson", false)
 }
 
-#[test]
-fn damaged_memories_of_units() {
-    resumed("damaged", "units/a.unit", false);
+pub fn damaged_memories_of_units() -> Target {
+    resumed("damaged", "units/a.unit", false)
 }
 
-#[test]
-fn snapshots() {
+pub fn snapshots() -> Target {
     let mut monitor = Monitor::new(plan());
     let folder = tempfile::tempdir().unwrap();
     state(folder.path());
@@ -193,7 +184,7 @@ fn snapshots() {
     let json: serde_json::Value = serde_json::from_str(text.split_once('\n').unwrap().1).unwrap();
     let own = json["content"]["phase"]["watching"]["pipeline"].to_string();
     assert!(own.contains("checksum"), "{json}");
-    fuzz("snapshots", [seeds("snapshots", &[]), vec![own.into_bytes()]].concat(), &|input| {
+    Target::new("snapshots", vec![own.into_bytes()], move |input| {
         match serde_json::from_slice::<Snapshot>(input) {
             Ok(snapshot) => {
                 let again = serde_json::to_string(&snapshot).unwrap();
@@ -202,5 +193,5 @@ fn snapshots() {
             }
             Err(error) => error.to_string(),
         }
-    });
+    })
 }

@@ -11,75 +11,81 @@ use fdiag::{
     },
 };
 
-use super::engine::{fuzz, seeds};
+use super::{Target, seeds};
 
 /// Reads a log as a stranger would, and with a map.
-fn log(name: &str, file: &str, files: &[&str], map: &str) {
+fn log(name: &'static str, file: &str, files: &[&str], map: &str) -> Target {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(file);
+    let file = file.to_owned();
     let map: LogMap = toml::from_str(map).unwrap();
-    fuzz(name, seeds(name, files), &|input| {
+    Target::new(name, seeds(files), move |input| {
+        let path = folder.path().join(&file);
         fs::write(&path, input).unwrap();
         let told =
             info(&path, &map).map_or_else(|e| e.to_string(), |info| format!("{:?}", info.format));
         let read = read_log(&path, &map);
         let read = read.map_or_else(|e| e.to_string(), |log| format!("{:?}", log.record.len()));
         format!("{told} {read}")
-    });
+    })
 }
 
-#[test]
-fn csv() {
+/// A log of which one output is read, from files among the data of the reader's own tests.
+fn own_log(name: &'static str, file: &str, column: &str, files: &[&str]) -> Target {
+    let map = format!("outputs = [{{ name = 'y', column = '{column}' }}]");
+    let files: Vec<String> =
+        files.iter().map(|file| format!("crates/fd-log/tests/data/{file}")).collect();
+    log(name, file, &files.iter().map(String::as_str).collect::<Vec<_>>(), &map)
+}
+
+pub fn csv() -> Target {
     let map =
         "inputs = [{ name = 'wf', column = 'fuel' }]\noutputs = [{ name = 'T', column = 'T_7' }]";
-    log("csv", "run.csv", &["examples/turbine-run.csv"], map);
+    log("csv", "run.csv", &["examples/turbine-run.csv"], map)
 }
 
-#[test]
-fn ndjson_and_zstandard() {
-    let map = "outputs = [{ name = 'y', column = 'y' }]";
-    log("zst", "run.ndjson.zst", &["crates/fd-log/tests/data/run.ndjson.zst"], map);
+pub fn ndjson() -> Target {
+    let own = b"{\"time\":0,\"y\":1.5,\"s\":{\"x\":[1,2.5,null]}}\n{\"time\":0.1,\"y\":-2e-3,\"on\":true}\n";
+    let mut target = own_log("ndjson", "run.ndjson", "y", &[]);
+    target.seeds.push(own.to_vec());
+    target
 }
 
-#[test]
-fn csv_and_gzip() {
-    let map = "outputs = [{ name = 'y', column = 'y' }]";
-    log("gz", "run.csv.gz", &["crates/fd-log/tests/data/run.csv.gz"], map);
+pub fn csv_and_gzip() -> Target {
+    own_log("gz", "run.csv.gz", "y", &["run.csv.gz"])
 }
 
-#[test]
-fn npz() {
-    let map = "outputs = [{ name = 'y', column = 'y' }]";
-    let files = ["crates/fd-log/tests/data/arrays.npz", "crates/fd-log/tests/data/packed.npz"];
-    log("npz", "run.npz", &files, map);
+pub fn ndjson_and_zstandard() -> Target {
+    own_log("zst", "run.ndjson.zst", "y", &["run.ndjson.zst"])
 }
 
-#[test]
-fn npy() {
-    let map = "outputs = [{ name = 'y', column = '1' }]";
-    log("npy", "run.npy", &["crates/fd-log/tests/data/matrix.npy"], map);
+pub fn npz() -> Target {
+    own_log("npz", "run.npz", "y", &["arrays.npz", "packed.npz"])
 }
 
-#[test]
-fn mcap() {
-    let map = "outputs = [{ name = 'y', column = '/joint_states.position[elbow]' }]";
-    let files = ["crates/fd-log/tests/data/robot.mcap", "crates/fd-log/tests/data/robot.lz4.mcap"];
-    log("mcap", "run.mcap", &files, map);
+pub fn npy() -> Target {
+    own_log("npy", "run.npy", "1", &["matrix.npy"])
 }
 
-#[test]
-fn ulog() {
-    let map = "outputs = [{ name = 'y', column = 'y' }]";
-    log("ulog", "run.ulg", &["crates/fd-log/tests/data/flight.ulg"], map);
+pub fn mcap() -> Target {
+    let column = "/joint_states.position[elbow]";
+    own_log("mcap", "run.mcap", column, &["robot.mcap", "robot.lz4.mcap"])
 }
 
-#[cfg(feature = "parquet")]
-#[test]
-fn parquet() {
-    let map = "outputs = [{ name = 'y', column = 'y' }]";
-    let files =
-        ["crates/fd-log/tests/data/table.parquet", "crates/fd-log/tests/data/table.zstd.parquet"];
-    log("parquet", "run.parquet", &files, map);
+pub fn ulog() -> Target {
+    own_log("ulog", "run.ulg", "y", &["flight.ulg"])
+}
+
+pub fn hdf5() -> Target {
+    own_log("hdf5", "run.h5", "y", &["latest.h5", "run.h5", "matlab73.mat"])
+}
+
+pub fn mat() -> Target {
+    own_log("mat", "run.mat", "log.deep.q[0]", &["plain.mat", "packed.mat"])
+}
+
+/// Without its feature, that it is refused.
+pub fn parquet() -> Target {
+    own_log("parquet", "run.parquet", "y", &["table.parquet", "table.zstd.parquet"])
 }
 
 fn sum() -> EquationSimulator {
@@ -103,28 +109,24 @@ fn frames(frames: &[(u32, &[f64])]) -> Vec<u8> {
     bytes
 }
 
-#[test]
-fn questions_of_the_process_protocol() {
+pub fn questions_of_the_process_protocol() -> Target {
     let asked = [
         frames(&[(1, &[0.0, 7.0]), (2, &[1.0]), (2, &[0.5]), (5, &[])]),
         frames(&[(3, &[0.0, 2.0, 7.0, 1.0, 1.0]), (5, &[])]),
     ];
     let own = asked.map(|frames| [b"{}\n".to_vec(), frames].concat()).to_vec();
-    fuzz("serve", [seeds("serve", &[]), own].concat(), &|input| {
+    Target::new("serve", own, move |input| {
         let mut simulator = sum();
         let hello = stated("sum", &simulator, &[]);
         let mut answer = Vec::new();
         let served = serve(&mut simulator, &hello, input, &mut answer);
         served.map_or_else(|error| error.to_string(), |()| answer.len().to_string())
-    });
+    })
 }
 
 /// A simulator that answers at once and with anything: a file that is shown.
-#[test]
-#[cfg(unix)]
-fn answers_of_the_process_protocol() {
+pub fn answers_of_the_process_protocol() -> Target {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("answers");
     let hello = stated("sum", &sum(), &[]);
     let mut asked = b"{}\n".to_vec();
     asked.extend(frames(&[
@@ -135,7 +137,8 @@ fn answers_of_the_process_protocol() {
     ]));
     let mut answers = Vec::new();
     serve(&mut sum(), &hello, &asked[..], &mut answers).unwrap();
-    fuzz("answers", [seeds("answers", &[]), vec![answers]].concat(), &|input| {
+    Target::new("answers", vec![answers], move |input| {
+        let path = folder.path().join("answers");
         fs::write(&path, input).unwrap();
         let mut process = Process::new(["cat", path.to_str().unwrap()]);
         process.timeout = Duration::from_secs(2);
@@ -152,5 +155,5 @@ fn answers_of_the_process_protocol() {
             }
             Err(error) => error.to_string(),
         }
-    });
+    })
 }

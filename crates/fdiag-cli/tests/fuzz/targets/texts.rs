@@ -15,7 +15,7 @@ use fdiag::{
     spec::PipelineSpec,
 };
 
-use super::engine::{fuzz, seeds};
+use super::{Target, seeds};
 
 /// A text, or that it is none.
 fn with_text(input: &[u8], target: impl Fn(&str) -> String) -> String {
@@ -34,8 +34,7 @@ const MODELS: [&str; 5] = [
     "examples/models/pendulum.toml",
 ];
 
-#[test]
-fn expressions() {
+pub fn expressions() -> Target {
     let own: [&[u8]; 5] = [
         b"-k1*(x - y)/m + clamp(u, -1, 1)^2",
         b"if(x > 0 and not (y <= 1.5e-3), sin(x), tanh(y)*exp(-x))",
@@ -43,8 +42,8 @@ fn expressions() {
         b"table1(x) + sign(v)*mu*(1 - exp(-abs(v)/vs))",
         b"((((((((1))))))))",
     ];
-    let all = [seeds("expressions", &[]), own.map(<[u8]>::to_vec).to_vec()].concat();
-    fuzz("expressions", all, &|input| {
+    let all = own.map(<[u8]>::to_vec).to_vec();
+    Target::new("expressions", all, |input| {
         with_text(input, |text| {
             said(Expr::parse(text), |expr| {
                 // What is printed means the same, and everything that is done to an expression ends.
@@ -59,12 +58,11 @@ fn expressions() {
                 format!("{} {}", simple.depth(), said(value, |v| v.is_finite().to_string()))
             })
         })
-    });
+    })
 }
 
-#[test]
-fn models() {
-    fuzz("models", seeds("models", &MODELS), &|input| {
+pub fn models() -> Target {
+    Target::new("models", seeds(&MODELS), |input| {
         with_text(input, |text| {
             said(text.parse::<Model>(), |model| {
                 let ts = match model.sample_time() {
@@ -88,34 +86,31 @@ fn models() {
                 format!("{outcome:?}")
             })
         })
-    });
+    })
 }
 
-#[test]
-fn linear_models() {
+pub fn linear_models() -> Target {
     let files = [
         "examples/turbine.toml",
         "examples/engine/f100.toml",
         "examples/micro-gas-turbine/model.toml",
     ];
-    fuzz("linear-models", seeds("linear-models", &files), &|input| {
+    Target::new("linear-models", seeds(&files), |input| {
         with_text(input, |text| {
             said(LinearModel::parse("model.toml", text), |model| {
                 let again = LinearModel::parse("again.toml", &model.to_toml());
                 said(again, |_| "read again".to_owned())
             })
         })
-    });
+    })
 }
 
-#[test]
-fn specs() {
+pub fn specs() -> Target {
     let own = "residual = { kind = \"observer\" }\nhold_missing = 3\nbias.orders = { kind = \"fixed\", na = 2, nb = 3 }\n\
         detector = { kind = \"maximum\", margin = 0.5 }\nrule = { raise = 3, out_of = 3, clear = 5 }\n\
         isolation = { kind = \"nearest\", faults = \"sensors\" }\n[compensation.operating_point]\npolicy = { kind = \"retrain\" }\n";
-    let all =
-        [seeds("specs", &["examples/micro-gas-turbine/spec.toml"]), vec![own.into()]].concat();
-    fuzz("specs", all, &|input| {
+    let all = [seeds(&["examples/micro-gas-turbine/spec.toml"]), vec![own.into()]].concat();
+    Target::new("specs", all, |input| {
         with_text(input, |text| {
             said(toml::from_str::<PipelineSpec>(text), |spec| {
                 said(spec.check_limits(&Limits::default()), |()| {
@@ -123,49 +118,46 @@ fn specs() {
                 })
             })
         })
-    });
+    })
 }
 
-#[test]
-fn column_maps() {
+pub fn column_maps() -> Target {
     let files = ["examples/micro-gas-turbine/columns.toml", "examples/gap/xl330/columns.toml"];
     let own = "inputs = [{ name = \"wf\", unit = \"kg/s\", column = \"Fuel\" }]\n\
         outputs = [{ name = \"T_7\", unit = \"K\", column = \"EGT\" }]\ndelimiter = \",\"\n\
         [time]\ncolumn = \"t\"\n[resample]\nsample_time = 0.5\nmax_gap_s = 2\n";
-    let all = [seeds("column-maps", &files), vec![own.into()]].concat();
+    let all = [seeds(&files), vec![own.into()]].concat();
     let csv = "t,Fuel [g/s],EGT [degC]\n0,250,600\n0.5,251,\n1,252,602\n";
-    fuzz("column-maps", all, &|input| {
+    Target::new("column-maps", all, |input| {
         with_text(input, |text| {
             said(toml::from_str::<LogMap>(text), |map| {
                 let log = read_log_from("run.csv", csv.as_bytes(), &map);
                 said(log, |log| format!("{} rows", log.record.len()))
             })
         })
-    });
+    })
 }
 
-#[test]
-fn simulators_of_their_own() {
-    fuzz("outside", seeds("outside", &["examples/process/cart.toml"]), &|input| {
+pub fn simulators_of_their_own() -> Target {
+    Target::new("outside", seeds(&["examples/process/cart.toml"]), |input| {
         with_text(input, |text| {
             let read = OutsideFile::parse(Path::new("cart.toml"), text);
             said(read, |_| "read".to_owned())
         })
-    });
+    })
 }
 
-#[test]
-fn descriptions_of_fmus() {
+pub fn descriptions_of_fmus() -> Target {
     let own = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="mass" guid="{1}"><CoSimulation modelIdentifier="mass"/>
 <ModelVariables><ScalarVariable name="u" valueReference="0" causality="input"><Real start="0" unit="N"/></ScalarVariable>
 <ScalarVariable name="x" valueReference="1" causality="output"><Real/></ScalarVariable></ModelVariables>
 <ModelStructure><Outputs><Unknown index="2"/></Outputs></ModelStructure></fmiModelDescription>"#;
     let folder = tempfile::tempdir().unwrap();
-    let all = [seeds("fmus", &[]), vec![own.into()]].concat();
-    fuzz("fmus", all, &|input| {
+    let all = vec![own.into()];
+    Target::new("fmus", all, move |input| {
         std::fs::write(folder.path().join("modelDescription.xml"), input).unwrap();
         // There is no library for any machine, so it cannot be loaded, whatever it says.
         Fmu::load(folder.path(), &Stated::default()).unwrap_err().to_string()
-    });
+    })
 }
