@@ -5,7 +5,7 @@ mod common;
 
 use common::{Draw, draws, plant, random_matrix, rng, sampled};
 use faer::{Mat, MatRef, mat};
-use fd_core::{Frame, stage::ResidualGenerator};
+use fd_core::{Frame, Scalar, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
     DesignError,
@@ -251,7 +251,7 @@ fn what_the_bounds_do_not_explain_is_seen() {
         let (u, y) = truth.step(1.0);
         // More than twice what the set explains at rest, whatever the disturbances are at that sample.
         let fault = if k < 60 { 0.0 } else { 2.5 * design.settled()[0] };
-        let (u, y) = ([u[0] as f32], [(y[0] + fault) as f32]);
+        let (u, y) = ([f32::from_design(u[0])], [f32::from_design(y[0] + fault)]);
         running.step(Frame::new(running.io(), k, &u, &y).unwrap(), &mut r);
         if 1.0 < r[0].abs() && first.is_none() {
             first = Some(k);
