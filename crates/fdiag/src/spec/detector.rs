@@ -118,7 +118,7 @@ pub enum DetectorSpec {
 #[cfg(feature = "testing")]
 pub(super) const EVERY: [&str; 14] = [
     r#"kind = "maximum", margin = 0.1"#,
-    r#"kind = "bound", threshold = 2.0"#,
+    r#"kind = "bound", threshold = 0.02"#,
     r#"kind = "n-sigma", false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "chi-square", window = 5, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "cusum", reference = 1.0, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
