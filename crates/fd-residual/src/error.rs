@@ -141,6 +141,25 @@ pub enum DesignError {
         /// How many there are.
         count: usize,
     },
+    /// There is another number of things than there has to be, or fewer than that.
+    #[error("{what}: {expected} expected, got {found}")]
+    Count {
+        /// What is counted.
+        what: &'static str,
+        /// How many there have to be, or how many at least.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The set of states that the bounds allow grows without end.
+    #[error(
+        "the set of possible states still grows after {samples} samples: the model is too uncertain for this gain \
+         and this number of columns"
+    )]
+    Unbounded {
+        /// Samples after which nobody waited any longer.
+        samples: usize,
+    },
     /// Something that must not be empty is.
     #[error("at least one {what} is needed")]
     Empty {

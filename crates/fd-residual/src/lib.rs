@@ -13,6 +13,7 @@
 //! | [`directional`] | the Beard filter | faults are isolated by the direction of the residual |
 //! | [`adaptive`] | innovation of an observer that learns parameters | the modelling error is a drift of known parameters |
 //! | [`estimation`] | the faults themselves, with an interval | the size of a fault is wanted, not only its presence |
+//! | [`zonotope`] | innovation of an observer, over the most that bounded errors can make of it | no false alarm is allowed and everything has a bound |
 //! | [`weighted`] | `W r` of any of these | channels are combined, scaled or filtered |
 //! | [`bank`] | several of these side by side | faults are isolated by a set of residuals |
 //! | [`form`] | any stable `H_u`, `H_y` | the generator was designed elsewhere |
@@ -75,6 +76,7 @@ pub mod structured;
 pub mod testing;
 pub mod unknown_input;
 pub mod weighted;
+pub mod zonotope;
 
 pub use crate::{
     error::DesignError,

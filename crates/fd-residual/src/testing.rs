@@ -22,6 +22,7 @@ use crate::{
     structured::{RowMethod, Structure, StructuredDesign},
     unknown_input::UnknownInputObserver,
     weighted::{FilteredDesign, WeightedDesign},
+    zonotope::{Bounds, ModelBounds, ZonotopeDesign},
 };
 
 /// A generator of the list.
@@ -31,7 +32,8 @@ pub struct Example {
     pub name: &'static str,
     /// Samples after which the residual is that of the form.
     pub wait: usize,
-    /// Whether it learns from the samples, and so has its form only until it has learned something.
+    /// Whether it changes with the samples: it has its form only until it has learned something, or only once it
+    /// has settled.
     pub adapts: bool,
     /// The design, or why this model does not allow it.
     pub design: Result<Box<dyn GeneratorDesign>, DesignError>,
@@ -48,7 +50,7 @@ type Make = fn(&StateSpace<Discrete>) -> Design;
 #[must_use]
 pub fn every_generator(model: &StateSpace<Discrete>) -> Vec<Example> {
     let window = model.nx() + model.ny() + 1;
-    let make: [(&'static str, usize, Make); 17] = [
+    let make: [(&'static str, usize, Make); 18] = [
         ("simulation", 0, |m| Ok(Box::new(SimulationDesign::new(m)?))),
         ("observer", 0, |m| Ok(Box::new(ObserverDesign::faster(m, 2.0)?))),
         ("kalman", 0, |m| Ok(Box::new(kalman(m)?))),
@@ -88,6 +90,12 @@ pub fn every_generator(model: &StateSpace<Discrete>) -> Vec<Example> {
             let walk = FaultNoise { process: 0.1, output: 0.1, drift: 1.0 };
             Ok(Box::new(FaultEstimatorDesign::new(m, &sensors(m)?, &walk)?))
         }),
+        ("zonotope", 0, |m| {
+            let disturbance = Mat::from_fn(m.nx(), m.nx(), |i, j| if i == j { 0.1 } else { 0.0 });
+            let (noise, model) = (vec![0.1; m.ny()], ModelBounds::exact(m));
+            let bounds = Bounds { disturbance, noise, initial: None, model };
+            Ok(Box::new(ZonotopeDesign::new(kalman(m)?, bounds, 10 * m.nx())?))
+        }),
         ("weighted", 0, |m| {
             Ok(Box::new(WeightedDesign::new(kalman(m)?, mixture(2, m.ny()).as_ref())?))
         }),
@@ -104,7 +112,7 @@ pub fn every_generator(model: &StateSpace<Discrete>) -> Vec<Example> {
         .map(|(name, wait, design)| Example {
             name,
             wait,
-            adapts: name == "adaptive",
+            adapts: ["adaptive", "zonotope"].contains(&name),
             design: design(model),
         })
         .collect();

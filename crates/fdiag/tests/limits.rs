@@ -7,7 +7,7 @@ use fdiag::{
 };
 
 /// Lines of specs, the key that is too large, and the limit.
-const TOO_LARGE: [(&str, &str, Resource); 20] = [
+const TOO_LARGE: [(&str, &str, Resource); 21] = [
     (
         "detector = { kind = 'chi-square', window = 18446744073709551615, false_alarms = RATE }",
         "detector.window",
@@ -16,6 +16,11 @@ const TOO_LARGE: [(&str, &str, Resource); 20] = [
     (
         "detector = { kind = 'chi-square', window = 9223372036854775807, false_alarms = RATE }",
         "detector.window",
+        Resource::Window,
+    ),
+    (
+        "generator = { kind = 'zonotope', rate = 1.0, noise = [1.0], columns = 9223372036854775807 }",
+        "generator.columns",
         Resource::Window,
     ),
     (

@@ -32,6 +32,13 @@ pub enum DetectorSpec {
         #[serde(default = "default_margin")]
         margin: f64,
     },
+    /// The largest channel against a given number, whatever the healthy residuals were: for residuals that come with
+    /// bounds.
+    Bound {
+        /// The number, in the unit of the residual.
+        #[serde(default = "default_bound")]
+        threshold: f64,
+    },
     /// The largest channel in standard deviations from its fault-free mean.
     NSigma {
         /// Threshold in standard deviations, unless `false_alarms` is given.
@@ -109,8 +116,9 @@ pub enum DetectorSpec {
 
 /// Lines of specs, at least one of each kind.
 #[cfg(feature = "testing")]
-pub(super) const EVERY: [&str; 13] = [
+pub(super) const EVERY: [&str; 14] = [
     r#"kind = "maximum", margin = 0.1"#,
+    r#"kind = "bound", threshold = 0.02"#,
     r#"kind = "n-sigma", false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "chi-square", window = 5, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "cusum", reference = 1.0, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
@@ -165,6 +173,10 @@ impl Default for DetectorSpec {
 
 fn default_margin() -> f64 {
     DEFAULT_MARGIN
+}
+
+fn default_bound() -> f64 {
+    1.0
 }
 
 fn default_sigmas() -> f64 {
@@ -234,6 +246,10 @@ impl DetectorSpec {
         match *self {
             Self::Maximum { margin } => {
                 Ok(Box::new(Magnitude::<f64>::above_fault_free_maximum(residuals, margin)?))
+            }
+            Self::Bound { threshold } => {
+                let ones = vec![1.0; data.design.residual_len()];
+                Ok(Box::new(Magnitude::<f64>::new(&ones, threshold)?))
             }
             Self::NSigma { sigmas, false_alarms: None } => {
                 Ok(Box::new(NSigma::<f64>::new(data.standard()?, sigmas)?))

@@ -1,5 +1,6 @@
 //! Which residual generator, as a line of a spec.
 
+mod bounds;
 mod data;
 mod deviations;
 mod disturbance;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 #[cfg(feature = "testing")]
 pub(super) use self::every::EVERY;
 pub use self::{
+    bounds::{ModelBoundSpec, ZonotopeSpec},
     data::{ComponentSpec, PartSpec},
     deviations::DeviationSpec,
     disturbance::DisturbanceSpec,
@@ -51,6 +53,8 @@ pub enum GeneratorSpec {
         /// Variance of the noise on each output, in the (scaled) unit of the output.
         output_noise: f64,
     },
+    /// An observer of all states that bounds allow; the residual is within ±1 as long as they hold.
+    Zonotope(ZonotopeSpec),
     /// All exact parity relations over `order + 1` samples.
     Parity {
         /// Window length minus one.
@@ -324,7 +328,8 @@ impl GeneratorSpec {
             | Self::Unscented { .. }
             | Self::Particle { .. }
             | Self::Patched { .. } => true,
-            Self::Parity { .. }
+            Self::Zonotope(_)
+            | Self::Parity { .. }
             | Self::Decoupled { .. }
             | Self::Eigenstructure { .. }
             | Self::Optimal { .. }

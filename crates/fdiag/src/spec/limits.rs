@@ -65,7 +65,7 @@ fn check(path: &mut String, key: &str, value: &Value, limits: &Limits) -> Result
 fn resource(key: &str) -> Option<Resource> {
     Some(match key {
         "seed" | "first_seed" => return None,
-        "window" | "out_of" | "raise" | "horizon" | "delay" | "lag" => Resource::Window,
+        "window" | "out_of" | "raise" | "horizon" | "delay" | "lag" | "columns" => Resource::Window,
         "na" | "nb" | "nc" | "nd" | "most" | "order" | "degree" | "segments" | "states"
         | "regions" | "rank" | "whitening" | "tones" | "lags" | "past" | "future" => {
             Resource::Order

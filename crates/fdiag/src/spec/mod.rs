@@ -29,7 +29,8 @@ pub use self::{
     detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
         ComponentSpec, DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec,
-        GeneratorSpecError, ModelSource, ParameterSpec, PartSpec, ShiftSpec, SignatureSpec,
+        GeneratorSpecError, ModelBoundSpec, ModelSource, ParameterSpec, PartSpec, ShiftSpec,
+        SignatureSpec, ZonotopeSpec,
     },
     isolation::{IsolationSpec, IsolationSpecError},
     limits::check_limits,

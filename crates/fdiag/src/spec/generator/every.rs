@@ -20,10 +20,12 @@ macro_rules! nonlinear {
 /// Lines of specs, at least one of each kind, for a model of one input, two states and two outputs.
 ///
 /// Those with a model of their own have that of the tests.
-pub(in crate::spec) const EVERY: [&str; 27] = [
+pub(in crate::spec) const EVERY: [&str; 29] = [
     r#"kind = "simulation""#,
     r#"kind = "observer", rate = 2.0"#,
     r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
+    r#"kind = "zonotope", rate = 2.0, noise = [3.0, 3.0], disturbance = [[0.5, 0.0], [0.0, 0.5]]"#,
+    r#"kind = "zonotope", rate = 2.0, noise = [3.0, 3.0], initial = [1.0, 1.0], model = { b = [[0.01], [0.02]] }, columns = 6"#,
     r#"kind = "parity", order = 2"#,
     r#"kind = "unknown-input", disturbance = { kind = "learned", rank = 1 }, rate = 2.0"#,
     r#"kind = "unknown-input", disturbance = { kind = "directions", columns = [[1.0, 0.5]] }, rate = 2.0"#,

@@ -36,6 +36,7 @@ impl GeneratorSpec {
             Self::Kalman { process_noise, output_noise } => {
                 Box::new(ObserverDesign::kalman(model, *process_noise, *output_noise)?)
             }
+            Self::Zonotope(spec) => Box::new(spec.design(model)?),
             Self::Parity { order } => Box::new(ParityDesign::all(model, *order)?),
             Self::UnknownInput { disturbance, rate } => {
                 let e = disturbance.columns(model, healthy)?;
