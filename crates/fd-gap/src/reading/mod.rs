@@ -17,8 +17,8 @@
 //!    believed only if the corrected log explains clearly more ([`Suspicion::judged`]).
 //!
 //! A factor has to be well determined (half and twice its value explain clearly less), and the corrected
-//! simulation has to follow what was measured: a gain near zero explains nothing. What a delay explains equally
-//! well stays a delay.
+//! simulation has to follow what was measured: a gain near zero explains nothing. What a delay among the
+//! suspects can do stays a delay.
 //!
 //! *When not to use:* two mistakes at once are found only where one of them alone explains much.
 //!

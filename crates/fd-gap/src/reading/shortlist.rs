@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use fd_effect::Candidate;
+
 use super::{
     hypotheses::{Hypothesis, hypotheses},
     misfit::Look,
@@ -29,7 +31,13 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
     };
     let limit = rough(&nominal).unwrap_or(f64::INFINITY);
     let mut looked: Vec<(f64, &Hypothesis)> = Vec::new();
-    let is_other = |h: &&Hypothesis| !matches!(h.mistake, Mistake::Parameter { .. });
+    let delayed = delayed(case);
+    let is_other = |h: &&Hypothesis| match &h.mistake {
+        Mistake::Parameter { .. } => false,
+        // What a delay can be is one.
+        Mistake::Clock { channel, late } => !delayed.contains(&(channel.clone(), 0 < *late)),
+        _ => true,
+    };
     for hypothesis in all.iter().filter(is_other) {
         if let Some(rough) = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake) {
             looked.push((rough, hypothesis));
@@ -50,6 +58,20 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
         simulator.initial().len() + simulator.parameters().iter().filter(uncertain).count();
     let longest = if LARGE < unknowns { FEWEST } else { LONGEST };
     Ok(looked.into_iter().take(longest).map(|(_, hypothesis)| hypothesis.clone()).collect())
+}
+
+/// Channels that a delay among the suspects can shift as a clock would, each with whether they would be logged late: an
+/// input that acts late was logged early.
+fn delayed(case: &Case<'_>) -> BTreeSet<(String, bool)> {
+    let of = |candidate: Candidate| {
+        let is_late = match candidate.label {
+            "input-delay" => false,
+            "sensor-delay" => true,
+            _ => return None,
+        };
+        Some((candidate.site.name()?.to_owned(), is_late))
+    };
+    case.suspects.alone().into_iter().flatten().filter_map(of).collect()
 }
 
 /// How a mended log looks with everything at its nominal value; `None` where it is not looked at or
@@ -116,4 +138,58 @@ fn parameters<'h>(as_read: &mut Trial<'_>, all: &'h [Hypothesis]) -> Vec<(f64, &
             Some((as_read.misfit(&simulated?, Look::Rough)?.rough(), hypothesis))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use fd_effect::{EverySite, Suspects, library};
+    use fd_model::Record;
+    use fd_sim::{model::Model, scales::ReplayScales};
+
+    use super::*;
+
+    const MODEL: &str = r#"
+version = 1
+kind = "equations"
+name = "lag"
+sample_time = 0.1
+inputs = { u = { unit = "V" } }
+outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+states = { x = { unit = "V", initial = 0.0, derivative = "u - x" } }
+"#;
+
+    /// The lag answers three samples late.
+    #[test]
+    fn what_a_delay_can_be_is_no_clock() {
+        let model: Model = MODEL.parse().unwrap();
+        let ts = model.sample_time().unwrap();
+        let command = |k: i32| (0.3 * f64::from(k)).sin() + (0.11 * f64::from(k)).cos();
+        let mut x = 0.0;
+        let rows = (0..200).map(|k| {
+            let row = ([command(k)], [x]);
+            let u = command(k - 3);
+            x = u + (-0.1_f64).exp() * (x - u);
+            row
+        });
+        let rows: Vec<([f64; 1], [f64; 1])> = rows.collect();
+        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+        let logs = [Record::from_rows(inputs, outputs, rows, ts).unwrap()];
+        let early = |suspects: &dyn Suspects| {
+            let case = Case { nominal: &model, suspects, logs: &logs, held_out: &[] };
+            let is_early = |h: &Hypothesis| match &h.mistake {
+                Mistake::Clock { channel, late } => channel == "u" && *late < 0,
+                _ => false,
+            };
+            shortlist(&case).unwrap().iter().any(is_early)
+        };
+        let none: Vec<Candidate> = Vec::new();
+        assert!(early(&none));
+        let u: Vec<f64> = (0..200).map(command).collect();
+        let with = |label: &str| {
+            let effects = library().into_iter().filter(|e| e.label() == label).collect();
+            let scales = ReplayScales::of(&model, ts, &u, 200).unwrap();
+            early(&EverySite::new(effects, &model, scales))
+        };
+        assert!(with("input-gain") && with("sensor-delay") && !with("input-delay"));
+    }
 }

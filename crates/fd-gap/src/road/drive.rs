@@ -6,12 +6,35 @@ use super::{
     eliminate::Judge,
     finish::{Found, at, finish, judged_at, total},
     list::Lists,
-    result::Road,
+    result::{End, Road},
+    to_the_noise::to_the_noise,
 };
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Regime, Settings, Verdict},
     fit::{FitError, Horizon},
 };
+
+/// How far a road may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// Most causes.
+    pub most: usize,
+    /// Whether runs are dear: then there are no lists by evidence, which cost up to sixteen diagnoses.
+    pub is_dear: bool,
+}
+
+impl From<usize> for Bounds {
+    /// At most so many causes of a simulator that is cheap to run.
+    ///
+    /// ```
+    /// use fd_gap::road::Bounds;
+    ///
+    /// assert_eq!(Bounds::from(8), Bounds { most: 8, is_dear: false });
+    /// ```
+    fn from(most: usize) -> Self {
+        Self { most, is_dear: false }
+    }
+}
 
 /// A diagnosis, and what is needed to go on from it.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +59,7 @@ impl<'a> Journey<'a> {
     }
 }
 
-/// Goes on from a diagnosis as long as causes help, to `most` causes. `None` where one answer is
+/// Goes on from a diagnosis as long as causes help and as far as the `bounds` allow. `None` where one answer is
 /// all there is to say: there is no gap, one cause or one pair explains the logs down to the noise, the loop was
 /// diagnosed with its controller on logged outputs, or nothing helps at all.
 ///
@@ -47,9 +70,10 @@ pub fn road(
     case: &Case<'_>,
     first: &Diagnosis,
     settings: &Settings,
-    most: usize,
+    bounds: impl Into<Bounds>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Road>, FitError> {
+    let Bounds { most, is_dear } = bounds.into();
     if first.is_logged_loop || first.verdict == Verdict::NoGap {
         return Ok(None);
     }
@@ -59,8 +83,13 @@ pub fn road(
     let horizon = judged_at(first, settings);
     let journey = Journey { case, first, settings, most, lists, horizon };
     let found = match first.regime {
+        Regime::AtTheFloor if is_dear => None,
         Regime::AtTheFloor => by_evidence(&journey, monitor)?,
-        Regime::AboveTheFloor => by_forecasts(&journey, monitor)?,
+        Regime::AboveTheFloor => match by_forecasts(&journey, monitor)? {
+            Some(found) if matches!(found.end, End::AtTheNoise | End::Enough) => Some(found),
+            found if is_dear => found,
+            found => to_the_noise(&journey, monitor)?.or(found),
+        },
     };
     found
         .filter(|found: &Found| !found.list.is_empty())

@@ -4,13 +4,21 @@ use fd_effect::{Candidate, Suspects};
 use fd_sim::model::Model;
 
 use super::{adjustable::adjustable, beside::Beside, result::Milestone};
-use crate::diagnose::Cause;
+use crate::diagnose::{Cause, Settings};
 
 /// A cause that was accepted, and the candidate that it is: its model has all causes so far, adjustable.
 #[derive(Clone, Debug)]
 pub(super) struct Listed {
     pub(super) milestone: Milestone,
     pub(super) candidate: Candidate,
+}
+
+impl Listed {
+    /// Whether nothing beside the same others explained clearly better: a law that a curve without a law beats by far
+    /// stands for something else.
+    pub(super) fn is_credible(&self, settings: &Settings) -> bool {
+        1.0 / settings.bayes_factor <= self.milestone.odds
+    }
 }
 
 /// What lists are made of.

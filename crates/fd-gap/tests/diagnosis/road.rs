@@ -59,20 +59,21 @@ fn reality(model: &Model, real: Real, seed: u64) -> Record {
 }
 
 /// A few effects that could be at work here.
-fn suspects<'a>(model: &'a Model, fitted: &Record) -> EverySite<'a> {
+const FEW: [&str; 8] = [
+    "input-dead-zone",
+    "input-saturation",
+    "input-lag",
+    "input-gain",
+    "sensor-lag",
+    "sensor-bias",
+    "sensor-scale",
+    "input-offset",
+];
+
+fn suspects<'a>(model: &'a Model, fitted: &Record, few: &[&str]) -> EverySite<'a> {
     let ts = model.sample_time().unwrap();
     let u: Vec<f64> = (0..SAMPLES).flat_map(|k| fitted.u(k).to_vec()).collect();
     let scales = ReplayScales::of(model, ts, &u, SAMPLES).unwrap();
-    let few = [
-        "input-dead-zone",
-        "input-saturation",
-        "input-lag",
-        "input-gain",
-        "sensor-lag",
-        "sensor-bias",
-        "sensor-scale",
-        "input-offset",
-    ];
     let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
     EverySite::new(effects, model, scales)
 }
@@ -101,7 +102,7 @@ fn what_was_fitted_before_is_found_again() {
     let model: Model = MODEL.replace("noise = 0.002", "noise = 0.02").parse().unwrap();
     let small = Real { dead_zone: 0.3, end: 9.0, lag: 0.001, noise: 0.02 };
     let logs = [reality(&model, small, 3)];
-    let suspects = suspects(&model, &logs[0]);
+    let suspects = suspects(&model, &logs[0], &FEW);
     let settings = Settings { two: 0.0, ..Settings::default() };
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &[] };
     let first = diagnose(&case, &settings, &()).unwrap();
@@ -125,7 +126,7 @@ fn near_the_noise_evidence_asks_for_a_third_cause() {
     let model: Model = MODEL.replace("noise = 0.002", "noise = 0.02").parse().unwrap();
     let small = Real { dead_zone: 0.3, end: 1.5, lag: 0.05, noise: 0.02 };
     let (fitted, held_out) = (reality(&model, small, 1), reality(&model, small, 2));
-    let suspects = suspects(&model, &fitted);
+    let suspects = suspects(&model, &fitted, &FEW);
     let (logs, held_out) = ([fitted], [held_out]);
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
     let settings = Settings::default();
@@ -154,7 +155,7 @@ fn near_the_noise_evidence_asks_for_a_third_cause() {
 fn causes_come_one_after_another_with_shares_that_add_up() {
     let model: Model = MODEL.parse().unwrap();
     let (fitted, held_out) = (reality(&model, LARGE, 1), reality(&model, LARGE, 2));
-    let suspects = suspects(&model, &fitted);
+    let suspects = suspects(&model, &fitted, &FEW);
     let (logs, held_out) = ([fitted], [held_out]);
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
     let settings = Settings::default();
@@ -179,4 +180,28 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
 
     let short = road(&case, &first, &settings, 1, &()).unwrap().unwrap();
     assert_eq!((short.end, short.causes.len()), (End::Enough, 1));
+}
+
+/// By forecasts a gain stands for the dead zone and the end, and a curve for what it leaves, which ends that road. But
+/// laws bring the held-out log down to the noise as well.
+#[test]
+fn laws_that_explain_everything_are_found_behind_a_curve() {
+    let model: Model = MODEL.parse().unwrap();
+    let (fitted, held_out) = (reality(&model, LARGE, 1), reality(&model, LARGE, 2));
+    let with_curve = [&FEW[..], &["input-map"]].concat();
+    let suspects = suspects(&model, &fitted, &with_curve);
+    let (logs, held_out) = ([fitted], [held_out]);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let settings = Settings::default();
+    let first = diagnose(&case, &settings, &()).unwrap();
+    assert_eq!(first.regime, Regime::AboveTheFloor);
+
+    let found = road(&case, &first, &settings, 8, &()).unwrap().unwrap();
+    let labels: Vec<&str> = found.causes.iter().map(|m| m.cause.label).collect();
+    assert_eq!((found.end, labels.len()), (End::AtTheNoise, 3), "{labels:?}");
+    for planted in ["input-dead-zone", "input-saturation"] {
+        assert!(labels.contains(&planted), "{labels:?}");
+    }
+    assert!(labels.iter().any(|label| label.ends_with("-lag")), "{labels:?}");
+    assert!(found.unexplained < 0.02, "{found:?}");
 }

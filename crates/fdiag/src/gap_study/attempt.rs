@@ -1,6 +1,6 @@
 //! A diagnosis of logs as they are read, and as they may be meant.
 
-use fd_effect::EverySite;
+use fd_effect::{Candidate, EverySite, Suspects};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
@@ -144,12 +144,14 @@ pub(super) fn mended(
     if request.as_read {
         return None;
     }
-    // No cause is tried here.
-    let none: Vec<fd_effect::Candidate> = Vec::new();
+    // No cause is tried here; what a delay among them can do is no clock.
+    let none: Vec<Candidate> = Vec::new();
+    let suspects: &dyn Suspects =
+        as_read.as_ref().map_or(&none, |attempt| &attempt.suspects as &dyn Suspects);
     let lent = as_read.as_ref().ok().and_then(|attempt| attempt.sparing.as_ref());
     let nominal: &dyn Nominal = lent.map_or(subject.nominal(), |(_, lent)| lent);
     let logs = &data.fit[..];
-    let case = Case { nominal, suspects: &none, logs, held_out: &[] };
+    let case = Case { nominal, suspects, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
     let suspicion = suspect(&case, horizon, diagnosis).ok()??;
     let mistake = suspicion.mistake();

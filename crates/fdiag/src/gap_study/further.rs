@@ -3,10 +3,10 @@
 use fd_gap::{
     calibrate::{Confusion, self_calibrate},
     ceiling::{Ceiling, ceiling},
-    diagnose::{Case, Diagnosis, Monitor, Regime, Settings, Verdict},
+    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict},
     experiment::{Advice, Reach, next},
     locate::{Location, locate},
-    road::{Road, road},
+    road::{Bounds, Road, road},
 };
 
 use super::{error::GapError, pause::Pause, request::Request};
@@ -40,11 +40,10 @@ impl Further {
         Asked { request, settings, is_followed, is_dear, pause }: Asked<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
-        // Near the noise each further cause asks for many runs.
-        let is_cheap = !is_dear || diagnosis.regime == Regime::AboveTheFloor;
+        let bounds = Bounds { most: request.most, is_dear };
         let road = match request.most {
-            2.. if is_cheap && pause.goes_on("further causes") => {
-                road(case, diagnosis, settings, request.most, monitor)?
+            2.. if pause.goes_on("further causes") => {
+                road(case, diagnosis, settings, bounds, monitor)?
             }
             _ => None,
         };

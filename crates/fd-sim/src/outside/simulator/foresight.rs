@@ -43,7 +43,8 @@ impl Tapes {
             return;
         }
         let is_full = |known: &[KnownTape]| {
-            FIRST + LAST <= known.len() || MOST < known.iter().map(|tape| tape.rows.len()).sum::<usize>() + rows.len()
+            FIRST + LAST <= known.len()
+                || MOST < known.iter().map(|tape| tape.rows.len()).sum::<usize>() + rows.len()
         };
         while FIRST < known.len() && is_full(&known) {
             known.remove(FIRST);
