@@ -135,7 +135,8 @@ pub(super) fn forecast_one(
         let first = known_until(segment, horizon);
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
     }
-    let values = in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, begun: &begun })?;
+    let values =
+        in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, beginning: &begun })?;
     let segments = plan.segments.clone();
     let starts: Vec<usize> = segments.iter().map(|segment| segment.from).collect();
     let simulator: Box<dyn Simulator> = match Carried::new(settled, nominal.initial(), log, &starts)
@@ -178,14 +179,14 @@ pub(super) struct Begun<'a> {
     settled: Settled<'a>,
     sigma: &'a [f64],
     whole: &'a Plan,
-    begun: &'a Plan,
+    beginning: &'a Plan,
 }
 
 impl Begun<'_> {
     /// The problem in which initial states and those parameters of the effects that are free are unknown, to be fitted
     /// to the `whole` log or to its beginning.
     pub(super) fn free(&self, is_free: &[bool], whole: bool) -> Result<Problem, FitError> {
-        let mut plan = if whole { self.whole.clone() } else { self.begun.clone() };
+        let mut plan = if whole { self.whole.clone() } else { self.beginning.clone() };
         for variable in &mut plan.shared {
             (variable.low, variable.high) = (variable.start, variable.start);
         }
