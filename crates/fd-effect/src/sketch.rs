@@ -11,7 +11,9 @@ use fd_sim::{
 };
 
 use super::{
-    candidate::{Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding},
+    candidate::{
+        Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Reason, Rounding,
+    },
     site::{Side, SiteRef},
 };
 
@@ -289,8 +291,18 @@ impl<'a> Sketch<'a> {
             is_strength,
             is_reciprocal: false,
             is_native: false,
+            in_another_run: InAnotherRun::default(),
         });
         self.bind(local, Expr::name(name))
+    }
+
+    /// Says what becomes of all strengths in another run of the plant.
+    #[must_use]
+    pub fn in_another_run(mut self, what: InAnotherRun) -> Self {
+        for strength in self.candidate.parameters.iter_mut().filter(|p| p.is_strength) {
+            strength.in_another_run = what;
+        }
+        self
     }
 
     /// Names the other end of a coupling.

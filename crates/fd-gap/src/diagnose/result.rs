@@ -94,6 +94,14 @@ impl Diagnosis {
         self.pairs.get(id.0)
     }
 
+    /// Probability that a cause is at work, alone or as one of two.
+    #[must_use]
+    pub fn at_work(&self, cause: &Cause) -> f64 {
+        let is_one_of = |pair: &&Pair| pair.causes.iter().any(|c| c.identity() == cause.identity());
+        let pairs = self.pairs.iter().filter(is_one_of);
+        cause.probability + pairs.map(|pair| pair.probability).sum::<f64>()
+    }
+
     /// Whether the answer explains the logs down to the noise: there is no gap, or what is named leaves nothing that
     /// something else could explain. Where it does not, places inside the model, or several causes, are
     /// worth trying.
@@ -381,6 +389,9 @@ pub struct HeldOut {
     pub closed_of_nominal: Option<Closed>,
     /// Share of the reducible gap of the refitted model that is closed.
     pub closed_of_refit: Option<Closed>,
+    /// Whether a path over time, which is part of the best explanation, was drawn anew in these logs: `after` is no
+    /// forecast of that then.
+    pub is_redrawn: bool,
 }
 
 impl HeldOut {
