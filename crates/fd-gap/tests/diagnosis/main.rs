@@ -19,6 +19,7 @@ mod fit;
 mod forecasts;
 mod frequency;
 mod lanes;
+mod laplace;
 mod locate;
 mod measurement;
 mod motion;
