@@ -3,6 +3,7 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use faer::Mat;
+use fd_effect::InAnotherRun;
 use fd_gap::{
     evidence::{DECADES, Likelihood, NoisePrior, evidence, likelihood},
     fit::{Horizon, LeastSquares, Minimum, Plan, Problem, Search, Variable, Weights, minimise},
@@ -51,7 +52,17 @@ fn log([k, s, l]: [f64; 3]) -> Record {
 fn effect(name: &str, scale: f64, range: Option<[f64; 2]>) -> Variable {
     let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let (name, unit) = (name.to_owned(), "1".to_owned());
-    Variable { name, unit, start: 0.0, scale, low, high, prior: None, is_native: false }
+    Variable {
+        name,
+        unit,
+        start: 0.0,
+        scale,
+        low,
+        high,
+        prior: None,
+        is_native: false,
+        in_another_run: InAnotherRun::Same,
+    }
 }
 
 fn fitted(log: &Record, effects: Vec<Variable>) -> (Problem, Minimum, Likelihood) {
