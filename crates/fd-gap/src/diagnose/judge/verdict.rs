@@ -23,11 +23,13 @@ pub(super) fn verdict(
 ) -> Verdict {
     let tied_causes = tied.iter().filter_map(|id| causes.get(id.0));
     let single: f64 = tied_causes.map(|ranked| ranked.cause.probability).sum();
-    let is_one_of = |pair: &&Pair| {
-        let mut tied = tied.iter().filter_map(|id| causes.get(id.0));
-        tied.any(|known| pair.causes.iter().any(|c| c.identity() == known.cause.identity()))
-    };
-    let beside: f64 = pairs.iter().filter(is_one_of).map(|pair| pair.probability).sum();
+    // The first one, alone or beside another: sums over what is tied would name a crowd of faint ones.
+    let first = causes.first().map_or(0.0, |first| {
+        let is_one_of =
+            |pair: &&Pair| pair.causes.iter().any(|c| c.identity() == first.cause.identity());
+        let beside = pairs.iter().filter(is_one_of).map(|pair| pair.probability);
+        first.cause.probability + beside.sum::<f64>()
+    });
     let double: f64 = pairs.iter().map(|pair| pair.probability).sum();
     if NAMED < probabilities.no_gap || causes.is_empty() {
         Verdict::NoGap
@@ -35,7 +37,7 @@ pub(super) fn verdict(
         Verdict::NoneOfThese
     } else if NAMED < double {
         Verdict::Pair
-    } else if NAMED < single + beside {
+    } else if NAMED < single.max(first) {
         if tied.len() == 1 { Verdict::Cause } else { Verdict::Tied }
     } else {
         Verdict::Unclear
