@@ -101,9 +101,7 @@ impl Diagnosis {
     /// Probability that a cause is at work, alone or as one of two.
     #[must_use]
     pub fn at_work(&self, cause: &Cause) -> f64 {
-        let is_one_of = |pair: &&Pair| pair.causes.iter().any(|c| c.identity() == cause.identity());
-        let pairs = self.pairs.iter().filter(is_one_of);
-        cause.probability + pairs.map(|pair| pair.probability).sum::<f64>()
+        cause.at_work(&self.pairs)
     }
 
     /// Whether the answer explains the logs down to the noise: there is no gap, or what is named leaves nothing that
@@ -239,6 +237,12 @@ impl Cause {
     #[must_use]
     pub fn identity(&self) -> (&'static str, &SiteRef, Option<&SiteRef>) {
         (self.label, &self.site, self.partner.as_ref())
+    }
+
+    /// Its probability, and that of those of the pairs that it is part of.
+    pub(super) fn at_work(&self, pairs: &[Pair]) -> f64 {
+        let is_in = |pair: &&Pair| pair.causes.iter().any(|of| of.identity() == self.identity());
+        self.probability + pairs.iter().filter(is_in).map(|pair| pair.probability).sum::<f64>()
     }
 }
 

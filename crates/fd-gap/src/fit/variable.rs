@@ -97,6 +97,11 @@ impl Variable {
         Some(Self::known(&state.channel.name, &state.channel.unit, state.value, tolerance))
     }
 
+    /// Whether it belongs to a path over time.
+    pub(crate) fn is_path(&self) -> bool {
+        self.in_another_run == InAnotherRun::Path
+    }
+
     /// The value in its unit.
     #[must_use]
     pub fn value(&self, z: f64) -> f64 {

@@ -11,7 +11,7 @@
 use fd_effect::InAnotherRun;
 
 use super::forecast::{Begun, STATES_SETTLED, Settled};
-use crate::fit::{FitError, LeastSquares, Log, Minimum, Search, Variable, minimise_all};
+use crate::fit::{FitError, LeastSquares, Log, Minimum, Search, minimise_all};
 
 /// What is made of paths over time in logs that were not fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,9 +46,7 @@ pub(super) fn in_this_run(
         return Ok(values);
     }
     let effects = settled.effects.iter().zip(&is_free);
-    let is_path =
-        |((v, _), free): (&(Variable, f64), &bool)| *free && v.in_another_run == InAnotherRun::Path;
-    let is_any_path = effects.clone().any(is_path);
+    let is_any_path = is_path_free && settled.effects.iter().any(|(v, _)| v.is_path());
     let mut problem = begun.free(&is_free, is_any_path)?;
     let origin = vec![0.0; problem.layout().unknowns() - values.len()];
     // A wave may have turned.

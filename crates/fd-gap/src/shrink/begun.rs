@@ -35,6 +35,10 @@ pub(crate) fn as_begun(
 ) -> Result<Vec<Log>, FitError> {
     let goes_on = best.effects.iter().any(|(v, _)| v.in_another_run == InAnotherRun::GoesOn);
     for log in &mut logs {
+        let may_go_on = goes_on && log.has_own_clock();
+        if log.is_in_motion && !may_go_on {
+            continue;
+        }
         let run = |log: &Log| forecast_one(nominal, best, log, Horizon::FreeRun, sigma);
         let Some(mut forecast) = run(log)? else { continue };
         let is_missed = |forecast: &Forecast| MISSED * MISSED <= forecast.mean_square();
@@ -44,9 +48,10 @@ pub(crate) fn as_begun(
                 (*log, forecast) = (free, found);
             }
         }
-        if goes_on && log.has_own_clock() && is_missed(&forecast) {
+        if may_go_on && is_missed(&forecast) {
             // Where a start was free in vain, it may be free with the right clock.
-            for known in [log.clone(), log.clone().in_motion()] {
+            let free = (!log.is_in_motion).then(|| log.clone().in_motion());
+            for known in std::iter::once(log.clone()).chain(free) {
                 let later = later(&known, run)?;
                 if let Some((later, found)) =
                     later.filter(|(_, found)| is_better(found, &forecast, 1))

@@ -124,9 +124,10 @@ impl<'a> Follower<'a> {
         noise: &[f64],
         u: &[[f64; 2]],
     ) -> Option<Self> {
-        let each = std::iter::once(DISTURBANCE).chain(STRONGER);
-        let each = each.filter_map(|size| Self::disturbed(nominal, record.ts(), noise, u, size));
-        each.into_iter().find(|follower| follower.holds(record).unwrap_or(false))
+        let mut each = std::iter::once(DISTURBANCE)
+            .chain(STRONGER)
+            .filter_map(|size| Self::disturbed(nominal, record.ts(), noise, u, size));
+        each.find(|follower| follower.holds(record).unwrap_or(false))
     }
 
     /// Whether the run along a record stays finite; `None` where it cannot be made.
@@ -243,7 +244,7 @@ impl Nominal for Follower<'_> {
         let own: Vec<f64> =
             u.chunks_exact(width).flat_map(|row| row[..plain].iter().copied()).collect();
         // Expressions are those of the model as it came, sizes those of the corrected run.
-        let model = as_far_as_it_goes(&self.model, ts, &own, samples)?;
+        let model = ReplayScales::of(&self.model, ts, &own, samples)?;
         let both = |(expr, _): (Expr, SignalScale), size: Option<(Expr, SignalScale)>| {
             size.map(|(_, scale)| (expr, scale))
         };
@@ -271,23 +272,6 @@ impl Nominal for Follower<'_> {
         let inputs = followed.inputs.into_iter().take(self.model.inputs.len()).collect();
         Ok(ReplayScales { inputs, sites: sites.collect(), ..followed })
     }
-}
-
-/// Scales of a free run that may run away until nothing is finite any more: of its beginning then.
-fn as_far_as_it_goes(
-    model: &Model,
-    ts: SampleTime,
-    u: &[f64],
-    samples: usize,
-) -> Result<ReplayScales, SimulateError> {
-    let width = u.len() / samples.max(1);
-    let mut found = ReplayScales::of(model, ts, u, samples);
-    let mut left = samples;
-    while found.is_err() && 4 < left {
-        left /= 2;
-        found = ReplayScales::of(model, ts, &u[..left * width], left);
-    }
-    found
 }
 
 /// Corrections of the derivatives, and the standard deviations of the innovations.

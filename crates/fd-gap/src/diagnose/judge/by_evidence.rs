@@ -63,13 +63,14 @@ pub(super) fn by_evidence<'a>(
     let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
     let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
     let Believed { others: probabilities, causes, pairs } = bounded(
-        believe(singles.causes.clone(), pairs, &best, gain, settings),
+        believe(singles.causes, pairs, &best, gain, settings),
         &lack_of_fit,
         doubt,
         is_curve,
     );
     let pairs = NamedPairs { pairs, tied, fitted };
-    let verdict = verdict(probabilities, &causes, &ties, &pairs);
+    let singles = Singles { causes, ..singles };
+    let verdict = verdict(probabilities, &singles.causes, &ties, &pairs);
     let is_one = matches!(verdict, Verdict::Cause | Verdict::Tied);
     // Named alone, whatever else may be there: what is said of it is said of it alone.
     let alone = singles.first_answer().filter(|_| is_one && simulated_effects == 2);
@@ -84,7 +85,7 @@ pub(super) fn by_evidence<'a>(
         verdict,
         regime: Regime::AtTheFloor,
         probabilities,
-        singles: Singles { causes, ..singles },
+        singles,
         ties,
         pairs,
         best,

@@ -4,10 +4,7 @@ use super::{
     judged::{NamedPairs, Ties},
     probabilities::Probabilities,
 };
-use crate::diagnose::{
-    result::{Pair, Verdict},
-    weigh::rank::RankedCause,
-};
+use crate::diagnose::{result::Verdict, weigh::rank::RankedCause};
 
 /// Probability from which an answer is named.
 const NAMED: f64 = 0.5;
@@ -24,12 +21,7 @@ pub(super) fn verdict(
     let tied_causes = tied.iter().filter_map(|id| causes.get(id.0));
     let single: f64 = tied_causes.map(|ranked| ranked.cause.probability).sum();
     // The first one, alone or beside another: sums over what is tied would name a crowd of faint ones.
-    let first = causes.first().map_or(0.0, |first| {
-        let is_one_of =
-            |pair: &&Pair| pair.causes.iter().any(|c| c.identity() == first.cause.identity());
-        let beside = pairs.iter().filter(is_one_of).map(|pair| pair.probability);
-        first.cause.probability + beside.sum::<f64>()
-    });
+    let first = causes.first().map_or(0.0, |first| first.cause.at_work(pairs));
     let double: f64 = pairs.iter().map(|pair| pair.probability).sum();
     if NAMED < probabilities.no_gap || causes.is_empty() {
         Verdict::NoGap

@@ -1,7 +1,5 @@
 //! Gaps on held-out logs, before and after.
 
-use fd_effect::InAnotherRun;
-
 use crate::{
     diagnose::{
         context::Context,
@@ -39,8 +37,7 @@ pub(super) fn held_out_gaps(
     let best = best
         .map(|Fit { problem, minimum }| FittedValues::of(problem, minimum).with_paths(Paths::Anew));
     let best = best.as_ref().unwrap_or(&refit);
-    let is_redrawn =
-        best.settled().effects.iter().any(|(v, _)| v.in_another_run == InAnotherRun::Path);
+    let is_redrawn = best.settled().effects.iter().any(|(variable, _)| variable.is_path());
     let mut all = Vec::new();
     if logs.is_empty() {
         return Ok(all);

@@ -1,6 +1,6 @@
 //! A possible answer: an explanation of the logs, and the choice among several.
 
-use fd_effect::{InAnotherRun, SiteRef};
+use fd_effect::SiteRef;
 use fd_sim::model::Model;
 
 use super::{explain::explain, measurement::MeasurementCause};
@@ -72,8 +72,7 @@ impl Answer {
 
     /// Whether a path over time is part of it.
     pub(in crate::diagnose) fn has_path(&self) -> bool {
-        let is_path = |variable: &Variable| variable.in_another_run == InAnotherRun::Path;
-        self.fit.as_ref().is_some_and(|fit| fit.problem.effects().iter().any(is_path))
+        self.fit.as_ref().is_some_and(|fit| fit.problem.effects().iter().any(Variable::is_path))
     }
 
     /// The same with a cause of the measurement besides, whose traces do not count as left.
