@@ -9,7 +9,12 @@ use crate::{
     diagnose::{
         context::Context,
         settings::Settings,
-        weigh::{answer::Answer, rank::Basis, singles::Singles, values::FittedValues},
+        weigh::{
+            answer::{Answer, Fit},
+            rank::Basis,
+            singles::Singles,
+            values::FittedValues,
+        },
     },
     fit::{FitError, Log, Minimum, Problem},
     quality::Autoregression,
@@ -66,8 +71,9 @@ pub(super) fn validate_with_rivals(
         }
     }
     // A path is that of one run; that no law forecasts where it does not has been seen.
-    if 0.0 < validation.loss && best.has_path() {
-        let anew = validate(best, Paths::Anew)?;
+    let paths = best.fit.as_ref().map_or(Paths::AsFitted, Fit::paths);
+    if 0.0 < validation.loss && paths == Paths::Anew {
+        let anew = validate(best, paths)?;
         if anew.loss < validation.loss {
             validation = anew;
         }

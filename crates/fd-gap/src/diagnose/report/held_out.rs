@@ -34,10 +34,10 @@ pub(super) fn held_out_gaps(
     let as_it_came =
         Settled { simulator: nominal, nuisances: &[], effects: &[], paths: Paths::AsFitted };
     let refit = FittedValues::of(&null.problem, &null.minimum).on(nominal);
-    let best = best
-        .map(|Fit { problem, minimum }| FittedValues::of(problem, minimum).with_paths(Paths::Anew));
+    let paths = best.map_or(Paths::AsFitted, Fit::paths);
+    let best =
+        best.map(|Fit { problem, minimum }| FittedValues::of(problem, minimum).with_paths(paths));
     let best = best.as_ref().unwrap_or(&refit);
-    let is_redrawn = best.settled().effects.iter().any(|(variable, _)| variable.is_path());
     let mut all = Vec::new();
     if logs.is_empty() {
         return Ok(all);
@@ -73,7 +73,7 @@ pub(super) fn held_out_gaps(
                 .map(Closed::between_runs),
             closed_of_refit: closed(&refit, &after, floor, replicas, seed)
                 .map(Closed::between_runs),
-            is_redrawn,
+            is_redrawn: paths == Paths::Anew,
         });
     }
     Ok(all)

@@ -28,7 +28,7 @@ pub struct HeldOut {
     pub closed_of_nominal: Option<Closed>,
     /// Share of the reducible gap of the refitted model that is closed.
     pub closed_of_refit: Option<Closed>,
-    /// Whether a path over time, which is part of the best explanation, was drawn anew in these logs: `after` is no
+    /// Whether a path over time, which is the best explanation, was drawn anew in these logs: `after` is no
     /// forecast of that then.
     pub is_redrawn: bool,
 }

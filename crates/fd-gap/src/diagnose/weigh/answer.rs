@@ -7,6 +7,7 @@ use super::{explain::explain, measurement::MeasurementCause};
 use crate::{
     diagnose::result::Explanation,
     fit::{Minimum, Problem, Variable},
+    shrink::Paths,
 };
 
 /// Evidence over that of the best single cause from which a second cause is accepted.
@@ -36,6 +37,19 @@ pub(in crate::diagnose) struct Answer {
 pub(in crate::diagnose) struct Fit {
     pub(in crate::diagnose) problem: Problem,
     pub(in crate::diagnose) minimum: Minimum,
+}
+
+impl Fit {
+    /// What is made of its paths over time in another log: where it is nothing but paths, they are drawn anew, as no
+    /// forecast of them is possible. Beside a law a path has to forecast, or the two would follow anything.
+    pub(in crate::diagnose) fn paths(&self) -> Paths {
+        let effects = self.problem.effects();
+        if !effects.is_empty() && effects.iter().all(Variable::is_path) {
+            Paths::Anew
+        } else {
+            Paths::AsFitted
+        }
+    }
 }
 
 /// An answer and what must speak for it.
@@ -68,11 +82,6 @@ impl Answer {
         let errors = problem.errors(&best.z)?;
         let fit = Some(Fit { problem, minimum: best.clone() });
         Some(Self { explanation, errors, fit, effects, log_evidence })
-    }
-
-    /// Whether a path over time is part of it.
-    pub(in crate::diagnose) fn has_path(&self) -> bool {
-        self.fit.as_ref().is_some_and(|fit| fit.problem.effects().iter().any(Variable::is_path))
     }
 
     /// The same with a cause of the measurement besides, whose traces do not count as left.
