@@ -130,6 +130,39 @@ impl<'a> Follower<'a> {
         each.find(|follower| follower.holds(record).unwrap_or(false))
     }
 
+    /// The same corrections around another simulator of these states and outputs, such as a patched one.
+    ///
+    /// ```
+    /// use fd_sim::{model::Model, simulate::{Follower, Nominal}};
+    ///
+    /// let pole = |gravity: f64| format!(r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "pole"
+    /// sample_time = 0.02
+    /// inputs = {{ u = {{ unit = "1/s^2" }} }}
+    /// outputs = {{ y = {{ unit = "rad", value = "q" }} }}
+    /// [states]
+    /// q = {{ unit = "rad", initial = 0.0, derivative = "w" }}
+    /// w = {{ unit = "rad/s", initial = 0.0, derivative = "{gravity}*sin(q) + u" }}
+    /// "#).parse::<Model>();
+    /// let (model, other) = (pole(9.0)?, pole(8.0)?);
+    /// let ts = model.sample_time()?;
+    /// let follower = Follower::of(&model, ts, &[0.001], &[[0.0, 1.0]]).ok_or("can be held")?;
+    /// assert_eq!(follower.around(&other).model(), &other);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn around<'b>(&self, nominal: &'b dyn Nominal) -> Follower<'b> {
+        Follower {
+            nominal,
+            model: nominal.model().clone(),
+            states: self.states.clone(),
+            gain: self.gain.clone(),
+            logged: self.logged.clone(),
+        }
+    }
+
     /// Whether the run along a record stays finite; `None` where it cannot be made.
     fn holds(&self, record: &Record) -> Option<bool> {
         let record = self.record(record).ok()?;
