@@ -90,7 +90,9 @@ pub use crate::{
     inputs::Inputs,
     nearest::nearest,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
-    resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
+    resample::{
+        Disorder, Gap, HeldInputs, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries,
+    },
     shown::{Shown, ShownList, ShownMessage, is_plain},
     simulate::{Simulation, SimulationError},
 };

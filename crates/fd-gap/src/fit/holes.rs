@@ -12,7 +12,7 @@ use std::ops::Range;
 use fd_sim::simulate::Simulator;
 
 use super::log::Log;
-use crate::quality::robust_third_difference_floor;
+use crate::quality::{grid_step, robust_third_difference_floor};
 
 /// Difference of the two guesses, in noise, from which an output is left out.
 const UNKNOWN: f64 = 0.5;
@@ -74,7 +74,8 @@ impl Log {
                 let range = finite().fold(f64::NEG_INFINITY, |a, b| a.max(*b))
                     - finite().fold(f64::INFINITY, |a, b| a.min(*b));
                 let floor = robust_third_difference_floor(&values).unwrap_or(0.0);
-                floor.max(EXACT * range).max(f64::MIN_POSITIVE)
+                let rounding = grid_step(&values).unwrap_or(0.0) / 12.0_f64.sqrt();
+                floor.max(rounding).max(EXACT * range).max(f64::MIN_POSITIVE)
             })
             .collect();
         let mut at_once = self.u.clone();
