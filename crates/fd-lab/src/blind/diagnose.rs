@@ -141,7 +141,9 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
         _ => Vec::new(),
     };
     let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));
-    let closed = diagnosis.held_out.first().and_then(|held_out| held_out.closed_of_refit);
+    // A path that was drawn anew through a log forecasts nothing of another.
+    let forecast = diagnosis.held_out.first().filter(|held_out| !held_out.is_redrawn);
+    let closed = forecast.and_then(|held_out| held_out.closed_of_refit);
     Answer {
         case: name.to_owned(),
         verdict: verdict(diagnosis.verdict).to_owned(),
