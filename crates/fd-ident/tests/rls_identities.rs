@@ -275,6 +275,89 @@ fn directional_forgetting_changes_the_information_along_the_regressor() {
     assert!(signs[0] > 50 && signs[1] > 50, "{signs:?}");
 }
 
+/// Where the trace is above its limit, samples that would give up information change none, and only they are counted.
+#[test]
+fn directional_forgetting_pauses_at_the_limit_of_the_trace() {
+    let (lambda, prior_variance) = (0.9, 0.01);
+    let forgetting = Forgetting::Directional { lambda };
+    let guard = Guard { trace_limit: 1.0, ..Guard::default() };
+    let mut kernel = rls::<UdHeap>(&RlsDesign { prior_variance, forgetting, guard });
+    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(1.0 / prior_variance);
+    let (mut theta, mut paused, mut learned) = ([0.0; N], 0, 0);
+    for (k, (phi, y)) in data(9, 400).into_iter().enumerate() {
+        // Quiet samples give up, every seventh takes in.
+        let phi = phi.map(|v| if k % 7 == 6 { 5.0 * v } else { v });
+        let phi_vector = faer::Col::from_fn(N, |i| phi[i]);
+        let covariance = inverse(&information);
+        let energy = phi_vector.transpose() * &covariance * &phi_vector;
+        let trace: f64 = (0..N).map(|i| covariance[(i, i)]).sum();
+        let weight = lambda - (1.0 - lambda) / energy;
+        // The trace of the prior is its limit to the bit.
+        let is_above = trace > N as f64 * prior_variance * (1.0 + 1e-12);
+        if weight < 0.0 && is_above {
+            paused += 1;
+        } else {
+            information += faer::Scale(weight) * &phi_vector * phi_vector.transpose();
+        }
+        learned += u64::from(weight > 0.0 && is_above);
+        kernel.update(&phi, y, &mut theta);
+        let mut variance = [0.0; N];
+        kernel.variance_into(&mut variance);
+        let expected = inverse(&information);
+        for i in 0..N {
+            assert!((variance[i] - expected[(i, i)]).abs() < 1e-10 * expected[(i, i)]);
+        }
+        assert_eq!(kernel.guard().bounded, paused);
+    }
+    // Above the limit both kinds of samples have been seen.
+    assert!(paused > 20 && learned > 3, "{paused} {learned}");
+}
+
+/// Exponential forgetting, and with each sample `n (1−λ)/c` more of information about the parameter whose turn it is.
+#[test]
+fn bounded_forgetting_adds_information_axis_by_axis() {
+    let (lambda, bound) = (0.9, 5.0);
+    let forgetting = Forgetting::Bounded { lambda, variance: bound };
+    let design = RlsDesign { prior_variance: 0.5, forgetting, guard: Guard::default() };
+    let mut kernel = rls::<UdHeap>(&design);
+    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(2.0);
+    let mut theta = [0.0; N];
+    for (k, (phi, y)) in data(7, 60).iter().enumerate() {
+        let phi_vector = faer::Col::from_fn(N, |i| phi[i]);
+        information *= faer::Scale(lambda);
+        information += &phi_vector * phi_vector.transpose();
+        information[(k % N, k % N)] += N as f64 * (1.0 - lambda) / bound;
+        kernel.update(phi, *y, &mut theta);
+        let mut variance = [0.0; N];
+        kernel.variance_into(&mut variance);
+        let expected = inverse(&information);
+        for i in 0..N {
+            // Of a condition below 1e3: some hundred roundings.
+            assert!((variance[i] - expected[(i, i)]).abs() < 1e-10 * expected[(i, i)], "{k}, {i}");
+        }
+    }
+}
+
+/// Of `R` with `RᵀR` the information: `tr P = ‖R⁻¹‖²`, and `‖R‖² = tr P⁻¹`, in Frobenius norms.
+#[test]
+fn trace_and_condition_of_the_factor_are_those_of_its_inverse() {
+    let design = RlsDesign { prior_variance: 10.0, ..RlsDesign::default() };
+    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(0.1);
+    let (mut kernel, mut theta) = (QrRls::<f64>::new(N, &design).unwrap(), [0.0; N]);
+    for (phi, y) in data(8, 30) {
+        let phi_vector = faer::Col::from_fn(N, |i| phi[i]);
+        information += &phi_vector * phi_vector.transpose();
+        kernel.update(&phi, y, &mut theta);
+        let covariance = inverse(&information);
+        let trace = |of: &Mat<f64>| (0..N).map(|i| of[(i, i)]).sum::<f64>();
+        let (spread, condition) =
+            (trace(&covariance), (trace(&information) * trace(&covariance)).sqrt());
+        // Of a condition of at most 1e3: some hundred roundings.
+        assert!((kernel.trace() / spread - 1.0).abs() < 1e-10, "{} {spread}", kernel.trace());
+        assert!((kernel.condition() / condition - 1.0).abs() < 1e-10, "{condition}");
+    }
+}
+
 fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
     use faer::linalg::solvers::DenseSolveCore;
     matrix.partial_piv_lu().inverse()
@@ -312,6 +395,13 @@ fn settings_out_of_range_are_named() {
         message(Forgetting::Equation18 { alpha: 0.0, falling: None }),
         "alpha of eq. (18) must be positive and finite, got 0"
     );
+    let limited = |trace_limit| {
+        let guard = Guard { trace_limit, ..Guard::default() };
+        Rls::<f64, UdHeap>::new(N, &RlsDesign { guard, ..RlsDesign::default() })
+    };
+    let message = limited(0.5).unwrap_err().to_string();
+    assert_eq!(message, "trace limit must be at least 1, got 0.5");
+    assert!(limited(1.0).is_ok() && limited(f64::NAN).is_err());
     let wrong_size = Rls::<f64, Ud<f64, Static<3>>>::new(N, &RlsDesign::default()).unwrap_err();
     assert_eq!(wrong_size.to_string(), "factor U must be 3x3, got 4x4");
     let parsed: Result<Forgetting, _> = serde_json::from_str(r#"{"kind":"exponentiel"}"#);
