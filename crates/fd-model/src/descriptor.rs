@@ -203,8 +203,11 @@ impl<D: TimeDomain> DescriptorSystem<D> {
     }
 }
 
+/// `U`, the values and `V` of `E = U diag(values) Vᵀ`.
+type FullSvd = (Mat<f64>, Vec<f64>, Mat<f64>);
+
 /// `E = U diag(values) Vᵀ` with square `U` and `V`.
-fn full_svd(e: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>, Mat<f64>), ModelError> {
+fn full_svd(e: &Mat<f64>) -> Result<FullSvd, ModelError> {
     // A square matrix has as many values as rows.
     let parts = svd(e.as_ref())?;
     Ok((parts.u, parts.values, parts.v))

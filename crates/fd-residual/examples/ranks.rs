@@ -12,11 +12,15 @@ mod cases;
 #[path = "../tests/common/changes.rs"]
 mod changes;
 #[allow(dead_code, reason = "the tests use more of it")]
-#[path = "../tests/common/transfer.rs"]
-mod transfer;
+#[path = "../tests/common"]
+mod common {
+    pub(crate) mod problems;
+    pub(crate) mod transfer;
+}
 
-use cases::{Case, Problem, every_case};
+use cases::{Case, every_case};
 use changes::Change;
+use common::problems::Problem;
 
 const RUNS: u32 = 20;
 

@@ -8,9 +8,13 @@ mod cases;
 mod changes;
 mod common;
 
-use cases::{Case, Problem, dedicated_bank, every_case, yuan};
+use cases::{Case, dedicated_bank, every_case};
 use changes::Change;
-use common::{Draw, draws, plant, random_matrix, rng, transfer};
+use common::{
+    Draw, draws, plant,
+    problems::{Problem, yuan},
+    random_matrix, rng,
+};
 use faer::{Mat, mat};
 use fd_model::{Continuous, StateSpace};
 use fd_residual::{

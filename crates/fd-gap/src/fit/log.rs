@@ -186,6 +186,16 @@ impl Log {
         Self { is_in_motion: true, ..self }
     }
 
+    /// The same log, begun so many samples after the clock of its effects.
+    pub(crate) fn begun_at(self, first: usize) -> Self {
+        Self { first, ..self }
+    }
+
+    /// Whether nobody knows how its clock goes with that of other logs: it goes on from none of them.
+    pub(crate) fn has_own_clock(&self) -> bool {
+        self.first == 0
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn samples(&self) -> usize {

@@ -7,6 +7,7 @@
     reason = "tests panic to fail, compare numbers that are exact, and print what they saw"
 )]
 
+mod another_run;
 mod bad_input;
 mod bench_cases;
 mod calibrate;
@@ -18,6 +19,7 @@ mod fit;
 mod forecasts;
 mod frequency;
 mod lanes;
+mod laplace;
 mod locate;
 mod measurement;
 mod motion;

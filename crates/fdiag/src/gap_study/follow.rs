@@ -72,7 +72,7 @@ pub fn follow<'a>(
         output.noise.or_else(estimated).unwrap_or(0.0)
     });
     let noise: Vec<f64> = noise.map(|noise| noise.max(f64::MIN_POSITIVE.sqrt())).collect();
-    Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
+    Ok(Follower::along(nominal, longest, &noise, &inputs))
 }
 
 /// Whether a model leaves its initial state by itself within this time, without inputs or with their means. A pole
@@ -141,6 +141,44 @@ mod tests {
         let ts = model.sample_time().unwrap();
         let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
         assert!(follow(&model, &[log]).unwrap().is_some());
+    }
+
+    /// A state that runs to infinity within a second, held by somebody: the run that follows it is finite, and so are the
+    /// sizes of its signals, though those of a free run are not.
+    #[test]
+    fn what_is_far_from_linear_is_held() {
+        let model: Model = r#"
+            version = 1
+            kind = "equations"
+            name = "runaway"
+            sample_time = 0.05
+            inputs = { u = { unit = "1/s" } }
+            outputs = { y = { unit = "1", value = "x", noise = 0.01 } }
+            [states]
+            x = { unit = "1", initial = 0.3, tolerance = 0.01, derivative = "2*x + 4*x^3 + u" }
+            "#
+        .parse()
+        .unwrap();
+        let mut x = 0.3;
+        let row = |k: u32| {
+            let u = -6.0 * x + 0.9 * (0.2 * f64::from(k)).sin();
+            let y = x + 0.01 * f64::from(k * 7919 % 13 % 3) - 0.01;
+            // A hundred Euler steps; the largest rate is 6/s.
+            for _ in 0..100 {
+                x += 5e-4 * (2.0 * x + 4.0 * x * x * x + u);
+            }
+            ([u], [y])
+        };
+        let rows: Vec<([f64; 1], [f64; 1])> = (0..400).map(row).collect();
+        let ts = model.sample_time().unwrap();
+        let (u, y) = ([Channel::new("u", "1/s")], [Channel::new("y", "1")]);
+        let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, ts).unwrap();
+        let follower = follow(&model, std::slice::from_ref(&log)).unwrap().unwrap();
+        let followed = follower.record(&log).unwrap();
+        let inputs: Vec<f64> = (0..400).flat_map(|k| followed.u(k).to_vec()).collect();
+        let own: Vec<f64> = (0..400).flat_map(|k| log.u(k).to_vec()).collect();
+        assert!(fd_sim::scales::ReplayScales::of(&model, ts, &own, 400).is_err());
+        assert!(follower.scales(ts, &inputs, 400).is_ok());
     }
 
     #[test]

@@ -4,13 +4,17 @@ use super::{
     judged::{NamedPairs, Ties},
     probabilities::Probabilities,
 };
-use crate::diagnose::{result::Verdict, weigh::rank::RankedCause};
+use crate::diagnose::{
+    result::{Pair, Verdict},
+    weigh::rank::RankedCause,
+};
 
 /// Probability from which an answer is named.
 const NAMED: f64 = 0.5;
 
 /// The answer in one word. What has more than half of the probability is named; tied causes have it
-/// together, and so have pairs.
+/// together, and so have pairs. A cause that is at work with that probability, alone or as one of two, is named even where
+/// it is open whether there is a second one, and which.
 pub(super) fn verdict(
     probabilities: Probabilities,
     causes: &[RankedCause],
@@ -19,6 +23,11 @@ pub(super) fn verdict(
 ) -> Verdict {
     let tied_causes = tied.iter().filter_map(|id| causes.get(id.0));
     let single: f64 = tied_causes.map(|ranked| ranked.cause.probability).sum();
+    let is_one_of = |pair: &&Pair| {
+        let mut tied = tied.iter().filter_map(|id| causes.get(id.0));
+        tied.any(|known| pair.causes.iter().any(|c| c.identity() == known.cause.identity()))
+    };
+    let beside: f64 = pairs.iter().filter(is_one_of).map(|pair| pair.probability).sum();
     let double: f64 = pairs.iter().map(|pair| pair.probability).sum();
     if NAMED < probabilities.no_gap || causes.is_empty() {
         Verdict::NoGap
@@ -26,7 +35,7 @@ pub(super) fn verdict(
         Verdict::NoneOfThese
     } else if NAMED < double {
         Verdict::Pair
-    } else if NAMED < single {
+    } else if NAMED < single + beside {
         if tied.len() == 1 { Verdict::Cause } else { Verdict::Tied }
     } else {
         Verdict::Unclear

@@ -1,12 +1,12 @@
 //! A possible answer: an explanation of the logs, and the choice among several.
 
-use fd_effect::SiteRef;
+use fd_effect::{InAnotherRun, SiteRef};
 use fd_sim::model::Model;
 
 use super::{explain::explain, measurement::MeasurementCause};
 use crate::{
     diagnose::result::Explanation,
-    fit::{Minimum, Problem},
+    fit::{Minimum, Problem, Variable},
 };
 
 /// Evidence over that of the best single cause from which a second cause is accepted.
@@ -68,6 +68,12 @@ impl Answer {
         let errors = problem.errors(&best.z)?;
         let fit = Some(Fit { problem, minimum: best.clone() });
         Some(Self { explanation, errors, fit, effects, log_evidence })
+    }
+
+    /// Whether a path over time is part of it.
+    pub(in crate::diagnose) fn has_path(&self) -> bool {
+        let is_path = |variable: &Variable| variable.in_another_run == InAnotherRun::Path;
+        self.fit.as_ref().is_some_and(|fit| fit.problem.effects().iter().any(is_path))
     }
 
     /// The same with a cause of the measurement besides, whose traces do not count as left.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fd_gap::{
     fit::{Horizon, Log},
-    shrink::{Settled, forecast_errors, gap},
+    shrink::{Paths, Settled, forecast_errors, gap},
 };
 use fd_numeric::rms;
 use fd_sim::{
@@ -89,7 +89,7 @@ fn really_closed(
     for run in FRESH {
         let Some((nominal, log)) = fresh(scene, run, &nominal)? else { continue };
         let error = |simulator: &dyn Simulator, nuisances: &[(String, f64)]| {
-            let settled = Settled { simulator, nuisances, effects: &[] };
+            let settled = Settled { simulator, nuisances, effects: &[], paths: Paths::AsFitted };
             let logs = std::slice::from_ref(&log);
             forecast_errors(&nominal, settled, logs, Horizon::FreeRun, &answer.sigma)
         };
