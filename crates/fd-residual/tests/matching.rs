@@ -78,6 +78,50 @@ fn the_worst_frequency_decides() {
     assert!((design.distance() / error - 1.0).abs() < 1e-6 && design.bound() <= error);
 }
 
+/// Example 5.12 of Varga (2017), voting among three sensors of one signal: pairs of outputs match the reference as it is, with
+/// `M = I` and no dynamics. The model holds the states of the signal once per sensor.
+#[test]
+fn states_that_are_held_several_times_cost_nothing() {
+    let (signal, load): (common::transfer::Ratio, common::transfer::Ratio) =
+        ((&[1.0], &[1.0, 0.4, 1.0]), (&[1.0, 3.0], &[1.0, 2.0, 5.0]));
+    let all = realise(&[[signal, load], [signal, load], [signal, load]]);
+    let model = all.select(&[0, 1, 2], &[0]).unwrap();
+    let entry = all.select(&[0, 1, 2], &[1]).unwrap();
+    let hidden = UnknownInputs::new("load", entry.b().to_owned(), entry.d().to_owned()).unwrap();
+    let sensors = (0..3).fold(UnknownInputs::none(&model), |all, i| all.sensor(&model, i).unwrap());
+    let pairs = mat![[0.0, 1.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -1.0, 0.0]];
+    let wanted = StateSpace::gain(pairs.clone(), Continuous).unwrap();
+    let design = ExactMatching::new(&model, &sensors, &hidden, &wanted, 1.0).unwrap();
+    for omega in [0.0, 0.5, 3.0, 100.0] {
+        let update = design.update().unwrap().frequency_response(omega).unwrap();
+        let (from_u, from_y) = design.form().response(omega).unwrap();
+        for i in 0..3 {
+            assert!(from_u[(i, 0)].norm() < 1e-9);
+            for j in 0..3 {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                assert!((update[(i, j)] - unit).norm() < 1e-9, "{omega}: {update:?}");
+                assert!((from_y[(i, j)] - pairs[(i, j)]).norm() < 1e-9, "{omega}: {from_y:?}");
+            }
+        }
+    }
+}
+
+/// A state that nothing moves is left out only if it dies out: residuals are blind to an offset that stays.
+#[test]
+fn an_offset_that_stays_is_not_left_out() {
+    // A lag with an integrator at rest on each of its two outputs.
+    let a = mat![[-1.0, 0.0], [0.0, 0.0]];
+    let (b, c) = (mat![[1.0], [0.0]], mat![[1.0, 1.0], [0.0, 1.0]]);
+    let model = StateSpace::new(a, b, c, Mat::zeros(2, 1), Continuous).unwrap();
+    let none = UnknownInputs::none(&model);
+    let fault = none.clone().actuator(&model, 0).unwrap();
+    let wanted = realise(&[[(&[1.0][..], &[1.0, 1.0][..])]]);
+    let design = ExactMatching::new(&model, &fault, &none, &wanted, 1.0).unwrap();
+    // Constant outputs as the offset makes them, and no input.
+    let (_, from_y) = design.form().response(0.0).unwrap();
+    assert!((from_y[(0, 0)] + from_y[(0, 1)]).norm() < 1e-9, "{from_y:?}");
+}
+
 /// A reference that tells apart what the outputs do not.
 #[test]
 fn what_outputs_do_not_tell_apart_is_refused() {

@@ -122,8 +122,9 @@ proptest! {
         let worst = RobustDesign::worst(&models, &faults, WINDOW).unwrap();
         let case = worst.worst_case().unwrap();
         // The search begins with the average.
-        prop_assert!(average.worst_over_models() <= case.achieved * (1.0 + 1e-9));
-        prop_assert!(case.achieved <= case.bound * (1.0 + 1e-9), "{case:?}");
+        // Where the bound is reached, both are one number by two roads, through a covariance whose condition is up to 1e6.
+        prop_assert!(average.worst_over_models() <= case.achieved * (1.0 + 1e-7));
+        prop_assert!(case.achieved <= case.bound * (1.0 + 1e-7), "{case:?}");
         // Measured on white inputs and noise: 4000 samples that are correlated over a handful.
         for (m, model) in models.iter().enumerate() {
             let uniform = 3.0_f64.sqrt();

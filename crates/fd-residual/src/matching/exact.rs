@@ -13,7 +13,7 @@ use crate::{
     decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
     form::{GeneratorDesign, ResidualForm, peak_gain},
-    matrix::check_shape,
+    matrix::{blocks, check_shape},
     observer::{ErrorPoles, pole_of_rate},
     simulation::check_stable,
 };
@@ -80,10 +80,12 @@ impl<D: TimeDomain> ExactMatching<D> {
         let gf = faults.system(model)?;
         check_reference(reference, model, faults)?;
         pole_of_rate(model.domain(), rate)?;
-        let space = LeftNullSpace::of(model, disturbances)?;
+        let Moved { model: moved, faults: by_faults, disturbances: hidden } =
+            Moved::of(model, faults, disturbances)?;
+        let space = LeftNullSpace::of(&moved, &hidden)?;
         let gain = space.gain_for(&ErrorPoles::Rate(rate))?;
         let first = space.with_gain(gain.as_ref())?;
-        let seen = space.seen(faults)?;
+        let seen = space.seen(&by_faults)?;
         // R_f with the states of the null space that faults reach: the others would be zeros of it.
         let rf = StateSpace::new(
             seen.a() - &gain * seen.c(),
@@ -95,7 +97,7 @@ impl<D: TimeDomain> ExactMatching<D> {
         .minimal(MINIMAL)?;
         let unmatched = |missed: f64| DesignError::NotMatched { missed };
         let corner = CORNER * rate;
-        let found = inverted(&rf, corner)?.ok_or_else(|| unmatched(1.0))?;
+        let found = inverted(&rf, rate, corner)?.ok_or_else(|| unmatched(1.0))?;
         let domain = model.domain();
         let mut front = StateSpace::gain(found.rows.clone(), domain)?;
         for filter in &found.filters {
@@ -183,6 +185,51 @@ impl GeneratorDesign for ExactMatching<Discrete> {
 
     fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
         self.form.build()
+    }
+}
+
+/// A plant with those of its states that are moved by inputs, disturbances or faults.
+///
+/// The others would be zeros of the null space, and the update would have to carry them.
+struct Moved<D> {
+    model: StateSpace<D>,
+    faults: UnknownInputs,
+    disturbances: UnknownInputs,
+}
+
+impl<D: TimeDomain> Moved<D> {
+    /// The plant as it is when a state that nothing moves does not die out: residuals have to be blind to it.
+    fn of(
+        model: &StateSpace<D>,
+        faults: &UnknownInputs,
+        disturbances: &UnknownInputs,
+    ) -> Result<Self, DesignError> {
+        let (f, d) = (faults.system(model)?, disturbances.system(model)?);
+        let [b, through] =
+            [blocks(&[&[model.b(), d.b(), f.b()]]), blocks(&[&[model.d(), d.d(), f.d()]])];
+        let (a, c, domain) = (model.a().to_owned(), model.c().to_owned(), model.domain());
+        let all = StateSpace::new(a, b, c, through, domain)?;
+        let lean = all.minimal(MINIMAL)?;
+        let lasting = |system: &StateSpace<D>| -> Result<usize, DesignError> {
+            Ok(system.poles()?.into_iter().filter(|&pole| !domain.decays(pole)).count())
+        };
+        let (faults, disturbances) = (faults.clone(), disturbances.clone());
+        if lasting(&lean)? < lasting(&all)? {
+            return Ok(Self { model: model.clone(), faults, disturbances });
+        }
+        let (nu, nd) = (model.nu(), disturbances.len());
+        let part = |from: usize, count: usize| {
+            let [b, d] = [lean.b(), lean.d()].map(|m| m.subcols(from, count).to_owned());
+            (b, d)
+        };
+        let (b, through) = part(0, nu);
+        let (into, onto) = part(nu, nd);
+        let (by, at) = part(nu + nd, faults.len());
+        Ok(Self {
+            model: StateSpace::new(lean.a().to_owned(), b, lean.c().to_owned(), through, domain)?,
+            faults: UnknownInputs::new("fault", by, at)?,
+            disturbances: UnknownInputs::new("disturbance", into, onto)?,
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 use faer::{Mat, c64, prelude::Solve};
 use fd_model::{ModelError, StateSpace, TimeDomain};
 
+use super::stable::slower;
 use crate::{
     error::DesignError,
     matrix::spread_rows,
@@ -26,13 +27,15 @@ pub(super) struct Inverted<D> {
     pub(super) inverse: StateSpace<D>,
 }
 
-/// The part with the fewest zeros that do not decay, and then at infinity; `None` when the system is zero.
+/// The part with the fewest zeros slower than `rate`, and then at infinity: what the update has to carry. `None` when the
+/// system is zero.
 pub(super) fn inverted<D: TimeDomain>(
     system: &StateSpace<D>,
     rate: f64,
+    corner: f64,
 ) -> Result<Option<Inverted<D>>, DesignError> {
     let response = somewhere(system)?;
-    let columns = independent_columns(&response)?;
+    let columns = independent_columns(&response);
     if columns.is_empty() {
         return Ok(None);
     }
@@ -41,10 +44,10 @@ pub(super) fn inverted<D: TimeDomain>(
     let mut best: Option<((usize, usize), Inverted<D>)> = None;
     for rows in candidates(system.ny(), columns.len()) {
         let combined = tall.series(&StateSpace::gain(rows.clone(), tall.domain())?)?;
-        let Ok(Regular { system: square, filters }) = regular(&combined, rate) else { continue };
+        let Ok(Regular { system: square, filters }) = regular(&combined, corner) else { continue };
         let Ok(zeros) = combined.minimal(1e-10)?.zeros() else { continue };
-        let growing = zeros.iter().filter(|&&zero| !tall.domain().decays(zero)).count();
-        let cost = (growing, filters.len());
+        let at_infinity: usize = filters.iter().map(|filter| filter.ny() - filter.nx()).sum();
+        let cost = (slower(&zeros, tall.domain(), rate)?, at_infinity);
         if best.as_ref().is_some_and(|(least, _)| *least <= cost) {
             continue;
         }
@@ -84,7 +87,7 @@ fn somewhere<D: TimeDomain>(system: &StateSpace<D>) -> Result<Mat<c64>, DesignEr
 }
 
 /// Columns that are independent, by orthogonalising them one after another, the largest rest first.
-fn independent_columns(response: &Mat<c64>) -> Result<Vec<usize>, DesignError> {
+fn independent_columns(response: &Mat<c64>) -> Vec<usize> {
     let mut rest = response.clone();
     let size: Vec<f64> = (0..rest.ncols()).map(|j| rest.col(j).norm_l2()).collect();
     let mut chosen = Vec::new();
@@ -107,7 +110,7 @@ fn independent_columns(response: &Mat<c64>) -> Result<Vec<usize>, DesignError> {
         chosen.push(pivot);
     }
     chosen.sort_unstable();
-    Ok(chosen)
+    chosen
 }
 
 /// Sets of rows alone, then a few mixtures of all.

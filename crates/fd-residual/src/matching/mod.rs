@@ -14,10 +14,10 @@
 //! * **Source.** A. Varga, "Solving Fault Diagnosis Problems", Springer, 2017, sections 5.6 and 5.7 (procedures EMM and AMM),
 //!   example 5.13; K. M. Nagpal and P. P. Khargonekar, "Filtering and smoothing in an H-infinity setting",
 //!   IEEE TAC 36(2), 1991.
-//! * **Assumptions.** The entries of the faults are known and the reference is stable.
-//! * **Do not use** the exact design on models that hold the same states several times: the update may contain modes that cancel; take
-//!   a [minimal](fd_model::StateSpace::minimal) model. Nor with noise on the outputs: an inverse amplifies it. Nor where only the presence of a
-//!   fault matters: a reference costs sensitivity that [`optimal`](crate::optimal) keeps.
+//! * **Assumptions.** The entries of the faults are known and the reference is stable. States that no input, disturbance or fault
+//!   moves and that die out do so in the residual, too: an exact design is not blind to what they begin with.
+//! * **Do not use** the exact design with noise on the outputs: an inverse amplifies it. Nor where only the presence of a fault
+//!   matters: a reference costs sensitivity that [`optimal`](crate::optimal) keeps.
 
 mod approximate;
 mod exact;

@@ -30,10 +30,7 @@ pub(super) fn with_modes_at<D: TimeDomain>(
     let (a, b, c, d, domain) = (row.a(), row.b(), row.c(), row.d(), row.domain());
     let pole = pole_of_rate(domain, JUST_BELOW * rate)?.re;
     let sampled = domain.highest_frequency().is_finite();
-    let slower = |mode: c64| {
-        if sampled { pole.abs() < mode.norm() } else { pole < mode.re }
-    };
-    if !row.poles()?.into_iter().any(slower) {
+    if slower(&row.poles()?, domain, rate)? == 0 {
         let factor = StateSpace::gain(Mat::identity(1, 1), domain)?;
         return Ok(Factored { factor, filter: row.clone() });
     }
@@ -55,6 +52,20 @@ pub(super) fn with_modes_at<D: TimeDomain>(
     let factor = make((Scale(-1.0) * &k).as_ref(), one.as_ref())?;
     let filter = make((b - &k * d).as_ref(), d)?;
     Ok(Factored { factor, filter })
+}
+
+/// How many of these modes die out slower than `rate`, or grow.
+pub(super) fn slower<D: TimeDomain>(
+    modes: &[c64],
+    domain: D,
+    rate: f64,
+) -> Result<usize, DesignError> {
+    let pole = pole_of_rate(domain, JUST_BELOW * rate)?.re;
+    let sampled = domain.highest_frequency().is_finite();
+    let is_slower = |mode: &c64| {
+        if sampled { pole.abs() < mode.norm() } else { pole < mode.re }
+    };
+    Ok(modes.iter().filter(|mode| is_slower(mode)).count())
 }
 
 /// Largest response over frequency, relative to that of a reference.

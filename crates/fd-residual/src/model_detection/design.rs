@@ -246,7 +246,9 @@ fn row<D: TimeDomain>(
         let factor = Mat::from_fn(form.residual_len(), form.residual_len(), |i, j| {
             if i == j { weakest.recip() } else { 0.0 }
         });
-        reactions.iter_mut().for_each(|reaction| *reaction /= weakest);
+        for reaction in &mut reactions {
+            *reaction /= weakest;
+        }
         let form = form.weighted(factor.as_ref())?;
         return Ok(Row { form, reactions, gap: f64::INFINITY });
     }

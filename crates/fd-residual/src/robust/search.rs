@@ -88,7 +88,9 @@ pub(super) fn worst_case(all: &[Moments]) -> Result<Found, DesignError> {
                 }
             }
             let sum: f64 = weights.iter().sum();
-            weights.iter_mut().for_each(|weight| *weight /= sum);
+            for weight in weights.iter_mut() {
+                *weight /= sum;
+            }
         };
         spread(&mut lambda, &healthy, by_healthy, 1.0);
         spread(&mut mu, &faulty, by_faulty, -1.0);
