@@ -28,7 +28,10 @@ impl Problem {
     }
 
     /// Columns of transfer functions: one known input, then disturbances, faults and noise.
-    pub(crate) fn realised<const N: usize>(rows: &[[Ratio; N]; 2], kinds: [usize; 3]) -> Self {
+    pub(crate) fn realised<const N: usize, const M: usize>(
+        rows: &[[Ratio; N]; M],
+        kinds: [usize; 3],
+    ) -> Self {
         let all = realise(rows);
         let part = |from: usize, count: usize| {
             let (b, d) = (all.b().subcols(from, count), all.d().subcols(from, count));
