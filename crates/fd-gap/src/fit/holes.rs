@@ -95,7 +95,7 @@ impl Log {
         let (mut y, mut y_other) = (vec![0.0; self.ny], vec![0.0; self.ny]);
         held.start(&theta, &x0, 0);
         let mut is_unknown = vec![false; self.samples];
-        for k in 0..self.samples {
+        for (k, is_unknown) in is_unknown.iter_mut().enumerate() {
             if self.holes.iter().any(|hole| hole.start == k) {
                 // A copy goes on from here with all that it remembers, or else from these states.
                 let mut copy = held.boxed();
@@ -109,7 +109,7 @@ impl Log {
             other.step(at_once(k), at_once(k + 1), &[], &mut y_other);
             // What is not finite is not known either.
             let is_known = |((a, b), s): ((&f64, &f64), &f64)| (a - b).abs() <= UNKNOWN * s;
-            is_unknown[k] = !y.iter().zip(&y_other).zip(&noise).all(is_known);
+            *is_unknown = !y.iter().zip(&y_other).zip(&noise).all(is_known);
         }
         is_unknown
     }

@@ -63,16 +63,14 @@ pub(super) fn answer(
         None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
         Some(_) => None,
     };
-    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = match reading {
-        Some(Mended { reading, model, logs, held_out, diagnosed }) => {
-            let road = diagnosed.road(&model, &model, &logs, &held_out, settings)?;
-            (readings(&reading), diagnosed, road)
-        }
-        None => {
-            let as_read = as_read?;
-            let road = as_read.road(nominal, &model, &logs, &held_out, settings)?;
-            (Vec::new(), as_read, road)
-        }
+    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = reading {
+        let Mended { reading, model, logs, held_out, diagnosed } = mended;
+        let road = diagnosed.road(&model, &model, &logs, &held_out, settings)?;
+        (readings(&reading), diagnosed, road)
+    } else {
+        let as_read = as_read?;
+        let road = as_read.road(nominal, &model, &logs, &held_out, settings)?;
+        (Vec::new(), as_read, road)
     };
     let seconds = begun.elapsed().as_secs_f64();
     Ok(Answer { reading, seconds, candidates, ..told(name, &diagnosis, road.as_ref()) })
