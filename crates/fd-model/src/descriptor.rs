@@ -48,11 +48,8 @@ const RANK: f64 = 1e-10;
 #[derive(Clone, Debug)]
 pub struct DescriptorSystem<D> {
     e: Mat<f64>,
-    a: Mat<f64>,
-    b: Mat<f64>,
-    c: Mat<f64>,
-    d: Mat<f64>,
-    domain: D,
+    /// What there is beside `E`.
+    rest: StateSpace<D>,
 }
 
 impl<D: TimeDomain> DescriptorSystem<D> {
@@ -69,18 +66,9 @@ impl<D: TimeDomain> DescriptorSystem<D> {
         d: Mat<f64>,
         domain: D,
     ) -> Result<Self, ModelError> {
-        let (nx, nu, ny) = (a.nrows(), b.ncols(), c.nrows());
-        let roles = [
-            ("descriptor matrix E", e.as_ref(), Shape::new(nx, nx)),
-            ("state matrix A", a.as_ref(), Shape::new(nx, nx)),
-            ("input matrix B", b.as_ref(), Shape::new(nx, nu)),
-            ("output matrix C", c.as_ref(), Shape::new(ny, nx)),
-            ("feedthrough D", d.as_ref(), Shape::new(ny, nu)),
-        ];
-        for (role, matrix, expected) in roles {
-            check_matrix(role, matrix, expected)?;
-        }
-        Ok(Self { e, a, b, c, d, domain })
+        let rest = StateSpace::new(a, b, c, d, domain)?;
+        check_matrix("descriptor matrix E", e.as_ref(), Shape::new(rest.nx(), rest.nx()))?;
+        Ok(Self { e, rest })
     }
 
     /// The descriptor matrix `E`.
@@ -90,7 +78,7 @@ impl<D: TimeDomain> DescriptorSystem<D> {
 
     /// The state matrix `A`.
     pub fn a(&self) -> MatRef<'_, f64> {
-        self.a.as_ref()
+        self.rest.a()
     }
 
     /// The same transfer function with as many states as `E` has rank; all inputs and outputs stay, so faults and
@@ -118,14 +106,15 @@ impl<D: TimeDomain> DescriptorSystem<D> {
     /// # Ok::<(), ModelError>(())
     /// ```
     pub fn to_state_space(&self) -> Result<StateSpace<D>, ModelError> {
-        let n = self.a.nrows();
+        let StateSpace { a, b, c, d, domain } = &self.rest;
+        let n = a.nrows();
         let (rows, columns) = self.units();
         let scaled = |m: &Mat<f64>| {
             Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * rows[i] * columns[j])
         };
-        let (e, a) = (scaled(&self.e), scaled(&self.a));
-        let b = Mat::from_fn(n, self.b.ncols(), |i, j| self.b[(i, j)] * rows[i]);
-        let c = Mat::from_fn(self.c.nrows(), n, |i, j| self.c[(i, j)] * columns[j]);
+        let (e, a) = (scaled(&self.e), scaled(a));
+        let b = Mat::from_fn(n, b.ncols(), |i, j| b[(i, j)] * rows[i]);
+        let c = Mat::from_fn(c.nrows(), n, |i, j| c[(i, j)] * columns[j]);
 
         let (u, values, v) = full_svd(&e)?;
         let largest = values.first().copied().unwrap_or(0.0);
@@ -154,8 +143,8 @@ impl<D: TimeDomain> DescriptorSystem<D> {
             rates(block(0, 0, rank, rank) - a12 * &from_x),
             rates(b.subrows(0, rank) - a12 * &from_u),
             c.subcols(0, rank) - c2 * &from_x,
-            &self.d - c2 * &from_u,
-            self.domain,
+            d - c2 * &from_u,
+            *domain,
         )
     }
 
@@ -163,14 +152,14 @@ impl<D: TimeDomain> DescriptorSystem<D> {
     /// their own, and ranks should not depend on them (Ruiz 2001).
     fn units(&self) -> (Vec<f64>, Vec<f64>) {
         const ROUNDS: usize = 8;
-        let n = self.a.nrows();
+        let n = self.rest.a.nrows();
         // E over a rate is like A.
         let or_one = |size: f64| if 0.0 < size { size } else { 1.0 };
-        let rate = or_one(self.a.norm_l2()) / or_one(self.e.norm_l2());
+        let rate = or_one(self.rest.a.norm_l2()) / or_one(self.e.norm_l2());
         let (mut rows, mut columns) = (vec![1.0_f64; n], vec![1.0_f64; n]);
         for _ in 0..ROUNDS {
             let size = |i: usize, j: usize| {
-                (rate * self.e[(i, j)]).abs().max(self.a[(i, j)].abs()) * rows[i] * columns[j]
+                (rate * self.e[(i, j)]).abs().max(self.rest.a[(i, j)].abs()) * rows[i] * columns[j]
             };
             let largest = |of: &dyn Fn(usize) -> f64| or_one((0..n).map(of).fold(0.0, f64::max));
             let by_row: Vec<f64> = (0..n).map(|i| largest(&|j| size(i, j))).collect();
@@ -186,12 +175,12 @@ impl<D: TimeDomain> DescriptorSystem<D> {
     /// Whether `sE − A` is invertible for some `s`, tried at a few.
     fn is_regular(&self) -> Result<bool, ModelError> {
         let (rows, columns) = self.units();
-        let n = self.a.nrows();
+        let n = self.rest.a.nrows();
         let or_one = |size: f64| if 0.0 < size { size } else { 1.0 };
-        let rate = or_one(self.a.norm_l2()) / or_one(self.e.norm_l2());
+        let rate = or_one(self.rest.a.norm_l2()) / or_one(self.e.norm_l2());
         for s in [0.37, -0.73, 1.91] {
             let at = Mat::from_fn(n, n, |i, j| {
-                (s * rate * self.e[(i, j)] - self.a[(i, j)]) * rows[i] * columns[j]
+                (s * rate * self.e[(i, j)] - self.rest.a[(i, j)]) * rows[i] * columns[j]
             });
             let values = singular_values(at.as_ref())?;
             let (first, last) = (values.first().copied(), values.last().copied());

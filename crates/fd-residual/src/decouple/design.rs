@@ -1,7 +1,7 @@
 //! The null space, and the residual generators that it holds.
 
 use faer::{Mat, MatRef};
-use fd_core::{IoDims, Shape, stage::ResidualGenerator};
+use fd_core::{IoDims, Shape};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use super::{
@@ -11,7 +11,7 @@ use super::{
 use crate::{
     analysis::{Signature, UnknownInputs},
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
+    form::{ResidualForm, design_by_part},
     matrix::{blocks, check_shape},
     observer::{ErrorPoles, place_visible, visible_part_of},
     rank::{RankDecision, RankTolerance},
@@ -354,20 +354,4 @@ impl DecoupledDesign {
     }
 }
 
-impl GeneratorDesign for DecoupledDesign {
-    fn io(&self) -> IoDims {
-        self.form.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.form.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        Ok(self.form.clone())
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.form.build()
-    }
-}
+design_by_part!(DecoupledDesign, form);

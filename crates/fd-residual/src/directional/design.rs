@@ -1,12 +1,12 @@
 //! Choosing the gain of a fault detection filter.
 
 use faer::{Mat, MatRef, Scale, c64};
-use fd_core::{IoDims, Shape, stage::ResidualGenerator};
+use fd_core::Shape;
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
 
 use crate::{
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
+    form::{ResidualForm, design_by_part},
     matrix::check_shape,
     observer::{
         ErrorPoles, ObserverDesign, entry_ranks, natural, place_visible, pole_of_rate, rank,
@@ -128,20 +128,4 @@ impl<D: TimeDomain> BeardDesign<D> {
     }
 }
 
-impl GeneratorDesign for BeardDesign<Discrete> {
-    fn io(&self) -> IoDims {
-        GeneratorDesign::io(&self.observer)
-    }
-
-    fn residual_len(&self) -> usize {
-        GeneratorDesign::residual_len(&self.observer)
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        self.observer.form()
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.observer.build()
-    }
-}
+design_by_part!(BeardDesign<Discrete>, observer);

@@ -12,10 +12,14 @@
 
 mod design;
 mod frequency;
+mod part;
 mod run;
 
-pub(crate) use self::frequency::{frequency_grid, is_clear, peak_gain};
 pub use self::{
     design::{GeneratorDesign, ResidualForm},
     run::FormGenerator,
+};
+pub(crate) use self::{
+    frequency::{frequency_grid, is_clear, peak_gain},
+    part::design_by_part,
 };

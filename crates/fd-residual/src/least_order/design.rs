@@ -1,14 +1,14 @@
 //! From a parity vector to a filter.
 
 use faer::{Mat, MatRef, Scale, c64};
-use fd_core::{IoDims, stage::ResidualGenerator};
+use fd_core::IoDims;
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use crate::{
     analysis::{Signature, UnknownInputs, weak_structure},
     decouple::refuse_what_passes,
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
+    form::{ResidualForm, design_by_part},
     observer::ErrorPoles,
     parity::{NaturalPlant, input_map, least_vector},
     rank::{RankDecision, RankTolerance},
@@ -117,23 +117,7 @@ impl<D: TimeDomain> LeastOrderDesign<D> {
     }
 }
 
-impl GeneratorDesign for LeastOrderDesign<Discrete> {
-    fn io(&self) -> IoDims {
-        self.form.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        1
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        Ok(self.form.clone())
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.form.build()
-    }
-}
+design_by_part!(LeastOrderDesign<Discrete>, form);
 
 /// The filter with these poles that a parity vector, in natural units of signals and of time, stands for.
 ///

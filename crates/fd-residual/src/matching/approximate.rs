@@ -1,14 +1,13 @@
 //! The approximate problem.
 
-use faer::{Mat, MatRef};
-use fd_core::{IoDims, stage::ResidualGenerator};
+use faer::Mat;
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
-use super::{exact::check_reference, filter::Estimation, stable::joined};
+use super::{exact::check_reference, filter::Estimation};
 use crate::{
     decouple::LeftNullSpace,
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
+    form::{ResidualForm, design_by_part},
     observer::ErrorPoles,
     optimal::{Exposure, Regular, loudest, regular},
     simulation::check_stable,
@@ -150,34 +149,10 @@ impl<D: TimeDomain> ApproximateMatching<D> {
         reference: &StateSpace<D>,
     ) -> Result<StateSpace<D>, DesignError> {
         let made = self.form.residual_of(&exposure.faults.and(exposure.noise)?.system(model)?)?;
-        let widen = |m: MatRef<'_, f64>| {
-            joined(m, Mat::<f64>::zeros(m.nrows(), exposure.noise.len()).as_ref())
-        };
-        let wanted = StateSpace::new(
-            reference.a().to_owned(),
-            widen(reference.b()),
-            reference.c().to_owned(),
-            widen(reference.d()),
-            reference.domain(),
-        )?;
+        let idle = Mat::zeros(reference.ny(), exposure.noise.len());
+        let wanted = reference.beside(&StateSpace::gain(idle, reference.domain())?)?;
         Ok(wanted.difference(&made)?)
     }
 }
 
-impl GeneratorDesign for ApproximateMatching<Discrete> {
-    fn io(&self) -> IoDims {
-        self.form.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.form.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        Ok(self.form.clone())
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.form.build()
-    }
-}
+design_by_part!(ApproximateMatching<Discrete>, form);

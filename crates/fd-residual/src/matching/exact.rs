@@ -1,7 +1,7 @@
 //! The exact problem.
 
 use faer::{Mat, Scale};
-use fd_core::{IoDims, Shape, stage::ResidualGenerator};
+use fd_core::Shape;
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use super::{
@@ -12,7 +12,7 @@ use crate::{
     analysis::UnknownInputs,
     decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm, peak_gain},
+    form::{ResidualForm, design_by_part, peak_gain},
     matrix::{blocks, check_shape},
     observer::{ErrorPoles, pole_of_rate},
     simulation::check_stable,
@@ -170,23 +170,7 @@ impl<D: TimeDomain> ExactMatching<D> {
     }
 }
 
-impl GeneratorDesign for ExactMatching<Discrete> {
-    fn io(&self) -> IoDims {
-        self.form.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.form.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        Ok(self.form.clone())
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.form.build()
-    }
-}
+design_by_part!(ExactMatching<Discrete>, form);
 
 /// A plant with those of its states that are moved by inputs, disturbances or faults.
 ///

@@ -1,6 +1,6 @@
 //! The H-infinity and the H2 filter of a signal that the same unknown inputs drive.
 
-use faer::{Mat, MatRef, Scale, Side, prelude::Solve};
+use faer::{Mat, Scale, Side, prelude::Solve};
 use fd_model::{Continuous, ModelError, StateSpace};
 
 use crate::{
@@ -48,17 +48,8 @@ impl Estimation {
         measured: &StateSpace<Continuous>,
         wanted: &StateSpace<Continuous>,
     ) -> Result<Self, DesignError> {
-        let (width, faults) = (measured.nu(), wanted.nu());
-        let widen = |m: MatRef<'_, f64>| {
-            Mat::from_fn(m.nrows(), width, |i, j| if j < faults { m[(i, j)] } else { 0.0 })
-        };
-        let wanted = StateSpace::new(
-            wanted.a().to_owned(),
-            widen(wanted.b()),
-            wanted.c().to_owned(),
-            widen(wanted.d()),
-            Continuous,
-        )?;
+        let idle = Mat::zeros(wanted.ny(), measured.nu() - wanted.nu());
+        let wanted = wanted.beside(&StateSpace::gain(idle, Continuous)?)?;
         let (ny, none) = (measured.ny(), Mat::<f64>::zeros);
         let failed = || ModelError::Singular { role: "the noise and faults on the residual" };
         let root = (measured.d() * measured.d().transpose())
@@ -70,7 +61,7 @@ impl Estimation {
         let along = &back * measured.d();
         // Orthonormal rows of the rest.
         let svd = along.svd().map_err(|_| failed())?;
-        let across = svd.V().subcols(ny, width - ny).transpose().to_owned();
+        let across = svd.V().subcols(ny, measured.nu() - ny).transpose().to_owned();
 
         let (n, nr) = (measured.nx(), wanted.nx());
         let a =

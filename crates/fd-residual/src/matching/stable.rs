@@ -7,7 +7,6 @@ use crate::{
     error::DesignError,
     form::peak_gain,
     kalman::{Noises, filter},
-    matrix::blocks,
     observer::pole_of_rate,
 };
 
@@ -104,9 +103,4 @@ pub(super) fn diagonal<D: TimeDomain>(
         all = all.append(factor)?;
     }
     Ok(all)
-}
-
-/// `[a b]` as columns.
-pub(super) fn joined(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    blocks(&[&[a, b]])
 }

@@ -1,7 +1,6 @@
 //! Factorising the noise.
 
 use faer::{Mat, MatRef, Side};
-use fd_core::{IoDims, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
 
 use super::infinity::regular;
@@ -9,7 +8,7 @@ use crate::{
     analysis::{UnknownInputs, fault_effects, weak_structure},
     decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm, frequency_grid, peak_gain},
+    form::{ResidualForm, design_by_part, frequency_grid, peak_gain},
     kalman::{Noises, filter},
     matrix::blocks,
     observer::ErrorPoles,
@@ -200,23 +199,7 @@ impl<D: TimeDomain> OptimalDesign<D> {
     }
 }
 
-impl GeneratorDesign for OptimalDesign<Discrete> {
-    fn io(&self) -> IoDims {
-        self.form.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.form.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        Ok(self.form.clone())
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.form.build()
-    }
-}
+design_by_part!(OptimalDesign<Discrete>, form);
 
 /// `R_o⁻¹ Q₁` for `rank` combinations of the residuals in which the noise has full rank.
 fn whitened<D: TimeDomain>(

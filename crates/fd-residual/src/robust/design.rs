@@ -1,7 +1,7 @@
 //! Choosing the rows.
 
 use faer::Mat;
-use fd_core::{IoDims, Shape, ShapeError, stage::ResidualGenerator};
+use fd_core::{IoDims, Shape, ShapeError};
 use fd_model::{Discrete, TimeDomain};
 
 use super::{
@@ -9,12 +9,8 @@ use super::{
     search::{best_rows, energy, worst_case},
 };
 use crate::{
-    analysis::UnknownInputs,
-    error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
-    model_detection::PlantModel,
-    parity::ParityDesign,
-    simulation::check_stable,
+    analysis::UnknownInputs, error::DesignError, form::design_by_part, model_detection::PlantModel,
+    parity::ParityDesign, simulation::check_stable,
 };
 
 /// What faults look like within a window.
@@ -186,24 +182,8 @@ impl RobustDesign {
     }
 }
 
-/// Eq. (5) does not hold: the inputs pass as far as the models differ.
-impl GeneratorDesign for RobustDesign {
-    fn io(&self) -> IoDims {
-        self.window.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.window.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        self.window.form()
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.window.build()
-    }
-}
+// Eq. (5) does not hold: the inputs pass as far as the models differ.
+design_by_part!(RobustDesign, window);
 
 fn moments(
     models: &[PlantModel<Discrete>],

@@ -1,6 +1,5 @@
 //! Designing each row.
 
-use fd_core::{IoDims, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace};
 
 use super::structure::{Structure, told_apart};
@@ -9,7 +8,7 @@ use crate::{
     bank::BankDesign,
     decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm},
+    form::{GeneratorDesign, ResidualForm, design_by_part},
     least_order::LeastOrderDesign,
     matrix::spread_rows,
     observer::ErrorPoles,
@@ -190,23 +189,7 @@ impl StructuredDesign {
     }
 }
 
-impl GeneratorDesign for StructuredDesign {
-    fn io(&self) -> IoDims {
-        self.bank.io()
-    }
-
-    fn residual_len(&self) -> usize {
-        self.bank.residual_len()
-    }
-
-    fn form(&self) -> Result<ResidualForm, DesignError> {
-        self.bank.form()
-    }
-
-    fn build(&self) -> Result<Box<dyn ResidualGenerator>, DesignError> {
-        self.bank.build()
-    }
-}
+design_by_part!(StructuredDesign, bank);
 
 /// The signature of one residual, if it is the wanted one and no disturbance passes.
 fn achieved(

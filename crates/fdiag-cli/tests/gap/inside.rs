@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::desk::{Desk, stdout};
+use crate::{
+    desk::{Desk, stdout},
+    random::Random,
+};
 
 const MODEL: &str = r#"
 version = 1
@@ -29,20 +32,13 @@ y = { unit = "m", value = "h2", noise = 0.005 }
 
 /// Two vessels whose parameters are a little off, the pipe between which takes no more than `most` m^3/s.
 fn log(most: f64, seed: u32) -> String {
-    let (mut h, mut q, mut random) = ([0.0_f64; 2], 0.0, seed);
-    let mut uniform = move || {
-        // Marsaglia (2003).
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        f64::from(random) / f64::from(u32::MAX)
-    };
+    let (mut h, mut q, mut random) = ([0.0_f64; 2], 0.0, Random(seed));
     let mut text = "time [s],q [m^3/s],y [m]\n".to_owned();
     for k in 0..1200 {
         if k % 40 == 0 {
-            q = 0.3 * uniform();
+            q = 0.3 * random.uniform();
         }
-        let noise = 0.005 * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
+        let noise = 0.005 * random.normal();
         writeln!(text, "{k},{q},{}", h[1] + noise).unwrap();
         for _ in 0..50 {
             let pipe = (0.103 * h[0]).min(most);

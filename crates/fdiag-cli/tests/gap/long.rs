@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::desk::{Desk, stdout};
+use crate::{
+    desk::{Desk, stdout},
+    random::Random,
+};
 
 /// Rows of the long log.
 const ROWS: usize = 40_000;
@@ -11,21 +14,13 @@ const ROWS: usize = 40_000;
 /// by row.
 fn log(tacho: impl Fn(usize) -> f64) -> String {
     const STEPS: u32 = 20;
-    let (mut v, mut force, mut random) = (0.0_f64, 0.0, 12345_u32);
-    let mut uniform = move || {
-        // Marsaglia (2003).
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        f64::from(random) / f64::from(u32::MAX) - 0.5
-    };
+    let (mut v, mut force, mut random) = (0.0_f64, 0.0, Random(12345));
     let mut text = "time [s],force [N],speed [m/s]\n".to_owned();
     for k in 0..ROWS {
         if k % 40 == 0 {
-            force = 6.0 * uniform();
+            force = 6.0 * (random.uniform() - 0.5);
         }
-        // Twelve uniform numbers make one that is nearly normal.
-        let noise = 0.004 * (0..12).map(|_| uniform()).sum::<f64>();
+        let noise = 0.004 * random.normal();
         let (time, speed) = (k as f64 / 100.0, tacho(k) * v + noise);
         writeln!(text, "{time},{force},{speed}").unwrap();
         for _ in 0..STEPS {

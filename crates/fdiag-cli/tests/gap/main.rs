@@ -7,6 +7,7 @@ mod engine;
 mod inside;
 mod long;
 mod own_effects;
+mod random;
 mod refusals;
 mod schema;
 mod uneven;

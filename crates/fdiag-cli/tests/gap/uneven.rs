@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::desk::{Desk, stdout};
+use crate::{
+    desk::{Desk, stdout},
+    random::Random,
+};
 
 const MODEL: &str = r#"
 version = 1
@@ -28,25 +31,18 @@ trolley = { unit = "m", value = "x", noise = 0.0025 }
 /// A trolley that is exactly its model, in a loop whose steps are up to a fifth too long or too short; the noise of the
 /// measurement is in the force of the same step.
 fn log(seed: u32) -> String {
-    let (mut x, mut v, mut random) = (0.0_f64, 0.0_f64, seed);
-    let mut uniform = move || {
-        // Marsaglia (2003).
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        f64::from(random) / f64::from(u32::MAX)
-    };
+    let (mut x, mut v, mut random) = (0.0_f64, 0.0_f64, Random(seed));
     let mut text = "time [s],F [N],trolley [m]\n".to_owned();
     let (mut t, mut goal) = (0.0, 0.0);
     for k in 0..900_u32 {
         if k % 120 == 0 {
-            goal = 2.0 * uniform() - 1.0;
+            goal = 2.0 * random.uniform() - 1.0;
         }
-        let y = x + 0.0025 * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
+        let y = x + 0.0025 * random.normal();
         let force = 400.0 * (goal - y) - 200.0 * v;
         writeln!(text, "{t},{force},{y}").unwrap();
         // Where the next step is on the grid; the force is held until then, and Euler's steps are 0.1 ms long.
-        let next = 0.02 * (f64::from(k + 1) + 0.4 * (uniform() - 0.5));
+        let next = 0.02 * (f64::from(k + 1) + 0.4 * (random.uniform() - 0.5));
         let steps = ((next - t) / 1e-4).ceil();
         let h = (next - t) / steps;
         let mut i = 0.0;
