@@ -9,7 +9,7 @@ use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
     few_runs::{Effort, with_few_runs},
     fit::Horizon,
-    reading::{self as gap, Mistake, suspect},
+    reading::{self as gap, Mistake, Suspicion, glance, suspect},
     road::{Road, road},
 };
 use fd_model::Record;
@@ -58,17 +58,21 @@ pub(super) fn answer(
     };
     let settings = &settings;
     let is_followed = follower.is_some();
-    let as_read = diagnosed(nominal, &model, &logs, &held_out, settings, is_followed);
-    let reading = match follower {
-        None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
-        Some(_) => None,
+    let read = || diagnosed(nominal, &model, &logs, &held_out, settings, is_followed);
+    let at_once = if is_followed { None } else { glanced(&model, &logs, &held_out, settings) };
+    let as_read = at_once.is_none().then(read);
+    let mended = match &as_read {
+        Some(as_read) if !is_followed => {
+            mended(&model, &logs, &held_out, settings, as_read.as_ref().ok())
+        }
+        _ => at_once,
     };
-    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = reading {
+    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = mended {
         let Mended { reading, model, logs, held_out, diagnosed } = mended;
         let road = diagnosed.road(&model, &model, &logs, &held_out, settings)?;
         (readings(&reading), diagnosed, road)
     } else {
-        let as_read = as_read?;
+        let as_read = as_read.unwrap_or_else(read)?;
         let road = as_read.road(nominal, &model, &logs, &held_out, settings)?;
         (Vec::new(), as_read, road)
     };
@@ -248,13 +252,41 @@ fn mended(
     let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
     let as_read = as_read.map(|diagnosed| &diagnosed.diagnosis);
     let suspicion = suspect(&case, settings.horizon, as_read).ok()??;
-    let model = suspicion.mistake().mended_model(model)?;
-    let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
-    let diagnosed = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
-    let case =
-        diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
-    let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
-    Some(Mended { reading, model, logs, held_out, diagnosed })
+    Mended::of(suspicion, model, logs, held_out, settings)
+}
+
+/// The same with a mistake that is seen before any cause is tried, and leaves no gap.
+fn glanced(
+    model: &Model,
+    logs: &[Record],
+    held_out: &[Record],
+    settings: &Settings,
+) -> Option<Mended> {
+    let none: Vec<Candidate> = Vec::new();
+    let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
+    let suspicion = glance(&case, settings.horizon).ok()??;
+    let mended = Mended::of(suspicion, model, logs, held_out, settings)?;
+    (mended.diagnosed.diagnosis.verdict == Verdict::NoGap).then_some(mended)
+}
+
+impl Mended {
+    /// The diagnosis of the mended log, if that confirms what is suspected.
+    fn of(
+        suspicion: Suspicion,
+        model: &Model,
+        logs: &[Record],
+        held_out: &[Record],
+        settings: &Settings,
+    ) -> Option<Self> {
+        let none: Vec<Candidate> = Vec::new();
+        let model = suspicion.mistake().mended_model(model)?;
+        let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
+        let diagnosed = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
+        let case =
+            diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
+        let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
+        Some(Self { reading, model, logs, held_out, diagnosed })
+    }
 }
 
 /// What was named, and what cannot be told from it.

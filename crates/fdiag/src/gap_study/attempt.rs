@@ -5,7 +5,7 @@ use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
     quality::{Defect, Finding},
-    reading::{Mistake, Reading, Suspicion, suspect},
+    reading::{Mistake, Reading, Suspicion, glance, suspect},
 };
 use fd_model::SampleTime;
 use fd_sim::simulate::{Nominal, Shell};
@@ -47,6 +47,11 @@ impl<'a> Attempt<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
         Self::at(Places::Around, request, subject, nominal, data, monitor)
+    }
+
+    /// What answers further questions: with fewer runs where the slopes of these logs are known.
+    pub(super) fn nominal(&self) -> &dyn Nominal {
+        self.sparing.as_ref().map_or(self.nominal, |(_, lent)| lent)
     }
 
     fn at(
@@ -153,14 +158,31 @@ pub(super) fn mended(
     let logs = &data.fit[..];
     let case = Case { nominal, suspects, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
-    let suspicion = suspect(&case, horizon, diagnosis).ok()??;
-    let mistake = suspicion.mistake();
-    let other = subject.mended(mistake);
-    if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
+    Mended::of(request, subject, suspect(&case, horizon, diagnosis).ok()??)
+}
+
+/// The data with a mistake of reading mended that is seen before any cause is tried; runs of simulators outside are too
+/// dear for that.
+pub(super) fn glanced(request: &Request, subject: &Subject, data: &Data) -> Option<Mended> {
+    if request.as_read || subject.outside().is_some() {
         return None;
     }
-    let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
-    Some(Mended { subject: other, data, suspicion })
+    let suspects: Vec<Candidate> = Vec::new();
+    let (nominal, logs) = (subject.nominal(), &data.fit[..]);
+    let case = Case { nominal, suspects: &suspects, logs, held_out: &[] };
+    Mended::of(request, subject, glance(&case, Settings::default().horizon).ok()??)
+}
+
+impl Mended {
+    fn of(request: &Request, subject: &Subject, suspicion: Suspicion) -> Option<Self> {
+        let mistake = suspicion.mistake();
+        let other = subject.mended(mistake);
+        if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
+            return None;
+        }
+        let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
+        Some(Self { subject: other, data, suspicion })
+    }
 }
 
 /// The diagnosis of the mended data, if that confirms the mistake.
