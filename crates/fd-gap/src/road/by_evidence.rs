@@ -53,7 +53,9 @@ pub(super) fn by_evidence(
         return Ok(None);
     }
     let gaps = gaps(journey, &list)?;
-    Ok(Some(Found { list, gaps, end }))
+    // What forecasts held-out logs no better than refitted parameters is no answer; without any, nothing is known of that.
+    let is_missed = gaps.first().zip(gaps.last()).is_some_and(|(before, after)| before <= after);
+    Ok((!is_missed).then_some(Found { list, gaps, end }))
 }
 
 /// The credible causes of a list.

@@ -55,7 +55,7 @@ impl<'a> Attempt<'a> {
     }
 
     fn at(
-        places: Places,
+        places: Places<'_>,
         request: &Request,
         subject: &'a Subject,
         nominal: &'a dyn Nominal,
@@ -70,10 +70,14 @@ impl<'a> Attempt<'a> {
         subject.show(&logs, ts)?;
         let memory = Memory::of(&*simulator, &u, samples);
         let settings = settings(request, memory, &logs, ts);
+        let settings = match places {
+            Places::Around => settings,
+            Places::Inside(around) => around.settings_inside(&settings),
+        };
         let scales = nominal.scales(ts, &u, samples)?;
         let scales = match places {
             Places::Around => scales,
-            Places::Inside => scales.with_signals(model, ts, &u, samples)?,
+            Places::Inside(_) => scales.with_signals(model, ts, &u, samples)?,
         };
         let mut effects = subject.effects();
         for own in &request.effects {
@@ -105,16 +109,16 @@ impl<'a> Attempt<'a> {
 }
 
 /// Where effects are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Places {
+#[derive(Clone, Copy)]
+enum Places<'d> {
     /// Inputs, states, sites, parameters and outputs.
     Around,
-    /// These, and every signal inside the model.
-    Inside,
+    /// These, and every signal inside the model, after a diagnosis of what is around it.
+    Inside(&'d Diagnosis),
 }
 
-/// The diagnosis with effects on signals inside the model as well, if that names a cause which explains the logs
-/// down to the noise. `subject` has names for these signals.
+/// The diagnosis with effects on signals inside the model as well, if that is to be reported instead. `subject` has names
+/// for these signals.
 pub(super) fn inside<'a>(
     request: &Request,
     subject: &'a Subject,
@@ -122,8 +126,10 @@ pub(super) fn inside<'a>(
     monitor: &dyn Monitor,
 ) -> Option<Attempt<'a>> {
     let (nominal, data) = (subject.nominal(), outside.data);
-    let attempt = Attempt::at(Places::Inside, request, subject, nominal, data, monitor).ok()?;
-    attempt.diagnosis.names_all().then_some(attempt)
+    let places = Places::Inside(&outside.diagnosis);
+    let attempt = Attempt::at(places, request, subject, nominal, data, monitor).ok()?;
+    let factor = attempt.settings.bayes_factor;
+    attempt.diagnosis.is_to_replace(&outside.diagnosis, factor).then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.

@@ -51,7 +51,7 @@ pub(super) struct Shelf {
 
 impl<'a> Search<'a> {
     /// A mistake of reading that explains all is found first; then come causes in the log as it is read, mistakes that
-    /// explain more than these, and places inside the model if nothing explains it.
+    /// explain more than these, and places inside the model where one law there may be all there is to say.
     pub(super) fn find(
         self,
         shelf: &'a Shelf,
@@ -62,8 +62,8 @@ impl<'a> Search<'a> {
             Some(found) => found,
             None => self.as_read_or_meant(shelf, pause, monitor)?,
         };
-        let is_unknown = found.reading.is_none() && !found.attempt.diagnosis.is_explained();
-        if self.follower.is_some() || !is_unknown || !pause.goes_on("places inside the model") {
+        let has_room = found.reading.is_none() && found.attempt.diagnosis.leaves_room_inside();
+        if self.follower.is_some() || !has_room || !pause.goes_on("places inside the model") {
             return Ok(found);
         }
         let subject = kept(&shelf.inner, found.attempt.subject.with_inner_places());
