@@ -4,8 +4,8 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use fd_lab::blind::{
-    Answer, BlindError, CaseKind, Conditions, Effect, Manner, Misreading, Named, Oracle, Order,
-    Origin, Place, Reading, SealKey, Shape, Truth, Variant, make, read_answers, run, score,
+    Answer, BlindError, CaseKind, Conditions, Effect, Feature, Manner, Misreading, Named, Oracle,
+    Order, Origin, Place, Reading, SealKey, Shape, Truth, Variant, make, read_answers, run, score,
     score_open,
 };
 
@@ -77,7 +77,7 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     run(&out, &Manner::default(), &()).unwrap();
     assert_eq!(fs::read(out.join("answers.jsonl")).unwrap(), before, "nothing is left to do");
 
-    let result = score(&out, &truth, Variant::AsLogged, &()).unwrap();
+    let result = score(&out, &truth, Variant::AsLogged, None, &()).unwrap();
     assert_eq!((result.cases, result.unanswered, result.failed), (4, 0, 0));
     assert_eq!(result.invisible.of, 2);
     assert!(result.markdown().contains("| two effects: exact pair |"));
@@ -87,7 +87,7 @@ fn a_test_runs_resumes_and_notices_a_changed_truth() {
     let last = sealed.len() - 1;
     sealed[last] ^= 1;
     fs::write(&file, sealed).unwrap();
-    let broken = score(&out, &truth, Variant::AsLogged, &());
+    let broken = score(&out, &truth, Variant::AsLogged, None, &());
     assert!(matches!(broken, Err(BlindError::Broken { case }) if case == "case-0001"));
 }
 
@@ -230,11 +230,36 @@ fn a_known_controller_and_runs_from_rest_have_answers_of_their_own() {
         (answers("answers_known_controller.jsonl"), answers("answers_from_rest.jsonl"));
     assert_eq!((known.len(), rest.len()), (1, 2));
     assert!(known.iter().chain(&rest).all(|answer| answer.error.is_none()), "{known:?}");
-    let result = score(&out, &truth, Variant::AsLogged, &()).unwrap();
+    let result = score(&out, &truth, Variant::AsLogged, None, &()).unwrap();
     let names: Vec<&str> = result.classes.iter().map(|class| class.name.as_str()).collect();
     assert_eq!(names, ["loop", "cut"]);
     assert_eq!(result.classes[1].comparison.as_ref().unwrap().blamed.of, 1);
     assert!(result.markdown().contains("## One run cut in two"));
+}
+
+/// A log in other units, told as such by the method, and named as a gain by one that does not ask for them.
+#[test]
+fn what_is_left_out_of_the_method_is_missed() {
+    let room = tempfile::tempdir().unwrap();
+    let (out, truth) = (room.path().join("cases"), room.path().join("truth"));
+    let order = Order {
+        seed: 14,
+        counts: vec![(CaseKind::Misread, 1)],
+        samples: SAMPLES,
+        full_oracle: false,
+    };
+    make(&order, &out, &truth, &key(), &()).unwrap();
+    let told = |without: Option<Feature>, file: &str| {
+        let manner = Manner { without, with_baselines: false, ..Manner::default() };
+        run(&out, &manner, &()).unwrap();
+        let answers = read_answers(&out.join(file)).unwrap();
+        assert!(answers.iter().all(|answer| answer.error.is_none()), "{answers:?}");
+        let result = score(&out, &truth, Variant::AsLogged, without, &()).unwrap();
+        (answers[0].reading.len(), result.classes[0].reading[0].hits)
+    };
+    let (readings, hits) = told(None, "answers.jsonl");
+    assert!(0 < readings && hits == 1, "{readings} {hits}");
+    assert_eq!(told(Some(Feature::Readings), "answers_without_readings.jsonl"), (0, 0));
 }
 
 #[test]

@@ -8,10 +8,11 @@ use fd_sim::{model::Model, simulate::LoggedLoop};
 use super::{
     case::Case,
     prepare::{Prepared, prepare},
+    settings::Settings,
 };
 use crate::{
     evidence::{NoisePrior, likelihood},
-    fit::{FitError, Horizon, Log, Plan, Problem},
+    fit::{FitError, Log, Plan, Problem},
 };
 
 /// Noise of any size and colour.
@@ -34,8 +35,10 @@ struct Logged<'a> {
 impl<'a> Feedback<'a> {
     /// Chooses by what the fit of the nuisances leaves. An effect leaves much either way; what tells
     /// the two apart is the noise, so that the innovations of what is left are compared.
-    pub(super) fn of(case: &Case<'a>, horizon: Horizon) -> Self {
-        let logged = Logged::of(case).filter(|logged| {
+    pub(super) fn of(case: &Case<'a>, settings: &Settings) -> Self {
+        let horizon = settings.horizon;
+        let logged = if settings.without.logged_loops { None } else { Logged::of(case) };
+        let logged = logged.filter(|logged| {
             let open = prepare(&logged.case(case), horizon).ok().and_then(|p| log_likelihood(&p));
             let closed = prepare(case, horizon).ok().and_then(|p| log_likelihood(&p));
             open.is_some_and(|open| closed.is_none_or(|closed| closed < open))

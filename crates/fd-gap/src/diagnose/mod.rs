@@ -168,7 +168,7 @@ pub use self::{
         Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
         Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
-    settings::Settings,
+    settings::{Settings, Without},
 };
 use crate::fit::FitError;
 
@@ -222,13 +222,17 @@ fn once(
     monitor: &dyn Monitor,
     clean: bool,
 ) -> Result<Diagnosis, FitError> {
-    let feedback = Feedback::of(case, settings.horizon);
+    let feedback = Feedback::of(case, settings);
     let candidates = Candidates::of(case.suspects);
     let logged = feedback.case(case);
     let prepared = prepare(&logged, settings.horizon)?;
     let tempered = prepared.with_chance(settings);
     let context = Context { case: logged, candidates: &candidates, settings: &tempered, monitor };
-    let free = in_motion(&prepared, &context.case, settings.horizon)?;
+    let free = if settings.without.free_starts {
+        None
+    } else {
+        in_motion(&prepared, &context.case, settings.horizon)?
+    };
     let stated = judged(prepared, &context)?;
     let judged = match free {
         Some(free) => prefer(stated, judged(free, &context)?),

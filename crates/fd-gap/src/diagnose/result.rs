@@ -1,6 +1,7 @@
 //! The result of a diagnosis.
 
 mod held_out;
+mod inside;
 
 use std::fmt::{self, Display, Formatter};
 
@@ -102,14 +103,6 @@ impl Diagnosis {
     #[must_use]
     pub fn at_work(&self, cause: &Cause) -> f64 {
         cause.at_work(&self.pairs)
-    }
-
-    /// Whether the answer explains the logs down to the noise: there is no gap, or what is named leaves nothing that
-    /// something else could explain. Where it does not, places inside the model, or several causes, are
-    /// worth trying.
-    #[must_use]
-    pub fn is_explained(&self) -> bool {
-        self.verdict == Verdict::NoGap || self.names_all()
     }
 
     /// Whether what is named explains the gap down to the noise.

@@ -11,6 +11,9 @@ pub struct Settings {
     pub report_horizons: Vec<Horizon>,
     /// Causes (effect and site) that are fitted to the end.
     pub finalists: usize,
+    /// Candidates of which the score promises less than this share of the best are not fitted at all, if they are also far
+    /// below it in squares of the noise.
+    pub least_promise: f64,
     /// Probability of "no gap" before the data.
     pub no_gap: f64,
     /// Probability before the data that a gap has a cause that is not among those tried.
@@ -27,6 +30,19 @@ pub struct Settings {
     pub replicas: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
+    /// What is left out, to see what it brings.
+    pub without: Without,
+}
+
+/// Rules of a diagnosis that can be left out, to see what they bring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Without {
+    /// That the controller of a loop may have seen what was logged.
+    pub logged_loops: bool,
+    /// That a log may begin in motion.
+    pub free_starts: bool,
+    /// That what an engineer would not believe at first sight is not named.
+    pub vetoes: bool,
 }
 
 impl Default for Settings {
@@ -35,6 +51,7 @@ impl Default for Settings {
             horizon: Horizon::FreeRun,
             report_horizons: vec![Horizon::FreeRun],
             finalists: 10,
+            least_promise: 0.0,
             no_gap: 0.4,
             unknown: 0.1,
             two: 0.1,
@@ -43,6 +60,7 @@ impl Default for Settings {
             causes: None,
             replicas: 400,
             seed: 1,
+            without: Without::default(),
         }
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! # How it works
 //!
-//! 1. The log is diagnosed as read. If there is no gap, nothing else happens.
+//! 1. The log is diagnosed as read. If there is no gap, nothing else happens. Where a mistake that no cause does leaves
+//!    nothing but noise, and the log as read is far from it, that can be skipped ([`glance`](glance())).
 //! 2. Every mistake is examined with everything else at its nominal value: one simulation, or none where only
 //!    outputs are concerned. Up to eight that do not look worse than the log as read get a fit of parameters
 //!    and initial states, all over the same horizon.
@@ -66,6 +67,7 @@
 //! ```
 
 mod cut_off;
+mod glance;
 mod hypotheses;
 mod misfit;
 mod mistake;
@@ -78,6 +80,7 @@ mod trial;
 mod words;
 
 pub use self::{
+    glance::glance,
     mistake::Mistake,
     nominal::Mended,
     result::Reading,

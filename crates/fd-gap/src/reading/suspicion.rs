@@ -26,7 +26,7 @@ const DETERMINED: f64 = 4.0;
 /// Part of the spread of a column that a mended simulation may leave.
 const FOLLOWS: f64 = 0.7;
 /// A mended log whose errors are so many times the noise is explained.
-const EXPLAINED: f64 = 1.5;
+pub(super) const EXPLAINED: f64 = 1.5;
 /// By how much (natural logarithm) errors must shrink where they stay above the noise.
 const SHRINKS: f64 = 0.5;
 /// Where no physical cause comes near the noise, a diagnosis of the mended log is worth its time if errors of the
@@ -42,7 +42,7 @@ pub struct Suspicion {
     as_read: Misfit,
     price: f64,
     /// The mended log with nothing but parameters and starts fitted.
-    mended: Misfit,
+    pub(super) mended: Misfit,
 }
 
 /// Looks for a mistake of reading that explains a log at least about as well as the diagnosis of the

@@ -9,13 +9,13 @@ use fd_model::Record;
 use super::{
     drive::Journey,
     finish::Found,
-    growth::Growth,
+    growth::{Growth, one_at_a_time},
     list::Listed,
     milestone::milestone,
     result::{End, Milestone},
 };
 use crate::{
-    diagnose::{Cause, Monitor, Settings, Verdict, follows_anything, is_a_pair},
+    diagnose::{Cause, Monitor, Verdict, follows_anything, is_a_pair},
     fit::FitError,
     shrink::gap,
 };
@@ -36,8 +36,8 @@ pub(super) fn by_evidence(
         return Ok(None);
     }
     let Some(list) = lists.of(beginning(journey)) else { return Ok(None) };
-    let singles = Settings { two: 0.0, ..settings.clone() };
-    let (list, end) = Growth::new(journey, &singles, monitor, DIAGNOSES, 1.0).grown(list)?;
+    let one = one_at_a_time(settings);
+    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, 1.0).grown(list)?;
     let (list, end) = credible(journey, list, end);
     let list = largest_first(journey, list);
     let is_news = match first.verdict {
@@ -53,7 +53,9 @@ pub(super) fn by_evidence(
         return Ok(None);
     }
     let gaps = gaps(journey, &list)?;
-    Ok(Some(Found { list, gaps, end }))
+    // What forecasts held-out logs no better than refitted parameters is no answer; without any, nothing is known of that.
+    let is_missed = gaps.first().zip(gaps.last()).is_some_and(|(before, after)| before <= after);
+    Ok((!is_missed).then_some(Found { list, gaps, end }))
 }
 
 /// The credible causes of a list.

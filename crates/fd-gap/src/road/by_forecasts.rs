@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Verdict, diagnose, is_free_curve,
+        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Settings, Verdict, diagnose,
+        is_free_curve,
     },
     fit::FitError,
 };
@@ -26,6 +27,8 @@ pub(super) fn by_forecasts(
     };
     let mut list: Vec<Listed> = Vec::new();
     let mut gaps = vec![sized(first, |h| &h.refit)];
+    // Pairs take longer than all the rest, and the next cause is one.
+    let singles = Settings { two: 0.0, ..settings.clone() };
     let mut diagnosis = first.clone();
     let end = loop {
         if list.len() == most {
@@ -43,7 +46,7 @@ pub(super) fn by_forecasts(
         let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
         let suspects = lists.beside(&list);
         let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
-        diagnosis = diagnose(&here, settings, monitor)?;
+        diagnosis = diagnose(&here, &singles, monitor)?;
         if diagnosis.verdict == Verdict::NoGap {
             break End::AtTheNoise;
         }

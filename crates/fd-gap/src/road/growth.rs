@@ -25,8 +25,17 @@ use crate::{
 /// Laws that are tried for the next place far above the noise, where forecasts with the best of them may be worse for
 /// want of others.
 const TRIES: usize = 3;
+/// Causes that are fitted to the end for the next place.
+const FINALISTS: usize = 4;
+/// Share of the best score that a candidate for the next place must promise.
+const LEAST_PROMISE: f64 = 0.1;
 /// Most rounds of going on and looking back.
 const ROUNDS: usize = 3;
+
+/// What a list by evidence needs of a diagnosis: the next cause. Two at a time would take as long as all the rest.
+pub(super) fn one_at_a_time(settings: &Settings) -> Settings {
+    Settings { two: 0.0, finalists: FINALISTS, least_promise: LEAST_PROMISE, ..settings.clone() }
+}
 
 /// A list that cannot grow any more.
 pub(super) struct Grown {
@@ -53,18 +62,17 @@ pub(super) struct Growth<'a> {
 }
 
 impl<'a> Growth<'a> {
-    /// On a journey of which the settings are `singles`: two causes at a time would take as long as all the rest. Each of
-    /// the `most` diagnoses takes as long as the first one without its pairs.
+    /// On a journey of which the settings are those for `one_at_a_time`; it takes at `most` so many diagnoses.
     pub(super) fn new(
         journey: &Journey<'a>,
-        singles: &'a Settings,
+        settings: &'a Settings,
         monitor: &'a dyn Monitor,
         most: usize,
         leaves: f64,
     ) -> Self {
         let all = journey.lists.beside(&[]).alone().into_iter().flatten();
         let curves = all.filter(follows_anything).map(|candidate| candidate.label).collect();
-        let journey = Journey { settings: singles, ..*journey };
+        let journey = Journey { settings, ..*journey };
         let tries = if leaves < 1.0 { TRIES } else { 1 };
         Self { journey, monitor, curves, left: Cell::new(most), leaves, tries }
     }

@@ -9,13 +9,10 @@ use super::{
     by_evidence::{beginning, credible, gaps, largest_first},
     drive::Journey,
     finish::Found,
-    growth::Growth,
+    growth::{Growth, one_at_a_time},
     result::End,
 };
-use crate::{
-    diagnose::{Monitor, Settings},
-    fit::FitError,
-};
+use crate::{diagnose::Monitor, fit::FitError};
 
 /// Most diagnoses on the way.
 const DIAGNOSES: usize = 16;
@@ -34,8 +31,8 @@ pub(super) fn to_the_noise(
     if list.is_empty() || monitor.is_stopped() {
         return Ok(None);
     }
-    let singles = Settings { two: 0.0, ..journey.settings.clone() };
-    let (list, end) = Growth::new(journey, &singles, monitor, DIAGNOSES, LEAVES).grown(list)?;
+    let one = one_at_a_time(journey.settings);
+    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, LEAVES).grown(list)?;
     let (list, end) = credible(journey, list, end);
     if end != End::AtTheNoise || list.is_empty() {
         return Ok(None);

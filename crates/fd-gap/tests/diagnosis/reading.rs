@@ -2,8 +2,8 @@
 
 use fd_effect::{EverySite, library};
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Settings, diagnose},
-    reading::{Mistake, Reading, suspect},
+    diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
+    reading::{Mistake, Reading, Suspicion, glance, suspect},
 };
 use fd_model::{Record, SampleTime};
 use fd_sim::{model::Model, patch::Patch, scales::ReplayScales};
@@ -42,14 +42,28 @@ fn reading(model: &Model, log: &Record) -> Option<Reading> {
     let case = Case { nominal: model, suspects: &none, logs, held_out: &[] };
     let found = suspect(&case, Settings::default().horizon, Some(&as_read)).unwrap();
     println!("{:?} as read, suspected: {found:?}", as_read.verdict);
-    let suspicion = found?;
-    let logs = suspicion.mended(case.logs).unwrap();
-    let model = suspicion.mistake().mended_model(model).unwrap();
-    let mended = diagnosis(&model, &logs[0]);
-    let case = Case { nominal: &model, logs: &logs, ..case };
-    let reading = suspicion.judged(&case, &mended);
+    let reading = judged(&case, found?).map(|(reading, _)| reading);
     println!("{reading:?}");
     reading
+}
+
+/// A reading that is confirmed by the diagnosis of the mended log, with the verdict of that.
+fn judged(case: &Case<'_>, suspicion: Suspicion) -> Option<(Reading, Verdict)> {
+    let logs = suspicion.mended(case.logs).unwrap();
+    let model = suspicion.mistake().mended_model(case.nominal.model()).unwrap();
+    let mended = diagnosis(&model, &logs[0]);
+    let case = Case { nominal: &model, logs: &logs, ..*case };
+    Some((suspicion.judged(&case, &mended)?, mended.verdict))
+}
+
+/// The mistake that is believed before any cause was tried.
+fn at_a_glance(model: &Model, log: &Record) -> Option<Mistake> {
+    let none: Vec<fd_effect::Candidate> = Vec::new();
+    let logs = std::slice::from_ref(log);
+    let case = Case { nominal: model, suspects: &none, logs, held_out: &[] };
+    let found = glance(&case, Settings::default().horizon).unwrap();
+    let (reading, verdict) = judged(&case, found?)?;
+    (verdict == Verdict::NoGap && 0.9 < reading.probability).then_some(reading.mistake)
 }
 
 /// A log with its rows changed.
@@ -80,6 +94,7 @@ fn a_wrong_sign() {
     let wrong = changed(&log, |_, _, y| y[1] = -y[1]);
     let found = assert_told(&model, &wrong, &Mistake::sign("speed"));
     assert_eq!(found.mistake, Mistake::sign("speed"));
+    assert_eq!(at_a_glance(&model, &wrong), Some(found.mistake));
     assert!(found.lines.contains("speed = {"), "{}", found.lines);
 }
 
@@ -95,6 +110,7 @@ fn rates_in_degrees() {
     // Errors are those of the numbers in the log: mended, they come down to the noise.
     let noise = model.outputs[1].noise.unwrap();
     assert!(found.after[1] < 1.2 * noise && 10.0 * noise < found.before[1]);
+    assert_eq!(at_a_glance(&model, &wrong), Some(found.mistake));
 }
 
 /// Half a step too small is a bias of just that, unless one knows what drivers do to voltages.
@@ -158,6 +174,7 @@ fn a_wrong_unit_of_time() {
     let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
     let wrong = Record::new(inputs, outputs, u, y.concat(), ts).unwrap();
     assert_told(&model, &wrong, &Mistake::Time { factor: 60.0 });
+    assert_eq!(at_a_glance(&model, &wrong), Some(Mistake::Time { factor: 60.0 }));
 }
 
 #[test]
@@ -181,6 +198,8 @@ fn a_wrong_unit_beside_a_dead_zone() {
     let degrees = 180.0 / std::f64::consts::PI;
     let wrong = changed(&log, |_, _, y| y[1] *= degrees);
     assert_told(&model, &wrong, &Mistake::unit("speed", degrees));
+    // The dead zone is still to be found.
+    assert_eq!(at_a_glance(&model, &wrong), None);
 }
 
 #[test]
@@ -197,6 +216,11 @@ fn nothing_wrong_and_honest_physics_are_no_misreadings() {
     };
     let gain = truth(&|patch| patch.wrap_input("u", "applied", expr("1.5*u")).unwrap());
     assert_eq!(reading(&model, &gain), None);
+    // Causes that leave errors of many times the noise.
+    for law in ["1.5*u", "2.5*u", "0.3*u", "u - clamp(u, -3, 3)", "clamp(u, -4, 4)", "u + 8"] {
+        let log = truth(&|patch| patch.wrap_input("u", "applied", expr(law)).unwrap());
+        assert_eq!(at_a_glance(&model, &log), None, "{law}");
+    }
     let dead =
         truth(&|patch| patch.wrap_input("u", "applied", expr("u - clamp(u, -3, 3)")).unwrap());
     assert_eq!(reading(&model, &dead), None);
@@ -236,4 +260,5 @@ fn a_sign_that_changes_nothing_is_no_mistake() {
     let (inputs, outputs) = (model.external_inputs(), model.output_channels());
     let log = Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap();
     assert!(reading(&model, &log).is_none());
+    assert_eq!(at_a_glance(&model, &log), None);
 }

@@ -9,7 +9,7 @@ use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
     few_runs::{Effort, with_few_runs},
     fit::Horizon,
-    reading::{self as gap, Mistake, suspect},
+    reading::{self as gap, Mistake, Suspicion, glance, suspect},
     road::{Road, road},
 };
 use fd_model::Record;
@@ -20,6 +20,7 @@ use super::{
     answer::{Answer, Named, Reading, Share, Together, UNCLEAR},
     black_box::{BlackBox, Sight},
     error::BlindError,
+    feature::{Feature, Method},
 };
 
 /// Causes that are kept in an answer.
@@ -29,19 +30,28 @@ const MOST: usize = 8;
 /// Weight of what is left above the floor, against the probability of "none of these".
 const TIE_BREAK: f64 = 1e-3;
 
-/// Diagnoses a case as a user would.
+/// How a case is diagnosed.
+struct Approach {
+    settings: Settings,
+    method: Method,
+    /// Whether the plant is followed along its logs.
+    is_followed: bool,
+}
+
+/// Diagnoses a case as a user would, but for what the method is without.
 pub(super) fn answer(
     name: &str,
     model: &Model,
     train: &Record,
     held_out: &Record,
     settings: &Settings,
+    method: Method,
 ) -> Result<Answer, BlindError> {
     let begun = Instant::now();
     let model = with_default_sites(model);
     let (mut logs, mut held_out) = ([train.clone()], [held_out.clone()]);
-    let mut settings = settings.clone();
-    let follower = follow(&model, &logs)?;
+    let mut settings = method.settings(settings);
+    let follower = if method.has(Feature::Following) { follow(&model, &logs)? } else { None };
     let nominal: &dyn Nominal = match &follower {
         Some(follower) => {
             for record in logs.iter_mut().chain(&mut held_out) {
@@ -56,20 +66,24 @@ pub(super) fn answer(
         }
         None => &model,
     };
-    let settings = &settings;
-    let is_followed = follower.is_some();
-    let as_read = diagnosed(nominal, &model, &logs, &held_out, settings, is_followed);
-    let reading = match follower {
-        None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
-        Some(_) => None,
+    let approach = &Approach { settings, method, is_followed: follower.is_some() };
+    let reads_on = !approach.is_followed && method.has(Feature::Readings);
+    let read = || diagnosed(nominal, &model, &logs, &held_out, approach);
+    let at_once = if reads_on { glanced(&model, &logs, &held_out, approach) } else { None };
+    let as_read = at_once.is_none().then(read);
+    let mended = match &as_read {
+        Some(as_read) if reads_on => {
+            mended(&model, &logs, &held_out, approach, as_read.as_ref().ok())
+        }
+        _ => at_once,
     };
-    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = reading {
+    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = mended {
         let Mended { reading, model, logs, held_out, diagnosed } = mended;
-        let road = diagnosed.road(&model, &model, &logs, &held_out, settings)?;
+        let road = diagnosed.road(&model, &model, &logs, &held_out, approach)?;
         (readings(&reading), diagnosed, road)
     } else {
-        let as_read = as_read?;
-        let road = as_read.road(nominal, &model, &logs, &held_out, settings)?;
+        let as_read = as_read.unwrap_or_else(read)?;
+        let road = as_read.road(nominal, &model, &logs, &held_out, approach)?;
         (Vec::new(), as_read, road)
     };
     let seconds = begun.elapsed().as_secs_f64();
@@ -186,13 +200,14 @@ impl Diagnosed {
         model: &Model,
         logs: &[Record],
         held_out: &[Record],
-        settings: &Settings,
+        approach: &Approach,
     ) -> Result<Option<Road>, BlindError> {
-        let Some(train) = logs.first().filter(|_| !self.is_inside) else { return Ok(None) };
+        let has_lists = approach.method.has(Feature::Lists) && !self.is_inside;
+        let Some(train) = logs.first().filter(|_| has_lists) else { return Ok(None) };
         let scales = nominal.scales(train.ts(), &inputs(train), train.len())?;
-        let suspects = EverySite::new(library(), model, scales);
+        let suspects = EverySite::new(approach.method.library(), model, scales);
         let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
-        Ok(road(&case, &self.diagnosis, settings, MOST, &())?)
+        Ok(road(&case, &self.diagnosis, &approach.settings, MOST, &())?)
     }
 }
 
@@ -211,24 +226,26 @@ fn diagnosed(
     model: &Model,
     logs: &[Record],
     held_out: &[Record],
-    settings: &Settings,
-    is_followed: bool,
+    approach: &Approach,
 ) -> Result<Diagnosed, BlindError> {
+    let Approach { settings, method, is_followed } = approach;
     let Some(train) = logs.first() else { return Err(fd_gap::fit::FitError::NoLog.into()) };
     let u = inputs(train);
     let scales = nominal.scales(train.ts(), &u, train.len())?;
-    let suspects = EverySite::new(library(), model, scales);
+    let suspects = EverySite::new(method.library(), model, scales);
     let candidates = suspects.alone().iter().flatten().count();
     let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
     let diagnosis = diagnose(&case, settings, &())?;
-    if !is_followed && !diagnosis.is_explained() {
+    let looks_inside = !is_followed && method.has(Feature::InnerPlaces);
+    if looks_inside && diagnosis.leaves_room_inside() {
         let inner = with_inner_places(model);
         let scales = inner.scales(train.ts(), &u, train.len())?;
         let scales = scales.with_signals(&inner, train.ts(), &u, train.len())?;
-        let suspects = EverySite::new(library(), &inner, scales);
+        let suspects = EverySite::new(method.library(), &inner, scales);
         let case = diagnose::Case { nominal: &inner, suspects: &suspects, logs, held_out };
-        let inside = diagnose(&case, settings, &());
-        if let Some(diagnosis) = inside.ok().filter(Diagnosis::names_all) {
+        let inside = diagnose(&case, &diagnosis.settings_inside(settings), &()).ok();
+        let inside = inside.filter(|i| i.is_to_replace(&diagnosis, settings.bayes_factor));
+        if let Some(diagnosis) = inside {
             let candidates = suspects.alone().iter().flatten().count();
             return Ok(Diagnosed { diagnosis, candidates, is_inside: true });
         }
@@ -241,20 +258,48 @@ fn mended(
     model: &Model,
     logs: &[Record],
     held_out: &[Record],
-    settings: &Settings,
+    approach: &Approach,
     as_read: Option<&Diagnosed>,
 ) -> Option<Mended> {
     let none: Vec<Candidate> = Vec::new();
     let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
     let as_read = as_read.map(|diagnosed| &diagnosed.diagnosis);
-    let suspicion = suspect(&case, settings.horizon, as_read).ok()??;
-    let model = suspicion.mistake().mended_model(model)?;
-    let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
-    let diagnosed = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
-    let case =
-        diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
-    let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
-    Some(Mended { reading, model, logs, held_out, diagnosed })
+    let suspicion = suspect(&case, approach.settings.horizon, as_read).ok()??;
+    Mended::of(suspicion, model, logs, held_out, approach)
+}
+
+/// The same with a mistake that is seen before any cause is tried, and leaves no gap.
+fn glanced(
+    model: &Model,
+    logs: &[Record],
+    held_out: &[Record],
+    approach: &Approach,
+) -> Option<Mended> {
+    let none: Vec<Candidate> = Vec::new();
+    let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
+    let suspicion = glance(&case, approach.settings.horizon).ok()??;
+    let mended = Mended::of(suspicion, model, logs, held_out, approach)?;
+    (mended.diagnosed.diagnosis.verdict == Verdict::NoGap).then_some(mended)
+}
+
+impl Mended {
+    /// The diagnosis of the mended log, if that confirms what is suspected.
+    fn of(
+        suspicion: Suspicion,
+        model: &Model,
+        logs: &[Record],
+        held_out: &[Record],
+        approach: &Approach,
+    ) -> Option<Self> {
+        let none: Vec<Candidate> = Vec::new();
+        let model = suspicion.mistake().mended_model(model)?;
+        let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
+        let diagnosed = diagnosed(&model, &model, &logs, &held_out, approach).ok()?;
+        let case =
+            diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
+        let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
+        Some(Self { reading, model, logs, held_out, diagnosed })
+    }
 }
 
 /// What was named, and what cannot be told from it.

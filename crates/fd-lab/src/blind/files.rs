@@ -15,6 +15,7 @@ use fd_sim::model::Model;
 use super::{
     conditions::Conditions,
     error::BlindError,
+    feature::Feature,
     logs::{LogOfRun, Part},
     make::COMMITMENT,
     truth::{Scene, Truth},
@@ -51,16 +52,21 @@ pub(super) struct Case {
     pub(super) directory: PathBuf,
 }
 
+/// Name of the file of answers in a form, by a method that may be without something.
+pub(super) fn answers(variant: Variant, without: Option<Feature>) -> String {
+    let without = without.map(|feature| format!("_without_{}", feature.name().replace('-', "_")));
+    format!("answers{}{}.jsonl", variant.name(), without.unwrap_or_default())
+}
+
 impl Variant {
-    /// Name of the file of answers.
-    pub(super) fn answers(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
-            Self::AsLogged => "answers.jsonl",
-            Self::KnownController => "answers_known_controller.jsonl",
-            Self::FromRest => "answers_from_rest.jsonl",
-            Self::BlackBox => "answers_black_box.jsonl",
-            Self::FewRuns => "answers_few_runs.jsonl",
-            Self::FewRunsOfOutputs => "answers_few_runs_of_outputs.jsonl",
+            Self::AsLogged => "",
+            Self::KnownController => "_known_controller",
+            Self::FromRest => "_from_rest",
+            Self::BlackBox => "_black_box",
+            Self::FewRuns => "_few_runs",
+            Self::FewRunsOfOutputs => "_few_runs_of_outputs",
         }
     }
 
@@ -90,12 +96,16 @@ impl Case {
         files.iter().all(|file| self.directory.join(file).is_file())
     }
 
-    /// The model and both logs.
-    pub(super) fn read(&self, variant: Variant) -> Result<(Model, [Record; 2]), BlindError> {
+    /// The model and both logs, with inputs between samples that are held so.
+    pub(super) fn read(
+        &self,
+        variant: Variant,
+        held_inputs: HeldInputs,
+    ) -> Result<(Model, [Record; 2]), BlindError> {
         let model = self.model_of(variant)?;
         let mut map = LogMap::for_channels(&model.external_inputs(), &model.output_channels());
         let (time, ts) = (Some("time".to_owned()), Some(model.sample_time));
-        map.resample.held_inputs = Some(HeldInputs::Mean);
+        map.resample.held_inputs = Some(held_inputs);
         map.time = TimeMap { column: time, sample_time: ts, ..TimeMap::default() };
         // The column of the command is called as the input that it drives.
         for column in &mut map.outputs {

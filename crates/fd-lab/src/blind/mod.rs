@@ -16,6 +16,7 @@ mod diagnose;
 mod draw;
 mod error;
 mod excitation;
+mod feature;
 mod files;
 mod kind;
 mod laws;
@@ -46,6 +47,7 @@ pub use self::{
     cost::Cost,
     error::BlindError,
     excitation::Shape,
+    feature::Feature,
     files::Variant,
     kind::CaseKind,
     laws::{Origin, Place},

@@ -13,7 +13,8 @@ use super::{
     black_box::Sight,
     diagnose::{Manner as How, answer, as_black_box},
     error::BlindError,
-    files::{Case, Variant},
+    feature::{Feature, Method},
+    files::{Case, Variant, answers},
     make::{CASES, COMMITMENT},
 };
 use crate::{Watcher, journal::Journal};
@@ -23,6 +24,8 @@ use crate::{Watcher, journal::Journal};
 pub struct Manner<'a> {
     /// In which form.
     pub variant: Variant,
+    /// What is left out, to see what it brings; only where the plant is no black box.
+    pub without: Option<Feature>,
     /// Whether simpler methods are run, too.
     pub with_baselines: bool,
     /// Settings of a diagnosis, from the model and both logs.
@@ -37,7 +40,7 @@ impl Default for Manner<'_> {
     /// As it was logged, with all methods, in free run.
     fn default() -> Self {
         let settings = &|_: &Model, _: &[Record; 2]| Ok(Settings::default());
-        Self { variant: Variant::AsLogged, with_baselines: true, settings }
+        Self { variant: Variant::AsLogged, without: None, with_baselines: true, settings }
     }
 }
 
@@ -58,7 +61,8 @@ pub(super) fn cases(directory: &Path) -> Result<Vec<Case>, BlindError> {
 }
 
 fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
-    let (model, logs) = case.read(manner.variant)?;
+    let method = Method { without: manner.without };
+    let (model, logs) = case.read(manner.variant, method.held_inputs())?;
     let settings = (manner.settings)(&model, &logs)?;
     let [train, held_out] = &logs;
     let black_box = |how| as_black_box(&case.name, &model, &logs, &settings, how);
@@ -66,7 +70,7 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
         Variant::BlackBox => black_box(How::Thorough)?,
         Variant::FewRuns => black_box(How::Sparing(Sight::States))?,
         Variant::FewRunsOfOutputs => black_box(How::Sparing(Sight::Outputs))?,
-        _ => answer(&case.name, &model, train, held_out, &settings)?,
+        _ => answer(&case.name, &model, train, held_out, &settings, method)?,
     };
     if manner.with_baselines {
         // Simpler methods are not made for holes; what they cannot do is no fault of the diagnosis.
@@ -87,7 +91,7 @@ pub fn run(
     manner: &Manner<'_>,
     watcher: &impl Watcher,
 ) -> Result<usize, BlindError> {
-    let path = directory.join(manner.variant.answers());
+    let path = directory.join(answers(manner.variant, manner.without));
     let known = read_answers(&path)?;
     let cases: Vec<Case> =
         cases(directory)?.into_iter().filter(|case| case.has(manner.variant)).collect();

@@ -4,12 +4,15 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::LazyLock,
 };
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum, builder::PossibleValue};
 use fd_core::Limits;
 use fd_gap::diagnose::Settings;
-use fd_lab::blind::{BlindError, CaseKind, Manner, Order, SealKey, Variant, make, run, score};
+use fd_lab::blind::{
+    BlindError, CaseKind, Feature, Manner, Order, SealKey, Variant, make, run, score,
+};
 use fd_model::Record;
 use fdiag::gap_study::automatic_settings;
 use fdiag::sim::model::Model;
@@ -184,6 +187,21 @@ impl Form {
     }
 }
 
+/// What can be left out of the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Left(Feature);
+
+impl ValueEnum for Left {
+    fn value_variants<'a>() -> &'a [Self] {
+        static EVERY: LazyLock<Vec<Left>> = LazyLock::new(|| Feature::EVERY.map(Left).into());
+        &EVERY
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()).help(self.0.words()))
+    }
+}
+
 /// How long simulations run without seeing the outputs.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Span {
@@ -205,6 +223,9 @@ pub(crate) struct RunArgs {
     /// In which form the cases are diagnosed; each has answers of its own
     #[arg(long, value_name = "FORM", value_enum, default_value_t)]
     form: Form,
+    /// What the method is to do without, to see what it brings; these are answers of their own, too
+    #[arg(long, value_name = "FEATURE", value_enum)]
+    without: Option<Left>,
     /// How long simulations run without seeing the outputs
     #[arg(long, value_name = "HORIZON", value_enum, default_value_t)]
     horizon: Span,
@@ -226,6 +247,9 @@ pub(crate) struct ScoreArgs {
     /// The form of which the answers are scored
     #[arg(long, value_name = "FORM", value_enum, default_value_t)]
     form: Form,
+    /// Score the answers of the method without this
+    #[arg(long, value_name = "FEATURE", value_enum)]
+    without: Option<Left>,
     /// Write the tables as Markdown, too
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
@@ -282,7 +306,9 @@ fn run_cases(args: &RunArgs) -> Result<ExitCode, Failure> {
         Span::Free => Ok(Settings::default()),
         Span::Auto => Ok(automatic_settings(model, logs)?),
     };
-    let manner = Manner { variant, with_baselines: !args.no_baselines, settings: &settings };
+    let without = args.without.map(|left| left.0);
+    let with_baselines = !args.no_baselines;
+    let manner = Manner { variant, without, with_baselines, settings: &settings };
     let cases = match pool(args.threads)?.install(|| run(&args.directory, &manner, &progress)) {
         Err(BlindError::Stopped) => return Err(progress.stopped(&args.directory)),
         done => done.map_err(refusal)?,
@@ -296,8 +322,9 @@ fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?;
     let truth = args.truth.clone().unwrap_or_else(|| beside(&args.directory));
     let progress = Bar::new("cases");
+    let without = args.without.map(|left| left.0);
     let score = pool(args.output.threads)?
-        .install(|| score(&args.directory, &truth, args.form.variant(), &progress))
+        .install(|| score(&args.directory, &truth, args.form.variant(), without, &progress))
         .map_err(refusal)?;
     progress.finish()?;
     if let Some(file) = &args.markdown {

@@ -1,4 +1,4 @@
-//! Causes inside a model, where nothing around it explains the logs.
+//! Causes inside a model: where nothing around it explains the logs, and where one law inside explains them better.
 
 use std::fmt::Write;
 
@@ -89,4 +89,72 @@ fn a_plant_without_a_gap_stays_without() {
     let output = desk.run(&["--model", "vessels.toml", "--log", "run.csv", "--out", "out"]);
     assert!(stdout(&output).starts_with("No gap"), "{output:?}");
     assert!(!desk.read("out/report.json").contains("h1_term_1"));
+}
+
+const AMPLIFIER: &str = r#"
+version = 1
+kind = "equations"
+name = "amplifier"
+sample_time = 0.02
+
+[parameters]
+T1 = { unit = "s", value = 0.2, tolerance = 0.03 }
+T2 = { unit = "s", value = 0.4, tolerance = 0.03 }
+k = { unit = "1", value = 1.5, tolerance = 0.03 }
+
+[inputs]
+u = { unit = "V" }
+
+[states]
+a = { unit = "V", initial = 0.0, derivative = "(u - a)/T1" }
+x = { unit = "V", initial = 0.0, derivative = "(w - x)/T2" }
+
+[outputs]
+y = { unit = "V", value = "x", noise = 0.01 }
+
+[definitions]
+w = "k*a/(1 + 0.08*a^2)"
+
+[sites]
+inlet = { unit = "V/s", enters = { a = 1.0 }, velocity = "a" }
+outlet = { unit = "V/s", enters = { x = 1.0 }, velocity = "x" }
+"#;
+
+/// An amplifier between two filters, what it delivers bent by a law.
+fn amplifier(seed: u32, law: fn(f64) -> f64) -> String {
+    let (mut a, mut x, mut u, mut random) = (0.0_f64, 0.0, 0.0, Random(seed));
+    let mut text = "time [s],u [V],y [V]\n".to_owned();
+    for k in 0..500_u32 {
+        if k % 30 == 0 {
+            u = 8.0 * (random.uniform() - 0.5);
+        }
+        writeln!(text, "{},{u},{}", 0.02 * f64::from(k), x + 0.01 * random.normal()).unwrap();
+        for _ in 0..20 {
+            let w = law(1.51 * a / (1.0 + 0.08 * a * a));
+            a += 1e-3 * (u - a) / 0.204;
+            x += 1e-3 * (w - x) / 0.392;
+        }
+    }
+    text
+}
+
+/// Friction at one of the filters stands for the dead zone, and two parameters that wander for the limit: in the fitted
+/// log down to the noise.
+#[test]
+fn one_law_inside_instead_of_what_stands_for_it() {
+    type Law = fn(f64) -> f64;
+    let laws: [(&str, Law); 2] = [
+        ("Dead zone on w", |w| w - w.clamp(-0.08, 0.08)),
+        ("Saturation on w", |w| w.clamp(-2.5, 2.5)),
+    ];
+    for (named, law) in laws {
+        let desk = Desk::new();
+        desk.put("amplifier.toml", AMPLIFIER);
+        desk.put("run.csv", &amplifier(21, law));
+        desk.put("later.csv", &amplifier(22, law));
+        let logs = ["--log", "run.csv", "--held-out", "later.csv", "--out", "out"];
+        let output = desk.run(&[&["--model", "amplifier.toml"][..], &logs].concat());
+        let text = stdout(&output);
+        assert!(text.starts_with(named), "{text}");
+    }
 }

@@ -5,7 +5,7 @@ use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
     quality::{Defect, Finding},
-    reading::{Mistake, Reading, Suspicion, suspect},
+    reading::{Mistake, Reading, Suspicion, glance, suspect},
 };
 use fd_model::SampleTime;
 use fd_sim::simulate::{Nominal, Shell};
@@ -49,8 +49,13 @@ impl<'a> Attempt<'a> {
         Self::at(Places::Around, request, subject, nominal, data, monitor)
     }
 
+    /// What answers further questions: with fewer runs where the slopes of these logs are known.
+    pub(super) fn nominal(&self) -> &dyn Nominal {
+        self.sparing.as_ref().map_or(self.nominal, |(_, lent)| lent)
+    }
+
     fn at(
-        places: Places,
+        places: Places<'_>,
         request: &Request,
         subject: &'a Subject,
         nominal: &'a dyn Nominal,
@@ -65,10 +70,14 @@ impl<'a> Attempt<'a> {
         subject.show(&logs, ts)?;
         let memory = Memory::of(&*simulator, &u, samples);
         let settings = settings(request, memory, &logs, ts);
+        let settings = match places {
+            Places::Around => settings,
+            Places::Inside(around) => around.settings_inside(&settings),
+        };
         let scales = nominal.scales(ts, &u, samples)?;
         let scales = match places {
             Places::Around => scales,
-            Places::Inside => scales.with_signals(model, ts, &u, samples)?,
+            Places::Inside(_) => scales.with_signals(model, ts, &u, samples)?,
         };
         let mut effects = subject.effects();
         for own in &request.effects {
@@ -100,16 +109,16 @@ impl<'a> Attempt<'a> {
 }
 
 /// Where effects are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Places {
+#[derive(Clone, Copy)]
+enum Places<'d> {
     /// Inputs, states, sites, parameters and outputs.
     Around,
-    /// These, and every signal inside the model.
-    Inside,
+    /// These, and every signal inside the model, after a diagnosis of what is around it.
+    Inside(&'d Diagnosis),
 }
 
-/// The diagnosis with effects on signals inside the model as well, if that names a cause which explains the logs
-/// down to the noise. `subject` has names for these signals.
+/// The diagnosis with effects on signals inside the model as well, if that is to be reported instead. `subject` has names
+/// for these signals.
 pub(super) fn inside<'a>(
     request: &Request,
     subject: &'a Subject,
@@ -117,8 +126,10 @@ pub(super) fn inside<'a>(
     monitor: &dyn Monitor,
 ) -> Option<Attempt<'a>> {
     let (nominal, data) = (subject.nominal(), outside.data);
-    let attempt = Attempt::at(Places::Inside, request, subject, nominal, data, monitor).ok()?;
-    attempt.diagnosis.names_all().then_some(attempt)
+    let places = Places::Inside(&outside.diagnosis);
+    let attempt = Attempt::at(places, request, subject, nominal, data, monitor).ok()?;
+    let factor = attempt.settings.bayes_factor;
+    attempt.diagnosis.is_to_replace(&outside.diagnosis, factor).then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.
@@ -153,14 +164,31 @@ pub(super) fn mended(
     let logs = &data.fit[..];
     let case = Case { nominal, suspects, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
-    let suspicion = suspect(&case, horizon, diagnosis).ok()??;
-    let mistake = suspicion.mistake();
-    let other = subject.mended(mistake);
-    if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
+    Mended::of(request, subject, suspect(&case, horizon, diagnosis).ok()??)
+}
+
+/// The data with a mistake of reading mended that is seen before any cause is tried; runs of simulators outside are too
+/// dear for that.
+pub(super) fn glanced(request: &Request, subject: &Subject, data: &Data) -> Option<Mended> {
+    if request.as_read || subject.outside().is_some() {
         return None;
     }
-    let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
-    Some(Mended { subject: other, data, suspicion })
+    let suspects: Vec<Candidate> = Vec::new();
+    let (nominal, logs) = (subject.nominal(), &data.fit[..]);
+    let case = Case { nominal, suspects: &suspects, logs, held_out: &[] };
+    Mended::of(request, subject, glance(&case, Settings::default().horizon).ok()??)
+}
+
+impl Mended {
+    fn of(request: &Request, subject: &Subject, suspicion: Suspicion) -> Option<Self> {
+        let mistake = suspicion.mistake();
+        let other = subject.mended(mistake);
+        if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
+            return None;
+        }
+        let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
+        Some(Self { subject: other, data, suspicion })
+    }
 }
 
 /// The diagnosis of the mended data, if that confirms the mistake.

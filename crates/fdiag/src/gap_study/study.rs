@@ -1,33 +1,33 @@
 //! From files to an answer.
 
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Monitor, Settings},
+    diagnose::{Case, Monitor, Settings},
     fit::{FitError, Horizon, Log},
     quality::{Defect, Finding},
 };
 use fd_model::{Record, SampleTime};
 use fd_sim::{
     outside::{Counts, OutsideError},
-    simulate::{Follower, Nominal, Simulator},
+    simulate::{Nominal, Simulator},
 };
 
 use super::{
-    attempt::{Attempt, confirmed, inside, mended},
+    attempt::Attempt,
     data::Data,
     error::GapError,
     findings::findings,
     follow::follow,
+    found::{Found, Search, Shelf},
     further::{Asked, Further},
     headline::headline,
     law::law,
     memory::Memory,
     patched::patched_models,
     pause::Pause,
-    report::{Inputs, LogPart, REPORT_VERSION, Report, StudySettings, Timing},
+    report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
     request::{HorizonChoice, Request},
     subject::Subject,
     traces::{Trace, trace},
-    whole::{Whole, judge},
     words,
 };
 
@@ -101,59 +101,14 @@ impl GapStudy {
             }
             None => subject.nominal(),
         };
-        let first = Attempt::new(request, subject, nominal, &data, monitor);
-        // Windows of a long log that are unlike its stretches are fitted, too.
-        let whole = match &first {
-            Ok(Attempt { diagnosis, .. }) => {
-                judged_whole(nominal, diagnosis, &data, follower.as_ref())?
-            }
-            Err(_) => None,
-        };
         let pause = Pause::of(monitor);
-        let richer = whole.as_ref().and_then(|whole| with_unlike(&data, whole, follower.as_ref()));
-        let richer = richer.filter(|_| pause.goes_on("windows that are unlike the others"));
-        let again =
-            richer.as_ref().map(|data| Attempt::new(request, subject, nominal, data, monitor));
-        let (is_richer, as_read) = match again {
-            // What was cut short is no better than what came to its end.
-            Some(Ok(again)) if again.diagnosis.is_stopped && first.is_ok() => {
-                pause.goes_on("windows that are unlike the others");
-                (false, first)
-            }
-            Some(again) => (true, again),
-            None => (false, first),
-        };
-        // What follows a log makes up for many a mistake of reading.
-        let mended = match follower {
-            None if pause.goes_on("mistakes of reading") => {
-                mended(request, subject, &data, &as_read)
-            }
-            _ => None,
-        };
-        let (attempt, reading) = confirmed(request, subject, mended.as_ref(), monitor)
-            .map_or_else(
-                || as_read.map(|as_read| (as_read, None)),
-                |(attempt, reading)| Ok((attempt, Some(reading))),
-            )?;
-        let is_unknown = reading.is_none() && !attempt.diagnosis.is_explained();
-        let inner = match follower {
-            None if is_unknown && pause.goes_on("places inside the model") => {
-                attempt.subject.with_inner_places()
-            }
-            _ => None,
-        };
-        let found = inner.as_ref().and_then(|inner| inside(request, inner, &attempt, monitor));
-        let is_first = !is_richer && reading.is_none() && found.is_none();
-        let attempt = found.unwrap_or(attempt);
+        let shelf = Shelf::default();
+        let search = Search { request, subject, nominal, data: &data, follower: follower.as_ref() };
+        let Found { attempt, reading, whole } = search.find(&shelf, &pause, monitor)?;
         let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, .. } = attempt;
         let (diagnosis, sparing) = (attempt.diagnosis, attempt.sparing);
         // What knows the slopes of these logs answers further questions with fewer runs.
         let nominal: &dyn Nominal = sparing.as_ref().map_or(nominal, |(_, lent)| lent);
-        let whole = if is_first {
-            whole
-        } else {
-            judged_whole(nominal, &diagnosis, data, follower.as_ref())?
-        };
         let (model, [fitted, _]) = (subject.model(), &logs);
         let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
         let asked = Asked {
@@ -210,40 +165,6 @@ fn on_threads<T: Send>(workers: usize, act: impl FnOnce() -> T + Send) -> T {
         // Fewer instances are then at work.
         Err(_) => act(),
     }
-}
-
-/// All rows of long logs, judged by a diagnosis of their stretches.
-fn judged_whole(
-    nominal: &dyn Nominal,
-    diagnosis: &Diagnosis,
-    data: &Data,
-    follower: Option<&Follower<'_>>,
-) -> Result<Option<Whole>, GapError> {
-    let Some(long) = &data.long else { return Ok(None) };
-    let followed = |record: &Record| match follower {
-        // A record of this model can be followed.
-        Some(follower) => follower.record(record).unwrap_or_else(|_| record.clone()),
-        None => record.clone(),
-    };
-    let fitted = data.fit.iter().map(Record::len).sum();
-    Ok(judge(long, nominal, diagnosis, fitted, followed)?)
-}
-
-/// The data with windows that the answer does not fit as it does the others; `None` without any.
-fn with_unlike(data: &Data, whole: &Whole, follower: Option<&Follower<'_>>) -> Option<Data> {
-    let long = data.long.as_ref()?;
-    let mut richer = data.clone();
-    for window in whole.to_fit(long) {
-        let (index, rows) = window.place;
-        let (part, record) = &long.parts[index];
-        let is_known = |known: &LogPart| known.path == part.path && known.samples == window.rows;
-        if data.parts.iter().any(is_known) {
-            continue;
-        }
-        let followed = follower.and_then(|follower| follower.record(record).ok());
-        richer.add(part, followed.as_ref().unwrap_or(record), rows);
-    }
-    (data.fit.len() < richer.fit.len()).then_some(richer)
 }
 
 /// Inputs of the longest log, row by row, and its samples.

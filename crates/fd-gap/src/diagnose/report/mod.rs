@@ -104,7 +104,8 @@ pub(super) fn report(
     let logs = &base.plan().logs;
     let claim = Claim { causes: &named, answer: &answer, held_out: &held_out, noise: known, logs };
     let objections = if named.is_empty() { Vec::new() } else { objections(claim) };
-    let verdict = if objections.iter().any(Objection::forbids) {
+    let is_forbidden = objections.iter().any(Objection::forbids);
+    let verdict = if is_forbidden && !context.settings.without.vetoes {
         doubt(&mut probabilities, &mut causes, &mut pairs);
         Verdict::Unclear
     } else {

@@ -63,11 +63,17 @@ pub(super) fn search<'a>(
     }
     let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
     monitor.begin(Stage::Fit, trials.len());
+    let fitted = case.suspects.fitted();
+    let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| trial.is_in(fitted));
     let late: Vec<usize> = trials
         .par_iter_mut()
         .filter_map(|trial| {
             if 0 < trial.index && monitor.is_stopped() {
                 return Some(trial.index);
+            }
+            if !is_known(trial) && trial.promises_less(settings.least_promise, most) {
+                monitor.advance();
+                return None;
             }
             trial.short_fits(&null, most);
             monitor.advance();
@@ -76,24 +82,27 @@ pub(super) fn search<'a>(
         .collect();
     trials.retain(|trial| {
         if trial.best.is_none() {
-            let is_late = late.contains(&trial.index);
-            let reason = if is_late { stopped() } else { "its simulation diverges".to_owned() };
+            let reason = if late.contains(&trial.index) {
+                stopped()
+            } else if trial.promises_less(settings.least_promise, most) {
+                "others promise far more".to_owned()
+            } else {
+                "its simulation diverges".to_owned()
+            };
             not_tested.push(NotTested::of(trial.candidate, reason));
         }
         trial.best.is_some()
     });
-    let fitted = case.suspects.fitted();
     if let Some(fitted) = fitted {
-        let is_known = |trial: &&mut Trial<'_>| trial.is_in(fitted);
-        trials.par_iter_mut().filter(is_known).for_each(|trial| {
+        trials.par_iter_mut().filter(|trial| is_known(trial)).for_each(|trial| {
             trial.start_as_in(&null, fitted);
         });
     }
     finish(&mut trials, &null, settings.finalists);
     if let Some(fitted) = fitted {
         // What stands for one of a longer list has as good a start as that one, which has had its own.
-        let is_rival = |trial: &&mut Trial<'_>| trial.is_final && !trial.is_in(fitted);
-        trials.par_iter_mut().filter(is_rival).for_each(|trial| {
+        let is_rival = |trial: &Trial<'_>| trial.is_final && !is_known(trial);
+        trials.par_iter_mut().filter(|trial| is_rival(trial)).for_each(|trial| {
             if trial.start_as_in(&null, fitted) {
                 trial.full_fit(&null);
             }

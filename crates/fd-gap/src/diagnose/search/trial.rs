@@ -108,7 +108,7 @@ impl<'a> Trial<'a> {
                 self.scaled(values, if is_small { smallest } else { score.amplitude })
             })
             .collect();
-        let is_hopeless = top < HOPELESS * most && top < most - FAR_BELOW;
+        let is_hopeless = self.promises_less(HOPELESS, most);
         let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
         if is_hopeless {
             // So that one step is never worse than none.
@@ -118,6 +118,11 @@ impl<'a> Trial<'a> {
         if self.best.is_none() {
             self.fall_back(null);
         }
+    }
+
+    /// Whether no start could explain this share of `most`, and is far below it.
+    pub(in crate::diagnose) fn promises_less(&self, share: f64, most: f64) -> bool {
+        self.gain() < share * most && self.gain() < most - FAR_BELOW
     }
 
     /// A few iterations from each start, with the slopes of the nuisances as they are without the

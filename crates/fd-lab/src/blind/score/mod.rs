@@ -20,7 +20,8 @@ pub use self::{
 use super::{
     answer::{Answer, read_answers},
     error::BlindError,
-    files::{Case, Variant},
+    feature::Feature,
+    files::{Case, Variant, answers},
     make::{KEY, sealed_file},
     oracle::SEPARATED,
     run::cases,
@@ -127,7 +128,8 @@ pub struct BySquares {
 }
 
 /// Opens all truths, checks that they are those that were committed to, and scores the answers to cases of this
-/// form; those of the other forms stand beside them in the table of classes.
+/// form, by the method `without` something, if that is asked for; those of the other forms stand beside them in the
+/// table of classes.
 ///
 /// # Errors
 ///
@@ -136,6 +138,7 @@ pub fn score(
     directory: &Path,
     truths: &Path,
     form: Variant,
+    without: Option<Feature>,
     watcher: &impl Watcher,
 ) -> Result<Score, BlindError> {
     let file = truths.join(KEY);
@@ -155,7 +158,7 @@ pub fn score(
     let all: Vec<(&Case, Truth)> = cases.iter().zip(truths?).collect();
     watcher.begin(all.len() as u64, 0);
     let judged = |variant: Variant| -> Result<Vec<Option<Verdict>>, BlindError> {
-        let answers = read_answers(&directory.join(variant.answers()))?;
+        let answers = read_answers(&directory.join(answers(variant, without)))?;
         all.par_iter()
             .map(|(case, truth)| {
                 let answer = answers.iter().find(|answer| answer.case == case.name);

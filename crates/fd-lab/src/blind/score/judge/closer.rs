@@ -7,7 +7,7 @@ use fd_gap::{
     fit::{Horizon, Log},
     shrink::{Paths, Settled, forecast_errors, gap},
 };
-use fd_model::Record;
+use fd_model::{HeldInputs, Record};
 use fd_numeric::rms;
 use fd_sim::{
     model::Model,
@@ -49,7 +49,7 @@ pub(super) fn look(
         return Ok(());
     }
     let Ok(patched) = patched.parse::<Model>() else { return Ok(()) };
-    let (_, [train, _]) = case.read(Variant::AsLogged)?;
+    let (_, [train, _]) = case.read(Variant::AsLogged, HeldInputs::Mean)?;
     verdict.really_closed = really_closed(&scene, &patched, answer, &train)?;
     verdict.is_covered =
         verdict.really_closed.map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
