@@ -9,6 +9,7 @@
 //! | [`shrink`] | how far a gap shrinks on data that the fit has not seen |
 //! | [`diagnose`](mod@diagnose) | all of it, from a model, candidates and logs to an answer |
 //! | [`few_runs`] | the same for a simulator that is expensive to run |
+//! | [`inside`](mod@inside) | effects on signals inside a model |
 //! | [`reading`] | whether the log is read as it is meant |
 //! | [`locate`](mod@locate) | where the gap lies: output, side, equation, frequency, region, time |
 //! | [`experiment`] | the experiment that would separate what this log cannot |
@@ -64,6 +65,7 @@ pub mod evidence;
 pub mod experiment;
 pub mod few_runs;
 pub mod fit;
+pub mod inside;
 pub mod locate;
 pub mod quality;
 pub mod reading;

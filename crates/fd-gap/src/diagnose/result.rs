@@ -1,7 +1,6 @@
 //! The result of a diagnosis.
 
 mod held_out;
-mod inside;
 
 use std::fmt::{self, Display, Formatter};
 

@@ -9,6 +9,7 @@ use fd_gap::{
     diagnose::{self, Cause, Diagnosis, Pair, Settings, Verdict, diagnose},
     few_runs::{Effort, with_few_runs},
     fit::Horizon,
+    inside::inside,
     reading::{self as gap, Mistake, Suspicion, glance, suspect},
     road::{Road, road},
 };
@@ -237,15 +238,13 @@ fn diagnosed(
     let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
     let diagnosis = diagnose(&case, settings, &())?;
     let looks_inside = !is_followed && method.has(Feature::InnerPlaces);
-    if looks_inside && diagnosis.leaves_room_inside() {
+    if looks_inside && diagnosis.verdict != Verdict::NoGap {
         let inner = with_inner_places(model);
         let scales = inner.scales(train.ts(), &u, train.len())?;
         let scales = scales.with_signals(&inner, train.ts(), &u, train.len())?;
         let suspects = EverySite::new(method.library(), &inner, scales);
         let case = diagnose::Case { nominal: &inner, suspects: &suspects, logs, held_out };
-        let inside = diagnose(&case, &diagnosis.settings_inside(settings), &()).ok();
-        let inside = inside.filter(|i| i.is_to_replace(&diagnosis, settings.bayes_factor));
-        if let Some(diagnosis) = inside {
+        if let Ok(Some(diagnosis)) = inside(&case, &diagnosis, settings, &()) {
             let candidates = suspects.alone().iter().flatten().count();
             return Ok(Diagnosed { diagnosis, candidates, is_inside: true });
         }

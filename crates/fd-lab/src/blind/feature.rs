@@ -103,8 +103,8 @@ impl Method {
     /// The effects that are tried.
     pub(super) fn library(self) -> Vec<Box<dyn Effect>> {
         let has_all = self.has(Feature::StoresAndPaths);
-        let is_tried = |e: &Box<dyn Effect>| has_all || !STORES_AND_PATHS.contains(&e.label());
-        library().into_iter().filter(is_tried).collect()
+        let is_tried = |label: &str| has_all || !STORES_AND_PATHS.contains(&label);
+        library().into_iter().filter(|effect| is_tried(effect.label())).collect()
     }
 
     /// What inputs do between samples.

@@ -4,11 +4,15 @@ use fd_effect::{Candidate, EverySite, Suspects};
 use fd_gap::{
     diagnose::{Case, Diagnosis, Monitor, Settings},
     fit::{FitError, Log},
+    inside::inside,
     quality::{Defect, Finding},
     reading::{Mistake, Reading, Suspicion, glance, suspect},
 };
 use fd_model::SampleTime;
-use fd_sim::simulate::{Nominal, Shell};
+use fd_sim::{
+    scales::ReplayScales,
+    simulate::{Nominal, Shell},
+};
 
 use super::{
     data::Data,
@@ -46,7 +50,10 @@ impl<'a> Attempt<'a> {
         data: &'a Data,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
-        Self::at(Places::Around, request, subject, nominal, data, monitor)
+        let ground = Ground::new(Places::Around, request, subject, nominal, data)?;
+        let (scales, settings) = (&ground.scales, &ground.settings);
+        let spared = diagnose_sparing(request, subject, scales, &ground.case(), settings, monitor)?;
+        Ok(ground.with(spared))
     }
 
     /// What answers further questions: with fewer runs where the slopes of these logs are known.
@@ -54,13 +61,51 @@ impl<'a> Attempt<'a> {
         self.sparing.as_ref().map_or(self.nominal, |(_, lent)| lent)
     }
 
-    fn at(
-        places: Places<'_>,
+    /// The diagnosis with effects on signals inside the model as well, if that is to be reported instead of one of what
+    /// is around it. `subject` has names for these signals.
+    pub(super) fn inside(
+        request: &Request,
+        subject: &'a Subject,
+        around: &Self,
+        monitor: &dyn Monitor,
+    ) -> Option<Self> {
+        let (nominal, data) = (subject.nominal(), around.data);
+        let ground = Ground::new(Places::Inside, request, subject, nominal, data).ok()?;
+        let settings = &ground.settings;
+        let diagnosis = inside(&ground.case(), &around.diagnosis, settings, monitor).ok()??;
+        Some(ground.with(Spared { diagnosis, sparing: None }))
+    }
+}
+
+/// What a diagnosis is made of.
+struct Ground<'a> {
+    subject: &'a Subject,
+    nominal: &'a dyn Nominal,
+    data: &'a Data,
+    scales: ReplayScales,
+    suspects: Chosen<'a>,
+    logs: [Vec<Log>; 2],
+    memory: Memory,
+    settings: Settings,
+    ts: SampleTime,
+}
+
+/// Where effects are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Places {
+    /// Inputs, states, sites, parameters and outputs.
+    Around,
+    /// These, and every signal inside the model.
+    Inside,
+}
+
+impl<'a> Ground<'a> {
+    fn new(
+        places: Places,
         request: &Request,
         subject: &'a Subject,
         nominal: &'a dyn Nominal,
         data: &'a Data,
-        monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
         let model = subject.model();
         let ts = data.ts().ok_or(FitError::NoLog)?;
@@ -70,14 +115,10 @@ impl<'a> Attempt<'a> {
         subject.show(&logs, ts)?;
         let memory = Memory::of(&*simulator, &u, samples);
         let settings = settings(request, memory, &logs, ts);
-        let settings = match places {
-            Places::Around => settings,
-            Places::Inside(around) => around.settings_inside(&settings),
-        };
         let scales = nominal.scales(ts, &u, samples)?;
         let scales = match places {
             Places::Around => scales,
-            Places::Inside(_) => scales.with_signals(model, ts, &u, samples)?,
+            Places::Inside => scales.with_signals(model, ts, &u, samples)?,
         };
         let mut effects = subject.effects();
         for own in &request.effects {
@@ -86,50 +127,23 @@ impl<'a> Attempt<'a> {
         }
         let every = EverySite::new(effects, model, scales.clone());
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
-        let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let Spared { mut diagnosis, sparing } =
-            diagnose_sparing(request, subject, &scales, &case, &settings, monitor)?;
+        Ok(Self { subject, nominal, data, scales, suspects, logs, memory, settings, ts })
+    }
+
+    fn case(&self) -> Case<'_> {
+        let Self { nominal, suspects, data, .. } = self;
+        Case { nominal: *nominal, suspects, logs: &data.fit, held_out: &data.held_out }
+    }
+
+    fn with(self, spared: Spared) -> Attempt<'a> {
+        let Self { subject, nominal, data, suspects, logs, memory, settings, ts, .. } = self;
+        let Spared { mut diagnosis, sparing } = spared;
         let is_short = |finding: &Finding| matches!(finding.defect, Defect::Short { .. });
         if !diagnosis.findings.iter().any(is_short) {
             diagnosis.findings.extend(short_log(data, memory, ts));
         }
-        Ok(Self {
-            subject,
-            nominal,
-            data,
-            suspects,
-            logs,
-            memory,
-            settings,
-            ts,
-            diagnosis,
-            sparing,
-        })
+        Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, diagnosis, sparing }
     }
-}
-
-/// Where effects are tried.
-#[derive(Clone, Copy)]
-enum Places<'d> {
-    /// Inputs, states, sites, parameters and outputs.
-    Around,
-    /// These, and every signal inside the model, after a diagnosis of what is around it.
-    Inside(&'d Diagnosis),
-}
-
-/// The diagnosis with effects on signals inside the model as well, if that is to be reported instead. `subject` has names
-/// for these signals.
-pub(super) fn inside<'a>(
-    request: &Request,
-    subject: &'a Subject,
-    outside: &Attempt<'a>,
-    monitor: &dyn Monitor,
-) -> Option<Attempt<'a>> {
-    let (nominal, data) = (subject.nominal(), outside.data);
-    let places = Places::Inside(&outside.diagnosis);
-    let attempt = Attempt::at(places, request, subject, nominal, data, monitor).ok()?;
-    let factor = attempt.settings.bayes_factor;
-    attempt.diagnosis.is_to_replace(&outside.diagnosis, factor).then_some(attempt)
 }
 
 /// A suspected mistake of reading, with the data, and if need be the subject, in which it is mended.

@@ -10,7 +10,7 @@ use fd_model::Record;
 use fd_sim::simulate::{Follower, Nominal};
 
 use super::{
-    attempt::{Attempt, Mended, confirmed, glanced, inside, mended},
+    attempt::{Attempt, Mended, confirmed, glanced, mended},
     data::Data,
     error::GapError,
     pause::Pause,
@@ -62,12 +62,14 @@ impl<'a> Search<'a> {
             Some(found) => found,
             None => self.as_read_or_meant(shelf, pause, monitor)?,
         };
-        let has_room = found.reading.is_none() && found.attempt.diagnosis.leaves_room_inside();
-        if self.follower.is_some() || !has_room || !pause.goes_on("places inside the model") {
+        let has_gap = found.attempt.diagnosis.verdict != Verdict::NoGap;
+        let has_room = has_gap && found.reading.is_none() && self.follower.is_none();
+        if !has_room || !pause.goes_on("places inside the model") {
             return Ok(found);
         }
         let subject = kept(&shelf.inner, found.attempt.subject.with_inner_places());
-        match subject.and_then(|subject| inside(self.request, subject, &found.attempt, monitor)) {
+        let inside = |inner| Attempt::inside(self.request, inner, &found.attempt, monitor);
+        match subject.and_then(inside) {
             Some(attempt) => Ok(Found { whole: self.whole(&attempt)?, attempt, reading: None }),
             None => Ok(found),
         }

@@ -1,0 +1,130 @@
+//! Effects on signals inside a model, where one of them may be what is missing.
+//!
+//! Every definition, and every term of a sum, is a place at which something may be missing, so that there are many of
+//! them. They are tried after a diagnosis of what is around the model: with two at a time where that explains nothing, and
+//! where it does explain the logs, only to see whether one law inside does so better. Around a model something can often
+//! be found that stands for a law inside it: friction for a dead zone, two parameters that wander for a limit.
+//!
+//! *When not to use:* for a model whose equations are not known, or one that is followed along its logs: it has no such
+//! signals.
+
+use fd_effect::{Candidate, SiteRef};
+
+use crate::{
+    diagnose::{
+        Case, Cause, Diagnosis, Monitor, Settings, Verdict, diagnose, follows_anything, is_a_pair,
+    },
+    fit::FitError,
+};
+
+/// Laws inside that are fitted to the end, to see whether one is worth a diagnosis.
+const FINALISTS: usize = 4;
+/// Share of the best score that one must promise for a fit.
+const LEAST_PROMISE: f64 = 0.1;
+
+/// Diagnoses a case whose suspects have signals inside the model among them, after a diagnosis of what is `around` it.
+/// `None` where that one is to stay: it finds no gap, or what is inside does not explain the logs down to the noise, or
+/// not clearly better.
+///
+/// ```
+/// use fd_effect::{EverySite, library, with_inner_places};
+/// use fd_gap::{diagnose::{Case, Settings, diagnose}, inside::inside};
+/// use fd_model::Record;
+/// use fd_sim::{model::Model, scales::ReplayScales, simulate::Nominal};
+///
+/// let model: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "two lags"
+/// sample_time = 0.1
+/// inputs = { u = { unit = "V" } }
+/// outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// definitions = { w = "2*a" }
+/// states = { a = { unit = "V", derivative = "u - a" }, x = { unit = "V", derivative = "w - x" } }
+/// "#.parse()?;
+/// let (mut a, mut x, mut rows) = (0.0, 0.0, Vec::new());
+/// for k in 0..400_u32 {
+///     let u = (0.05 * f64::from(k)).sin() + (0.17 * f64::from(k)).cos();
+///     rows.push(([u], [x + 0.014 * f64::from(k * k).sin()]));
+///     for _ in 0..10 {
+///         // What is between the lags does not exceed 1 V.
+///         (a, x) = (a + 0.01 * (u - a), x + 0.01 * ((2.0_f64 * a).clamp(-1.0, 1.0) - x));
+///     }
+/// }
+/// let ts = model.sample_time()?;
+/// let u: Vec<f64> = rows.iter().map(|(u, _)| u[0]).collect();
+/// let log = [Record::from_rows(model.external_inputs(), model.output_channels(), rows, ts)?];
+/// let scales = ReplayScales::of(&model, ts, &u, 400)?;
+/// let effects = || library().into_iter().filter(|e| e.label().starts_with("input-")).collect();
+/// let settings = Settings::default();
+/// let suspects = EverySite::new(effects(), &model, scales);
+/// let case = Case { nominal: &model, suspects: &suspects, logs: &log, held_out: &[] };
+/// let around = diagnose(&case, &settings, &())?;
+///
+/// let inner = with_inner_places(&model);
+/// let scales = inner.scales(ts, &u, 400)?.with_signals(&inner, ts, &u, 400)?;
+/// let suspects = EverySite::new(effects(), &inner, scales);
+/// let case = Case { nominal: &inner, suspects: &suspects, ..case };
+/// let found = inside(&case, &around, &settings, &())?.ok_or("something inside")?;
+/// assert_eq!((found.causes[0].label, found.causes[0].site.name()), ("input-saturation", Some("w")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`diagnose`](crate::diagnose::diagnose()).
+pub fn inside(
+    case: &Case<'_>,
+    around: &Diagnosis,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Option<Diagnosis>, FitError> {
+    if around.verdict == Verdict::NoGap {
+        return Ok(None);
+    }
+    if !around.names_all() {
+        let found = diagnose(case, settings, monitor)?;
+        return Ok(found.names_all().then_some(found));
+    }
+    let laws: Vec<Candidate> = case.suspects.alone().into_iter().flatten().filter(is_law).collect();
+    if laws.is_empty() || monitor.is_stopped() {
+        return Ok(None);
+    }
+    let singles = Settings { two: 0.0, ..settings.clone() };
+    let few = Settings {
+        finalists: FINALISTS,
+        least_promise: LEAST_PROMISE,
+        report_horizons: vec![settings.horizon],
+        ..singles.clone()
+    };
+    let glance = diagnose(&Case { suspects: &laws, ..*case }, &few, monitor)?;
+    if !is_better(&glance, around, settings) {
+        return Ok(None);
+    }
+    let found = diagnose(case, &singles, monitor)?;
+    Ok(is_better(&found, around, settings).then_some(found))
+}
+
+/// Whether it is a law of a signal inside the model.
+fn is_law(candidate: &Candidate) -> bool {
+    is_inside(&candidate.site) && !follows_anything(candidate)
+}
+
+fn is_inside(site: &SiteRef) -> bool {
+    matches!(site, SiteRef::Signal(..))
+}
+
+/// Whether one law inside explains the logs down to the noise, with evidence that two effects around are not worth, or
+/// that is clearly more than that of one.
+fn is_better(found: &Diagnosis, around: &Diagnosis, settings: &Settings) -> bool {
+    let is_single = matches!(found.verdict, Verdict::Cause | Verdict::Tied);
+    let own = found.causes.first().filter(|own| is_inside(&own.site));
+    let (Some(Cause { log_evidence: own, .. }), Some(other)) = (own, around.causes.first()) else {
+        return false;
+    };
+    let is_more = match (around.verdict, around.pairs.first()) {
+        (Verdict::Pair, Some(pair)) => !is_a_pair(pair.log_evidence, *own),
+        _ => other.log_evidence + settings.bayes_factor.ln() < *own,
+    };
+    is_single && found.names_all() && is_more
+}
