@@ -361,4 +361,10 @@ fn difference_equations_side_by_side_as_alone() {
     }
     let far = BatchRls::<f64>::arx(ArxOrders::new(2, 1, 40), 1, 3, &RlsDesign::default());
     assert_eq!(far.unwrap_err(), BatchError::Past { most: 32, found: 43 });
+    // Room is for inputs and bias together.
+    let arx = |na, nb| BatchRls::<f64>::arx(ArxOrders::new(na, nb, 0), 1, 3, &RlsDesign::default());
+    assert!([(16, 16), (0, 32), (32, 0)].into_iter().all(|(na, nb)| arx(na, nb).is_ok()));
+    for (na, nb) in [(16, 17), (0, 33), (33, 0)] {
+        assert_eq!(arx(na, nb).unwrap_err(), BatchError::Past { most: 32, found: 33 });
+    }
 }

@@ -145,3 +145,24 @@ impl Natural {
         Ok(Self { a, b, c: natural.c().to_owned(), d: natural.d().to_owned(), units })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    /// Neither a combination with equal signs nor one with others is left out, where there are few.
+    #[test]
+    fn combinations_have_all_signs() {
+        for width in 1..4 {
+            let rows = spread_rows(width);
+            assert!(rows.iter().all(|row| (row.norm_l2() - 1.0).abs() < 1e-12));
+            let signs = rows[width..]
+                .iter()
+                .map(|row| (0..width).map(|j| 0.0 < row[(0, j)]).collect::<Vec<_>>());
+            let signs: HashSet<Vec<bool>> = signs.collect();
+            assert_eq!(signs.len(), if width == 1 { 0 } else { 1 << width });
+        }
+    }
+}

@@ -195,6 +195,8 @@ fn a_wrong_equation_is_learned_from_logs_and_decoupled() {
     // The other two components are noise, some 1 % of the disturbance.
     assert!(0.999 < e[(1, 0)].abs(), "{e:?}");
     assert!(0.95 < found.explained(1) && found.rank_for(0.95) == 1, "{:?}", found.sizes());
+    let energy: Vec<f64> = found.sizes().iter().map(|size| size * size).collect();
+    assert!((found.explained(1) - energy[0] / energy.iter().sum::<f64>()).abs() < 1e-12);
 
     let design = UnknownInputObserver::place(&model, e, &ErrorPoles::Rate(5.0)).unwrap();
     let plain = fd_residual::simulation::SimulationDesign::new(&model).unwrap();
@@ -298,4 +300,17 @@ fn continuous_designs_are_decoupled() {
         assert!(form.consistency(&tanks).unwrap() < 1e-12);
         assert!(!fault_effects(&form, &gd).unwrap()[0].detectable);
     }
+}
+
+/// No continuous error is gone after finitely many samples.
+#[test]
+fn dead_beat_needs_samples() {
+    let (a, c) = (mat![[-1.0, 0.5], [0.0, -2.0]], Mat::identity(2, 2));
+    let (b, d) = (mat![[1.0], [1.0]], Mat::zeros(2, 1));
+    let e = mat![[1.0], [0.0]];
+    let model = StateSpace::new(a.clone(), b.clone(), c.clone(), d.clone(), Continuous).unwrap();
+    let refused = UnknownInputObserver::place(&model, e.as_ref(), &ErrorPoles::DeadBeat);
+    assert!(matches!(refused, Err(DesignError::Speed { factor }) if factor.is_infinite()));
+    let model = StateSpace::new(a, b, c, d, sampled()).unwrap();
+    UnknownInputObserver::place(&model, e.as_ref(), &ErrorPoles::DeadBeat).unwrap();
 }

@@ -26,7 +26,7 @@ use fd_residual::{
     decouple::LeftNullSpace,
     optimal::{Exposure, OptimalDesign},
     parity::ParityDesign,
-    rank::RankTolerance,
+    rank::{RankDecision, RankTolerance},
 };
 use proptest::prelude::*;
 
@@ -205,6 +205,20 @@ fn the_tolerance_is_that_of_the_model() {
     let rough = reaction(RankTolerance::new(1e-4).unwrap());
     assert_eq!(rough.rank, 0, "{rough}");
     assert!(rough.to_string().starts_with("rank 0 of 1; the next value is"), "{rough}");
+}
+
+#[test]
+fn decisions_say_how_near_they_were() {
+    let tolerance = RankTolerance::new(1e-6).unwrap();
+    let both = RankDecision::of(3, &[1.0, 4e-5, 5e-8], tolerance);
+    let said = "rank 2 of 3; the next value is 20 times smaller than the tolerance 1e-6, the last one 40 times larger";
+    assert_eq!(both.to_string(), said);
+    assert!((both.margin() - 20.0).abs() < 1e-12);
+    let none = RankDecision::of(1, &[2.5e-7], tolerance);
+    let said = "rank 0 of 1; the next value is 4.0 times smaller than the tolerance 1e-6";
+    assert_eq!(none.to_string(), said);
+    let full = RankDecision::of(1, &[1.0], tolerance).to_string();
+    assert_eq!(full, "rank 1 of 1; there is no further value, the last one 1e6 times larger");
 }
 
 /// A fault that two sensors show alike but for a part in 10¹¹: no parity relation rests on that.

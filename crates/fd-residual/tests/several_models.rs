@@ -60,6 +60,7 @@ fn the_best_row_of_one_model_is_known() {
         // The condition of the covariance is g²/σ² = 1e3.
         assert!((d[(0, 0)] / d[(0, 1)] + g).abs() < 1e-9);
         assert!((design.worst_over_models() * sigma * sigma - 1.0).abs() < 1e-9);
+        assert!((design.fault_rms()[0] * sigma - 1.0).abs() < 1e-9);
     }
 }
 
@@ -92,6 +93,9 @@ fn the_worst_case_is_not_the_average() {
     assert!((slope(&worst) - 2.0).abs() < 0.02, "{}", slope(&worst));
     assert!(0.98 < case.achieved && case.achieved <= 1.0 && case.bound < 1.02, "{case:?}");
     assert!((average.worst_over_models() - 9.0 / 16.0).abs() < 1e-4);
+    // The loudest healthy model, with a gain of 1, is 4/3 from 7/3; a fault of the sensor is the same for all.
+    assert_eq!(average.fault_rms().len(), 3);
+    assert!(average.fault_rms().iter().all(|rms| (rms - 0.75).abs() < 1e-4), "{average:?}");
 }
 
 #[test]
@@ -184,6 +188,7 @@ proptest! {
         let one = ScheduledPoint::about_zero(0.0, model.clone());
         let design = ScheduledDesign::kalman(vec![one], FIRST_INPUT, 1.0, 1.0).unwrap();
         let (u, y) = (signal(draw.seed ^ 1, draw.nu, 60), signal(draw.seed ^ 2, draw.ny, 60));
+        prop_assert_eq!((design.residual_len(), design.freeze().residual_len()), (draw.ny, draw.ny));
         let r = residuals(&mut design.freeze(), &u, &y);
         let plain = ObserverDesign::kalman(&model, 1.0, 1.0).unwrap();
         let expected = residuals(&mut *plain.build().unwrap(), &u, &y);

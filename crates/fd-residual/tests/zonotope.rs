@@ -287,3 +287,16 @@ fn what_has_no_bound_is_refused() {
     off.a[(0, 0)] = -0.2;
     assert!(of(0.5, 0.1, &off, 8).unwrap_err().to_string().contains("bound of A"));
 }
+
+/// The error of `e⁺ = 0.998 e + w`, `|w| ≤ 0.1`, that no gain corrects is within `0.1/(1 − 0.998)`, after some 7000 samples.
+#[test]
+fn a_slow_set_is_followed_to_its_end() {
+    let lag = StateSpace::new(mat![[0.998]], mat![[1.0]], mat![[1.0]], mat![[0.0]], sampled());
+    let lag = lag.unwrap();
+    let model = ModelBounds::exact(&lag);
+    let bounds = Bounds { disturbance: mat![[0.1]], noise: vec![0.3], initial: None, model };
+    let observer = ObserverDesign::with_gain(&lag, mat![[0.0]].as_ref()).unwrap();
+    let design = ZonotopeDesign::new(observer, bounds, 8).unwrap();
+    // A growth below 1e-6 in a tenth of the time leaves little more than that.
+    assert!((design.settled()[0] / 50.3 - 1.0).abs() < 3e-6, "{:?}", design.settled());
+}

@@ -201,3 +201,27 @@ fn best_log_scale(n: f64, squares: f64, prior: &NoisePrior) -> f64 {
     }
     l
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    #[test]
+    fn golden_sections_return_the_best_of_what_they_tried() {
+        for k in 0..60 {
+            // Some hills have their top beyond the end.
+            let top = -1.2 + 0.04 * f64::from(k);
+            let best = Cell::new(f64::NEG_INFINITY);
+            let hill = |x: f64| {
+                let height = -(x - top).powi(2);
+                best.set(height.max(best.get()));
+                height
+            };
+            let (place, height) = maximum(hill, -1.0, 1.0);
+            assert!((place - top.clamp(-1.0, 1.0)).abs() <= 0.01, "{place} {top}");
+            assert_eq!(height.to_bits(), best.get().to_bits(), "{place} {top}");
+        }
+    }
+}

@@ -88,6 +88,48 @@ fn noise_behind_steps_has_its_own_size() {
     }
 }
 
+/// Noise that is small beside a step counts as 0.15 of it, and what is expected of the rounded values is that with the
+/// standard deviation of rounding, a step over √12.
+#[test]
+fn noise_behind_steps_is_at_least_a_share_of_them() {
+    for (before, step, expected) in [(1.0, 10.0, 1.5), (0.0, 2.0, 0.3), (4.0, 10.0, 4.0)] {
+        let prior = NoisePrior::white(0.1).rounded(before, step);
+        // Rounding of a logarithm and back.
+        assert!(
+            (prior.before_rounding() - expected).abs() < 1e-12,
+            "{before} of {step}: {prior:?}"
+        );
+        let size = f64::sqrt(expected * expected + step * step / 12.0);
+        assert!((prior.centre.exp() - size).abs() < 1e-12 * size, "{before} of {step}: {prior:?}");
+        let without = prior.of_its_size().before_rounding();
+        assert!((without - size).abs() < 1e-12 * size, "{before} of {step}: {without}");
+    }
+}
+
+/// Innovations at their best size, what whitening them did, the prior, and `½ ln n` for each coefficient.
+#[test]
+fn each_coefficient_of_a_colour_costs_half_a_logarithm() {
+    let mut signals: Vec<Vec<f64>> =
+        (5..7).map(|seed| ArNoise::new(vec![0.5, 0.3], 1.0, seed).values(300).unwrap()).collect();
+    signals[0][40..60].fill(f64::NAN);
+    let prior = NoisePrior { centre: 0.2, ..NoisePrior::white(0.3).coloured(true) };
+    let found = likelihood(std::slice::from_ref(&signals), &[prior]);
+    let (colour, l, n) = (&found.colour[0], found.scale[0].ln(), 580.0_f64);
+    assert!(2 <= colour.order(), "{colour:?}");
+    let power = |signal: &Vec<f64>| {
+        let mut innovations = vec![0.0; signal.len()];
+        colour.whiten(signal, &mut innovations);
+        innovations.iter().map(|e| e * e).sum::<f64>()
+    };
+    let power: f64 = signals.iter().map(power).sum();
+    let spreads: f64 = signals.iter().map(|signal| colour.log_spread(signal)).sum();
+    let fit = n * l + 0.5 * power * (-2.0 * l).exp() + prior.cost(l);
+    let log = -(fit + spreads + 0.5 * colour.order() as f64 * n.ln());
+    assert!((found.log - log).abs() < 1e-9, "{} {log}", found.log);
+    let slope = n - power * (-2.0 * l).exp() + (l - prior.centre) / prior.spread.powi(2);
+    assert!(slope.abs() < 1e-6, "{slope} at {l}");
+}
+
 #[test]
 fn coloured_noise_is_no_evidence_once_its_colour_is_known() {
     // A sinusoid fitted to AR(0.8) noise: much better as white noise, no better as what it is.

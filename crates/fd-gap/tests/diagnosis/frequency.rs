@@ -112,6 +112,13 @@ fn errors_are_means_over_samples() {
         let wins = win_frequencies(&[class(9.0 * size), class(size), class(4.0 * size)], 50, 1);
         assert_eq!(wins, [0.0, 1.0, 0.0], "{size}");
     }
+    // A class that forecasts a fourth of the samples has a fourth of the sum of squares, and is no better for it.
+    let often = |mean: f64, times: f64| -> Class {
+        (1..9).map(|n| [mean * times * f64::from(n), times * f64::from(n)]).collect()
+    };
+    assert_eq!(win_frequencies(&[often(1.0, 4.0), often(1.5, 1.0)], 50, 1), [1.0, 0.0]);
+    assert_eq!(win_frequencies(&[often(1.5, 4.0), often(1.0, 1.0)], 50, 1), [0.0, 1.0]);
+    assert_eq!(win_frequencies(&[often(2.0, 4.0), often(2.0, 1.0)], 50, 1), [0.5, 0.5]);
     // Over two horizons logarithms are added: 2·2 beats 1·8 and 3·3.
     let [first, second] = [[4.0, 1.0, 9.0], [4.0, 64.0, 9.0]].map(|squares| squares.map(class));
     let wins = win_frequencies_over(&[&first[..], &second[..]], 1, 50, 1);

@@ -5,7 +5,7 @@ use std::{f64::consts::PI, sync::Arc};
 use faer::Mat;
 use fd_effect::InAnotherRun;
 use fd_gap::{
-    evidence::{DECADES, Likelihood, NoisePrior, evidence, likelihood},
+    evidence::{DECADES, Likelihood, NoisePrior, distance, evidence, likelihood},
     fit::{Horizon, LeastSquares, Minimum, Plan, Problem, Search, Variable, Weights, minimise},
 };
 use fd_model::{Channel, Record, SampleTime, signal::WhiteNoise};
@@ -176,4 +176,30 @@ fn strengths_of_one_effect_and_of_two() {
     let expected = common - 2.0 * DECADES.ln() - sizes[0].ln() - sizes[1].ln();
     let found = evidence(&problem, &at, &likelihood, &[&[Some(0.0)], &[Some(0.0)]]).unwrap();
     assert!((found - expected).abs() < ROUNDING, "{found} {expected}");
+}
+
+/// What is left of `l v²` when a mass as near its own as its prior has it, and `s w`, are fitted to it: least squares with
+/// one more row.
+#[test]
+fn the_distance_of_two_laws_is_what_the_rival_leaves() {
+    let log = log([0.0, 0.0, 0.5]);
+    let (truth, at, _) = fitted(&log, vec![effect("l", 0.5, None)]);
+    let (rival, rival_at, _) = fitted(&log, vec![effect("s", 2.0, None)]);
+    let column =
+        |f: &dyn Fn([f64; 3]) -> f64| Mat::from_fn(SAMPLES, 1, |i, _| f(inputs(i)) / SIGMA);
+    let b = column(&|[_, v, _]| 0.5 * at.z[1] * v * v);
+    let (u, w) = (column(&|[u, ..]| 0.67 * 0.2 * u), column(&|[.., w]| w));
+    let a = Mat::from_fn(SAMPLES, 2, |i, j| if j == 0 { u[(i, 0)] } else { w[(i, 0)] });
+    let prior = Mat::from_fn(2, 2, |i, j| if i == 0 && j == 0 { 1.0 } else { 0.0 });
+    let h = a.transpose() * &a + prior;
+    let shared = a.transpose() * &b;
+    let explained =
+        shared.transpose() * faer::linalg::solvers::Solve::solve(&h.partial_piv_lu(), &shared);
+    let expected = b.squared_norm_l2() - explained[(0, 0)];
+    let found = distance(&truth, &at, &rival, &rival_at);
+    // A search ends where a step would change the cost by less than a thousandth.
+    assert!((found - expected).abs() < 1e-2, "{found} {expected}");
+    // The mean of v² is that of a mass.
+    assert!(50.0 < expected && expected < 0.5 * b.squared_norm_l2(), "{expected}");
+    assert!(distance(&truth, &at, &truth, &at) < 1e-6);
 }

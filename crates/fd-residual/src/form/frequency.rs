@@ -120,3 +120,19 @@ fn refine(gain: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> PeakGain {
     let (norm, omega) = if at_a < at_b { (at_b, b) } else { (at_a, a) };
     PeakGain { norm, omega }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bracket_shrinks_onto_its_peak() {
+        for k in 1..40 {
+            let top = 0.05 * f64::from(k);
+            let peak = refine(&|omega: f64| 3.0 - (omega - top).powi(2), 0.0, 2.0);
+            // Two thirds of all digits of ω: a parabola is flat to rounding within √ε of its top.
+            assert!((peak.omega - top).abs() < 1e-7, "{peak:?} {top}");
+            assert!((peak.norm - 3.0).abs() < 1e-14, "{peak:?}");
+        }
+    }
+}
