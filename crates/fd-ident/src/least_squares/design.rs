@@ -3,6 +3,7 @@
 use faer::{ColRef, Mat, MatRef, prelude::SolveLstsq};
 use fd_core::{Shape, ShapeError};
 
+use super::modes::Modes;
 use crate::error::IdentError;
 
 /// What to do with data that do not excite all parameters.
@@ -91,7 +92,7 @@ impl LeastSquares {
     pub fn solve(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<LinearFit, IdentError> {
         let (rows, n) = (x.nrows(), x.ncols());
         check(x, y)?;
-        if x.norm_max() <= 0.0 {
+        if x.norm_max() < f64::MIN_POSITIVE {
             return self.solve_silence(n, y);
         }
         let scales: Vec<f64> = (0..n).map(|j| power_of_two(x.col(j).norm_l2())).collect();
@@ -102,24 +103,29 @@ impl LeastSquares {
         let r = qr.thin_R();
         let unpivoted =
             Mat::from_fn(r.nrows(), n, |i, j| if i <= place[j] { r[(i, place[j])] } else { 0.0 });
-        let no_convergence = |_| IdentError::NoConvergence { what: "singular values of R" };
-        let svd = unpivoted.thin_svd().map_err(no_convergence)?;
-        let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+        // Columns that depend on each other to the last digit can divide by nothing in pivoting.
+        let is_sound = unpivoted.norm_max().is_finite();
+        let (factor, q) = if is_sound {
+            (unpivoted, None)
+        } else {
+            let plain = scaled.qr();
+            (plain.thin_R().to_owned(), Some(plain.compute_thin_Q()))
+        };
+        let Modes { u, sigma, v } = Modes::of(factor.as_ref())?;
         let tolerance = self.tolerance.unwrap_or(10.0 * n as f64 * f64::EPSILON);
         let rank = sigma.iter().filter(|&&s| s > tolerance * sigma[0]).count();
         let condition = if sigma[n - 1] > 0.0 { sigma[0] / sigma[n - 1] } else { f64::INFINITY };
 
         let y = ColRef::from_slice(y);
-        let v = svd.V();
-        let mut theta = if rank == n {
+        let mut theta = if rank == n && is_sound {
             qr.solve_lstsq(y)
-        } else if self.deficient == Deficient::MinimumNorm {
-            let projected = qr.compute_thin_Q().transpose() * y;
-            let mut in_modes = svd.U().transpose() * projected;
+        } else if rank == n || self.deficient == Deficient::MinimumNorm {
+            let projected = q.unwrap_or_else(|| qr.compute_thin_Q()).transpose() * y;
+            let mut in_modes = u.transpose() * projected;
             for (i, &sigma) in sigma.iter().enumerate() {
                 in_modes[i] = if i < rank { in_modes[i] / sigma } else { 0.0 };
             }
-            v * in_modes
+            &v * in_modes
         } else {
             let (channel, parameters) = (0, n);
             return Err(IdentError::RankDeficient { channel, rank, parameters, rows, condition });
@@ -137,7 +143,7 @@ impl LeastSquares {
         Ok(LinearFit { coefficients, inverse_gram, rss, rows, rank, condition })
     }
 
-    /// The solution for `X = 0`, which faer's pivoted QR divides by.
+    /// The solution for `X = 0`, or below the smallest normal number: faer's pivoted QR divides by that.
     fn solve_silence(&self, n: usize, y: &[f64]) -> Result<LinearFit, IdentError> {
         let (channel, rank, rows, condition) = (0, 0, y.len(), f64::INFINITY);
         if self.deficient == Deficient::Refuse {
@@ -197,7 +203,7 @@ fn check(x: MatRef<'_, f64>, y: &[f64]) -> Result<(), IdentError> {
     Ok(())
 }
 
-/// The power of two that brings `norm` nearest to 1; 1 for an empty column.
+/// The power of two that brings `norm` nearest to 1; 1 for an empty column, and for one so short that no power would do.
 fn power_of_two(norm: f64) -> f64 {
-    if norm > 0.0 { (-norm.log2()).round().exp2() } else { 1.0 }
+    if norm > 4.0 * f64::MIN_POSITIVE { (-norm.log2()).round().exp2() } else { 1.0 }
 }

@@ -16,5 +16,6 @@
 //! values are, the estimate is biased towards fast poles: see [`refine`](crate::refine).
 
 mod design;
+mod modes;
 
 pub use self::design::{Deficient, LeastSquares, LinearFit};
