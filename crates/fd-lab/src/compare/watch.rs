@@ -9,6 +9,8 @@ use fd_model::Record;
 pub(super) struct Watch {
     detector: Box<dyn Detector>,
     recent: DebouncedStatistic,
+    /// Samples at the start of a run that it does not see.
+    settle: usize,
 }
 
 /// A detector after the first samples of a run.
@@ -43,15 +45,16 @@ pub(super) struct Rest {
 }
 
 impl Watch {
-    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing) -> Self {
-        Self { detector, recent: DebouncedStatistic::new(rule) }
+    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing, settle: usize) -> Self {
+        Self { detector, recent: DebouncedStatistic::new(rule), settle }
     }
 
     /// The largest margin of a run without missing samples.
     pub(super) fn peak(&mut self, record: &Record, residual: &[f64]) -> f64 {
         self.detector.reset();
         self.recent.reset();
-        self.on((record, 0), residual, Levels::NONE).peak
+        let seen = (self.settle * self.detector.residual_len()).min(residual.len());
+        self.on((record, self.settle), &residual[seen..], Levels::NONE).peak
     }
 
     /// The detector after the samples of a run that `residual` holds.
@@ -111,7 +114,7 @@ mod tests {
         let record = Record::new(one.clone(), one, vec![0.0; 200], vec![0.0; 200], ts).unwrap();
         for rule in [Debouncing::default(), Debouncing::consecutive(3)] {
             let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
-            let mut watch = Watch::new(Box::new(detector), rule);
+            let mut watch = Watch::new(Box::new(detector), rule, 0);
             let ratios: Vec<f64> = residual.iter().map(|r| r.abs() / 0.5).collect();
             let margins = debounced_statistics(&ratios, rule);
             let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, &m| most.max(m));
