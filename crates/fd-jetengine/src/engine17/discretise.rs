@@ -59,7 +59,7 @@ impl<E, const N: usize> Sampled<E, N> {
     /// use fd_model::SampleTime;
     ///
     /// let engine = Engine17::<f64>::new(&Parameters::default())?;
-    /// let plant = Sampled::with_longest_step::<f64>(engine, SampleTime::new(0.05)?, 5e-3);
+    /// let plant: Sampled<_, 17> = Sampled::with_longest_step::<f64>(engine, SampleTime::new(0.05)?, 5e-3);
     /// assert_eq!(plant.substeps(), 10);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
