@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 __all__ = [
     "Pipeline",
+    "SceneSteps",
     "Simulator",
     "Study",
     "Trained",
@@ -37,6 +38,25 @@ class Simulator:
     def simulate(
         self, u: _Array, parameters: list[float], initial: list[float], sample_time: float
     ) -> _Array: ...
+
+_Part = tuple[_Array, list[int]]
+_Shown = tuple[_Array, list[int], list[int]]
+
+@final
+class SceneSteps:
+    def __new__(
+        cls,
+        functions: tuple[Callable[..., Any], Callable[..., Any]],
+        model: Any,
+        data: Any,
+        time_steps: int,
+        controls: _Part,
+        forces: _Part,
+        direct: list[_Shown],
+        sensed: list[_Shown],
+        warm_start: _Array,
+        states: tuple[_Part, _Part],
+    ) -> SceneSteps: ...
 
 @final
 class Study:

@@ -36,19 +36,22 @@ Native = tuple[Part, dict[str, Any]]
 def effects(
     model: Any,
     joints: Mapping[str, int],
+    called: Mapping[str, str],
     inputs: Iterable[str],
     known: Collection[tuple[str, str, str]],
     wanted: str | Iterable[str] | None,
 ) -> list[Native]:
-    """The effects that are wanted, with what there is to say of each. `joints` are degrees of freedom by name, and
-    `known` fields that are parameters already."""
+    """The effects that are wanted, with what there is to say of each. `joints` are degrees of freedom by name,
+    `called` what joints are called in answers, and `known` fields that are parameters already."""
     if wanted is None:
         return []
-    found = [*_of_joints(model, joints), *_of_actuators(model, inputs), *_of_bodies(model), *_of_geoms(model)]
+    found = [*_of_joints(model, joints, called), *_of_actuators(model, inputs), *_of_bodies(model), *_of_geoms(model)]
     found = [(part, entry) for part, entry in found if not _fields(part) & set(known)]
     if wanted == "all":
         return found
     names = [wanted] if isinstance(wanted, str) else [str(name) for name in wanted]
+    of_joints = {f"{label}@{joint}": f"{label}@{name}" for joint, name in called.items() for label, _, _ in _JOINT}
+    names = [of_joints.get(name, name) for name in names]
     of_entry = [(entry["label"], f"{entry['label']}@{entry['place']}") for _, entry in found]
     for name in names:
         if not any(name in both for both in of_entry):
@@ -67,7 +70,7 @@ def _entry(label: str, place: str, name: str, **said: Any) -> dict[str, Any]:
     return {"name": name, "label": label, "place": place, **({"family": family} if family else {}), **said}
 
 
-def _of_joints(model: Any, joints: Mapping[str, int]) -> Iterable[Native]:
+def _of_joints(model: Any, joints: Mapping[str, int], called: Mapping[str, str]) -> Iterable[Native]:
     for joint, dof in joints.items():
         inertia = float(model.dof_M0[dof])
         for label, field, share in _JOINT:
@@ -77,7 +80,7 @@ def _of_joints(model: Any, joints: Mapping[str, int]) -> Iterable[Native]:
             size = max(share * inertia, _SHARE * value)
             if size > 0.0:
                 said = {"value": value, "size": size, "bounds": [0.0, _RANGE[1] * max(size, value)]}
-                yield path, _entry(label, joint, f"joint/{joint}.{field}", unit=path.unit, **said)
+                yield path, _entry(label, called[joint], f"joint/{joint}.{field}", unit=path.unit, **said)
 
 
 def parameter_unit(model: Any, joint: str, field: str) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _fdiag
 from ._names import nearest
 from .errors import Error, InputError
 
@@ -238,7 +239,7 @@ class Scaled:
 
 
 class Scene:
-    """Model and data of one worker."""
+    """Model and data of one worker. Samples are taken by `steps`, without code of Python."""
 
     def __init__(
         self,
@@ -255,8 +256,7 @@ class Scene:
         # A scene that blows up is a run that diverges, not one that begins anew.
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self._model, self._data = model, mujoco.MjData(model)
-        self._substeps, self._keyframe = substeps, keyframe
-        self._controls, self._forces = np.array(controls, int), np.array(forces, int)
+        self._keyframe = keyframe
         # Masses first: an inertia that is itself a parameter has the last word.
         self._paths = sorted(enumerate(paths), key=lambda p: getattr(p[1], "field", "") != "mass")
         self._pristine = copy.copy(model)
@@ -264,19 +264,29 @@ class Scene:
         self._positions = np.array([p for p, _ in states], int)
         self._velocities = np.array([v for _, v in states], int)
         data = self._data
-        self._ctrl, self._applied = data.ctrl, data.qfrc_applied
-        self._qpos, self._qvel, self._warm = data.qpos, data.qvel, data.qacc_warmstart
-        # Outputs by the room they are in.
+        self._qpos, self._qvel = data.qpos, data.qvel
+        self._warnings = data.warning.number
         rooms = {"qpos": data.qpos, "qvel": data.qvel, "sensordata": data.sensordata}
-        self._direct: list[tuple[Array, Any, Any]] = []
-        self._sensed: list[tuple[Array, Any, Any]] = []
+        shown: dict[str, tuple[Array, list[int], list[int]]] = {}
         for room, array in rooms.items():
-            to = np.array([i for i, place in enumerate(places) if place.room == room], int)
-            of = np.array([place.index for place in places if place.room == room], int)
-            if len(to):
-                (self._sensed if room == "sensordata" else self._direct).append((array, to, of))
-        self._outputs = len(places)
-        self._mj_step, self._mj_forward = mujoco.mj_step, mujoco.mj_forward
+            to = [i for i, place in enumerate(places) if place.room == room]
+            of = [place.index for place in places if place.room == room]
+            if to:
+                shown[room] = (array, to, of)
+        sensed = [shown.pop("sensordata")] if "sensordata" in shown else []
+        self.steps = _fdiag.SceneSteps(
+            (mujoco.mj_step, mujoco.mj_forward),
+            model,
+            data,
+            substeps,
+            (data.ctrl, controls),
+            (data.qfrc_applied, forces),
+            list(shown.values()),
+            # The first time step of a sample computes the sensors before it moves.
+            sensed,
+            data.qacc_warmstart,
+            ((data.qpos, self._positions.tolist()), (data.qvel, self._velocities.tolist())),
+        )
         self._mj_reset, self._mj_keyframe = mujoco.mj_resetData, mujoco.mj_resetDataKeyframe
         self._mj_set_const = mujoco.mj_setConst
 
@@ -293,46 +303,9 @@ class Scene:
             self._mj_reset(self._model, self._data)
         else:
             self._mj_keyframe(self._model, self._data, self._keyframe)
+        # MuJoCo prints the first warning of a kind in a run, and writes it to a file. That a run diverges shows in its
+        # outputs, so none is the first.
+        self._warnings[:] = 1
         start = list(x0.values())
         self._qpos[self._positions] = start[0::2]
         self._qvel[self._velocities] = start[1::2]
-
-    def _shown(self, sources: list[tuple[Array, Any, Any]], y: Array) -> None:
-        for array, to, of in sources:
-            y[to] = array[of]
-
-    def step(self, u: Array, f: Array) -> Array:
-        """Outputs of this sample; then on to the next."""
-        self._ctrl[self._controls] = u
-        self._applied[self._forces] = f
-        y = np.empty(self._outputs)
-        self._shown(self._direct, y)
-        if self._sensed:
-            # The first time step computes the sensors before it moves.
-            self._mj_step(self._model, self._data)
-            self._shown(self._sensed, y)
-            if self._substeps > 1:
-                self._mj_step(self._model, self._data, self._substeps - 1)
-        else:
-            self._mj_step(self._model, self._data, self._substeps)
-        return y
-
-    def measure(self, u: Array) -> Array:
-        """Outputs of this sample, without forces and without moving on."""
-        y = np.empty(self._outputs)
-        self._shown(self._direct, y)
-        if self._sensed:
-            warm = self._warm.copy()
-            self._ctrl[self._controls] = u
-            self._applied[self._forces] = 0.0
-            self._mj_forward(self._model, self._data)
-            self._warm[:] = warm
-            self._shown(self._sensed, y)
-        return y
-
-    def state(self) -> Array:
-        """Position and velocity of each joint."""
-        x = np.empty(2 * len(self._positions))
-        x[0::2] = self._qpos[self._positions]
-        x[1::2] = self._qvel[self._velocities]
-        return x

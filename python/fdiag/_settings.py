@@ -26,5 +26,7 @@ def columns(said: str | os.PathLike[str] | Mapping[str, Any] | None) -> dict[str
 def needed(simulator: Simulator, mapped: Mapping[str, Any] | None) -> list[str]:
     """Columns that a simulator asks a log for."""
     named = mapped or {}
-    of_map = [c.get("column", c["name"]) for room in ("inputs", "outputs") for c in named.get(room, ())]
+    # What an expression is made of stands under `columns`, or is found when it is read.
+    said = [c for room in ("inputs", "outputs", "columns") for c in named.get(room, ())]
+    of_map = [c.get("column", c["name"]) for c in said if not {"expression", "constant"} & set(c)]
     return [channel.name for channel in simulator.inputs + simulator.outputs] + of_map

@@ -105,14 +105,17 @@ class MuJoCo(Simulator):
         joints = _joints(model)
         of_joint = _moved(said_outputs, places)
         chosen = _chosen(ports, joints)
+        called = _called(joints, [*said_inputs, *said_outputs])
         said_ports = [
-            {"name": joint, "unit": joints[joint].force, **of_joint.get(joint, {})}
+            {"name": called[joint], "unit": joints[joint].force, **of_joint.get(joint, {})}
             for joint in chosen
         ]
         states = _states(model, joints, initial or {}, keyframe)
         uncertain_fields = {(path.kind, path.name, path.field) for path in paths}
         of_joints = {name: joint.velocity for name, joint in joints.items()}
-        natives = _effects(model, of_joints, [entry["name"] for entry in said_inputs], uncertain_fields, native)
+        natives = _effects(
+            model, of_joints, called, [entry["name"] for entry in said_inputs], uncertain_fields, native
+        )
         frame = None if keyframe is None else _keyframe(model, keyframe)
         opener = Opener(
             lambda: Scene(
@@ -178,6 +181,12 @@ def _joints(model: Any) -> dict[str, _Joint]:
             unit, force = (("m", "N"), ("rad", "N m"))[kind - 2]
             found[name] = _Joint(int(model.jnt_qposadr[i]), int(model.jnt_dofadr[i]), unit, force)
     return found
+
+
+def _called(joints: Iterable[str], channels: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """What joints are called in answers: robots often have an actuator, or a log a column, of the name of a joint."""
+    taken = {channel["name"] for channel in channels}
+    return {joint: f"{joint}_joint" if joint in taken else joint for joint in joints}
 
 
 def _chosen(ports: str | Iterable[str] | None, joints: Mapping[str, _Joint]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -167,3 +168,51 @@ def test_what_is_no_scene_is_refused() -> None:
 def test_a_port_moves_what_it_says() -> None:
     assert "pivot" in scene().text()
     assert scene(ports=None, outputs=["angle"]).inputs == (fdiag.Channel("torque", "N m"),)
+
+
+def test_a_run_that_diverges_is_silent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for speed in (1e307, 1e306):
+        assert np.isnan(scene().simulate(np.zeros(20), initial={"pivot.qvel": speed})[-1]).all()
+    said = capfd.readouterr()
+    assert (said.out, said.err) == ("", "") and not list(tmp_path.iterdir())
+
+
+CROWD = """
+<mujoco><size memory="{memory}"/><worldbody><geom type="plane" size="9 9 1"/>{bodies}</worldbody></mujoco>
+"""
+
+
+def test_an_error_of_mujoco_is_a_run_that_diverges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # MuJoCo writes its errors to a file where it runs.
+    monkeypatch.chdir(tmp_path)
+    ball = '<body pos="{x} 0 .1"><joint name="j{i}" type="slide" axis="0 0 1"/><geom size=".2"/></body>'
+    bodies = "".join(ball.format(i=i, x=0.3 * i) for i in range(6))
+    for memory in range(4000, 20000, 500):
+        text = CROWD.format(memory=memory, bodies=bodies)
+        model = mujoco.MjModel.from_xml_string(text)
+        try:
+            mujoco.mj_step(model, mujoco.MjData(model), 3)
+        except mujoco.FatalError:
+            break
+    else:
+        pytest.skip("this version of MuJoCo has room for everything")
+    # It has no inputs: a run of three samples.
+    crowd = fdiag.MuJoCo(text, outputs=["j0"], initial={f"j{i}": None for i in range(6)})
+    assert np.isnan(crowd.simulate(np.empty((3, 0)))).all()
+
+
+def test_a_joint_with_the_name_of_its_actuator() -> None:
+    same = PENDULUM.replace('name="torque"', 'name="pivot"').replace('actuator="torque"', 'actuator="pivot"')
+    edited = PENDULUM.replace('damping=".08"', 'damping=".083" frictionloss=".15"')
+    log = real(edited, 300, 1)
+    log["pivot"] = log.pop("torque")
+    plant = fdiag.MuJoCo(same, outputs=OUTPUTS, uncertain=UNCERTAIN, ports="all")
+    assert [c.name for c in plant.inputs] == ["pivot"]
+    only = ["coulomb-friction@pivot_joint", "viscous-friction", "input-gain@pivot"]
+    result = fdiag.gap(plant, log, only=only, most=1)
+    assert result.causes[0].name == "coulomb-friction@pivot_joint", result.headline
+    # As a native effect it may be asked for by the name in the scene.
+    fdiag.MuJoCo(same, outputs=OUTPUTS, native="coulomb-friction@pivot")

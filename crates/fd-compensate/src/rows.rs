@@ -282,3 +282,25 @@ impl<'a> From<SampleRows<'a>> for DrivenRows<'a> {
         Self { inputs: None, residuals, starts: &[] }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0..3 and 3..5 belong together; a run of the record begins at 5, and samples are missing before 8.
+    #[test]
+    fn a_selection_has_runs_where_it_is_torn() {
+        let r: Vec<f64> = (0..10).map(f64::from).collect();
+        let u: Vec<f64> = r.iter().flat_map(|v| [10.0 * v, 20.0 * v]).collect();
+        let rows =
+            DrivenRows::new(SampleRows::new(2, &u).unwrap(), SampleRows::new(1, &r).unwrap());
+        let rows = rows.unwrap().in_runs(&[5]).unwrap();
+        let selection = rows.select([0..3, 3..5, 5..7, 8..10].iter());
+        let selected = selection.rows();
+        assert_eq!(selected.runs().collect::<Vec<_>>(), [0..5, 5..7, 7..9]);
+        assert_eq!((selected.nu(), selected.len()), (2, 9));
+        assert_eq!((selected.u(7), selected.r(7)), (&[80.0, 160.0][..], &[8.0][..]));
+        let whole = rows.select(std::iter::once(&(5..10)));
+        assert_eq!(whole.rows().runs().collect::<Vec<_>>(), vec![0..5]);
+    }
+}

@@ -232,6 +232,16 @@ fn a_fault_in_a_quiet_stretch_is_found_earlier_than_with_a_constant_threshold() 
     assert!(adaptive > 0.0 && adaptive < 0.5 * constant, "{adaptive} {constant}");
 }
 
+/// Of n samples there are n − 1 differences, each of twice the variance of white noise.
+#[test]
+fn the_noise_level_is_the_mean_over_differences() {
+    let samples = [1.0, 10.0, 3.0, 10.0, 1.0, 16.0];
+    let levels = noise_levels(SampleRows::new(2, &samples).unwrap()).unwrap();
+    let expected = [(0.5 * (4.0 + 4.0) / 2.0_f64).sqrt(), (0.5 * 36.0 / 2.0_f64).sqrt()];
+    // Rounding of a root.
+    assert!(levels.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{levels:?}");
+}
+
 #[test]
 fn what_a_bound_cannot_be_made_of_is_refused() {
     let bands = || Bands::new(&[0.1], 10.0).unwrap();

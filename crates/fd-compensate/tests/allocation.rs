@@ -1,13 +1,8 @@
 //! No stage of this crate allocates while it runs, in any phase.
-#![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 mod support;
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
-
+use allocation_counter::measure;
 use fd_compensate::{
     DrivenRows, SampleRows,
     residual_compensation::{CompensationPlan, RangePolicy},
@@ -18,33 +13,6 @@ use fd_core::{
     stage::{BiasModel, Compensator, Evidence, Identifier, Phase},
 };
 use support::{Arx2, Rls, paper_input, response, subject};
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is handed to the system allocator unchanged; counting does not allocate, since
-// the thread-local is a constant-initialised cell without a destructor.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn no_stage_allocates_per_sample() {
@@ -72,35 +40,38 @@ fn no_stage_allocates_per_sample() {
     let (mut frozen, mut trainings, mut hard) = (0, 0, 0);
     let (mut alarms, mut faults) = (vec![0; detectors.len()], vec![0; rules.len()]);
     let mut star = [0.0];
-    let before = ALLOCATIONS.get();
-    for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
-        let (u, y) = ([*u], [0.0]);
-        let Ok(frame) = Frame::new(IoDims { nu: 1, ny: 1 }, k, &u, &y) else { continue };
-        let outcome = compensator.step(frame, &[*r], &mut star);
-        for kind in outcome.events.iter() {
-            frozen += u32::from(kind == EventKind::Frozen);
-            trainings += u32::from(kind == EventKind::TrainingStarted);
-            hard += u32::from(kind == EventKind::HardFaultWhileTraining);
-        }
-        for ((_, detector), alarms) in detectors.iter_mut().zip(&mut alarms) {
-            let verdict = detector.update(&u, &star);
-            *alarms += u32::from(verdict.alarm());
-            let phase = outcome.phase;
-            let evidence = Evidence { k, phase, verdict, r_star: &star };
-            for ((_, rule), faults) in rules.iter_mut().zip(&mut faults) {
-                *faults += u32::from(rule.decide(evidence).is_fault());
+    let allocated = measure(|| {
+        for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
+            let (u, y) = ([*u], [0.0]);
+            let Ok(frame) = Frame::new(IoDims { nu: 1, ny: 1 }, k, &u, &y) else { continue };
+            let outcome = compensator.step(frame, &[*r], &mut star);
+            for kind in outcome.events.iter() {
+                frozen += u32::from(kind == EventKind::Frozen);
+                trainings += u32::from(kind == EventKind::TrainingStarted);
+                hard += u32::from(kind == EventKind::HardFaultWhileTraining);
+            }
+            for ((_, detector), alarms) in detectors.iter_mut().zip(&mut alarms) {
+                let verdict = detector.update(&u, &star);
+                *alarms += u32::from(verdict.alarm());
+                let phase = outcome.phase;
+                let evidence = Evidence { k, phase, verdict, r_star: &star };
+                for ((_, rule), faults) in rules.iter_mut().zip(&mut faults) {
+                    *faults += u32::from(rule.decide(evidence).is_fault());
+                }
             }
         }
-    }
-    let allocations = ALLOCATIONS.get() - before;
+    });
     // The run went through every phase, alarm and fault, so that the zero means something.
     assert!(frozen == 2 && trainings == 3 && hard == 1, "{frozen} {trainings} {hard}");
     assert!(alarms.iter().all(|n| *n > 0), "{alarms:?}");
     assert!(faults.iter().all(|n| *n > 0), "{faults:?}");
-    assert_eq!(allocations, 0);
-    // The counter counts.
-    let _kept = Box::new(0_u8);
-    assert!(ALLOCATIONS.get() > before);
+    assert_eq!(allocated.count_total, 0);
+}
+
+#[test]
+fn the_counter_counts() {
+    let allocated = measure(|| drop(std::hint::black_box(Box::new(0_u8))));
+    assert_eq!(allocated.count_total, 1);
 }
 
 #[test]
@@ -115,14 +86,15 @@ fn no_compensator_allocates_per_sample() {
     for (name, mut compensator) in every_compensator(&learned, &model).unwrap() {
         let (mut compensated, mut star) = (0, [0.0]);
         compensator.reset();
-        let before = ALLOCATIONS.get();
-        for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
-            let (u, y) = ([*u], [0.0]);
-            let Ok(frame) = Frame::new(IoDims { nu: 1, ny: 1 }, k, &u, &y) else { continue };
-            let outcome = compensator.step(frame, &[*r], &mut star);
-            compensated += u32::from(outcome.phase == Phase::Compensating);
-        }
-        assert_eq!(ALLOCATIONS.get(), before, "{name}");
+        let allocated = measure(|| {
+            for (k, (u, r)) in (0..).zip(u.iter().zip(&r)) {
+                let (u, y) = ([*u], [0.0]);
+                let Ok(frame) = Frame::new(IoDims { nu: 1, ny: 1 }, k, &u, &y) else { continue };
+                let outcome = compensator.step(frame, &[*r], &mut star);
+                compensated += u32::from(outcome.phase == Phase::Compensating);
+            }
+        });
+        assert_eq!(allocated.count_total, 0, "{name}");
         assert!(compensated > 100, "{name}: {compensated}");
     }
 }

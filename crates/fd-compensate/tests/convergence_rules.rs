@@ -13,7 +13,8 @@ const THETA: [f64; 5] = [-1.3, 0.4, 0.05, -0.02, 0.01];
 fn plan(epsilon: f64, mu: f64) -> CompensationPlan {
     let mut plan = CompensationPlan::default();
     plan.convergence.rule = ConvergenceRule::TwoConstants { epsilon, mu };
-    plan.convergence.least_samples = 1;
+    // The identifier fills its regressor with two samples, which move no parameter.
+    plan.convergence.least_samples = 3;
     // So that the switch opens in the sample that passes.
     plan.trial.samples = 0;
     plan
@@ -62,8 +63,8 @@ proptest! {
         let u = paper_input(3000);
         let r = noisy(&u);
         let passes = |&(moved, size): &(f64, f64)| moved <= epsilon * size && moved <= mu;
-        // The first sample shows no range of the input yet, and without it nothing is learned.
-        let expected = moves(&u, &r).iter().skip(1).position(passes).map(|k| k + 1);
+        let expected = moves(&u, &r).iter().skip(2).position(passes).map(|k| k + 2);
+        prop_assert!(expected.is_none_or(|k| k > 2), "from zero every move is too large");
         prop_assert_eq!(frozen_at(&plan(epsilon, mu), &u, &r), expected);
     }
 
@@ -77,6 +78,44 @@ proptest! {
         };
         let both = at(epsilon, mu);
         prop_assert!(at(epsilon - less, mu) >= both && at(epsilon, mu - less) >= both);
+    }
+}
+
+/// `√(Σ var θᵢ) σ / ‖θ‖` with `σ` the rms innovation so far, against its definition.
+#[test]
+fn a_demand_on_the_standard_error_is_met_before_the_switch_opens() {
+    let u = paper_input(3000);
+    let r = noisy(&u);
+    // Large steps pass, so that the standard error decides.
+    let demanding = |bound: f64| {
+        let mut plan = plan(0.5, 1e3);
+        plan.convergence.relative_standard_error = Some(bound);
+        plan
+    };
+    let (innovations, log) = run(&mut subject::<f64>(&demanding(1e-300)), &u, &r);
+    assert_eq!(kinds(&log), [EventKind::TrainingStarted]);
+    let (mut identifier, mut squares, mut variance) = (Rls::<f64, 2>::new(), 0.0, [0.0; 5]);
+    let course: Vec<(f64, f64)> = (1..)
+        .zip(u.iter().zip(&r).zip(&innovations))
+        .map(|(learned, ((&u, &r), &innovation))| {
+            identifier.update(&[u], &[r]);
+            identifier.variance_into(&mut variance);
+            squares += innovation * innovation;
+            let size = identifier.theta().iter().map(|v| v * v).sum::<f64>().sqrt();
+            (variance.iter().sum::<f64>() * squares / f64::from(learned), size)
+        })
+        .collect();
+    let moves = moves(&u, &r);
+    let mut earlier = 0;
+    for bound in [0.4, 0.2, 0.1] {
+        let opens = |k: &usize| {
+            let ((squared, size), (moved, before)) = (course[*k], moves[*k]);
+            squared.sqrt() <= bound * size && moved <= 0.5 * before && moved <= 1e3
+        };
+        let expected = (1..u.len()).find(opens);
+        assert_eq!(frozen_at(&demanding(bound), &u, &r), expected, "{bound}");
+        assert!(expected.is_some_and(|k| k > earlier), "{bound}: {expected:?} after {earlier}");
+        earlier = expected.unwrap_or(0);
     }
 }
 

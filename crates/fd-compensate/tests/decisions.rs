@@ -228,6 +228,20 @@ proptest! {
         prop_assert_eq!(judged.iter().map(Option::is_some).collect::<Vec<_>>(), alarming);
     }
 
+    /// A fault is said to have begun with the first alarm in the window that raised it.
+    #[test]
+    fn a_fault_began_with_the_first_alarm_of_its_window(
+        alarming in prop::collection::vec(any::<bool>(), 1..40), raise in 1_usize..5, more in 0_usize..4,
+    ) {
+        let out_of = raise + more;
+        let window = |end: usize| (end.saturating_sub(out_of)..end).filter(|&k| alarming[k]);
+        let raised = (1..=alarming.len()).find(|&end| window(end).count() >= raise);
+        let began = raised.and_then(|end| window(end).next()).map(|k| k as u64);
+        let (raise, out_of) = (raise as u64, out_of as u64);
+        let mut rule = Debounce::new(1, Debouncing { raise, out_of, clear: 1, latch: true }).unwrap();
+        prop_assert_eq!(judge(&mut rule, &alarming).into_iter().flatten().next(), began);
+    }
+
     /// The debounced statistic exceeds the threshold exactly when enough of the window does.
     #[test]
     fn the_debounced_statistic_is_the_raise_condition(

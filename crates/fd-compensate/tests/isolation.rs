@@ -281,9 +281,10 @@ fn faults_that_look_alike_are_not_told_apart() {
         signature("zero", &[0.0]),
         Candidate { name: "deaf".into(), effect: Effect::Responds(vec![false]), weight: 1.0 },
     ];
-    for candidate in wrong {
-        let error = build(&[candidate]).unwrap_err();
-        assert!(matches!(error, RuleError::Signature { hypothesis: 0, .. }), "{error}");
+    for (candidate, gains) in wrong.into_iter().zip([vec![], vec![0.0], vec![0.0]]) {
+        let (name, hypothesis, residual_len, found) = (candidate.name.clone(), 0, 1, gains);
+        let expected = RuleError::Signature { hypothesis, name, residual_len, found };
+        assert_eq!(build(&[candidate]).unwrap_err(), expected);
     }
     let negative = Candidate { weight: -1.0, ..signature("a", &[1.0]) };
     assert!(matches!(build(&[negative]).unwrap_err(), RuleError::Number { .. }));

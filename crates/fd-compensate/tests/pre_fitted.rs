@@ -131,6 +131,14 @@ fn a_plan_reads_from_a_spec_and_names_what_is_wrong() {
     plan.convergence.tolerance = -1.0;
     let message = plan.check().unwrap_err().to_string();
     assert_eq!(message, "convergence.tolerance must be positive and finite, got -1");
+    let mut plan = CompensationPlan::default();
+    plan.hard_fault.least_jump = -0.5;
+    let message = plan.check().unwrap_err().to_string();
+    assert_eq!(message, "hard_fault.least_jump must be non-negative and finite, got -0.5");
+    let mut plan = CompensationPlan::default();
+    plan.hard_fault.memory = 0.5;
+    let message = plan.check().unwrap_err().to_string();
+    assert_eq!(message, "hard_fault.memory must be finite and at least 1, got 0.5");
     let sizes = ResidualCompensator::new(
         FixedParameters::<f64>::new(2, 1, &THETA),
         Arx::<f64, 2>::new(),

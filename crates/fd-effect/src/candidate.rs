@@ -279,6 +279,22 @@ pub struct EffectParameter {
     pub is_reciprocal: bool,
     /// Whether it is one of the simulator itself: a linear stand-in does not know its kinks.
     pub is_native: bool,
+    /// What becomes of it in another run of the plant.
+    pub in_another_run: InAnotherRun,
+}
+
+/// What becomes of a parameter in another run of the plant, of which the clock begins anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InAnotherRun {
+    /// It is the same: a property of the plant.
+    #[default]
+    Same,
+    /// It is another one, as phase and size of a periodic force that nobody has synchronised with the log.
+    Another,
+    /// It goes on, from a time that nobody knows, as a drift does.
+    GoesOn,
+    /// It belongs to a path over time, which is another one in every run, and goes on in an unknown way after this one.
+    Path,
 }
 
 /// Why a candidate cannot be tried.

@@ -56,7 +56,8 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 pub use self::{
     candidate::{
-        Candidate, Effect, EffectParameter, Kind, NotTestable, Observation, Reason, Rounding,
+        Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Observation, Reason,
+        Rounding,
     },
     default_sites::with_default_sites,
     inner_places::with_inner_places,

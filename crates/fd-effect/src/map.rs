@@ -8,7 +8,7 @@
 use fd_sim::model::Model;
 use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
 
-use super::{Candidate, Effect, Offers, Reason, Sketch};
+use super::{Candidate, Effect, InAnotherRun, Offers, Reason, Sketch};
 
 /// Number of hat functions.
 const HATS: u8 = 6;
@@ -62,6 +62,7 @@ impl Effect for InputMap {
                         .require(input.moves(), Reason::Still("the input"));
                     curve(sketch, &input.unit, input.std, of, range)
                         .wrap_input("u + curve")
+                        .in_another_run(in_another_run(of))
                         .finish()
                 },
             )
@@ -110,7 +111,10 @@ impl Effect for ForceMap {
                     .require(site.force > 0.0, Reason::Still("what the force would move"))
                     .require(range.is_some(), Reason::Missing(missing));
                 let range = range.unwrap_or([0.0, 1.0]);
-                curve(sketch, &site.unit, site.force, of, range).force("map", "curve").finish()
+                curve(sketch, &site.unit, site.force, of, range)
+                    .force("map", "curve")
+                    .in_another_run(in_another_run(of))
+                    .finish()
             })
         });
         offers.collect()
@@ -142,6 +146,7 @@ impl Effect for SensorMap {
                         .require(output.moves(), Reason::Still("the output"));
                     curve(sketch, &output.unit, output.std, of, range)
                         .wrap_output("y + curve")
+                        .in_another_run(in_another_run(of))
                         .finish()
                 },
             )
@@ -185,6 +190,11 @@ pub fn mechanism(candidate: &Candidate) -> &'static str {
         ("sensor-map", _) => "sensor-nonlinearity",
         _ => candidate.family,
     }
+}
+
+/// A curve of time is the path of one run, any other one a property of the plant.
+fn in_another_run(of: &str) -> InAnotherRun {
+    if of == "t" { InAnotherRun::Path } else { InAnotherRun::Same }
 }
 
 fn range(signal: &SignalScale) -> [f64; 2] {

@@ -1,6 +1,7 @@
 //! The bookkeeping of a candidate: names, units, bounds, patches.
 
 mod equations;
+mod remarks;
 mod sites;
 
 use fd_sim::scales::{ForceScale, ReplayScales};
@@ -11,7 +12,7 @@ use fd_sim::{
 };
 
 use super::{
-    candidate::{Candidate, Effect, EffectParameter, Kind, NotTestable, Reason, Rounding},
+    candidate::{Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Reason},
     site::{Side, SiteRef},
 };
 
@@ -289,37 +290,9 @@ impl<'a> Sketch<'a> {
             is_strength,
             is_reciprocal: false,
             is_native: false,
+            in_another_run: InAnotherRun::default(),
         });
         self.bind(local, Expr::name(name))
-    }
-
-    /// Names the other end of a coupling.
-    #[must_use]
-    pub fn partner(mut self, site: SiteRef) -> Self {
-        self.candidate.partner = Some(site);
-        self
-    }
-
-    /// Names the parameter that is a frequency to be started from the residual, by its place.
-    #[must_use]
-    pub fn spectral(mut self, index: usize) -> Self {
-        self.candidate.spectral = Some(index);
-        self
-    }
-
-    /// Says that the first parameter is a quantum that the input is rounded to, with the largest
-    /// input for its scale.
-    #[must_use]
-    pub fn rounding(mut self, rounding: Rounding) -> Self {
-        self.candidate.rounding = Some(rounding);
-        self
-    }
-
-    /// Says that the effect is one of the distribution of a measurement: nothing is patched.
-    #[must_use]
-    pub fn observation(mut self, kind: super::Observation) -> Self {
-        self.candidate.kind = Kind::Observation(kind);
-        self
     }
 
     /// Adds a starting point, in units of the scales. One that is out of bounds is left out.

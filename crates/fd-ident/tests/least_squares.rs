@@ -119,3 +119,21 @@ fn bad_matrices_are_named() {
     let fit = solver.solve(Mat::<f64>::zeros(3, 2).as_ref(), &[1.0, 2.0, 2.0]).unwrap();
     assert!(fit.rank == 0 && (fit.rss - 9.0).abs() < 1e-15);
 }
+
+/// Regressors below the smallest normal number are silence; beside ordinary ones they add no rank.
+#[test]
+fn subnormal_regressors_are_silence() {
+    let tiny = Mat::from_fn(20, 3, |i, j| 1e-310 * ((i * 7 + j * 3) % 5) as f64);
+    let y = noise(2, 20);
+    let refused = LeastSquares::new().solve(tiny.as_ref(), &y).unwrap_err();
+    assert!(matches!(refused, IdentError::RankDeficient { rank: 0, .. }), "{refused}");
+    let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
+    let fit = solver.solve(tiny.as_ref(), &y).unwrap();
+    assert_eq!(fit.rank, 0);
+    assert!(fit.coefficients.iter().all(|&c| c == 0.0));
+    let numbers = noise(3, 20);
+    let mixed = Mat::from_fn(20, 2, |i, j| if j == 0 { numbers[i] } else { tiny[(i, 1)] });
+    let fit = solver.solve(mixed.as_ref(), &y).unwrap();
+    assert_eq!(fit.rank, 1);
+    assert!(fit.coefficients.iter().all(|c| c.is_finite()));
+}

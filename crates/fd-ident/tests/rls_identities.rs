@@ -248,38 +248,6 @@ fn no_memory_makes_a_window_panic() {
     });
 }
 
-/// Kulhavý's step against its definition on the information matrix.
-#[test]
-fn directional_forgetting_changes_the_information_along_the_regressor() {
-    let lambda = 0.95;
-    let forgetting = Forgetting::Directional { lambda };
-    let design = RlsDesign { prior_variance: 0.1, forgetting, guard: Guard::default() };
-    let mut kernel = rls::<UdHeap>(&design);
-    let mut information = Mat::<f64>::identity(N, N) * faer::Scale(10.0);
-    let (mut theta, mut signs) = ([0.0; N], [0, 0]);
-    for (phi, y) in data(5, 200) {
-        let phi_vector = faer::Col::from_fn(N, |i| phi[i]);
-        let energy = phi_vector.transpose() * inverse(&information) * &phi_vector;
-        let weight = lambda - (1.0 - lambda) / energy;
-        signs[usize::from(weight > 0.0)] += 1;
-        information += faer::Scale(weight) * &phi_vector * phi_vector.transpose();
-        kernel.update(&phi, y, &mut theta);
-        let mut variance = [0.0; N];
-        kernel.variance_into(&mut variance);
-        let expected = inverse(&information);
-        for i in 0..N {
-            assert!((variance[i] - expected[(i, i)]).abs() < 1e-10 * expected[(i, i)]);
-        }
-    }
-    // Both branches, taking in and giving up, have been tried.
-    assert!(signs[0] > 50 && signs[1] > 50, "{signs:?}");
-}
-
-fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
-    use faer::linalg::solvers::DenseSolveCore;
-    matrix.partial_piv_lu().inverse()
-}
-
 /// The only sample that tells about a direction leaves the window.
 #[test]
 fn a_window_is_factorised_again_when_downdating_would_lose_the_digits() {
@@ -312,6 +280,13 @@ fn settings_out_of_range_are_named() {
         message(Forgetting::Equation18 { alpha: 0.0, falling: None }),
         "alpha of eq. (18) must be positive and finite, got 0"
     );
+    let limited = |trace_limit| {
+        let guard = Guard { trace_limit, ..Guard::default() };
+        Rls::<f64, UdHeap>::new(N, &RlsDesign { guard, ..RlsDesign::default() })
+    };
+    let message = limited(0.5).unwrap_err().to_string();
+    assert_eq!(message, "trace limit must be at least 1, got 0.5");
+    assert!(limited(1.0).is_ok() && limited(f64::NAN).is_err());
     let wrong_size = Rls::<f64, Ud<f64, Static<3>>>::new(N, &RlsDesign::default()).unwrap_err();
     assert_eq!(wrong_size.to_string(), "factor U must be 3x3, got 4x4");
     let parsed: Result<Forgetting, _> = serde_json::from_str(r#"{"kind":"exponentiel"}"#);

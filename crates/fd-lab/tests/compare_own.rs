@@ -123,6 +123,17 @@ fn what_does_not_fit_is_named() {
         own.at.insert("q".to_owned(), -1.0);
     });
     assert!(message.contains("no rest"), "{message}");
+    let message = refused(|config| {
+        config.scenarios[0].own.as_mut().unwrap().faults[1].sizes.smallest = 0.0;
+    });
+    assert!(message.contains("faults.sizes") && message.contains("0 to 1, 5 sizes"), "{message}");
+    let message = refused(|config| config.scenarios[0].own.as_mut().unwrap().faults.clear());
+    assert!(message.contains("faults: expected at least one"), "{message}");
+    // Refused before anything of that size is made.
+    let message = refused(|config| config.scenarios[0].own.as_mut().unwrap().before_s = 1e12);
+    assert!(message.contains("limit `samples`"), "{message}");
+    let message = refused(|config| config.training.duration_s = 0.0);
+    assert!(message.contains("training.duration_s"), "{message}");
 }
 
 /// The shipped plants: one generator, few runs.

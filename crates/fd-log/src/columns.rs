@@ -3,23 +3,59 @@
 use fd_model::{Channel, SampleTime, unit::Conversion};
 
 use crate::{
+    derived::{Derived, derived},
     error::LogError,
     header::{HeaderColumn, find, texts},
     map::{ColumnMap, LogMap, RowRule},
+    source::LogSource,
 };
 
 /// A column that is read.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Column {
     pub(super) index: usize,
     pub(super) text: String,
     pub(super) conversion: Conversion,
     /// The number that it always has, if it is none of the file.
     pub(super) constant: Option<f64>,
+    /// How it is computed from others, if it is none of the file.
+    pub(super) derived: Option<Box<Derived>>,
+}
+
+impl Column {
+    pub(super) fn new(index: usize, text: String, conversion: Conversion) -> Self {
+        Self { index, text, conversion, constant: None, derived: None }
+    }
+
+    /// The number in the current row, in the unit of the channel.
+    pub(super) fn number(&mut self, source: &impl LogSource, now: Moment) -> Result<f64, LogError> {
+        let number = match (&mut self.derived, self.constant) {
+            (Some(derived), _) => match derived.number(source, now)? {
+                None => return Ok(f64::NAN),
+                Some(number) if number.is_finite() => number,
+                Some(number) => {
+                    let (file, column) = (source.file().to_owned(), self.text.clone());
+                    let found = number.to_string();
+                    return Err(LogError::Number { file, column, row: now.row, found });
+                }
+            },
+            (None, Some(number)) => number,
+            (None, None) => source.number(self.index)?,
+        };
+        Ok(self.conversion.apply(number))
+    }
+}
+
+/// Where a log is being read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    pub(super) row: u64,
+    /// Time of the row in seconds, once it is known.
+    pub(super) time: f64,
 }
 
 /// Where the time of a row comes from.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) enum Time {
     Column(Column),
     Rows(SampleTime),
@@ -50,8 +86,9 @@ pub(super) fn time_source(
         column: Some(header[index].text.clone()),
         column_unit: map.time.unit.clone(),
         constant: None,
+        expression: None,
     };
-    Ok(Time::Column(resolve(file, header, &seconds)?.0))
+    Ok(Time::Column(resolve(file, header, map, &seconds)?.0))
 }
 
 /// Whether a column is the one of time: the one of the map, or one with a name that says so.
@@ -71,7 +108,7 @@ pub(super) fn rule_columns(
     let column = |rule: &RowRule| {
         let index = find(file, header, &rule.column)?;
         let text = header[index].text.clone();
-        Ok((rule.clone(), Column { index, text, conversion: Conversion::IDENTITY, constant: None }))
+        Ok((rule.clone(), Column::new(index, text, Conversion::IDENTITY)))
     };
     map.rules(file).map(column).collect()
 }
@@ -80,8 +117,12 @@ pub(super) fn rule_columns(
 pub(super) fn resolve(
     file: &str,
     header: &[HeaderColumn],
+    all: &LogMap,
     map: &ColumnMap,
 ) -> Result<(Column, Channel), LogError> {
+    if let Some(text) = &map.expression {
+        return derived(file, header, all, map, text);
+    }
     if let Some(number) = map.constant {
         return constant(file, map, number);
     }
@@ -105,7 +146,7 @@ pub(super) fn resolve(
         column: text.clone(),
         source,
     })?;
-    let column = Column { index, text: text.clone(), conversion, constant: None };
+    let column = Column::new(index, text.clone(), conversion);
     Ok((column, Channel::new(map.name.clone(), unit)))
 }
 
@@ -124,7 +165,7 @@ fn constant(file: &str, map: &ColumnMap, number: f64) -> Result<(Column, Channel
     let from = map.column_unit.as_deref().unwrap_or(unit);
     match Conversion::between(from, unit) {
         Ok(conversion) => {
-            let column = Column { index: 0, text, conversion, constant: Some(number) };
+            let column = Column { constant: Some(number), ..Column::new(0, text, conversion) };
             Ok((column, Channel::new(map.name.clone(), unit)))
         }
         Err(source) => Err(LogError::Unit { file, column: text, source }),

@@ -120,6 +120,16 @@ pub enum LogError {
         /// The column, if there is one.
         column: Option<String>,
     },
+    /// An expression for a channel is none, or stands beside a column or a constant.
+    #[error("{file}: channel `{}`: expression: {problem}", Shown(channel))]
+    Expression {
+        /// Name of the file.
+        file: String,
+        /// Name of the channel.
+        channel: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The age up to which values are held is no age.
     #[error("{file}: `merge.max_age_s`: expected a number of seconds from 0 on, found {found}")]
     Age {

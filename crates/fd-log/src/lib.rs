@@ -11,7 +11,8 @@
 //! |---------|---------|
 //! | `packed` | CSV and NDJSON in gzip and Zstandard |
 //! | `npz` | arrays of numpy |
-//! | `mcap` | recordings of ROS 2 |
+//! | `mcap` | recordings of ROS 2 in MCAP |
+//! | `rosbag` | recordings of ROS 2 in `SQLite` |
 //! | `ulog` | flight logs of PX4 |
 //! | `hdf5` | HDF5, and MAT-files of version 7.3 |
 //! | `mat` | MAT-files of version 5 |
@@ -50,6 +51,7 @@
 
 mod columns;
 mod date;
+mod derived;
 mod error;
 mod format;
 mod header;

@@ -5,6 +5,8 @@ use std::path::Path;
 use fd_model::{Channel, ResamplePolicy, SampleTime, file::LinearModel};
 use serde::{Deserialize, Serialize};
 
+use crate::derived::names;
+
 /// The way from the columns of a log to the channels of a record.
 ///
 /// ```
@@ -38,6 +40,9 @@ pub struct LogMap {
     pub inputs: Vec<ColumnMap>,
     /// Output channels, in order; at least one.
     pub outputs: Vec<ColumnMap>,
+    /// Columns and constants under names of their own, for expressions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<ColumnMap>,
     /// Separator of columns; without it, the most frequent of `,`, `;` and tab in the header.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delimiter: Option<char>,
@@ -177,6 +182,26 @@ pub struct ColumnMap {
     /// The number that the channel always has, in `column_unit`, else in `unit`; no column is looked for then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constant: Option<f64>,
+    /// How the channel is computed from columns, in the language of model files; in `column_unit`, else in `unit`.
+    /// Names are those of [`LogMap::columns`], else columns in the units of the file; `t` is the time of the row in
+    /// seconds.
+    ///
+    /// ```
+    /// use fd_log::{LogMap, read_log_from};
+    ///
+    /// let map: LogMap = toml::from_str(
+    ///     r#"
+    ///     outputs = [{ name = "torque", unit = "N m", expression = "0.12*(current - 0.5)" }]
+    ///     columns = [{ name = "current", column = "motor.i", unit = "A" }]
+    ///     "#,
+    /// )?;
+    /// let csv = "t,motor.i [mA]\n0,1500\n1,500\n";
+    /// let log = read_log_from("monday.csv", csv.as_bytes(), &map)?;
+    /// assert_eq!((log.record.y(0)[0], log.record.y(1)[0]), (0.12, 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expression: Option<String>,
 }
 
 impl LogMap {
@@ -225,12 +250,26 @@ impl LogMap {
     }
 
     /// Headers of all columns that are looked at; time only if it is named.
-    pub(super) fn wanted<'a>(&'a self, file: &'a str) -> impl Iterator<Item = &'a str> {
-        let channels = self.inputs.iter().chain(&self.outputs);
-        let channels = channels.filter(|map| map.constant.is_none());
-        let channels = channels.map(|map| map.column.as_ref().unwrap_or(&map.name));
-        let rules = self.rules(file).map(|rule| &rule.column);
-        channels.chain(rules).chain(&self.time.column).map(String::as_str)
+    pub(super) fn wanted(&self, file: &str) -> Vec<String> {
+        let column = |map: &ColumnMap| -> Option<String> {
+            map.constant.is_none().then(|| map.column.as_ref().unwrap_or(&map.name).clone())
+        };
+        let mut wanted = Vec::new();
+        for channel in self.inputs.iter().chain(&self.outputs) {
+            let Some(text) = &channel.expression else {
+                wanted.extend(column(channel));
+                continue;
+            };
+            for name in names(text) {
+                match self.columns.iter().find(|column| column.name == name) {
+                    Some(named) => wanted.extend(column(named)),
+                    None => wanted.push(name),
+                }
+            }
+        }
+        wanted.extend(self.rules(file).map(|rule| rule.column.clone()));
+        wanted.extend(self.time.column.clone());
+        wanted
     }
 }
 
@@ -293,6 +332,7 @@ impl ColumnMap {
             column: Some(column.into()),
             column_unit: None,
             constant: None,
+            expression: None,
         }
     }
 
@@ -312,6 +352,7 @@ impl From<&Channel> for ColumnMap {
             column: None,
             column_unit: None,
             constant: None,
+            expression: None,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::{io::Read, path::Path};
 use fd_model::{Channel, Record, TimeBaseError, TimeBaseReport, TimeSeries};
 
 use crate::{
-    columns::{Column, Time, resolve, rule_columns, time_source},
+    columns::{Column, Moment, Time, resolve, rule_columns, time_source},
     error::LogError,
     format::{CsvSource, open},
     map::{LogMap, RowRule},
@@ -101,7 +101,7 @@ impl<S: LogSource> LogReader<S> {
     /// Returns an error when the map has no outputs, columns are missing or ambiguous, or a unit does
     /// not fit.
     pub fn new(source: S, map: &LogMap) -> Result<Self, LogError> {
-        let (file, header) = (source.file(), source.columns());
+        let (file, header, all) = (source.file(), source.columns(), map);
         if map.outputs.is_empty() {
             return Err(LogError::NoOutputs { file: file.to_owned() });
         }
@@ -109,7 +109,7 @@ impl<S: LogSource> LogReader<S> {
         let (mut columns, mut inputs, mut outputs) = (Vec::new(), Vec::new(), Vec::new());
         for (channels, maps) in [(&mut inputs, &map.inputs), (&mut outputs, &map.outputs)] {
             for map in maps {
-                let (column, channel) = resolve(file, header, map)?;
+                let (column, channel) = resolve(file, header, all, map)?;
                 columns.push(column);
                 channels.push(channel);
             }
@@ -148,21 +148,22 @@ impl<S: LogSource> LogReader<S> {
     /// cell is not a number.
     pub fn next_row(&mut self) -> Result<Option<LogRow<'_>>, LogError> {
         let Some(row) = self.next_admitted()? else { return Ok(None) };
-        let time = match &self.time {
-            Time::Rows(ts) => self.rows_read as f64 * ts.seconds(),
+        let Self { source, time, columns, values, rows_read, .. } = &mut *self;
+        let time = match time {
+            Time::Rows(ts) => *rows_read as f64 * ts.seconds(),
             Time::Column(column) => {
-                let time = self.number(column)?;
+                let time = column.number(source, Moment { row, time: f64::NAN })?;
                 if time.is_nan() {
-                    let (file, column) = (self.source.file().to_owned(), column.text.clone());
+                    let (file, column) = (source.file().to_owned(), column.text.clone());
                     return Err(LogError::NoTimeInRow { file, column, row });
                 }
                 time
             }
         };
-        self.rows_read += 1;
-        for i in 0..self.columns.len() {
-            self.values[i] = self.number(&self.columns[i])?;
+        for (value, column) in values.iter_mut().zip(columns) {
+            *value = column.number(source, Moment { row, time })?;
         }
+        *rows_read += 1;
         let (u, y) = self.values.split_at(self.inputs.len());
         Ok(Some(LogRow { row, time, u, y }))
     }
@@ -171,8 +172,9 @@ impl<S: LogSource> LogReader<S> {
     fn next_admitted(&mut self) -> Result<Option<u64>, LogError> {
         while let Some(row) = self.source.next_row()? {
             let mut is_admitted = true;
-            for (rule, column) in &self.rules {
-                is_admitted &= rule.admits(self.number(column)?);
+            let now = Moment { row, time: f64::NAN };
+            for (rule, column) in &mut self.rules {
+                is_admitted &= rule.admits(column.number(&self.source, now)?);
             }
             if is_admitted {
                 return Ok(Some(row));
@@ -227,14 +229,5 @@ impl<S: LogSource> LogReader<S> {
             }
             (source, _) => LogError::TimeBase { file, source },
         }
-    }
-
-    /// The number in a column of the current row, in the unit of its channel.
-    fn number(&self, column: &Column) -> Result<f64, LogError> {
-        let number = match column.constant {
-            Some(number) => number,
-            None => self.source.number(column.index)?,
-        };
-        Ok(column.conversion.apply(number))
     }
 }

@@ -126,9 +126,9 @@ impl Recording {
         if self.topics.iter().any(|topic| topic.times.is_some()) {
             header.push(HeaderColumn::parse("time [s]"));
         }
-        let found = map.wanted(&self.file).map(|name| {
-            let unfit = self.unfit.iter().find(|(known, _)| known == name);
-            match (find(&self.file, &header, name), unfit) {
+        let found = map.wanted(&self.file).into_iter().map(|name| {
+            let unfit = self.unfit.iter().find(|(known, _)| *known == name);
+            match (find(&self.file, &header, &name), unfit) {
                 (Err(LogError::MissingColumn { .. }), Some((column, reason))) => {
                     let (file, column) = (self.file.clone(), column.clone());
                     Err(LogError::Unfit { file, column, reason: reason.clone() })

@@ -1,6 +1,6 @@
 //! Recordings of ROS 2 and of PX4, as their own writers wrote them, and as nobody should.
 
-#![cfg(all(feature = "mcap", feature = "ulog"))]
+#![cfg(all(feature = "mcap", feature = "rosbag", feature = "ulog"))]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 #![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
@@ -139,6 +139,7 @@ fn rubbish_is_told() {
         ("robot.mcap", "/cmd_vel.linear.x", 211),
         ("robot.lz4.mcap", "/cmd_vel.linear.x", 211),
         ("flight.ulg", "accel.temperature", 29),
+        ("humble.db3", "/cmd_vel.linear.x", 397),
     ] {
         let whole = std::fs::read(data(name)).unwrap();
         assert!(matches!(read(name, b"", column), Err(LogError::Empty { .. })));
@@ -172,4 +173,51 @@ fn claims_of_size_are_not_believed() {
         let error = read_log(&path, &output("/a.b")).unwrap_err();
         assert!(matches!(error, LogError::Damaged { .. }), "{error}");
     }
+}
+
+#[test]
+fn recordings_in_sqlite_are_those_in_mcap() {
+    for name in ["robot.db3", "humble.db3"] {
+        let read = |file: &str, column: &str| {
+            let record = read_log(data(file), &output(column)).unwrap().record;
+            (record.ts().seconds(), record.output(0).collect::<Vec<_>>())
+        };
+        for column in [
+            "/joint_states.position[elbow]",
+            "/joint_states.position[wrist]",
+            "/command.data[0]",
+            "/imu.angular_velocity.x",
+            "/imu.linear_acceleration_covariance[8]",
+            "/cmd_vel.angular.z",
+            "/wrench.wrench.torque.z",
+            "/odom.pose.pose.position.x",
+            "/odom.twist.covariance[35]",
+            "/imu.header.stamp",
+        ] {
+            // The same second was recorded, of which this file has the beginning.
+            let ((step, found), (other, all)) = (read(name, column), read("robot.mcap", column));
+            assert!(found.len() > 7 && found.len() < all.len(), "{name}: {column}");
+            assert_eq!(found[..], all[..found.len()], "{name}: {column}");
+            assert!((step - other).abs() < 1e-12);
+        }
+    }
+    // Rows of 5600 bytes are on pages of their own.
+    let long = read_log(data("robot.db3"), &output("/long.data[699]")).unwrap().record;
+    assert_eq!(long.output(0).collect::<Vec<_>>(), [699.0, 700.0, 701.0, 702.0]);
+    let said =
+        |file: &str, column: &str| read_log(data(file), &output(column)).unwrap_err().to_string();
+    assert!(said("robot.db3", "/say").ends_with("found messages without numbers"));
+    assert!(said("humble.db3", "/imu.angular_velocity.w").contains("did you mean"));
+}
+
+#[test]
+fn a_recording_whose_end_is_elsewhere_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("robot.db3");
+    std::fs::copy(data("robot.db3"), &path).unwrap();
+    std::fs::write(folder.path().join("robot.db3-wal"), b"").unwrap();
+    assert!(read_log(&path, &output("/cmd_vel.linear.x")).is_ok());
+    std::fs::write(folder.path().join("robot.db3-wal"), b"more").unwrap();
+    let said = read_log(&path, &output("/cmd_vel.linear.x")).unwrap_err().to_string();
+    assert!(said.contains("robot.db3-wal") && said.contains("open it once with SQLite"), "{said}");
 }

@@ -76,6 +76,13 @@ pub trait TimeDomain: Copy + Sized {
     /// Returns an error when a pole lies where the mapping sends it to infinity.
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError>;
 
+    /// The model on this axis whose [`half_plane`](TimeDomain::half_plane) is the given one.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a pole lies where the mapping sends it to infinity.
+    fn of_half_plane(self, model: &StateSpace<Continuous>) -> Result<StateSpace<Self>, ModelError>;
+
     /// The frequency on this axis at which [`TimeDomain::half_plane`] has the gain of `omega`.
     fn frequency_of_half_plane(&self, omega: f64) -> f64;
 
@@ -139,6 +146,10 @@ impl TimeDomain for Continuous {
         Ok(model.clone())
     }
 
+    fn of_half_plane(self, model: &StateSpace<Continuous>) -> Result<StateSpace<Self>, ModelError> {
+        Ok(model.clone())
+    }
+
     fn frequency_of_half_plane(&self, omega: f64) -> f64 {
         omega
     }
@@ -186,6 +197,10 @@ impl TimeDomain for Discrete {
 
     fn half_plane(model: &StateSpace<Self>) -> Result<StateSpace<Continuous>, ModelError> {
         model.undo_tustin()
+    }
+
+    fn of_half_plane(self, model: &StateSpace<Continuous>) -> Result<StateSpace<Self>, ModelError> {
+        model.sample_tustin(self.ts)
     }
 
     fn frequency_of_half_plane(&self, omega: f64) -> f64 {

@@ -55,6 +55,17 @@ pub enum ModelError {
         /// Role of the matrix.
         role: &'static str,
     },
+    /// The algebraic equations of a descriptor model do not determine the states that have no rate.
+    #[error(
+        "a model of index two or more: of {algebraic} states without a rate the algebraic equations determine only \
+         {solved}, so that outputs may contain derivatives of inputs; eliminate doubled states or differentiate the constraint"
+    )]
+    HighIndex {
+        /// States without a rate.
+        algebraic: usize,
+        /// How many of them the algebraic equations determine.
+        solved: usize,
+    },
     /// Two models with different sample times were connected.
     #[error("sample times must agree, expected {expected} s, found {found} s")]
     SampleTimeMismatch {

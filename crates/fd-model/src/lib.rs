@@ -49,7 +49,9 @@ mod record;
 mod state_space;
 
 // Numerics of linear models.
+mod channels;
 mod connect;
+mod descriptor;
 mod frequency;
 mod gramian;
 mod hankel;
@@ -59,10 +61,17 @@ mod natural_units;
 mod norms;
 pub mod reduce;
 pub mod riccati;
+mod transfer;
 pub mod uncertainty;
 mod zeros;
 
-pub use crate::{natural_units::NaturalUnits, norms::PeakGain};
+/// The matrices of designs, so that those who use this library need not name the version of faer.
+pub use faer;
+
+pub use crate::{
+    descriptor::DescriptorSystem, natural_units::NaturalUnits, norms::PeakGain,
+    transfer::TransferFunction,
+};
 
 // Signals, faults, records and files.
 mod clock;
@@ -90,7 +99,9 @@ pub use crate::{
     inputs::Inputs,
     nearest::nearest,
     record::{ChannelScale, MissingCounts, RecordError, Scaling},
-    resample::{Disorder, Gap, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries},
+    resample::{
+        Disorder, Gap, HeldInputs, ResamplePolicy, TimeBaseError, TimeBaseReport, TimeSeries,
+    },
     shown::{Shown, ShownList, ShownMessage, is_plain},
     simulate::{Simulation, SimulationError},
 };

@@ -29,7 +29,7 @@ pub struct TimeSeries {
 ///
 /// The grid begins at the first sample. On a grid time that meets a sample to within `tolerance`
 /// the sample is taken as it is. Elsewhere inputs keep the value of the sample before
-/// (zero-order hold) and outputs are interpolated linearly between the samples before and
+/// (zero-order hold; see also [`HeldInputs`]) and outputs are interpolated linearly between the samples before and
 /// after; both are missing when those two are further apart than `max_gap_s`, and a value is
 /// missing when one that it is made of is missing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +47,9 @@ pub struct ResamplePolicy {
     pub tolerance: f64,
     /// What happens to samples that are not later than the one before.
     pub disorder: Disorder,
+    /// What becomes of inputs that change between two grid times. Without it, whoever simulates with them says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_inputs: Option<HeldInputs>,
     /// How long the record may become; not a matter of files.
     #[serde(skip)]
     pub limits: Limits,
@@ -62,6 +65,19 @@ pub enum Disorder {
     Reject,
     /// They are left out and counted in the [`TimeBaseReport`].
     Drop,
+}
+
+/// What becomes of inputs, each held until its next sample, that change between two grid times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum HeldInputs {
+    /// The grid time has the value of the sample before: what an input was then.
+    #[default]
+    Latest,
+    /// The grid time has the mean until the next one, so that a simulation that holds it has the same integral: with
+    /// jitter nothing is late, and on a coarse grid nothing is skipped.
+    Mean,
 }
 
 /// What the times of a [`TimeSeries`] were like.
@@ -169,6 +185,7 @@ impl Default for ResamplePolicy {
             max_gap_s: None,
             tolerance: 1e-3,
             disorder: Disorder::Reject,
+            held_inputs: None,
             limits: Limits::default(),
         }
     }
@@ -214,6 +231,7 @@ impl TimeSeries {
         let (mut u, mut y) =
             (Vec::with_capacity(grid.samples * nu), Vec::with_capacity(grid.samples * ny));
         let (mut cursor, mut even) = (0, true);
+        let is_mean = policy.held_inputs == Some(HeldInputs::Mean);
         for k in 0..grid.samples {
             match grid.place(k, &mut cursor, &order.kept, &self.t) {
                 Place::On(i) => {
@@ -230,7 +248,16 @@ impl TimeSeries {
                     even = false;
                     u.extend(std::iter::repeat_n(f64::NAN, nu));
                     y.extend(std::iter::repeat_n(f64::NAN, ny));
+                    continue;
                 }
+            }
+            if is_mean {
+                let row = &mut u[k * nu..];
+                grid.held(k, cursor, &order.kept, &self.t, |i, share| {
+                    for (mean, value) in row.iter_mut().zip(row_u(i)) {
+                        *mean += share * (value - *mean);
+                    }
+                });
             }
         }
         let (inputs, outputs) = (self.inputs.clone(), self.outputs.clone());

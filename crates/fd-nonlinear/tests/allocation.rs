@@ -1,41 +1,12 @@
 //! No filter allocates per sample, seen by a counting allocator.
-#![allow(unsafe_code, reason = "a global allocator cannot be written without")]
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 mod common;
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
-
+use allocation_counter::measure;
 use common::{TANKS, noisy, run};
 use fd_core::Frame;
 use fd_nonlinear::{Noise, testing::every_filter};
-
-struct Counting;
-
-thread_local! {
-    // Per thread, so that the test harness does not count.
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: forwards to the system allocator; the counter does not allocate.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_filter_allocates_per_sample() {
@@ -47,17 +18,22 @@ fn no_filter_allocates_per_sample() {
     y[90][0] = -1e3;
     for (name, mut filter) in every_filter(&model).unwrap() {
         let (mut r, mut seen) = ([0.0], 0.0);
-        let before = ALLOCATIONS.with(Cell::get);
-        for (k, (u, y)) in (0..).zip(u.iter().zip(&y)) {
-            let frame = Frame::new(filter.io(), k, u, y).unwrap();
-            filter.step(frame, &mut r);
-            if r[0].is_finite() {
-                seen += r[0].abs();
+        let allocated = measure(|| {
+            for (k, (u, y)) in (0..).zip(u.iter().zip(&y)) {
+                let frame = Frame::new(filter.io(), k, u, y).unwrap();
+                filter.step(frame, &mut r);
+                if r[0].is_finite() {
+                    seen += r[0].abs();
+                }
             }
-        }
-        assert_eq!(ALLOCATIONS.with(Cell::get), before, "{name}");
+        });
+        assert_eq!(allocated.count_total, 0, "{name}");
         assert!(seen > 0.0, "{name} has seen the samples");
     }
-    drop(std::hint::black_box(vec![1.0_f64; 10]));
-    assert!(ALLOCATIONS.with(Cell::get) > 0, "the counter counts");
+}
+
+#[test]
+fn the_counter_counts() {
+    let allocated = measure(|| drop(std::hint::black_box(vec![1.0_f64; 10])));
+    assert_eq!(allocated.count_total, 1);
 }

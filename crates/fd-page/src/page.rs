@@ -59,6 +59,10 @@ pub fn page(study: &GapStudy) -> Result<Page, PictureError> {
         how_far(&mut page, report);
     }
     place(&mut page, report)?;
+    if let Some(trace) = &study.trace {
+        let summary = "Inputs and residuals over time, with the autocorrelation of residuals";
+        page.folded(summary, &pictures::behind(trace))?;
+    }
     next(&mut page, report);
     if let Some(calibration) = &report.calibration {
         confusion(&mut page, calibration, report);
@@ -285,6 +289,9 @@ fn place(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     let places = location.places.iter().filter(|p| PLACED <= p.probability).map(|p| &p.statement);
     for statement in statements.chain(places).filter(|s| !s.is_empty()) {
         page.text(format!("{}.", capital(statement)));
+    }
+    if !report.diagnosis.held_out.is_empty() {
+        page.text("These are the sizes in the fitted data; those above are of held-out data.");
     }
     page.gallery(&pictures::places(report))
 }

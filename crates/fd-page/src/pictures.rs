@@ -2,13 +2,16 @@
 
 use fd_gap::{
     diagnose::Cause,
-    locate::{Band, Region, Spectrum, TimeCourse},
+    locate::{Band, PlaceEvidence, Region, RegionOf, Spectrum, TimeCourse},
 };
 use fd_report::{Line, Picture};
 
-use fdiag::gap_study::{
-    Law, Report, Role, Signals, Trace,
-    words::{self, region_of, region_on},
+use fdiag::{
+    gap_study::{
+        Law, Report, Role, Signals, Trace,
+        words::{self, region_of, region_on},
+    },
+    ident::diagnostics::autocorrelation,
 };
 
 /// A picture and what it says.
@@ -20,6 +23,11 @@ const MOST: usize = 3;
 const ZOOM: usize = 12;
 /// Fewest samples that it shows.
 const LEAST_ZOOM: usize = 40;
+/// Most and fewest lags of an autocorrelation, which is drawn up to a quarter of the run.
+const MOST_LAGS: usize = 200;
+const LEAST_LAGS: usize = 5;
+/// Standard deviations within which 95 % of a Gaussian variable lies.
+const WHITE: f64 = 1.96;
 
 /// Real against simulated, before and after: each output as a whole and where it matters most.
 pub(crate) fn runs(trace: &Trace) -> Vec<Captioned> {
@@ -80,6 +88,72 @@ fn zoom(signals: &Signals, n: usize) -> (usize, usize) {
     (from, from + length)
 }
 
+/// What is behind these: the outputs that are not among them, the inputs, what is left of each output, and whether
+/// that remembers itself.
+pub(crate) fn behind(trace: &Trace) -> Vec<Captioned> {
+    let (n, time) = (trace.time.len(), || trace.time.iter().copied());
+    let others = trace
+        .outputs
+        .iter()
+        .skip(MOST)
+        .map(|signals| (run(trace, signals, 0, n, &signals.name), String::new()));
+    let inputs = trace.inputs.iter().map(|input| {
+        let picture = Picture {
+            title: format!("Input {}", input.name),
+            x_label: "time [s]".to_owned(),
+            y_label: format!("{} [{}]", input.name, input.unit),
+            lines: vec![Line::new("", time().zip(input.values.iter().copied()))],
+            ..Picture::default()
+        };
+        (picture, String::new())
+    });
+    let left = trace.outputs.iter().flat_map(|signals| {
+        let left = |simulated: &[f64]| -> Vec<f64> {
+            signals.measured.iter().zip(simulated).map(|(y, simulated)| y - simulated).collect()
+        };
+        let left = [("before", left(&signals.before)), ("after", left(&signals.after))];
+        let over_time = Picture {
+            title: format!("Residual of {}", signals.name),
+            x_label: "time [s]".to_owned(),
+            y_label: format!("residual [{}]", signals.unit),
+            lines: left
+                .iter()
+                .map(|(name, left)| Line::new(*name, time().zip(left.iter().copied())))
+                .collect(),
+            ..Picture::default()
+        };
+        let caption = "Measured minus simulated.".to_owned();
+        [Some((over_time, caption)), memory(trace, signals, left)].into_iter().flatten()
+    });
+    others.chain(inputs).chain(left).collect()
+}
+
+/// The autocorrelation of what is left; none of a run that is too short.
+fn memory(trace: &Trace, signals: &Signals, left: [(&str, Vec<f64>); 2]) -> Option<Captioned> {
+    let [first, .., last] = trace.time[..] else { return None };
+    let samples = left[1].1.iter().filter(|e| e.is_finite()).count();
+    let lags = (samples / 4).min(MOST_LAGS);
+    if lags < LEAST_LAGS {
+        return None;
+    }
+    let ts = (last - first) / (trace.time.len() - 1) as f64;
+    let lines = left.map(|(name, left)| {
+        let values = autocorrelation(&[left], lags);
+        Line::new(name, values.into_iter().enumerate().map(|(lag, r)| (lag as f64 * ts, r)))
+    });
+    let band = WHITE / (samples as f64).sqrt();
+    let picture = Picture {
+        title: format!("Autocorrelation, {}", signals.name),
+        x_label: "lag [s]".to_owned(),
+        y_label: "autocorrelation of the residual [1]".to_owned(),
+        lines: lines.into(),
+        levels: vec![(band, "white noise".to_owned()), (-band, String::new())],
+        ..Picture::default()
+    };
+    let caption = "White noise is within the dashed lines at 95 % of the lags; what remembers itself is not only noise.";
+    Some((picture, caption.to_owned()))
+}
+
 /// The law over what it depends on, with what the data say without it.
 pub(crate) fn law(law: &Law, cause: &Cause) -> Captioned {
     let points = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
@@ -113,7 +187,8 @@ pub(crate) fn places(report: &Report) -> Vec<Captioned> {
     let spectra = location.spectra.iter().filter(|s| !s.bands.is_empty()).take(MOST);
     let regions = location.regions.iter().filter(|r| r.is_significant && !r.bins.is_empty());
     let times = location.times.iter().filter(|t| !t.stretches.is_empty()).take(MOST);
-    let pictures = spectra.map(spectrum).chain(regions.take(MOST).map(region));
+    let regions = regions.take(MOST).map(|of| region(of, &location.places));
+    let pictures = spectra.map(spectrum).chain(regions);
     pictures.chain(times.map(|course| time(course, location.times.len()))).collect()
 }
 
@@ -143,8 +218,16 @@ fn spectrum(spectrum: &Spectrum) -> Captioned {
     (picture, spectrum.statement.clone())
 }
 
-fn region(region: &Region) -> Captioned {
+fn region(region: &Region, places: &[PlaceEvidence]) -> Captioned {
     let (of, on) = (region_of(&region.of), region_on(&region.on));
+    let unit = match &region.of {
+        RegionOf::Residual(_) => "sigma",
+        RegionOf::Signal(site) => {
+            let free =
+                places.iter().find(|place| place.site == *site).and_then(|p| p.free.as_ref());
+            free.map_or("1", |free| &free.unit)
+        }
+    };
     let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         let bins = region.bins.iter().enumerate();
         bins.flat_map(|(i, b)| [(b.low, value(i)), (b.high, value(i))]).collect()
@@ -153,7 +236,7 @@ fn region(region: &Region) -> Captioned {
     let picture = Picture {
         title: format!("The {of} over {on}"),
         x_label: format!("{on} [{}]", region.unit),
-        y_label: of,
+        y_label: format!("{of} [{unit}]"),
         lines: vec![
             Line::new("mean", over(&|i| bins[i].mean)),
             Line::new("rms", over(&|i| bins[i].rms)),

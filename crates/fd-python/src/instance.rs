@@ -91,15 +91,20 @@ impl PythonInstance {
 
     /// What an exception means: no numbers here, or the end.
     pub(crate) fn lost(&self, py: Python<'_>, what: &str, error: PyErr) -> Lost {
+        if is_divergence(py, &error) {
+            return self.refused(what, &error);
+        }
         let message = error.to_string();
         let what = format!("`{what}`{}", self.at);
-        if is_divergence(py, &error) {
-            self.troubles.note(|| format!("{what}: {message}"));
-            return Lost::Refused;
-        }
         self.troubles.raise(what.clone(), error);
         let error = OutsideError::Raised { simulator: self.name.clone(), what, message };
         Lost::Broken(Box::new(error))
+    }
+
+    /// No numbers here.
+    pub(crate) fn refused(&self, what: &str, error: &PyErr) -> Lost {
+        self.troubles.note(|| format!("`{what}`{}: {error}", self.at));
+        Lost::Refused
     }
 
     /// Calls a method and takes its numbers.
@@ -126,7 +131,7 @@ impl PythonInstance {
     }
 
     /// Work that was told to stop does no more.
-    fn check(&self) -> Result<(), Lost> {
+    pub(crate) fn check(&self) -> Result<(), Lost> {
         if !self.troubles.is_stopped() {
             return Ok(());
         }

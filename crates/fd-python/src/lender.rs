@@ -8,7 +8,10 @@ use std::sync::{
 use fd_sim::outside::{Contract, Instance, OutsideError, Source};
 use pyo3::{exceptions::PyArithmeticError, prelude::*};
 
-use crate::instance::PythonInstance;
+use crate::{
+    instance::PythonInstance,
+    scene::{SceneInstance, SceneSteps},
+};
 
 /// Starts simulators that are objects of Python: `open()` of the object gives one with `reset(parameters, x0)` and
 /// `step(u[, f])`, or with `rollout(parameters, x0, u[, f])`, and perhaps `measure(u)` and `state()`.
@@ -61,7 +64,14 @@ impl Source for Lender {
         let troubles = Arc::clone(&self.troubles);
         let mut instance = PythonInstance::new(&self.contract, made, self.takes_forces, troubles);
         instance.is_stacked = self.stacked.is_some();
-        Ok(Box::new(instance))
+        let steps = Python::attach(|py| {
+            let steps = instance.object.bind(py).getattr("steps").ok()?;
+            steps.cast_into::<SceneSteps>().ok().map(Bound::unbind)
+        });
+        Ok(match steps {
+            Some(steps) => Box::new(SceneInstance { python: instance, steps }),
+            None => Box::new(instance),
+        })
     }
 
     fn lanes(&self) -> usize {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `simulator` | a model text, or a Python object, as the simulator to diagnose |
 //! | `lender`, `instance` | how runs are requested from a Python object |
+//! | `scene` | how samples of a `MuJoCo` scene are taken |
 //! | `study` | a gap study in its own threads, which Ctrl-C stops |
 //! | `check` | whether a simulator is fit for a gap study |
 //! | `settings`, `log` | settings, and arrays as logs |
@@ -32,6 +33,7 @@ mod instance;
 mod lender;
 mod log;
 mod online;
+mod scene;
 mod settings;
 mod simulator;
 mod stacked;
@@ -46,6 +48,7 @@ use pyo3::prelude::*;
 fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<simulator::Simulator>()?;
+    module.add_class::<scene::SceneSteps>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<online::Trained>()?;
     module.add_class::<online::Pipeline>()?;

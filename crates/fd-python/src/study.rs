@@ -116,7 +116,7 @@ impl Study {
         &self,
         py: Python<'py>,
     ) -> PyResult<Option<(String, Bound<'py, PyArray1<f64>>, Vec<Bound<'py, PyDict>>)>> {
-        let Some(Trace { role, time, outputs }) = &self.study.trace else { return Ok(None) };
+        let Some(Trace { role, time, outputs, .. }) = &self.study.trace else { return Ok(None) };
         let array = |values: &Vec<f64>| PyArray1::from_slice(py, values);
         let each = outputs.iter().map(|signals| {
             let Signals { name, unit, measured, before, after } = signals;

@@ -36,6 +36,7 @@ enum Block {
     Text(String),
     Picture(Exhibit),
     Gallery(Vec<Exhibit>),
+    Folded { summary: String, exhibits: Vec<Exhibit> },
     Matrix { svg: String, caption: String },
     Bars(Bars),
     Shares(Shares),
@@ -117,11 +118,22 @@ impl Page {
     ///
     /// Returns an error when a picture cannot be drawn.
     pub fn gallery(&mut self, pictures: &[(Picture, String)]) -> Result<(), PictureError> {
-        let draw = |(picture, caption): &(Picture, String)| {
-            Exhibit::of(picture, caption.clone(), SMALL_SIZE)
-        };
-        let drawn: Result<Vec<_>, PictureError> = pictures.iter().map(draw).collect();
-        self.blocks.push(Block::Gallery(drawn?));
+        self.blocks.push(Block::Gallery(Exhibit::all(pictures)?));
+        Ok(())
+    }
+
+    /// Adds pictures with captions that are folded away until somebody wants them.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a picture cannot be drawn.
+    pub fn folded(
+        &mut self,
+        summary: impl Into<String>,
+        pictures: &[(Picture, String)],
+    ) -> Result<(), PictureError> {
+        let exhibits = Exhibit::all(pictures)?;
+        self.blocks.push(Block::Folded { summary: summary.into(), exhibits });
         Ok(())
     }
 
@@ -230,6 +242,13 @@ impl Exhibit {
         Ok(Self { plot, legend: picture.legend(), caption })
     }
 
+    /// Pictures that stand side by side.
+    fn all(pictures: &[(Picture, String)]) -> Result<Vec<Self>, PictureError> {
+        let of =
+            |(picture, caption): &(Picture, String)| Self::of(picture, caption.clone(), SMALL_SIZE);
+        pictures.iter().map(of).collect()
+    }
+
     fn markup(&self) -> Markup {
         html! {
             figure {
@@ -247,6 +266,14 @@ impl Exhibit {
     }
 }
 
+fn gallery(exhibits: &[Exhibit]) -> Markup {
+    html! {
+        div.gallery {
+            @for exhibit in exhibits { (exhibit.markup()) }
+        }
+    }
+}
+
 impl Block {
     fn markup(&self) -> Markup {
         match self {
@@ -256,10 +283,9 @@ impl Block {
             Self::Matrix { svg, caption } => html! {
                 figure { div.matrix { (PreEscaped(svg)) } figcaption { (inline(caption)) } }
             },
-            Self::Gallery(pictures) => html! {
-                div.gallery {
-                    @for exhibit in pictures { (exhibit.markup()) }
-                }
+            Self::Gallery(exhibits) => gallery(exhibits),
+            Self::Folded { summary, exhibits } => html! {
+                details { summary { (summary) } (gallery(exhibits)) }
             },
             Self::Bars(bars) => bars.markup(),
             Self::Shares(shares) => shares.markup(),

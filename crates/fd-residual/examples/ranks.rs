@@ -11,12 +11,19 @@
 mod cases;
 #[path = "../tests/common/changes.rs"]
 mod changes;
+#[path = "../tests/common/design_cases.rs"]
+mod design_cases;
 #[allow(dead_code, reason = "the tests use more of it")]
-#[path = "../tests/common/transfer.rs"]
-mod transfer;
+#[path = "../tests/common"]
+mod common {
+    pub(crate) mod problems;
+    pub(crate) mod transfer;
+}
 
-use cases::{Case, Problem, every_case};
+use cases::{Case, every_case};
 use changes::Change;
+use common::problems::Problem;
+use design_cases::design_cases;
 
 const RUNS: u32 = 20;
 
@@ -40,7 +47,7 @@ fn main() {
     let (mut wrong, mut all) = (vec![0; columns.len()], 0);
     let aloud = std::env::args().nth(1);
     let first: u64 = std::env::args().nth(2).map_or(0, |seed| seed.parse().unwrap());
-    for case in every_case() {
+    for case in every_case().into_iter().chain(design_cases()) {
         let right = |problem: &Problem| {
             let found = (case.ask)(problem).unwrap_or_else(|error| error.to_string());
             if aloud.as_ref().is_some_and(|word| case.name.contains(word.as_str()))

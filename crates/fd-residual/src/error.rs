@@ -1,7 +1,7 @@
 //! What can go wrong while a residual generator is designed.
 
 use fd_core::ShapeError;
-use fd_model::ModelError;
+use fd_model::{ModelError, fault::FaultError};
 use thiserror::Error;
 
 use crate::{analysis::Signature, rank::RankDecision};
@@ -29,6 +29,9 @@ pub enum DesignError {
         /// Smallest singular value of `[A − p I; C]` over the norm of `[A; C]`.
         distance: f64,
     },
+    /// A fault is in no channel of the model.
+    #[error(transparent)]
+    Fault(#[from] FaultError),
     /// Too many or too few poles were asked for.
     #[error("an observer of {expected} states has {expected} poles, got {found}")]
     PoleCount {
@@ -116,6 +119,36 @@ pub enum DesignError {
         name: String,
         /// The nearest decision behind the design.
         nearest: RankDecision,
+    },
+    /// Two models that no residual tells apart, or one that its own residual is not blind to (then both names agree).
+    #[error(
+        "the residual that is blind to the model \"{model}\" does not tell it from \"{other}\""
+    )]
+    SameModel {
+        /// The model whose residual it is.
+        model: String,
+        /// The other one.
+        other: String,
+    },
+    /// No filter makes of the faults what the reference does.
+    #[error(
+        "no residual is the wanted function of the faults: {missed:.1e} of the reference is missed, because faults that \
+         it tells apart reach the outputs alike"
+    )]
+    NotMatched {
+        /// Part of the reference that the nearest filter found misses.
+        missed: f64,
+    },
+    /// A residual was designed so that noise has unit gain in some channels and none in the others, and it has not.
+    #[error(
+        "the noise has a gain of {loud:.3} in the channels where it should have one, and {quiet:.1e} where it should have \
+         none: the design lost its accuracy"
+    )]
+    NotWhitened {
+        /// Gain in the whitened channels.
+        loud: f64,
+        /// Gain in the others.
+        quiet: f64,
     },
     /// A tolerance is no tolerance.
     #[error("a relative tolerance lies between 2.2e-16 and 1, got {tolerance}")]

@@ -1,7 +1,7 @@
 //! Stationary filters on either time axis, with correlated noises.
 
 use faer::{Mat, MatRef, Scale, prelude::Solve};
-use fd_model::{ModelError, TimeDomain, riccati};
+use fd_model::{ModelError, TimeDomain, riccati as discrete_riccati};
 
 use crate::{
     error::DesignError,
@@ -51,7 +51,7 @@ pub(crate) fn filter<D: TimeDomain>(
     let free = a - &common * c;
     let rest = symmetric(&(q - &common * s.transpose()));
     let (gain, innovation, what) = if domain.highest_frequency().is_finite() {
-        match riccati::discrete_filter(free.as_ref(), c, rest.as_ref(), r.as_ref()) {
+        match discrete_riccati::discrete_filter(free.as_ref(), c, rest.as_ref(), r.as_ref()) {
             // Doubling finds the least solution, which is not the stabilising one when no noise
             // drives a growing mode; such are the zeros of a noise filter outside the circle. What
             // is then left of Q is zero but for rounding, of either sign.
@@ -67,7 +67,7 @@ pub(crate) fn filter<D: TimeDomain>(
             }
         }
     } else {
-        let p = continuous(&free, &(c.transpose() * &inverse * c), &rest)?;
+        let p = riccati(&free, &(c.transpose() * &inverse * c), &rest)?;
         ((p * c.transpose() + s) * inverse, r.clone(), "the continuous filter")
     };
     let (closed, order) = (a - &gain * c, a.nrows());
@@ -104,8 +104,8 @@ pub(crate) fn at_least_as_fast<D: TimeDomain>(
     Ok(Mat::from_fn(n, ny, |i, j| back * found.gain[(i, j)] / size[j]))
 }
 
-/// The stabilising solution of `A P + P Aᵀ − P G P + Q = 0`.
-fn continuous(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, DesignError> {
+/// The stabilising solution of `A P + P Aᵀ − P G P + Q = 0`; `G` may be indefinite.
+pub(crate) fn riccati(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, DesignError> {
     let minus = Scale(-1.0);
     decaying(blocks(&[
         &[a.transpose(), (minus * g).as_ref()],

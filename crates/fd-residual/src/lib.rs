@@ -11,6 +11,11 @@
 //! | [`optimal`] | whitened left null space | noise is modelled and sensitivity matters at every frequency |
 //! | [`structured`] | a bank with a wanted structure matrix | faults are isolated by which residuals fire |
 //! | [`directional`] | the Beard filter | faults are isolated by the direction of the residual |
+//! | [`matching`] | a given function of the faults, exactly or as nearly as noise allows | residuals are to be the faults themselves, or to have a shape |
+//! | [`least_order`] | one channel with as few states as its signature allows | residuals are to be simple, also in continuous time |
+//! | [`model_detection`] | one residual per model, blind to that model | the question is which of several models the plant is |
+//! | [`robust`] | a window that many models pass and faults do not | the plant is one of a family, and nothing tells which |
+//! | [`scheduled`] | innovation of an observer that follows an operating variable | linear models along an operating range exist |
 //! | [`adaptive`] | innovation of an observer that learns parameters | the modelling error is a drift of known parameters |
 //! | [`estimation`] | the faults themselves, with an interval | the size of a fault is wanted, not only its presence |
 //! | [`zonotope`] | innovation of an observer, over the most that bounded errors can make of it | no false alarm is allowed and everything has a bound |
@@ -65,11 +70,16 @@ mod error;
 pub mod estimation;
 pub mod form;
 mod kalman;
+pub mod least_order;
+pub mod matching;
 mod matrix;
+pub mod model_detection;
 pub mod observer;
 pub mod optimal;
 pub mod parity;
 pub mod rank;
+pub mod robust;
+pub mod scheduled;
 pub mod simulation;
 pub mod structured;
 #[cfg(feature = "testing")]

@@ -24,6 +24,22 @@ pub(crate) fn blocks(rows: &[&[MatRef<'_, f64>]]) -> Mat<f64> {
     all
 }
 
+/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,
+/// which no integers relate.
+pub(crate) fn spread_rows(width: usize) -> Vec<Mat<f64>> {
+    /// Combinations besides each alone.
+    const MIXTURES: usize = 24;
+
+    let alone = (0..width).map(|i| Mat::from_fn(1, width, |_, j| if i == j { 1.0 } else { 0.0 }));
+    let mixed = (1..=MIXTURES).filter(|_| 1 < width).map(|k| {
+        let spread = |j: usize| 2.0 * (k as f64 * ((j + 2) as f64).ln()).fract() - 1.0;
+        let row = Mat::from_fn(1, width, |_, j| spread(j));
+        let size = row.norm_l2();
+        Scale(size.recip()) * row
+    });
+    alone.chain(mixed).collect()
+}
+
 /// A matrix with complex entries and zero imaginary parts.
 pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<c64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0))

@@ -3,7 +3,10 @@
 
 mod common;
 
-use common::{Draw, draws, peak, plant, random_matrix, residuals, rng, sampled, signal, simulate};
+use common::{
+    Draw, draws, peak, plant, problems::yuan, random_matrix, residuals, rng, sampled, signal,
+    simulate,
+};
 use faer::{Mat, Scale, mat};
 use fd_model::{ModelError, StateSpace};
 use fd_residual::{
@@ -194,24 +197,10 @@ fn an_unstable_plant_needs_more_than_simulation() {
 /// The eighteen signatures of Yuan et al. (1997), realised at their published least orders.
 #[test]
 fn published_signatures_are_realised_at_least_order() {
-    let a = mat![
-        [-1.0, 1.0, 0.0, 0.0],
-        [1.0, -2.0, 1.0, 0.0],
-        [0.0, 1.0, -2.0, 1.0],
-        [0.0, 0.0, 1.0, -2.0]
-    ];
-    let c = mat![[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-    let b = mat![[1.0], [0.0], [0.0], [0.0]];
-    let bf = mat![
-        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0]
-    ];
     // The algebra does not care whether the matrices are of continuous or discrete time.
-    let plant = StateSpace::new(a, b, c, Mat::zeros(3, 1), sampled()).unwrap();
-    let faults = UnknownInputs::new("f", bf, Mat::zeros(3, 8)).unwrap();
-    let (gf, none) = (faults.system(&plant).unwrap(), UnknownInputs::none(&plant));
+    let problem = yuan();
+    let (plant, faults, none) = (problem.as_sampled(), problem.faults, problem.disturbances);
+    let gf = faults.system(&plant).unwrap();
     let signature = |bits: &str| Signature(bits.bytes().map(|b| b == b'1').collect());
     let design =
         |bits: &str| ParityDesign::with_signature(&plant, &faults, &none, &signature(bits), 4);

@@ -7,7 +7,10 @@
 
 mod common;
 
-use common::transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise};
+use common::{
+    problems::{Problem, niemann, varga_7_3, yuan},
+    transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise},
+};
 use faer::{Mat, mat};
 use fd_core::IoDims;
 use fd_model::{Continuous, Discrete, SampleTime, StateSpace};
@@ -159,14 +162,8 @@ fn a_constant_fault_of_an_integrator_may_be_forgotten() {
 
 #[test]
 fn varga_7_3_state_space_realisation() {
-    let a = Mat::from_fn(5, 5, |i, j| if i == j { [-2.0, -3.0, -1.0, 2.0, 3.0][i] } else { 0.0 });
-    let c = mat![[-1.0, 0.0, -1.0, 1.5, 0.0], [0.0, -1.0, 0.0, 0.0, 2.5]];
-    let bu = mat![[1.0], [1.0], [0.0], [0.0], [0.0]];
-    let gu = StateSpace::new(a, bu, c, mat![[1.0], [1.0]], Continuous).unwrap();
-    let bd = mat![[0.0], [0.0], [2.0], [0.0], [0.0]];
-    let bf = mat![[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [2.0, 0.0]];
-    let gd = UnknownInputs::new("d", bd, mat![[1.0], [0.0]]).unwrap().system(&gu).unwrap();
-    let gf = UnknownInputs::new("f", bf, mat![[1.0, 0.0], [1.0, 1.0]]).unwrap();
+    let Problem { plant: gu, faults: gf, disturbances, .. } = varga_7_3();
+    let gd = disturbances.system(&gu).unwrap();
     assert_equal(&gu, &stable_plant());
     assert_equal(&gd, &realise(&[[(&[1.0, -1.0], &[1.0, 1.0])], [ZERO]]));
     let (first, second): (Ratio, Ratio) =
@@ -177,23 +174,7 @@ fn varga_7_3_state_space_realisation() {
 /// Yuan, Vansteenkiste and Wen (1997): eight faults, eighteen signatures.
 #[test]
 fn yuan_signatures_and_least_orders() {
-    let a = mat![
-        [-1.0, 1.0, 0.0, 0.0],
-        [1.0, -2.0, 1.0, 0.0],
-        [0.0, 1.0, -2.0, 1.0],
-        [0.0, 0.0, 1.0, -2.0]
-    ];
-    let c = mat![[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-    let b = mat![[1.0], [0.0], [0.0], [0.0]];
-    let bf = mat![
-        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 1.0]
-    ];
-    let plant = StateSpace::new(a, b, c, Mat::zeros(3, 1), Continuous).unwrap();
-    let faults = UnknownInputs::new("f", bf, Mat::zeros(3, 8)).unwrap();
-    let none = UnknownInputs::none(&plant);
+    let Problem { plant, faults, disturbances: none, .. } = yuan();
     let found = |frequencies: &[f64]| {
         let found = achievable_signatures(&plant, &faults, &none, frequencies, 4).unwrap();
         let found = found.iter().map(|a| format!("{}:{}", a.signature, a.least_order));
@@ -217,26 +198,7 @@ fn yuan_signatures_and_least_orders() {
 /// Niemann (1998): three signatures in badly scaled units.
 #[test]
 fn niemann_signatures_and_orders() {
-    let scaled = |m: Mat<f64>| faer::Scale(1000.0) * m;
-    let a = scaled(mat![
-        [-0.0782, 0.2939, 0.0220, 0.0208, -0.0291],
-        [0.0077, -0.0278, 0.0015, -0.0015, 0.0026],
-        [-1.3251, 5.32608, -0.5263, 0.2214, -0.4777],
-        [1.0809, -4.4452, 0.3770, -0.4631, 0.4032],
-        [2.1532, -8.6386, 0.7811, -0.5745, 0.7816]
-    ]);
-    let bd = scaled(mat![[0.0443], [-0.0042], [0.7910], [-0.6598], [-1.2881]]);
-    let bu = mat![
-        [-0.007197, 0.003005],
-        [0.003473, 0.000284],
-        [1.218502, -0.032866],
-        [1.322502, 0.020147],
-        [-0.082265, 0.024388]
-    ];
-    let plant =
-        StateSpace::new(a, bu.clone(), Mat::identity(5, 5), Mat::zeros(5, 2), Continuous).unwrap();
-    let faults = UnknownInputs::new("f", bu, Mat::zeros(5, 2)).unwrap();
-    let disturbance = UnknownInputs::new("d", bd, Mat::zeros(5, 1)).unwrap();
+    let Problem { plant, faults, disturbances: disturbance, .. } = niemann();
     let found = achievable_signatures(&plant, &faults, &disturbance, &[], 4).unwrap();
     let summary: Vec<_> = found
         .iter()

@@ -4,8 +4,11 @@
 
 mod common;
 
-use common::transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise};
-use faer::{Mat, Scale, c64, mat};
+use common::{
+    problems,
+    transfer::{ONE, Ratio, System, ZERO, assert_close, assert_equal, realise},
+};
+use faer::{Mat, c64, mat};
 use fd_core::Frame;
 use fd_model::{Continuous, SampleTime, StateSpace};
 use fd_residual::{
@@ -216,35 +219,10 @@ fn fditools_example_8_has_the_published_filter() {
     }
 }
 
-/// Niemann (1998): `A`, `B_d` and `B_u = B_f`; all states are measured.
-fn niemann() -> [Mat<f64>; 3] {
-    let scaled = |m: Mat<f64>| Scale(1000.0) * m;
-    let a = scaled(mat![
-        [-0.0782, 0.2939, 0.0220, 0.0208, -0.0291],
-        [0.0077, -0.0278, 0.0015, -0.0015, 0.0026],
-        [-1.3251, 5.32608, -0.5263, 0.2214, -0.4777],
-        [1.0809, -4.4452, 0.3770, -0.4631, 0.4032],
-        [2.1532, -8.6386, 0.7811, -0.5745, 0.7816]
-    ]);
-    let bd = scaled(mat![[0.0443], [-0.0042], [0.7910], [-0.6598], [-1.2881]]);
-    let bu = mat![
-        [-0.007_197, 0.003_005],
-        [0.003_473, 0.000_284],
-        [1.218_502, -0.032_866],
-        [1.322_502, 0.020_147],
-        [-0.082_265, 0.024_388]
-    ];
-    [a, bd, bu]
-}
-
 /// One residual per fault, decoupled from the other and from the disturbance.
 #[test]
 fn niemann_faults_are_isolated() {
-    let [a, bd, bu] = niemann();
-    let plant =
-        StateSpace::new(a, bu.clone(), Mat::identity(5, 5), Mat::zeros(5, 2), Continuous).unwrap();
-    let faults = UnknownInputs::new("f", bu, Mat::zeros(5, 2)).unwrap();
-    let disturbance = UnknownInputs::new("d", bd, Mat::zeros(5, 1)).unwrap();
+    let problems::Problem { plant, faults, disturbances: disturbance, .. } = problems::niemann();
     for (ignored, signature) in [(vec![], "11"), (vec![0], "01"), (vec![1], "10")] {
         let unknown = disturbance.and(&faults.select(&ignored).unwrap()).unwrap();
         let space = LeftNullSpace::of(&plant, &unknown).unwrap();
@@ -260,7 +238,10 @@ fn niemann_faults_are_isolated() {
 /// threshold 1, as the published test of the toolbox has it.
 #[test]
 fn niemann_faults_are_named_over_time() {
-    let [a, bd, bu] = niemann();
+    let niemann = problems::niemann();
+    let (a, bu) = (niemann.plant.a().to_owned(), niemann.plant.b());
+    let from_disturbance = niemann.disturbances.system(&niemann.plant).unwrap();
+    let bd = from_disturbance.b();
     let ts = SampleTime::new(0.01).unwrap();
     let b = Mat::from_fn(5, 3, |i, j| if j < 2 { bu[(i, j)] } else { bd[(i, 0)] });
     let (c, d) = (Mat::<f64>::identity(5, 5), Mat::zeros(5, 3));

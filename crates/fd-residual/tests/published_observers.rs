@@ -2,8 +2,11 @@
 //! input observer of Chen and Patton's book, in continuous time.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
+mod common;
+
+use common::problems::{Problem, chen_patton, jet_engine};
 use faer::{Mat, MatRef, c64, mat, prelude::Solve};
-use fd_model::{Continuous, StateSpace};
+use fd_model::Continuous;
 use fd_residual::{
     ResidualForm,
     analysis::{UnknownInputs, fault_effects},
@@ -15,24 +18,11 @@ use fd_residual::{
 /// Chen, Patton and Zhang (1996): robust and Beard filters of a jet engine.
 #[test]
 fn jet_engine_fault_isolation() {
-    let a = mat![[-1.5581, 0.6925, 0.3974], [0.2619, -2.2228, 0.2238], [0.0, 0.0, -10.0]];
-    let c = mat![
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.55107, 0.13320, 0.30603],
-        [0.55217, 0.13526, 0.32912],
-        [-0.25693, -0.23625, 0.61299]
-    ];
-    let b = mat![[0.0], [0.0], [10.0]];
-    let plant = StateSpace::new(a.clone(), b, c.clone(), Mat::zeros(6, 1), Continuous).unwrap();
+    let Problem { plant, disturbances, .. } = jet_engine();
+    let (a, c) = (plant.a().to_owned(), plant.c().to_owned());
     let pseudoinverse = c.svd().unwrap().pseudoinverse();
     let e1 = mat![[6.2006, 2.8639], [4.1048, -4.3262], [0.0, 0.0]];
-    let e_star = mat![
-        [1.3293, 3.4440, 0.1375, -5.1304, -1.7826, -1.8719],
-        [5.6812, -0.5281, -0.3385, -1.6193, 0.5229, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    ];
+    let e_star = disturbances.system(&plant).unwrap().b().to_owned();
     let three = Mat::from_fn(3, 3, |i, j| if i == j { 3.0 } else { 0.0 });
     let k1 = |a1: MatRef<'_, f64>| (&three + a1) * &pseudoinverse;
 
@@ -126,13 +116,11 @@ fn jet_engine_fault_isolation() {
 /// The minimal unknown input observer of Chen and Patton's book.
 #[test]
 fn minimal_unknown_input_observer() {
-    let a = mat![[-1.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
-    let b = mat![[-1.0], [0.0], [0.0]];
-    let c = mat![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let plant = StateSpace::new(a, b.clone(), c, Mat::zeros(2, 1), Continuous).unwrap();
+    let Problem { plant, disturbances, .. } = chen_patton();
     let poles = [-2.0, -5.0, -10.0].map(|p| c64::new(p, 0.0));
     let given = ErrorPoles::Given(poles.to_vec());
-    let observer = UnknownInputObserver::place(&plant, b.as_ref(), &given).unwrap();
+    let gd = disturbances.system(&plant).unwrap();
+    let observer = UnknownInputObserver::place(&plant, gd.b(), &given).unwrap();
     assert!((observer.h() - mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]).norm_max() < 1e-14);
     let by_hand = mat![[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]];
     assert!((observer.t() * plant.a() - by_hand).norm_max() < 1e-14);
@@ -143,6 +131,5 @@ fn minimal_unknown_input_observer() {
         assert!((found - wanted).norm() < 1e-10, "{found}");
     }
     assert!(form.consistency(&plant).unwrap() < 1e-12);
-    let gd = UnknownInputs::new("d", b, Mat::zeros(2, 1)).unwrap().system(&plant).unwrap();
     assert!(fault_effects(&form, &gd).unwrap()[0].peak.norm < 1e-12);
 }

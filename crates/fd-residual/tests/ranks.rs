@@ -7,10 +7,17 @@ mod cases;
 #[path = "common/changes.rs"]
 mod changes;
 mod common;
+#[path = "common/design_cases.rs"]
+mod design_cases;
 
-use cases::{Case, Problem, dedicated_bank, every_case, yuan};
+use cases::{Case, dedicated_bank, every_case};
 use changes::Change;
-use common::{Draw, draws, plant, random_matrix, rng, transfer};
+use common::{
+    Draw, draws, plant,
+    problems::{Problem, yuan},
+    random_matrix, rng,
+};
+use design_cases::design_cases;
 use faer::{Mat, mat};
 use fd_model::{Continuous, StateSpace};
 use fd_residual::{
@@ -26,7 +33,7 @@ use proptest::prelude::*;
 /// Every case gives its published answer after each of 20 changes.
 fn holds(change: impl Fn(&Case, u64) -> Problem) {
     let mut wrong = Vec::new();
-    for case in every_case() {
+    for case in every_case().into_iter().chain(design_cases()) {
         for seed in 0..20 {
             let found = (case.ask)(&change(&case, seed)).unwrap_or_else(|error| error.to_string());
             if found != case.answer {
@@ -44,7 +51,7 @@ fn in_units(case: &Case, problem: &Problem, decades: f64, seed: u64) -> Problem 
 
 #[test]
 fn published_answers_are_given() {
-    for case in every_case() {
+    for case in every_case().into_iter().chain(design_cases()) {
         let found = (case.ask)(&case.problem).unwrap_or_else(|error| error.to_string());
         assert_eq!(found, case.answer, "{}", case.name);
     }

@@ -99,18 +99,29 @@ fn start(folder: &Path) -> Child {
         .unwrap()
 }
 
-/// A number of `/proc/PID/status` in MB, and the CPU time in s.
-fn cost(child: &Child) -> (f64, f64) {
+/// What a program has needed so far.
+struct Cost {
+    /// Memory in MB: now, and the most.
+    memory: [f64; 2],
+    /// CPU time in s.
+    cpu: f64,
+}
+
+/// As `/proc/PID` says.
+fn cost(child: &Child) -> Cost {
     let read =
         |file: &str| fs::read_to_string(format!("/proc/{}/{file}", child.id())).unwrap_or_default();
     let status = read("status");
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let peak = peak.and_then(|rest| rest.trim().strip_suffix(" kB")?.trim().parse::<f64>().ok());
+    let kilobytes = |key: &str| {
+        let rest = status.lines().find_map(|line| line.strip_prefix(key))?;
+        rest.trim().strip_suffix(" kB")?.trim().parse::<f64>().ok()
+    };
+    let memory = ["VmRSS:", "VmHWM:"].map(|key| kilobytes(key).unwrap_or(f64::NAN) / 1024.0);
     let stat = read("stat");
     let ticks = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
     let cpu: f64 = ticks.skip(11).take(2).filter_map(|t| t.parse::<f64>().ok()).sum();
     // Linux counts in hundredths of a second.
-    (peak.unwrap_or(f64::NAN) / 1024.0, cpu / 100.0)
+    Cost { memory, cpu: cpu / 100.0 }
 }
 
 /// Unit and time in samples of an alarm, and when it was read.
@@ -194,7 +205,7 @@ fn latency(units: usize, hertz: u64, seconds: u64) {
     stdin.flush().unwrap();
     let late = begun.elapsed().as_secs_f64() - seconds as f64;
     std::thread::sleep(Duration::from_secs(1));
-    let (memory, cpu) = cost(&child);
+    let Cost { memory: [_, memory], cpu } = cost(&child);
     drop(stdin);
     child.wait().unwrap();
     let (heard, events) = heard.join().unwrap();
@@ -229,17 +240,15 @@ fn soak(units: usize, samples: u64) {
     let mut stdin = BufWriter::with_capacity(1 << 16, child.stdin.take().unwrap());
     let begun = Instant::now();
     let (each, mut told) = (samples / units as u64, Instant::now());
-    let mut memories = Vec::new();
     for k in 0..each {
         for unit in 0..units {
             line(&mut stdin, &bodies, unit, k).unwrap();
         }
         if k % 1000 == 0 && Duration::from_secs(20) < told.elapsed() {
             told = Instant::now();
-            let (memory, cpu) = cost(&child);
-            memories.push(memory);
+            let Cost { memory: [now, most], cpu } = cost(&child);
             println!(
-                "{} samples, {:.0} s, {cpu:.0} s CPU, {memory:.1} MB",
+                "{} samples, {:.0} s, {cpu:.0} s CPU, {now:.1} MB, at most {most:.1} MB",
                 k * units as u64,
                 begun.elapsed().as_secs_f64()
             );
@@ -259,7 +268,7 @@ fn finish(
     units: usize,
     each: u64,
 ) {
-    let (memory, cpu) = cost(&child);
+    let Cost { memory: [_, memory], cpu } = cost(&child);
     drop(stdin);
     child.wait().unwrap();
     let (heard, events) = heard.join().unwrap();

@@ -139,6 +139,13 @@ fn help_is_worth_reading() {
     for word in ["--model", "--log", "--healthy", "--columns", "--spec", "--json", "--out"] {
         assert!(help.contains(word), "{help}");
     }
+    // Who asks for nothing gets the short help, and is told how to start.
+    let before = desk.files();
+    let alone = stdout(&desk.fdiag(""));
+    assert!(alone.contains("Usage: fdiag") && alone.contains("\n  gap "), "{alone}");
+    let last = alone.trim_end().lines().last().unwrap();
+    assert!(last.starts_with("To start: `fdiag engine`") && last.contains("gap --help"), "{last}");
+    assert_eq!(desk.files(), before, "nothing is run");
     assert!(stdout(&desk.fdiag("--version")).starts_with("fdiag "));
     desk.refuses("engines", 2, &["engine"]);
     desk.refuses("engine --sedes 3", 2, &["--seeds"]);

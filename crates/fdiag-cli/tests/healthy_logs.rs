@@ -8,48 +8,17 @@ use fdiag::{
     core::Limits,
     log::write_log,
     model::{
-        Channel, Record,
+        Record,
         fault::{FaultProfile, FaultSpec, Site},
     },
     spec::{DetectorSpec, PipelineSpec},
     training::Doubt,
 };
 use fdiag_cli::logs::{LogStudy, Request, VoidReason};
-use support::{input, plant, run};
-
-const MODEL: &str = r#"
-version = 1
-kind = "state-space"
-sample_time = 0.1
-inputs = [{ name = "fuel", unit = "kg/s", operating_point = 2.0, scale = 0.5 }]
-
-[[outputs]]
-name = "speed"
-unit = "rpm"
-operating_point = 3000.0
-scale = 100.0
-
-[[outputs]]
-name = "temperature"
-unit = "K"
-operating_point = 900.0
-scale = 50.0
-
-[matrices]
-A = [[0.90, 0.06], [-0.04, 0.83]]
-B = [[0.06], [0.11]]
-C = [[1.0, 0.0], [0.3, 1.0]]
-"#;
-
-fn log(u: &[f64], seed: u64) -> Record {
-    let record = run(&plant(), u, 1e-3, seed);
-    let fuel = vec![Channel::new("fuel", "kg/s")];
-    let outputs = vec![Channel::new("speed", "rpm"), Channel::new("temperature", "K")];
-    let rows = record
-        .samples()
-        .map(|(u, y)| ([2.0 + 0.5 * u[0]], [3000.0 + 100.0 * y[0], 900.0 + 50.0 * y[1]]));
-    Record::from_rows(fuel, outputs, rows, record.ts()).unwrap()
-}
+use support::{
+    input,
+    physical::{MODEL, log},
+};
 
 fn study(healthy: &Record, later: &Record) -> LogStudy {
     let folder = tempfile::tempdir().unwrap();

@@ -16,53 +16,19 @@ use fdiag::{
     ident::{arx::ArxOrders, order::Criterion},
     log::write_log,
     model::{
-        Channel, Record,
+        Record,
         fault::{FaultProfile, FaultSpec, Site},
     },
     spec::{DetectorSpec, FaultSites, IsolationSpec, LearningSpec, OrderSpec, PipelineSpec},
 };
 use fdiag_cli::logs::{LogStudy, Request};
-use support::{input, plant, run};
-
-/// In physical units about an operating point: 1 per unit is 0.5 kg/s, 100 rpm, 50 K.
-const MODEL: &str = r#"
-version = 1
-kind = "state-space"
-name = "small turbine"
-sample_time = 0.1
-
-[[inputs]]
-name = "fuel"
-unit = "kg/s"
-operating_point = 2.0
-scale = 0.5
-
-[[outputs]]
-name = "speed"
-unit = "rpm"
-operating_point = 3000.0
-scale = 100.0
-
-[[outputs]]
-name = "temperature"
-unit = "K"
-operating_point = 900.0
-scale = 50.0
-
-[matrices]
-A = [[0.90, 0.06], [-0.04, 0.83]]
-B = [[0.06], [0.11]]
-C = [[1.0, 0.0], [0.3, 1.0]]
-"#;
+use support::{
+    input,
+    physical::{self, MODEL},
+};
 
 fn log(samples: usize, variant: u32) -> Record {
-    let record = run(&plant(), &input(samples, variant), 1e-3, u64::from(variant));
-    let fuel = vec![Channel::new("fuel", "kg/s")];
-    let outputs = vec![Channel::new("speed", "rpm"), Channel::new("temperature", "K")];
-    let rows = record
-        .samples()
-        .map(|(u, y)| ([2.0 + 0.5 * u[0]], [3000.0 + 100.0 * y[0], 900.0 + 50.0 * y[1]]));
-    Record::from_rows(fuel, outputs, rows, record.ts()).unwrap()
+    physical::log(&input(samples, variant), u64::from(variant))
 }
 
 fn request(folder: &Path, logs: &[&str]) -> Request {

@@ -1,14 +1,9 @@
 //! No pipeline allocates per sample: neither with static nor with boxed stages, in any phase.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-#![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 mod support;
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
-
+use allocation_counter::measure;
 use faer::mat;
 use fdiag::{
     compensate::{
@@ -31,33 +26,6 @@ use fdiag::{
 };
 use support::{calibration, eventful, nominal, spec, training, ts};
 
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is handed to the system allocator unchanged; counting does not allocate, since
-// the thread-local is a constant-initialised cell without a destructor.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
 /// What a run went through, and what it cost.
 #[derive(Debug, Default)]
 struct Tally {
@@ -78,23 +46,24 @@ where
     J: DecisionRule,
 {
     let mut tally = Tally::default();
-    let before = ALLOCATIONS.get();
-    for (u, y) in record.samples() {
-        let Ok(step) = pipeline.step(u, y) else {
-            tally.refused += 1;
-            continue;
-        };
-        match step.phase {
-            Phase::Training { .. } => tally.training += 1,
-            Phase::Compensating => tally.compensating += 1,
+    let allocated = measure(|| {
+        for (u, y) in record.samples() {
+            let Ok(step) = pipeline.step(u, y) else {
+                tally.refused += 1;
+                continue;
+            };
+            match step.phase {
+                Phase::Training { .. } => tally.training += 1,
+                Phase::Compensating => tally.compensating += 1,
+            }
+            for kind in step.events.iter() {
+                tally.frozen += u64::from(kind == EventKind::Frozen);
+                tally.alarms += u64::from(kind == EventKind::AlarmRaised);
+                tally.held += u64::from(kind == EventKind::SampleHeld);
+            }
         }
-        for kind in step.events.iter() {
-            tally.frozen += u64::from(kind == EventKind::Frozen);
-            tally.alarms += u64::from(kind == EventKind::AlarmRaised);
-            tally.held += u64::from(kind == EventKind::SampleHeld);
-        }
-    }
-    tally.allocations = ALLOCATIONS.get() - before;
+    });
+    tally.allocations = allocated.count_total;
     tally
 }
 
@@ -176,9 +145,8 @@ fn a_fleet_does_not_allocate() {
             let k = first + step;
             block.set(unit, step, record.u(k), record.y(k));
         }
-        let before = ALLOCATIONS.get();
-        fleet.update(&block).unwrap();
-        assert_eq!(ALLOCATIONS.get(), before, "{steps} samples from {first} on");
+        let allocated = measure(|| fleet.update(&block).unwrap());
+        assert_eq!(allocated.count_total, 0, "{steps} samples from {first} on");
         first += steps;
     }
     assert_eq!(fleet.unit(199).phase, Phase::Compensating);
@@ -187,7 +155,6 @@ fn a_fleet_does_not_allocate() {
 /// The counter counts.
 #[test]
 fn an_allocation_is_seen() {
-    let before = ALLOCATIONS.get();
-    let kept = Box::new(ts());
-    assert!(ALLOCATIONS.get() > before && *kept == ts());
+    let allocated = measure(|| drop(std::hint::black_box(Box::new(ts()))));
+    assert_eq!(allocated.count_total, 1);
 }

@@ -10,7 +10,7 @@ const ALLOWED: [(&str, &[&[&str]]); 23] = [
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
     ("fd-model", &[&["fd-core"]]),
-    ("fd-log", &[MODELS]),
+    ("fd-log", &[MODELS, &["fd-sim"]]),
     ("fd-sim", &[MODELS]),
     ("fd-residual", &[MODELS]),
     ("fd-ident", &[MODELS]),

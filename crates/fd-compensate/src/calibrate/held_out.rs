@@ -312,6 +312,20 @@ mod tests {
         }
     }
 
+    /// Five of ten peaks lie above their median 5, by 3 on average, and 0.4 of the samples of these stretches do: the
+    /// rate 0.01 of samples is 0.025 of stretches, of which 6 in 11 exceed the median.
+    #[test]
+    fn a_rate_beyond_the_stretches_counts_the_loud_part_of_them() {
+        let stretch = |(peak, loud): (u8, usize)| {
+            let values = (0..20).map(|i| if i < 20 - loud { 0.0 } else { f64::from(peak) });
+            Stretch { of: 0..1, fold: 0, values: values.collect() }
+        };
+        let all = (1..=10).zip([1, 2, 3, 4, 5, 10, 10, 5, 5, 10]).map(stretch).collect::<Vec<_>>();
+        let found = per_sample(&all.iter().collect::<Vec<_>>(), 0.01);
+        let expected = 5.0 + 5.0 * 3.0 * ((6.0_f64 / 11.0 / 0.025).powf(0.2) - 1.0);
+        assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
+    }
+
     #[test]
     fn runs_are_cut_evenly() {
         let cut = |run, length| pieces(run, length).collect::<Vec<_>>();

@@ -3,7 +3,7 @@
 use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_site;
-use crate::{Effect, Offers};
+use crate::{Effect, InAnotherRun, Offers};
 
 /// A constant force, from the start of the log or, `applied-late`, since some time: it grows from
 /// nothing within the integration step before that time, so that outputs follow the time smoothly.
@@ -44,6 +44,7 @@ impl Effect for ConstantLoad {
                     .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
                     .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
+                    .in_another_run(InAnotherRun::GoesOn)
                     .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
                 sketch("put-on-slowly")
                     .strength("c", "constant", &at.site.unit, at.force(), [-3.0, 3.0])
@@ -53,6 +54,7 @@ impl Effect for ConstantLoad {
                         "growing_load",
                         "c*clamp((t - since)/max(lasts, dt) + dt/max(lasts, dt), 0, 1)",
                     )
+                    .in_another_run(InAnotherRun::GoesOn)
                     .starts(SLOW.map(|[since, lasts]| [0.1, since, lasts])),
             ]
         })

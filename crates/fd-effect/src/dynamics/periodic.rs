@@ -3,7 +3,7 @@
 use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_site;
-use crate::{Effect, Offers};
+use crate::{Effect, InAnotherRun, Offers};
 
 /// Frequencies of the coarse grid from which to start.
 const FREQUENCIES: u8 = 6;
@@ -43,6 +43,7 @@ impl Effect for PeriodicForce {
                     .shape("w", "frequency", "Hz", 1.0 / scales.duration, bounds(highest), grid[0])
                     .define("s", "wave", "a*sin(2*pi*w*t) + b*cos(2*pi*w*t)")
                     .spectral(2)
+                    .in_another_run(InAnotherRun::Another)
             };
             let sinusoid = wave("sinusoid", highest).force("periodic_force", "s");
             let square = wave("square", 0.125 / scales.ts)

@@ -4,7 +4,7 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::parameter::is_used;
 use crate::{
-    Effect, Offers, Reason, Sketch,
+    Effect, InAnotherRun, Offers, Reason, Sketch,
     map::{curve, curve_of, one_hat},
 };
 
@@ -53,7 +53,9 @@ impl Effect for ParameterWander {
                 curve(wanders("six-pieces"), "1", SCALE, "t", range),
                 curve_of(FINE, wanders("sixteen-pieces"), "1", SCALE, "t", range).start(&bump),
             ]
-            .map(|sketch| sketch.wrap_parameter("p*(1 + curve)").finish())
+            .map(|sketch| {
+                sketch.wrap_parameter("p*(1 + curve)").in_another_run(InAnotherRun::Path).finish()
+            })
         });
         offers.collect()
     }

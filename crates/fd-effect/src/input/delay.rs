@@ -5,10 +5,16 @@ use fd_sim::{model::Model, scales::ReplayScales};
 use super::each_place;
 use crate::{Effect, Offers};
 
-/// Longest delay and time constant, in samples.
-pub(crate) const LONGEST: f64 = 60.0;
-/// Delays and time constants from which to start, in samples.
-pub(crate) const STARTS: [[f64; 1]; 4] = [[0.5], [2.0], [6.0], [15.0]];
+/// Longest delay, in samples: what is slow is often logged fast.
+const LONGEST: f64 = 200.0;
+/// Delays from which to start, in samples.
+const STARTS: [[f64; 1]; 6] = [[0.5], [2.0], [6.0], [15.0], [40.0], [110.0]];
+
+/// The longest delay that a log can show, and the delays up to it from which to start, in samples.
+pub(crate) fn delays(scales: &ReplayScales) -> (f64, Vec<[f64; 1]>) {
+    let longest = LONGEST.min(0.25 * scales.duration / scales.ts);
+    (longest, STARTS.into_iter().filter(|[start]| *start < longest).collect())
+}
 
 /// Delay by any fraction of a sample. Over each integration step the plant sees the mean of the
 /// held input that arrives, so outputs are continuous in the delay.
@@ -25,14 +31,14 @@ impl Effect for InputDelay {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let longest = LONGEST.min(0.25 * scales.duration / scales.ts);
+        let (longest, starts) = delays(scales);
         each_place(self, nominal, scales, |sketch, _| {
             vec![
                 sketch("pure")
                     .strength("T", "delay", "s", scales.ts, [0.0, longest])
                     .delay("late", "delayed", "u", "T")
                     .wrap_input("late")
-                    .starts(STARTS),
+                    .starts(starts.clone()),
             ]
         })
     }

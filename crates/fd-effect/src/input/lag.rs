@@ -2,11 +2,13 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{
-    delay::{LONGEST, STARTS},
-    each_place,
-};
+use super::each_place;
 use crate::{Effect, Offers};
+
+/// Longest time constant, in samples.
+pub(crate) const LONGEST: f64 = 60.0;
+/// Time constants from which to start, in samples.
+pub(crate) const STARTS: [[f64; 1]; 4] = [[0.5], [2.0], [6.0], [15.0]];
 
 /// Lag of order 1 with time constant `T`, or of order 2 with a second time constant `r T`. A run
 /// starts at rest. The response to the held input is exact, and the plant sees its mean over the

@@ -14,11 +14,14 @@ mod saturation;
 use fd_sim::model::Model;
 use fd_sim::scales::{ReplayScales, SignalScale};
 
-pub(super) use self::delay::{LONGEST, STARTS};
 pub use self::{
     backlash::InputBacklash, cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone,
     delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset,
     quantisation::InputQuantisation, rate_limit::InputRateLimit, saturation::InputSaturation,
+};
+pub(super) use self::{
+    delay::delays,
+    lag::{LONGEST, STARTS},
 };
 use super::{Effect, Offers, Reason, Sketch};
 

@@ -3,10 +3,7 @@
 use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_output;
-use crate::{
-    Effect, Offers,
-    input::{LONGEST, STARTS},
-};
+use crate::{Effect, Offers, input::delays};
 
 /// Delay by any fraction of a sample; between integration steps the past is interpolated.
 #[derive(Clone, Copy, Debug)]
@@ -22,14 +19,14 @@ impl Effect for SensorDelay {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let longest = LONGEST.min(0.25 * scales.duration / scales.ts);
+        let (longest, starts) = delays(scales);
         each_output(self, nominal, scales, |sketch, _| {
             vec![
                 sketch("pure")
                     .strength("T", "delay", "s", scales.ts, [0.0, longest])
                     .delay("late", "delayed", "y", "T")
                     .wrap_output("late")
-                    .starts(STARTS),
+                    .starts(starts.clone()),
             ]
         })
     }

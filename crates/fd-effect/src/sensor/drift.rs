@@ -3,7 +3,7 @@
 use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_output;
-use crate::{Effect, Offers, units::per};
+use crate::{Effect, InAnotherRun, Offers, units::per};
 
 /// Drift `y + r t` since the beginning of the log, or one that settles, `y + a (1 - exp(-t/T))`.
 #[derive(Clone, Copy, Debug)]
@@ -36,11 +36,13 @@ impl Effect for SensorDrift {
                         [-10.0, 10.0],
                     )
                     .wrap_output("y + r*t")
+                    .in_another_run(InAnotherRun::GoesOn)
                     .starts([[0.1]]),
                 sketch("settling")
                     .strength("a", "settling", &output.unit, output.std, [-10.0, 10.0])
                     .shape("T", "settling_time", "s", length, [shortest, 3.0], 3.0)
                     .wrap_output("y + a*(1 - exp(-t/T))")
+                    .in_another_run(InAnotherRun::GoesOn)
                     .starts([[0.1, 0.1], [0.1, 0.4]]),
             ]
         })

@@ -25,7 +25,7 @@ pub use self::result::{Ceiling, Compensation};
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
     fit::{FitError, Horizon, Log},
-    shrink::{Settled, closed, forecast_errors, gap_per_output},
+    shrink::{Paths, Settled, closed, forecast_errors, gap_per_output},
 };
 
 /// Orders `[na, nb]` of the linear equation that are tried, by least squares …
@@ -150,7 +150,8 @@ fn prepare(
     let logs = Log::all(records, nominal, earlier)?;
     let nuisances: Vec<(String, f64)> =
         diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value)).collect();
-    let settled = Settled { simulator: &*refit, nuisances: &nuisances, effects: &[] };
+    let settled =
+        Settled { simulator: &*refit, nuisances: &nuisances, effects: &[], paths: Paths::AsFitted };
     let sigma = &diagnosis.sigma;
     let errors = forecast_errors(nominal, settled, &logs, Horizon::FreeRun, sigma)?;
     let Some(errors) = errors else { return Ok(None) };

@@ -1,5 +1,7 @@
 //! The result of a diagnosis.
 
+mod held_out;
+
 use std::fmt::{self, Display, Formatter};
 
 use fd_effect::{Candidate, NotTestable, Side, SiteRef};
@@ -8,7 +10,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::objection::Objection;
-use crate::{fit::Horizon, quality::Finding, shrink::Closed};
+use crate::quality::Finding;
+
+pub use self::held_out::HeldOut;
 
 /// The answer to: which effect, how sure, how far does the gap shrink?
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -92,6 +96,12 @@ impl Diagnosis {
     #[must_use]
     pub fn pair(&self, id: PairId) -> Option<&Pair> {
         self.pairs.get(id.0)
+    }
+
+    /// Probability that a cause is at work, alone or as one of two.
+    #[must_use]
+    pub fn at_work(&self, cause: &Cause) -> f64 {
+        cause.at_work(&self.pairs)
     }
 
     /// Whether the answer explains the logs down to the noise: there is no gap, or what is named leaves nothing that
@@ -228,6 +238,12 @@ impl Cause {
     pub fn identity(&self) -> (&'static str, &SiteRef, Option<&SiteRef>) {
         (self.label, &self.site, self.partner.as_ref())
     }
+
+    /// Its probability, and that of those of the pairs that it is part of.
+    pub(super) fn at_work(&self, pairs: &[Pair]) -> f64 {
+        let is_in = |pair: &&Pair| pair.causes.iter().any(|of| of.identity() == self.identity());
+        self.probability + pairs.iter().filter(is_in).map(|pair| pair.probability).sum::<f64>()
+    }
 }
 
 /// Two causes that act together.
@@ -355,39 +371,5 @@ impl From<&NotTestable> for NotTested {
     fn from(refusal: &NotTestable) -> Self {
         let NotTestable { label, law, site, reason } = refusal;
         Self { label, law, site: site.clone(), reason: reason.to_string() }
-    }
-}
-
-/// The gap on held-out data at one horizon.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct HeldOut {
-    /// Horizon.
-    pub horizon: Horizon,
-    /// Length of the horizon, in seconds; the longest log for a free run.
-    pub seconds: f64,
-    /// Root mean square error of each output with nominal parameters, in its unit.
-    pub nominal: Vec<f64>,
-    /// The same with refitted parameters.
-    pub refit: Vec<f64>,
-    /// The same with the best explanation.
-    pub after: Vec<f64>,
-    /// The same with no model at all, by the mean of the fitted logs.
-    pub constant: Vec<f64>,
-    /// The same by the last value before each forecast.
-    pub last_value: Vec<f64>,
-    /// Noise floor of each output, in its unit.
-    pub floor: Vec<f64>,
-    /// Share of the reducible gap of the nominal model that is closed.
-    pub closed_of_nominal: Option<Closed>,
-    /// Share of the reducible gap of the refitted model that is closed.
-    pub closed_of_refit: Option<Closed>,
-}
-
-impl HeldOut {
-    /// The share that counts: of what refitted parameters leave, or of the nominal gap when they leave
-    /// none; `None` when there is no gap at all.
-    #[must_use]
-    pub fn closed(&self) -> Option<Closed> {
-        self.closed_of_refit.or(self.closed_of_nominal)
     }
 }

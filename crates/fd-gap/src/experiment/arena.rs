@@ -120,6 +120,8 @@ impl<'a> Arena<'a> {
             first: 0,
             is_in_motion: false,
             row: None,
+            holes: Vec::new(),
+            restarts: Vec::new(),
         };
         let mut states = Vec::with_capacity(samples * x0.len());
         self.leader.start(&theta, x0, 0);

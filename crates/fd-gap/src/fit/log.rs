@@ -11,7 +11,7 @@ use super::{error::FitError, plan::Plan};
 const ROUNDING: f64 = 1e-6;
 
 /// Samples of the channels of a simulator, row by row. Holes in inputs are filled with the last
-/// value; missing outputs are NaN.
+/// value (what that leaves unknown of the outputs is for a fit to leave out); missing outputs are NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
     pub(crate) u: Vec<f64>,
@@ -25,6 +25,10 @@ pub struct Log {
     pub(crate) is_in_motion: bool,
     /// Number of the first sample in all logs that are fitted, one after the other; `None` for others.
     pub(crate) row: Option<usize>,
+    /// Rows in which an input was missing.
+    pub(crate) holes: Vec<Range<usize>>,
+    /// Samples at which a simulation begins anew, with states that nobody knows.
+    pub(crate) restarts: Vec<usize>,
 }
 
 impl Log {
@@ -93,6 +97,7 @@ impl Log {
         let y = (0..record.len()).flat_map(|k| outputs.iter().map(move |&i| record.y(k)[i]));
         let mut u: Vec<f64> =
             (0..record.len()).flat_map(|k| inputs.iter().map(move |&i| record.u(k)[i])).collect();
+        let holes = Self::holes(&u, inputs.len());
         for (i, channel) in simulator.inputs().iter().enumerate() {
             let empty = || FitError::EmptyInput { log: number, channel: channel.name.clone() };
             let column = u.iter().skip(i).step_by(inputs.len());
@@ -114,6 +119,8 @@ impl Log {
             first,
             is_in_motion: 0 < first,
             row: None,
+            holes,
+            restarts: Vec::new(),
         })
     }
 
@@ -128,7 +135,9 @@ impl Log {
         let each = records.iter().enumerate().map(|(i, record)| {
             let row = Some(next);
             next += record.len();
-            let log = Self::new(record, simulator, i + 1)?.without_still_outputs();
+            let log = Self::new(record, simulator, i + 1)?
+                .without_still_outputs()
+                .without_unknown_outputs(simulator);
             Ok(Self { row, ..log.continuing(record, earlier) })
         });
         each.collect()
@@ -186,6 +195,16 @@ impl Log {
         Self { is_in_motion: true, ..self }
     }
 
+    /// The same log, begun so many samples after the clock of its effects.
+    pub(crate) fn begun_at(self, first: usize) -> Self {
+        Self { first, ..self }
+    }
+
+    /// Whether nobody knows how its clock goes with that of other logs: it goes on from none of them.
+    pub(crate) fn has_own_clock(&self) -> bool {
+        self.first == 0
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn samples(&self) -> usize {
@@ -196,7 +215,8 @@ impl Log {
     pub(crate) fn prefix(&self, samples: usize) -> Self {
         let samples = samples.min(self.samples);
         let (u, y) = (self.u[..samples * self.nu].to_vec(), self.y[..samples * self.ny].to_vec());
-        Self { u, y, samples, ..*self }
+        let restarts = self.restarts.iter().copied().filter(|k| *k < samples).collect();
+        Self { u, y, samples, holes: Vec::new(), restarts, ..*self }
     }
 
     /// Number of the first sample since the clock of the model was started.

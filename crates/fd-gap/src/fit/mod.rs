@@ -4,7 +4,8 @@
 //! noise is coloured; the nuisance parameters `θ` (uncertain parameters and initial states) have a prior and a
 //! box ([`Variable::known`]). Nothing is ever fitted to one-step predictions, which flatter every model.
 //!
-//! A free run is one [`Segment`] per log; windows are many, each with its own initial state. As an
+//! A free run is one [`Segment`] per log, or more where inputs were missing for too long; windows are many, each with its own
+//! initial state. As an
 //! initial state touches only its own segment, the slopes of all segments come from one simulation
 //! and the normal equations are solved block by block.
 //!
@@ -13,6 +14,7 @@
 mod arrow;
 mod cholesky;
 mod error;
+mod holes;
 mod layout;
 mod levenberg;
 mod log;

@@ -27,7 +27,7 @@ pub struct NullFit {
     pub minimum: Minimum,
 }
 
-/// Fits the nuisances. If that leaves errors far above the noise in free run, it is tried again
+/// Fits the nuisances. If that leaves errors far above the noise in free runs of whole logs, it is tried again
 /// from fits to the first 100, 250 and 500 samples, and the better result is kept.
 ///
 /// # Errors

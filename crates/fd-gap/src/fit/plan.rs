@@ -39,7 +39,7 @@ const WINDOW_BOX: f64 = 30.0;
 /// Logs cut into segments, with the unknowns of the nominal model: its uncertain parameters,
 /// which all segments share, and the initial states of each segment.
 ///
-/// At the start of a log only states with a tolerance are unknown. Within a log, and where it begins
+/// At the start of a log only states with a tolerance are unknown. Within a log (where inputs were missing as well), and where it begins
 /// in motion, every state of the nominal model is, and states that an effect adds start where the
 /// effect says (left free, they would win falsely).
 #[derive(Clone, Debug, PartialEq)]
@@ -107,9 +107,15 @@ impl Plan {
                 Horizon::Windows { samples } => samples.max(2),
             };
             simulator.start(&theta, &x0, 0);
+            let mut begun = 0;
             for k in 0..log.samples {
+                if log.restarts.contains(&k) {
+                    begun = k;
+                }
+                let until = log.restarts.iter().find(|restart| k < **restart);
+                let left = until.copied().unwrap_or(log.samples) - k;
                 // A last window that is shorter than half a window joins the one before.
-                let is_start = k % length == 0 && (k == 0 || length / 2 <= log.samples - k);
+                let is_start = (k - begun) % length == 0 && (k == begun || length / 2 <= left);
                 if is_start {
                     if let Some(last) = self.segments.last_mut().filter(|last| last.log == l) {
                         last.to = k;

@@ -1,6 +1,6 @@
 //! An unknown of a fit.
 
-use fd_effect::EffectParameter;
+use fd_effect::{EffectParameter, InAnotherRun};
 use fd_sim::{model::Parameter, simulate::Initial};
 
 /// Standard deviation of what is known of a value, in tolerances.
@@ -28,6 +28,8 @@ pub struct Variable {
     pub prior: Option<f64>,
     /// Whether it is an effect of the simulator itself, of which no stand-in knows the slope far from rest.
     pub is_native: bool,
+    /// What becomes of it in another run.
+    pub in_another_run: InAnotherRun,
 }
 
 impl Variable {
@@ -52,13 +54,14 @@ impl Variable {
             high: value + half,
             prior: Some(sd),
             is_native: false,
+            in_another_run: InAnotherRun::Same,
         }
     }
 
     /// A parameter of an effect: free within its bounds, from where the effect is absent.
     #[must_use]
     pub fn effect(parameter: &EffectParameter) -> Self {
-        let EffectParameter { name, unit, scale, low, high, neutral, is_native, .. } = parameter;
+        let EffectParameter { name, unit, scale, low, high, neutral, .. } = parameter;
         Self {
             name: name.clone(),
             unit: unit.clone(),
@@ -67,7 +70,8 @@ impl Variable {
             low: *low,
             high: *high,
             prior: None,
-            is_native: *is_native,
+            is_native: parameter.is_native,
+            in_another_run: parameter.in_another_run,
         }
     }
 
@@ -91,6 +95,11 @@ impl Variable {
     pub fn initial(state: &Initial) -> Option<Self> {
         let tolerance = state.tolerance.filter(|tolerance| 0.0 < *tolerance)?;
         Some(Self::known(&state.channel.name, &state.channel.unit, state.value, tolerance))
+    }
+
+    /// Whether it belongs to a path over time.
+    pub(crate) fn is_path(&self) -> bool {
+        self.in_another_run == InAnotherRun::Path
     }
 
     /// The value in its unit.

@@ -50,7 +50,8 @@ impl Bench {
 
     /// Whether logs are cut into windows.
     pub(crate) fn is_cut(&self) -> bool {
-        self.segments.iter().any(|segment| 0 < segment.from)
+        let stretches = |log: &Log| 1 + log.restarts.len();
+        self.logs.iter().map(stretches).sum::<usize>() < self.segments.len()
     }
 
     /// Residuals (measured less simulated) in sigma: one signal per output and log, NaN where

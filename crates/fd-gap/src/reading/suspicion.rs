@@ -62,7 +62,7 @@ pub fn suspect(
     if let Some(suspicion) = as_read.and_then(|d| Suspicion::of_cut_off(case, horizon, d)) {
         return Ok(Some(suspicion));
     }
-    let Some((known, refit, price)) = explained(case, as_read)? else { return Ok(None) };
+    let Some((known, refit, price)) = explained(case, horizon, as_read)? else { return Ok(None) };
     let mut fits = Vec::new();
     for hypothesis in shortlist(case)? {
         if let Some(misfit) = fit(case, horizon, &hypothesis.mistake) {
@@ -99,6 +99,7 @@ pub fn suspect(
 /// The best explanation of the log as it is read, that of refitted parameters, and what the former costs.
 fn explained(
     case: &Case<'_>,
+    horizon: Horizon,
     as_read: Option<&Diagnosis>,
 ) -> Result<Option<(Misfit, Misfit, f64)>, FitError> {
     let trial = Trial::new(case, None)?;
@@ -115,8 +116,11 @@ fn explained(
             known = (best, price);
         }
     }
-    if known.1 < level.advantage(&known.0) {
-        known = (level, 0.0);
+    // Mended logs may begin anywhere, and so may this one.
+    for plain in std::iter::once(level).chain(trial.fitted(horizon)) {
+        if known.1 < plain.advantage(&known.0) {
+            known = (plain, 0.0);
+        }
     }
     Ok(Some((known.0, refit, known.1)))
 }

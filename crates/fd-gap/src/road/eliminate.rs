@@ -9,7 +9,7 @@ use super::{
 use crate::{
     diagnose::{Case, FittedValues, Regime, Settings, prepare, settle},
     fit::{FitError, Horizon, Log},
-    shrink::{closed, forecast_errors, with_free_starts},
+    shrink::{as_begun, closed, forecast_errors},
 };
 
 /// The models that are compared, and how.
@@ -77,7 +77,7 @@ impl Judge<'_> {
         let logs = Log::held_out(case.held_out, problem.simulator(), case.logs, problem.plan())?;
         let values = FittedValues::of(problem, at);
         let simulator = problem.simulator();
-        let logs = with_free_starts(simulator, values.settled(), logs, self.sigma)?;
+        let logs = as_begun(simulator, values.settled(), logs, self.sigma)?;
         let errors = forecast_errors(simulator, values.settled(), &logs, self.horizon, self.sigma)?;
         Ok(errors.map(|errors| Refitted { errors, model: settle(model, problem, &at.z) }))
     }

@@ -2,7 +2,7 @@
 
 use super::{finish::at, result::Milestone};
 use crate::{
-    diagnose::{Cause, Diagnosis, Pair},
+    diagnose::{Cause, Diagnosis},
     fit::Horizon,
 };
 
@@ -20,11 +20,8 @@ pub(super) fn milestone(
     // That something else is missing as well is what the road is about.
     let known = (1.0 - diagnosis.no_gap - diagnosis.none_of_these).max(f64::MIN_POSITIVE);
     let best = diagnosis.causes.first().map_or(0.0, |best| best.probability);
-    // At work alone, or as one of two.
-    let is_in = |pair: &&Pair| pair.causes.iter().any(|of| of.identity() == cause.identity());
-    let in_pairs: f64 = diagnosis.pairs.iter().filter(is_in).map(|pair| pair.probability).sum();
     let tied_ones: f64 = tied.iter().map(|tied| tied.probability).sum();
-    let together = cause.probability + in_pairs + tied_ones;
+    let together = diagnosis.at_work(cause) + tied_ones;
     Milestone {
         cause: cause.clone(),
         probability: (together / known).min(1.0),

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use fd_sim::simulate::Simulator;
 
-use super::carried::Carried;
+use super::{
+    another_run::{Paths, in_this_run},
+    carried::Carried,
+};
 use crate::fit::{
     FitError, Horizon, Layout, LeastSquares, Log, Plan, Problem, Search, Segment, Variable,
     Weights, minimise,
@@ -17,7 +20,7 @@ const WINDOW_SHARE: usize = 2;
 
 /// Relative fall of the sum of squares at which the states of a window are settled: errors above the
 /// noise need no more.
-const STATES_SETTLED: f64 = 1e-4;
+pub(super) const STATES_SETTLED: f64 = 1e-4;
 
 /// A model with all its parameters settled.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +31,8 @@ pub struct Settled<'a> {
     pub nuisances: &'a [(String, f64)],
     /// Parameters of the effect, with their values.
     pub effects: &'a [(Variable, f64)],
+    /// What is made of paths over time.
+    pub paths: Paths,
 }
 
 /// Errors of a forecast, and where they are in the logs.
@@ -130,6 +135,8 @@ pub(super) fn forecast_one(
         let first = known_until(segment, horizon);
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
     }
+    let values =
+        in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, beginning: &begun })?;
     let segments = plan.segments.clone();
     let starts: Vec<usize> = segments.iter().map(|segment| segment.from).collect();
     let simulator: Box<dyn Simulator> = match Carried::new(settled, nominal.initial(), log, &starts)
@@ -145,7 +152,6 @@ pub(super) fn forecast_one(
     let (samples, unknowns) = (begun.measured(), begun.own_variables().count());
     let mut estimate = build(begun)?;
     let Layout { shared, .. } = *estimate.layout();
-    let values: Vec<f64> = settled.effects.iter().map(|(_, value)| *value).collect();
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
     let search = Search { own_only: true, relative: STATES_SETTLED, ..Search::default() };
@@ -166,4 +172,32 @@ pub(super) fn forecast_one(
         }
     }
     Ok(Some(Forecast { errors, segments, begin: Begin { squares, samples, unknowns } }))
+}
+
+/// A log and its beginning, from which initial states and what belongs to this run are estimated.
+pub(super) struct Begun<'a> {
+    settled: Settled<'a>,
+    sigma: &'a [f64],
+    whole: &'a Plan,
+    beginning: &'a Plan,
+}
+
+impl Begun<'_> {
+    /// The problem in which initial states and those parameters of the effects that are free are unknown, to be fitted
+    /// to the `whole` log or to its beginning.
+    pub(super) fn free(&self, is_free: &[bool], whole: bool) -> Result<Problem, FitError> {
+        let mut plan = if whole { self.whole.clone() } else { self.beginning.clone() };
+        for variable in &mut plan.shared {
+            (variable.low, variable.high) = (variable.start, variable.start);
+        }
+        let effects = self.settled.effects.iter().zip(is_free).map(|((variable, value), free)| {
+            let mut variable = variable.clone();
+            if !free {
+                (variable.low, variable.high) = (*value, *value);
+            }
+            variable
+        });
+        let weights = Weights::white(self.sigma.to_vec());
+        Problem::new(Arc::new(plan), self.settled.simulator.boxed(), effects.collect(), weights)
+    }
 }

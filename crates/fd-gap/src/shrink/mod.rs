@@ -2,8 +2,10 @@
 //!
 //! Everything is a forecast: the initial state of a window comes from its first half (of a free run, from its
 //! first quarter), and only the rest is scored. The gap before is that of the model with refitted parameters,
-//! which is the honest comparison, and also that of the nominal model.
+//! which is the honest comparison, and also that of the nominal model. What belongs to one run, such as the phase of
+//! a periodic force, is another one in a log with a clock of its own ([`Paths`]).
 
+mod another_run;
 mod baselines;
 mod begun;
 mod carried;
@@ -12,8 +14,9 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::begun::with_free_starts;
+pub(crate) use self::begun::as_begun;
 pub use self::{
+    another_run::Paths,
     baselines::Baselines,
     contest::{Contest, Rules, contest},
     forecast::{Settled, forecast_errors},

@@ -58,6 +58,7 @@ pub(crate) fn candidate(
         neutral,
         is_strength: true,
         is_reciprocal: false,
+        in_another_run: fd_effect::InAnotherRun::Same,
     };
     Candidate {
         label,

@@ -54,6 +54,40 @@ fn the_scale_of_the_noise_balances_data_and_prior() {
     assert!(held.log < free.log);
 }
 
+/// What is expected of the noise need not be sigma: it pulls the size towards itself, by as much as its spread allows.
+#[test]
+fn the_scale_of_the_noise_is_pulled_towards_what_is_expected() {
+    let noise = WhiteNoise::new(1.0, 3).values(50).unwrap();
+    let power = noise.iter().map(|v| v * v).sum::<f64>();
+    for (centre, spread) in [(0.7, 0.2), (-0.5, 0.2), (2.0, 0.05)] {
+        let prior = NoisePrior { centre, ..NoisePrior::white(spread) };
+        let found = likelihood(&[vec![noise.clone()]], &[prior]);
+        let l = found.scale[0].ln();
+        // Stationary point of n l + E exp(−2l)/2 + (l − c)²/(2 t²), and its value.
+        let slope = 50.0 - power * (-2.0 * l).exp() + (l - centre) / (spread * spread);
+        assert!(slope.abs() < 1e-6, "{slope} at {l}, {centre}");
+        let log = -(50.0 * l + 0.5 * power * (-2.0 * l).exp() + prior.cost(l));
+        assert!((found.log - log).abs() < 1e-9, "{} {log}", found.log);
+        assert!((prior.cost(l) - 0.5 * ((l - centre) / spread).powi(2)).abs() < 1e-12);
+    }
+}
+
+/// Errors of ±3 about steps of 1 are noise of 3, whatever was expected: rounding adds the variance of a step, 1/12, to
+/// what the noise had before (Sheppard), and the scale is that of both.
+#[test]
+fn noise_behind_steps_has_its_own_size() {
+    let errors: Vec<f64> = (0..400).map(|k| if k % 2 == 0 { 3.0 } else { -3.0 }).collect();
+    for before in [0.5, 1.0, 8.0] {
+        let prior = NoisePrior::white(10.0).rounded(before, 1.0);
+        let found = likelihood(&[vec![errors.clone()]], &[prior]);
+        // The top is found to a hundredth of a logarithm; the prior pulls by 1/(100 · 800) of one.
+        assert!((found.scale[0] / 3.0).ln().abs() < 0.012, "{before}: {}", found.scale[0]);
+        // As likely as Gaussian errors of that size, without the constant that all have in common.
+        let log = -400.0 * (3.0_f64.ln() + 0.5);
+        assert!((found.log - log).abs() < 3.0, "{before}: {} {log}", found.log);
+    }
+}
+
 #[test]
 fn coloured_noise_is_no_evidence_once_its_colour_is_known() {
     // A sinusoid fitted to AR(0.8) noise: much better as white noise, no better as what it is.

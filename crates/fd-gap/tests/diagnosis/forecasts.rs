@@ -3,7 +3,9 @@
 use fd_effect::{Candidate, library, offers};
 use fd_gap::{
     fit::{Horizon, Log, Variable},
-    shrink::{Rules, Settled, contest, dominant_time_constant, forecast_errors, gap, horizons},
+    shrink::{
+        Paths, Rules, Settled, contest, dominant_time_constant, forecast_errors, gap, horizons,
+    },
 };
 use fd_model::{Channel, Record, SampleTime};
 use fd_sim::{
@@ -72,6 +74,7 @@ fn effect(model: &Model, u: &[f64], label: &str, values: &[f64]) -> (EquationSim
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
         prior: None,
+        in_another_run: fd_effect::InAnotherRun::Same,
     };
     let pairs = candidate.parameters.iter().zip(values);
     let known = pairs.map(|(p, value)| (variable(&p.name, *value), *value)).collect();
@@ -155,7 +158,7 @@ fn windows_know_what_the_inputs_before_them_have_left() {
     let logs = [Log::new(&record, &nominal, 1).unwrap()];
     let horizon = Horizon::Windows { samples: 20 };
     let left = |simulator: &dyn Simulator, effects: &Known| {
-        let settled = Settled { simulator, nuisances: &[], effects };
+        let settled = Settled { simulator, nuisances: &[], effects, paths: Paths::AsFitted };
         gap(&forecast_errors(&nominal, settled, &logs, horizon, &[0.001]).unwrap().unwrap())
     };
     let (with, without) = (left(&limited, &known), left(&nominal, &vec![]));
@@ -172,7 +175,8 @@ fn the_truth_wins_and_a_curve_that_is_as_good_does_not_take_part() {
     let (late, lateness) = effect(&model, &u, "input-lag", &[0.8]);
     let record = answer(&limited, &theta(&limited, &known), &u);
     let logs = [Log::new(&record, &nominal, 1).unwrap()];
-    let settled = |simulator, effects| Settled { simulator, nuisances: &[], effects };
+    let settled =
+        |simulator, effects| Settled { simulator, nuisances: &[], effects, paths: Paths::AsFitted };
     let all = [
         settled(&nominal as &dyn Simulator, &[][..]),
         settled(&limited, &known),

@@ -1,6 +1,6 @@
 //! Laws of the frequencies with which classes win.
 
-use fd_gap::evidence::{win_frequencies, win_frequencies_over};
+use fd_gap::evidence::{confidence, win_frequencies, win_frequencies_over};
 use proptest::prelude::*;
 
 type Class = Vec<[f64; 2]>;
@@ -100,4 +100,27 @@ fn nothing_that_diverges_wins() {
     assert_eq!(win_frequencies(&classes, 10, 1), [0.0, 1.0, 0.0]);
     assert!(win_frequencies(&[], 10, 1).is_empty());
     assert_eq!(win_frequencies(&[vec![]], 10, 1), [0.0]);
+}
+
+/// Errors are means: what has more samples in a block is not worse, and a class with a third of the error wins however
+/// large errors are beside their number.
+#[test]
+fn errors_are_means_over_samples() {
+    let class =
+        |square: f64| -> Class { (1..9).map(|n| [square * f64::from(n), f64::from(n)]).collect() };
+    for size in [0.01, 1.0, 100.0] {
+        let wins = win_frequencies(&[class(9.0 * size), class(size), class(4.0 * size)], 50, 1);
+        assert_eq!(wins, [0.0, 1.0, 0.0], "{size}");
+    }
+    // Over two horizons logarithms are added: 2·2 beats 1·8 and 3·3.
+    let [first, second] = [[4.0, 1.0, 9.0], [4.0, 64.0, 9.0]].map(|squares| squares.map(class));
+    let wins = win_frequencies_over(&[&first[..], &second[..]], 1, 50, 1);
+    assert_eq!(wins, [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn two_frequencies_make_one_confidence() {
+    assert_eq!(confidence(0.81, 0.25), 0.45);
+    assert_eq!(confidence(0.0, 1.0), 0.0);
+    assert_eq!(confidence(1.0, 1.0), 0.95);
 }

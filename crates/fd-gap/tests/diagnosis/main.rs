@@ -7,6 +7,7 @@
     reason = "tests panic to fail, compare numbers that are exact, and print what they saw"
 )]
 
+mod another_run;
 mod bad_input;
 mod bench_cases;
 mod calibrate;
@@ -17,7 +18,9 @@ mod feedback;
 mod fit;
 mod forecasts;
 mod frequency;
+mod holes;
 mod lanes;
+mod laplace;
 mod locate;
 mod measurement;
 mod motion;

@@ -81,3 +81,56 @@ fn a_car_that_is_faster_than_said_at_the_start_lacks_nothing() {
 fn a_sensor_that_reads_too_much_is_no_motion() {
     assert_eq!(answer([22.0, 22.0], 4.0), (Verdict::Cause, Some("sensor-bias")));
 }
+
+/// A cylinder that stands elsewhere than it is said to, and never forgets it; the sensor of its load is slow.
+#[test]
+fn a_position_that_begins_elsewhere_hides_no_other_effect() {
+    let model: Model = r#"
+        version = 1
+        kind = "equations"
+        name = "cylinder"
+        sample_time = 0.01
+        [parameters]
+        tau = { unit = "s", value = 0.08, tolerance = 0.05 }
+        [inputs]
+        u = { unit = "m/s" }
+        [states]
+        x = { unit = "m", initial = 0.0, tolerance = 0.001, derivative = "v" }
+        v = { unit = "m/s", initial = 0.0, tolerance = 0.001, derivative = "(u - v)/tau" }
+        [outputs]
+        stroke = { unit = "m", value = "x", noise = 0.001 }
+        speed = { unit = "m/s", value = "v", noise = 0.01 }
+        "#
+    .parse()
+    .unwrap();
+    let ran = |seed: u64| {
+        let noise = WhiteNoise::new(1.0, seed).values(2 * SAMPLES).unwrap();
+        let (mut x, mut v, mut shown) = (0.3, 0.4, 0.4);
+        let rows = (0..SAMPLES).map(|k| {
+            let t = 0.01 * k as f64 + seed as f64;
+            let u = (2.1 * t).sin() + 0.6_f64.copysign((5.3 * t).sin());
+            let y = [x + 1e-3 * noise[2 * k], shown + 0.01 * noise[2 * k + 1]];
+            // Twenty Euler steps; the largest rate is 17/s.
+            for _ in 0..20 {
+                x += 5e-4 * v;
+                v += 5e-4 * (u - v) / 0.081;
+                shown += 5e-4 * (v - shown) / 0.06;
+            }
+            ([u], y)
+        });
+        let rows: Vec<([f64; 1], [f64; 2])> = rows.collect();
+        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+        Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+    };
+    let (logs, held_out) = ([ran(3)], [ran(9)]);
+    let u: Vec<f64> = (0..SAMPLES).flat_map(|k| logs[0].u(k).to_vec()).collect();
+    let scales = ReplayScales::of(&model, logs[0].ts(), &u, SAMPLES).unwrap();
+    let few = ["sensor-bias", "sensor-lag", "input-gain", "viscous-friction"];
+    let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
+    let suspects = EverySite::new(effects, &model, scales);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let found = diagnose(&case, &Settings::default(), &()).unwrap();
+    let first = &found.causes[0];
+    assert_eq!((found.verdict, first.label), (Verdict::Cause, "sensor-lag"));
+    assert_eq!(first.site.name(), Some("speed"));
+}

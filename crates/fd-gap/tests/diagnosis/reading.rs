@@ -204,3 +204,36 @@ fn nothing_wrong_and_honest_physics_are_no_misreadings() {
     let weak = truth(&|patch| patch.wrap_input("u", "applied", expr("0.0002*u")).unwrap());
     assert_eq!(reading(&model, &weak), None);
 }
+
+/// The sign of a speed that counts by its square changes nothing; that the run began elsewhere does.
+#[test]
+fn a_sign_that_changes_nothing_is_no_mistake() {
+    let model: Model = r#"
+        version = 1
+        kind = "equations"
+        name = "pump"
+        sample_time = 0.2
+        parameters = { R = { unit = "s/m^3", value = 2.0, tolerance = 0.1 } }
+        inputs = { n = { unit = "1/s" } }
+        outputs = { flow = { unit = "m^3/s", value = "q" } }
+        states = { q = { unit = "m^3/s", initial = 1.0, tolerance = 0.02, derivative = "n^2 - R*q" } }
+        "#
+    .parse()
+    .unwrap();
+    let noise = fd_model::signal::WhiteNoise::new(0.01, 5).values(600).unwrap();
+    let mut q = 1.25;
+    let rows = (0..600).map(|k| {
+        let t = 0.2 * k as f64;
+        let n = 1.4 + 0.3 * (0.4 * t).sin() + 0.2 * (0.09 * t).cos();
+        let row = ([n], [q + noise[k]]);
+        // Twenty Euler steps; the largest rate is 2/s.
+        for _ in 0..20 {
+            q += 0.01 * (n * n - 2.06 * q);
+        }
+        row
+    });
+    let rows: Vec<([f64; 1], [f64; 1])> = rows.collect();
+    let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+    let log = Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap();
+    assert!(reading(&model, &log).is_none());
+}

@@ -1,43 +1,11 @@
 //! A shell does not allocate per step, and nothing is left of the run before.
-#![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
-
+use allocation_counter::measure;
 use fd_effect::{Kind, library, offers};
 use fd_model::SampleTime;
 use fd_sim::simulate::{Nominal, Simulator};
 
 use super::pendulum::{THETA, TS, excitation, shell};
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is handed to the system allocator unchanged; counting does not allocate, since
-// the thread-local is a constant-initialised cell without a destructor.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn no_step_allocates_and_every_run_is_the_same() {
@@ -49,12 +17,12 @@ fn no_step_allocates_and_every_run_is_the_same() {
     let run = |simulator: &mut dyn Simulator, theta: &[f64]| {
         simulator.start(theta, &[0.01, 0.0], 0);
         let mut y = vec![0.0; 2 * SAMPLES];
-        let before = ALLOCATIONS.get();
-        for (k, row) in y.chunks_exact_mut(2).enumerate() {
-            simulator.step(&u[k..=k], &u[k..=k], &[], row);
-        }
-        let allocations = ALLOCATIONS.get() - before;
-        (y.iter().map(|y| y.to_bits()).collect::<Vec<_>>(), allocations)
+        let allocated = measure(|| {
+            for (k, row) in y.chunks_exact_mut(2).enumerate() {
+                simulator.step(&u[k..=k], &u[k..=k], &[], row);
+            }
+        });
+        (y.iter().map(|y| y.to_bits()).collect::<Vec<_>>(), allocated.count_total)
     };
     for candidate in offers(&library(), shell.model(), &scales).into_iter().flatten() {
         if candidate.kind != Kind::Simulation {
@@ -67,4 +35,10 @@ fn no_step_allocates_and_every_run_is_the_same() {
         let (second, _) = run(&mut *simulator.boxed(), &theta);
         assert_eq!(first, second, "{} at {:?}", candidate.label, candidate.site);
     }
+}
+
+#[test]
+fn the_counter_counts() {
+    let allocated = measure(|| drop(std::hint::black_box(vec![1.0_f64; 10])));
+    assert_eq!(allocated.count_total, 1);
 }

@@ -37,6 +37,8 @@ impl Modes {
         let (rows, n) = (r.nrows(), r.ncols());
         let (mut w, mut v) = (r.to_owned(), Mat::<f64>::identity(n, n));
         let tolerance = 4.0 * f64::EPSILON;
+        // A column this short is the rounding of others, and never orthogonal to them.
+        let nothing = (tolerance * r.norm_l2()).powi(2);
         let mut left = true;
         for _ in 0..SWEEPS {
             left = false;
@@ -47,7 +49,7 @@ impl Modes {
                     if c.is_nan() {
                         return Err(unfit());
                     }
-                    if c.abs() <= tolerance * (a * b).sqrt() {
+                    if c.abs() <= tolerance * (a * b).sqrt() || a.min(b) <= nothing {
                         continue;
                     }
                     left = true;

@@ -63,9 +63,14 @@ pub(super) fn answer(
         None => mended(&model, &logs, &held_out, settings, as_read.as_ref().ok()),
         Some(_) => None,
     };
-    let (reading, Diagnosed { diagnosis, road, candidates }) = match reading {
-        Some((reading, mended)) => (readings(&reading), mended),
-        None => (Vec::new(), as_read?),
+    let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = reading {
+        let Mended { reading, model, logs, held_out, diagnosed } = mended;
+        let road = diagnosed.road(&model, &model, &logs, &held_out, settings)?;
+        (readings(&reading), diagnosed, road)
+    } else {
+        let as_read = as_read?;
+        let road = as_read.road(nominal, &model, &logs, &held_out, settings)?;
+        (Vec::new(), as_read, road)
     };
     let seconds = begun.elapsed().as_secs_f64();
     Ok(Answer { reading, seconds, candidates, ..told(name, &diagnosis, road.as_ref()) })
@@ -141,7 +146,9 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
         _ => Vec::new(),
     };
     let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));
-    let closed = diagnosis.held_out.first().and_then(|held_out| held_out.closed_of_refit);
+    // A path that was drawn anew through a log forecasts nothing of another.
+    let forecast = diagnosis.held_out.first().filter(|held_out| !held_out.is_redrawn);
+    let closed = forecast.and_then(|held_out| held_out.closed_of_refit);
     Answer {
         case: name.to_owned(),
         verdict: verdict(diagnosis.verdict).to_owned(),
@@ -163,11 +170,39 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
     }
 }
 
-/// A diagnosis with several causes and the number of its candidates.
+/// A diagnosis and the number of its candidates.
 struct Diagnosed {
     diagnosis: Diagnosis,
-    road: Option<Road>,
     candidates: usize,
+    /// Whether it names an effect inside the model.
+    is_inside: bool,
+}
+
+impl Diagnosed {
+    /// Several causes, where the diagnosis asks for them; those of the logs and the `nominal` simulator that it is of.
+    fn road(
+        &self,
+        nominal: &dyn Nominal,
+        model: &Model,
+        logs: &[Record],
+        held_out: &[Record],
+        settings: &Settings,
+    ) -> Result<Option<Road>, BlindError> {
+        let Some(train) = logs.first().filter(|_| !self.is_inside) else { return Ok(None) };
+        let scales = nominal.scales(train.ts(), &inputs(train), train.len())?;
+        let suspects = EverySite::new(library(), model, scales);
+        let case = diagnose::Case { nominal, suspects: &suspects, logs, held_out };
+        Ok(road(&case, &self.diagnosis, settings, MOST, &())?)
+    }
+}
+
+/// A mistake of reading, and what a diagnosis says once it is mended.
+struct Mended {
+    reading: gap::Reading,
+    model: Model,
+    logs: Vec<Record>,
+    held_out: Vec<Record>,
+    diagnosed: Diagnosed,
 }
 
 /// Diagnoses logs with a simulator of the `model`; with effects inside it where those around it do not explain them.
@@ -195,11 +230,10 @@ fn diagnosed(
         let inside = diagnose(&case, settings, &());
         if let Some(diagnosis) = inside.ok().filter(Diagnosis::names_all) {
             let candidates = suspects.alone().iter().flatten().count();
-            return Ok(Diagnosed { diagnosis, road: None, candidates });
+            return Ok(Diagnosed { diagnosis, candidates, is_inside: true });
         }
     }
-    let road = road(&case, &diagnosis, settings, MOST, &())?;
-    Ok(Diagnosed { diagnosis, road, candidates })
+    Ok(Diagnosed { diagnosis, candidates, is_inside: false })
 }
 
 /// The diagnosis of the mended log, where a mistake of reading is confirmed.
@@ -209,18 +243,18 @@ fn mended(
     held_out: &[Record],
     settings: &Settings,
     as_read: Option<&Diagnosed>,
-) -> Option<(gap::Reading, Diagnosed)> {
+) -> Option<Mended> {
     let none: Vec<Candidate> = Vec::new();
     let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
     let as_read = as_read.map(|diagnosed| &diagnosed.diagnosis);
     let suspicion = suspect(&case, settings.horizon, as_read).ok()??;
     let model = suspicion.mistake().mended_model(model)?;
     let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
-    let mended = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
+    let diagnosed = diagnosed(&model, &model, &logs, &held_out, settings, false).ok()?;
     let case =
         diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
-    let reading = suspicion.judged(&case, &mended.diagnosis)?;
-    Some((reading, mended))
+    let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
+    Some(Mended { reading, model, logs, held_out, diagnosed })
 }
 
 /// What was named, and what cannot be told from it.

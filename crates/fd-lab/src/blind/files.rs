@@ -9,7 +9,7 @@ use std::{
 };
 
 use fd_log::{LogMap, TimeMap, read_log, write_log_to};
-use fd_model::{Channel, Record};
+use fd_model::{Channel, HeldInputs, Record};
 use fd_sim::model::Model;
 
 use super::{
@@ -95,6 +95,7 @@ impl Case {
         let model = self.model_of(variant)?;
         let mut map = LogMap::for_channels(&model.external_inputs(), &model.output_channels());
         let (time, ts) = (Some("time".to_owned()), Some(model.sample_time));
+        map.resample.held_inputs = Some(HeldInputs::Mean);
         map.time = TimeMap { column: time, sample_time: ts, ..TimeMap::default() };
         // The column of the command is called as the input that it drives.
         for column in &mut map.outputs {

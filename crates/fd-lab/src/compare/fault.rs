@@ -1,5 +1,7 @@
 //! The faults that every entry is asked to find.
 
+use std::fmt;
+
 use fd_model::{
     fault::{FaultProfile, FaultSpec, Site},
     figure,
@@ -94,16 +96,26 @@ impl Sizes {
         (0..self.count).map(|i| self.smallest * ratio.powf(i as f64 / last)).collect()
     }
 
+    /// What [`are_possible`](Self::are_possible) asks for.
+    pub(super) const POSSIBLE: &str = "0 < smallest <= largest, both finite, and at least one size";
+
+    pub(super) fn are_possible(&self) -> bool {
+        let range = self.smallest > 0.0 && self.largest >= self.smallest;
+        range && self.largest.is_finite() && self.count > 0
+    }
+
     fn check(&self, setting: &str) -> Result<(), CompareError> {
-        let fits = self.smallest > 0.0 && self.largest >= self.smallest && self.largest.is_finite();
-        if fits && self.count > 0 {
+        if self.are_possible() {
             return Ok(());
         }
-        Err(CompareError::Setting {
-            setting: setting.to_owned(),
-            expected: "0 < smallest <= largest, both finite, and at least one size",
-            found: format!("{} to {}, {} sizes", self.smallest, self.largest, self.count),
-        })
+        let (expected, found) = (Self::POSSIBLE, self.to_string());
+        Err(CompareError::Setting { setting: setting.to_owned(), expected, found })
+    }
+}
+
+impl fmt::Display for Sizes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}, {} sizes", self.smallest, self.largest, self.count)
     }
 }
 

@@ -189,7 +189,12 @@ impl Study {
         let mut lines = vec![cumulative("largest fault-free residual".to_owned(), residual)];
         for (i, fault) in self.summary.faults.iter().enumerate() {
             let ratios = self.trials.iter().map(|t| t.faults[i].smallest.ratio()).collect();
-            lines.push(cumulative(format!("smallest {} fault", fault.sensor), ratios));
+            let line = cumulative(format!("smallest {} fault", fault.sensor), ratios);
+            // A line on another would hide it: both have one then.
+            match lines.iter_mut().find(|known| is_on(known, &line)) {
+                Some(known) => known.name = format!("{}, {}", known.name, line.name),
+                None => lines.push(line),
+            }
         }
         NamedPicture {
             file: "ratios".to_owned(),
@@ -394,4 +399,10 @@ pub(super) fn range(r: &Range) -> String {
 
 pub(super) fn scaled_range(r: &Range, by: f64) -> String {
     format!("{} [{} .. {}]", figure(by * r.median), figure(by * r.low), figure(by * r.high))
+}
+
+/// Whether two lines over a logarithmic axis are one to the eye.
+fn is_on(one: &Line, other: &Line) -> bool {
+    let is_near = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 / b.0).ln().abs() < 0.01;
+    one.points.len() == other.points.len() && one.points.iter().zip(&other.points).all(is_near)
 }

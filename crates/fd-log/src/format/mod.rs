@@ -1,5 +1,7 @@
 //! The formats that can be read: one list, from the name and the first bytes of a file to a source.
 
+#[cfg(feature = "rosbag")]
+mod bag;
 mod csv;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -7,7 +9,7 @@ mod hdf5;
 mod mat;
 #[cfg(feature = "mcap")]
 mod mcap;
-#[cfg(any(feature = "mcap", feature = "ulog"))]
+#[cfg(any(feature = "mcap", feature = "rosbag", feature = "ulog"))]
 mod message;
 mod ndjson;
 #[cfg(feature = "npz")]
@@ -143,6 +145,15 @@ pub const FORMATS: &[LogFormat] = &[
         read: Reading::Columns(mcap::read),
         #[cfg(not(feature = "mcap"))]
         read: Reading::NotBuilt("mcap"),
+    },
+    LogFormat {
+        name: "rosbag2",
+        extensions: &["db3"],
+        magic: &[b"SQLite format 3\0"],
+        #[cfg(feature = "rosbag")]
+        read: Reading::Columns(bag::read),
+        #[cfg(not(feature = "rosbag"))]
+        read: Reading::NotBuilt("rosbag"),
     },
     LogFormat {
         name: "MAT 7.3",

@@ -37,6 +37,17 @@ fn the_documented_files_work_together() {
 }
 
 #[test]
+fn the_documented_expressions_are_computed() {
+    let map: LogMap = toml::from_str(&block("computed.toml")).unwrap();
+    let csv = "t,/motor.current[0],/motor.angle,/joint.position\n0,1500,180,0\n1,500,360,0.125\n";
+    let log = read_log_from("run.csv", csv.as_bytes(), &map).unwrap().record;
+    assert_eq!((log.u(0), log.u(1)), (&[0.12][..], &[0.0][..]));
+    // Numbers of order ten, to a few roundings.
+    assert!((log.y(0)[0] - std::f64::consts::PI).abs() < 1e-14);
+    assert!((log.y(1)[0] - (std::f64::consts::TAU - 6.25)).abs() < 1e-14);
+}
+
+#[test]
 fn the_documented_simulation_runs() {
     let simulation: Simulation = toml::from_str(&block("simulation.toml")).unwrap();
     assert_eq!((simulation.faults.len(), simulation.output_noise.len()), (2, 2));

@@ -133,7 +133,18 @@ impl Site {
     }
 
     /// Index of the target among the given names.
-    pub(crate) fn index_among(&self, names: &[&str]) -> Result<usize, FaultError> {
+    ///
+    /// ```
+    /// # use fd_model::fault::Site;
+    /// assert_eq!(Site::sensor("T_7").index_among(&["N", "T_7"])?, 1);
+    /// assert!(Site::sensor(2).index_among(&["N", "T_7"]).is_err());
+    /// # Ok::<(), fd_model::fault::FaultError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no such name or index.
+    pub fn index_among(&self, names: &[&str]) -> Result<usize, FaultError> {
         let site = self.kind();
         match self.target() {
             ChannelRef::Index(index) if *index < names.len() => Ok(*index),

@@ -139,6 +139,28 @@ impl Grid {
         }
     }
 
+    /// What samples after the one at `cursor` are held before the next grid time, each with its share of the time from
+    /// grid time `k` until the end of its own: what a running mean gives it. Nothing is held through a gap.
+    pub(super) fn held(
+        &self,
+        k: usize,
+        cursor: usize,
+        kept: &[usize],
+        t: &[f64],
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        let begin = self.start + k as f64 * self.step.seconds();
+        let end = begin + self.step.seconds();
+        for place in cursor + 1..kept.len() {
+            let [before, now] = [t[kept[place - 1]], t[kept[place]]];
+            if end - self.tolerance <= now || self.max_gap < now - before {
+                return;
+            }
+            let until = kept.get(place + 1).map_or(end, |next| t[*next].min(end));
+            visit(kept[place], (until - now) / (until - begin));
+        }
+    }
+
     pub(super) fn report(self, order: &Order, even: bool, rows: usize) -> TimeBaseReport {
         TimeBaseReport {
             rows,

@@ -62,6 +62,35 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// The integral of what is held is that of the samples, each held until the next one.
+    #[test]
+    fn a_mean_of_held_inputs_keeps_their_integral(
+        rows in proptest::collection::vec((0.2..2.0_f64, -5.0..5.0_f64), 2..100),
+        step in 0.1..3.0_f64,
+    ) {
+        let t: Vec<f64> = rows.iter().scan(0.0, |t, (dt, _)| { *t += dt; Some(*t) }).collect();
+        let u: Vec<f64> = rows.iter().map(|(_, u)| *u).collect();
+        let policy = ResamplePolicy {
+            sample_time: Some(step),
+            max_gap_s: Some(3.0),
+            held_inputs: Some(HeldInputs::Mean),
+            ..ResamplePolicy::default()
+        };
+        let (record, _) = series(&t, &u, &u).resample(&policy).unwrap();
+        let end = t[0] + record.len() as f64 * step;
+        let held = t.iter().zip(&u).enumerate().map(|(i, (from, u))| {
+            let to = t.get(i + 1).map_or(end, |next| next.min(end));
+            u * (to - from).max(0.0)
+        });
+        let (held, made): (f64, f64) = (held.sum(), record.input(0).map(|u| u * step).sum());
+        // A sample within a thousandth of a step of a grid time counts as on it: at most 10 units over that, at each.
+        prop_assert!((held - made).abs() <= 10.0 * 1e-3 * step * record.len() as f64 + 1e-9, "{held} {made}");
+    }
+}
+
 #[test]
 fn gaps_are_left_missing() {
     let t = [0.0, 1.0, 2.0, 5.0, 6.0, 7.0];

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stdout, reason = "says what is skipped and how accurate the rest is")]
 
+mod descriptor;
 mod edges;
 mod engines;
 mod lyapunov;

@@ -7,7 +7,7 @@ use fd_core::{
 
 use super::slopes::{moved, step_along};
 use crate::{
-    gaussian::{Deviations, Estimate},
+    gaussian::{Deviations, Estimate, GaussianFilter},
     model::StateEquations,
     noise::NoisyModel,
 };
@@ -45,8 +45,9 @@ impl ExtendedKalman {
     pub fn state(&self) -> &[f64] {
         &self.estimate.x
     }
+}
 
-    /// Time update; `false` when the model has no finite answer.
+impl GaussianFilter for ExtendedKalman {
     fn predict(&mut self, u: &[f64]) -> bool {
         let Self { equations, estimate, deviations, asked, ends, next, .. } = self;
         let (sample, Some(before)) = estimate.at() else { return true };
@@ -72,7 +73,6 @@ impl ExtendedKalman {
         is_finite
     }
 
-    /// The innovation, with the deviations of states and outputs; `false` when the model has no finite answer.
     fn innovate(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) -> bool {
         let Self { equations, estimate, deviations, asked, ends, io, .. } = self;
         let (nx, ny, u) = (estimate.nx(), io.ny, frame.u());
@@ -93,6 +93,10 @@ impl ExtendedKalman {
         }
         deviations.x.copy_from_slice(&estimate.s);
         r.iter().chain(&deviations.y).all(|value| value.is_finite())
+    }
+
+    fn carried(&mut self) -> (&mut Estimate, &Deviations) {
+        (&mut self.estimate, &self.deviations)
     }
 }
 
@@ -121,11 +125,6 @@ impl ResidualGenerator for ExtendedKalman {
     }
 
     fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
-        if self.predict(frame.u()) && self.innovate(frame, r) {
-            self.estimate.update(&self.deviations, r, frame.u());
-        } else {
-            r.fill(f64::NAN);
-            self.estimate.lose();
-        }
+        self.filter(frame, r);
     }
 }

@@ -12,5 +12,9 @@
 //! Kalman filters*, appendix). An extended and an unscented filter differ in `X`, `Y` and `ŷ` alone.
 
 mod estimate;
+mod filter;
 
-pub(crate) use self::estimate::{Deviations, Estimate, MOST_SAMPLES};
+pub(crate) use self::{
+    estimate::{Deviations, Estimate, MOST_SAMPLES},
+    filter::GaussianFilter,
+};

@@ -6,7 +6,7 @@ use fd_core::{
 };
 
 use crate::{
-    gaussian::{Deviations, Estimate},
+    gaussian::{Deviations, Estimate, GaussianFilter},
     model::StateEquations,
     noise::NoisyModel,
 };
@@ -48,8 +48,9 @@ impl UnscentedKalman {
     pub fn state(&self) -> &[f64] {
         &self.estimate.x
     }
+}
 
-    /// Time update; `false` when the model has no finite answer.
+impl GaussianFilter for UnscentedKalman {
     fn predict(&mut self, u: &[f64]) -> bool {
         let Self { equations, estimate, deviations, reach, weights, asked, mean, .. } = self;
         let (sample, Some(before)) = estimate.at() else { return true };
@@ -70,7 +71,6 @@ impl UnscentedKalman {
         is_finite
     }
 
-    /// The innovation, with the deviations of states and outputs; `false` when the model has no finite answer.
     fn innovate(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) -> bool {
         let Self { equations, estimate, deviations, reach, weights, asked, mean, io } = self;
         let (nx, ny, points) = (estimate.nx(), io.ny, deviations.columns);
@@ -87,6 +87,10 @@ impl UnscentedKalman {
             *r = y - mean;
         }
         r.iter().chain(&deviations.y).all(|value| value.is_finite())
+    }
+
+    fn carried(&mut self) -> (&mut Estimate, &Deviations) {
+        (&mut self.estimate, &self.deviations)
     }
 }
 
@@ -132,11 +136,6 @@ impl ResidualGenerator for UnscentedKalman {
     }
 
     fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
-        if self.predict(frame.u()) && self.innovate(frame, r) {
-            self.estimate.update(&self.deviations, r, frame.u());
-        } else {
-            r.fill(f64::NAN);
-            self.estimate.lose();
-        }
+        self.filter(frame, r);
     }
 }

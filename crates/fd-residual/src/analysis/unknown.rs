@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use fd_core::Shape;
-use fd_model::{StateSpace, TimeDomain};
+use fd_model::{StateSpace, TimeDomain, fault::Site};
 
 use crate::{
     error::DesignError,
@@ -107,6 +107,47 @@ impl UnknownInputs {
         self.d = blocks(&[&[self.d.as_ref(), d.as_ref()]]);
         self.names.push(name.to_owned());
         Ok(self)
+    }
+
+    /// The faults of a simulation as unknown inputs: sensors and actuators by name or index, among the channels of the
+    /// model, so that what is simulated ([`FaultSpec`](fd_model::fault::FaultSpec)) and what a residual is designed and
+    /// judged for are one list.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there is no such channel, or a site is a parameter of the plant: where that enters depends on the
+    /// model, see [`component`](Self::component).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use faer::mat;
+    /// use fd_model::{Continuous, StateSpace, fault::Site};
+    /// use fd_residual::analysis::UnknownInputs;
+    ///
+    /// let lag = StateSpace::new(mat![[-2.0]], mat![[3.0]], mat![[1.0]], mat![[0.0]], Continuous)?;
+    /// let sites = [Site::sensor("speed"), Site::actuator(0)];
+    /// let faults = UnknownInputs::at(&lag, &sites, [&["voltage"], &["speed"]])?;
+    /// assert_eq!(faults.names(), ["sensor `speed`", "actuator `0`"]);
+    /// # Ok::<(), fd_residual::DesignError>(())
+    /// ```
+    pub fn at<D: TimeDomain>(
+        model: &StateSpace<D>,
+        sites: &[Site],
+        [inputs, outputs]: [&[&str]; 2],
+    ) -> Result<Self, DesignError> {
+        let mut all = Self::none(model);
+        for site in sites {
+            all = match site {
+                Site::Sensor(_) => all.sensor(model, site.index_among(outputs)?)?,
+                Site::Actuator(_) => all.actuator(model, site.index_among(inputs)?)?,
+                _ => return Err(DesignError::Empty { what: "channel of a component fault" }),
+            };
+            if let Some(name) = all.names.last_mut() {
+                *name = site.to_string();
+            }
+        }
+        Ok(all)
     }
 
     /// Some of the signals, in the given order.

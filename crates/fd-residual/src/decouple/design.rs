@@ -144,6 +144,36 @@ impl<D: TimeDomain> LeftNullSpace<D> {
         self.phi.nrows()
     }
 
+    /// `V` (order × states): what is estimated is `V x`.
+    #[must_use]
+    pub fn v(&self) -> MatRef<'_, f64> {
+        self.v.as_ref()
+    }
+
+    /// `Φ` (order × order), with `V A = Φ V + G C`.
+    #[must_use]
+    pub fn phi(&self) -> MatRef<'_, f64> {
+        self.phi.as_ref()
+    }
+
+    /// `G` (order × outputs), with `V E = G F` for unknown inputs that enter by `E` and `F`.
+    #[must_use]
+    pub fn g(&self) -> MatRef<'_, f64> {
+        self.g.as_ref()
+    }
+
+    /// `W` (residuals × outputs), with `W F = 0`.
+    #[must_use]
+    pub fn w(&self) -> MatRef<'_, f64> {
+        self.w.as_ref()
+    }
+
+    /// `M` (residuals × order), with `W C = M V`.
+    #[must_use]
+    pub fn m(&self) -> MatRef<'_, f64> {
+        self.natural.m.as_ref()
+    }
+
     /// What faults or noise do to the residual before its poles are chosen: `(Φ, V B_f − G D_f,
     /// M, W D_f)`, a plant without known inputs whose outputs are free of the unknown ones.
     ///
@@ -252,11 +282,15 @@ impl<D: TimeDomain> LeftNullSpace<D> {
     ///
     /// Fails as [`place_poles`](crate::observer::place_poles) does.
     pub fn placed(&self, poles: &ErrorPoles) -> Result<ResidualForm<D>, DesignError> {
+        self.with_gain(self.gain_for(poles)?.as_ref())
+    }
+
+    /// The gain `K` of [`placed`](Self::placed).
+    pub(crate) fn gain_for(&self, poles: &ErrorPoles) -> Result<Mat<f64>, DesignError> {
         let domain = self.model.domain();
         let hidden =
             |mode: faer::c64| DesignError::Unobservable { re: mode.re, im: mode.im, distance: 0.0 };
-        let k = place_visible(domain, self.phi.as_ref(), self.natural.m.as_ref(), poles, hidden)?;
-        self.with_gain(k.as_ref())
+        place_visible(domain, self.phi.as_ref(), self.natural.m.as_ref(), poles, hidden)
     }
 
     /// The model that this space belongs to.

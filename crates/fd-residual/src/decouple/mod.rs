@@ -23,7 +23,7 @@ mod invariant;
 mod isolability;
 mod verified;
 
-pub(crate) use self::verified::refuse_what_passes;
+pub(crate) use self::verified::{refuse_what_enters, refuse_what_passes};
 pub use self::{
     design::{DecoupledDesign, LeftNullSpace},
     isolability::{isolability, isolability_within},

@@ -1,5 +1,6 @@
 //! Looking at a residual again, for what it was to be free of.
 
+use faer::{Mat, MatRef};
 use fd_model::{StateSpace, TimeDomain};
 
 use crate::{
@@ -25,4 +26,16 @@ pub(crate) fn refuse_what_passes<D: TimeDomain>(
         }
     }
     Ok(())
+}
+
+/// The same for unknown inputs that enter the states along the columns of `E`.
+pub(crate) fn refuse_what_enters<D: TimeDomain>(
+    form: &ResidualForm<D>,
+    model: &StateSpace<D>,
+    e: MatRef<'_, f64>,
+    nearest: RankDecision,
+) -> Result<(), DesignError> {
+    let none = Mat::zeros(model.ny(), e.ncols());
+    let unknown = UnknownInputs::new("unknown input", e.to_owned(), none)?;
+    refuse_what_passes(form, &unknown, &unknown.system(model)?, 0, nearest)
 }

@@ -5,6 +5,7 @@ use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain};
 
 use crate::{
+    decouple::refuse_what_enters,
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::{Natural, blocks, check_shape, orthonormal_rows, spectral_norm},
@@ -28,7 +29,8 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
     /// # Errors
     ///
     /// Returns [`DesignError::NoEigenvector`] when no row can be decoupled, the mode that does
-    /// not decay when the rest cannot be stabilised, or fails as
+    /// not decay when the rest cannot be stabilised, [`DesignError::NotDecoupled`] when a row,
+    /// looked at again over frequency, lets an unknown input pass, or fails as
     /// [`place_poles`](crate::observer::place_poles) does.
     ///
     /// # Examples
@@ -54,6 +56,7 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
     ) -> Result<Self, DesignError> {
         let n = model.nx();
         check_shape("unknown input matrix E", e, Shape::new(n, e.ncols()))?;
+        let given = e;
         let Natural { a, b: e, c, units, .. } = natural(model, e)?;
         let (c, rate) = (c.as_ref(), units.rate);
         let hidden = complement(c)?;
@@ -91,7 +94,9 @@ impl<D: TimeDomain> EigenstructureDesign<D> {
         let gain = Mat::from_fn(n, y.len(), |i, j| gain[(i, j)] * (x[i] / y[j]));
         let weight = Mat::from_fn(weight.nrows(), y.len(), |i, j| weight[(i, j)] / y[j]);
         let weight = orthonormal_rows(&weight);
-        Ok(Self { observer: ObserverDesign::with_gain(model, gain.as_ref())?, weight })
+        let design = Self { observer: ObserverDesign::with_gain(model, gain.as_ref())?, weight };
+        refuse_what_enters(&design.form()?, model, given, decided.decision)?;
+        Ok(design)
     }
 
     /// The weighting `W` (residuals × outputs), with orthonormal rows.

@@ -6,18 +6,25 @@ use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
 
 use super::infinity::regular;
 use crate::{
-    analysis::{UnknownInputs, fault_effects},
-    decouple::LeftNullSpace,
+    analysis::{UnknownInputs, fault_effects, weak_structure},
+    decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
-    form::{GeneratorDesign, ResidualForm, frequency_grid},
+    form::{GeneratorDesign, ResidualForm, frequency_grid, peak_gain},
     kalman::{Noises, filter},
     matrix::blocks,
     observer::ErrorPoles,
+    rank::RankDecision,
     simulation::check_stable,
 };
 
 /// Relative singular values below this count as zero.
 const RANK: f64 = 1e-9;
+
+/// By how much the gain of whitened noise may be above one: what norms and Riccati equations leave.
+const AMPLIFIED: f64 = 1e-3;
+
+/// Part of the residual's own gain with which noise may enter the quiet channels.
+const LEAKED: f64 = 1e-6;
 
 /// What a plant is exposed to, besides its known inputs.
 #[derive(Clone, Debug)]
@@ -46,7 +53,9 @@ impl<D: TimeDomain> OptimalDesign<D> {
     /// # Errors
     ///
     /// Returns [`DesignError::Undetectable`] or [`DesignError::NothingLeft`] when there is no
-    /// solution, and an error when the noise has a zero on the frequency axis.
+    /// solution, an error when the noise has a zero on the frequency axis, and
+    /// [`DesignError::NotDecoupled`] or [`DesignError::NotWhitened`] when the residual, looked at again, is not
+    /// what it should be.
     ///
     /// # Examples
     ///
@@ -142,7 +151,40 @@ impl<D: TimeDomain> OptimalDesign<D> {
             }
         };
         check_stable("an optimal residual", form.system())?;
-        Ok(Self { form, noisy: rank })
+        let design = Self { form, noisy: rank };
+        design.verify(model, exposure, space.nearest())?;
+        Ok(design)
+    }
+
+    /// Looks at the residual again: no disturbance passes, every fault reacts, the noise has unit gain in the
+    /// noisy channels (in continuous time up to the corner of a low-pass) and none in the others.
+    fn verify(
+        &self,
+        model: &StateSpace<D>,
+        exposure: &Exposure<'_>,
+        nearest: RankDecision,
+    ) -> Result<(), DesignError> {
+        let Exposure { faults, disturbances, noise } = exposure;
+        refuse_what_passes(&self.form, disturbances, &disturbances.system(model)?, 0, nearest)?;
+        let rows = weak_structure(&self.form, &faults.system(model)?)?;
+        let unseen = |fault: &usize| rows.iter().all(|row| !row.0[*fault]);
+        if let Some(fault) = (0..faults.len()).find(unseen) {
+            let (fault, residuals) = (faults.names()[fault].clone(), rows.len());
+            return Err(DesignError::Undetectable { fault, residuals });
+        }
+        let all = self.form.residual_of(&noise.system(model)?)?;
+        let inputs: Vec<_> = (0..all.nu()).collect();
+        let gain = |rows: std::ops::Range<usize>| {
+            let rows: Vec<_> = rows.collect();
+            Ok::<_, DesignError>(peak_gain(&all.select(&rows, &inputs)?)?.norm)
+        };
+        let (loud, quiet) = (gain(0..self.noisy)?, gain(self.noisy..all.ny())?);
+        let size = peak_gain(self.form.system())?.norm;
+        let whole = 0 < self.noisy && 1.0 + AMPLIFIED < loud;
+        if whole || LEAKED * size < quiet {
+            return Err(DesignError::NotWhitened { loud, quiet });
+        }
+        Ok(())
     }
 
     /// The transfer functions from `u` and `y` to the residual.
@@ -227,7 +269,10 @@ fn innovations<D: TimeDomain>(s: &StateSpace<D>) -> Result<(Mat<f64>, Mat<f64>),
 }
 
 /// Orthonormal combinations of the outputs in which the noise is largest over frequency.
-fn loudest<D: TimeDomain>(noise: &StateSpace<D>, rank: usize) -> Result<Mat<f64>, DesignError> {
+pub(crate) fn loudest<D: TimeDomain>(
+    noise: &StateSpace<D>,
+    rank: usize,
+) -> Result<Mat<f64>, DesignError> {
     let mut all = Mat::<f64>::zeros(noise.ny(), 0);
     for omega in frequency_grid(&[noise])? {
         let Ok(g) = noise.frequency_response(omega) else { continue };

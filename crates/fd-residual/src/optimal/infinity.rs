@@ -13,14 +13,14 @@ const RANK: f64 = 1e-9;
 
 /// A system with a feedthrough of full row rank, and the proper filters that lead from the
 /// outputs of the original one to its outputs, up to a common low-pass or delay.
-pub(super) struct Regular<D> {
-    pub(super) system: StateSpace<D>,
-    pub(super) filters: Vec<StateSpace<D>>,
+pub(crate) struct Regular<D> {
+    pub(crate) system: StateSpace<D>,
+    pub(crate) filters: Vec<StateSpace<D>>,
 }
 
 /// Silverman's structure algorithm: rows without feedthrough are multiplied by `(s + a)/a`, or by
 /// `z`, until there are none; the others are delayed alike to keep the filters proper.
-pub(super) fn regular<D: TimeDomain>(
+pub(crate) fn regular<D: TimeDomain>(
     system: &StateSpace<D>,
     rate: f64,
 ) -> Result<Regular<D>, DesignError> {

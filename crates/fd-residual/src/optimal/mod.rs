@@ -22,3 +22,7 @@ mod design;
 mod infinity;
 
 pub use self::design::{Exposure, OptimalDesign};
+pub(crate) use self::{
+    design::loudest,
+    infinity::{Regular, regular},
+};

@@ -234,6 +234,18 @@ impl ParityDesign {
         })
     }
 
+    /// Combinations of a window that are not to be exact for any model.
+    pub(crate) fn given(
+        io: IoDims,
+        order: usize,
+        domain: Discrete,
+        from_y: Mat<f64>,
+        from_u: Mat<f64>,
+    ) -> Self {
+        let leak = vec![f64::NAN; from_y.nrows()];
+        Self { io, order, domain, from_y, from_u, leak, rank: None }
+    }
+
     /// Vectors that were not checked against `Γ`, with what they let through.
     pub(super) fn unchecked(
         model: &StateSpace<Discrete>,

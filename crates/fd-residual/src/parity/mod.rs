@@ -20,9 +20,13 @@ mod run;
 mod signature;
 mod window;
 
-pub(crate) use self::natural::{NaturalPlant, NaturalWindow};
 pub use self::{
     design::ParityDesign,
     run::{FixedWindow, Parity, Window},
+};
+pub(crate) use self::{
+    natural::{NaturalPlant, NaturalWindow},
+    signature::least_vector,
+    window::{input_map, observability},
 };
 pub use crate::rank::RankDecision;

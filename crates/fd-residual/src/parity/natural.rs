@@ -34,6 +34,11 @@ impl NaturalPlant {
         self.0.units.rate
     }
 
+    /// One unit of each output in natural units, in the units of the model.
+    pub(crate) fn output_units(&self) -> &[f64] {
+        &self.0.units.outputs
+    }
+
     /// What a window of `order + 1` samples sees.
     pub(crate) fn window(&self, order: usize) -> NaturalWindow {
         let (a, c) = (self.0.a.as_ref(), self.0.c.as_ref());

@@ -2,7 +2,7 @@
 
 use faer::{Mat, Scale};
 use fd_core::{Shape, ShapeError};
-use fd_model::{Discrete, ModelError, StateSpace};
+use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
 
 use super::{
     design::ParityDesign,
@@ -74,49 +74,71 @@ impl ParityDesign {
         longest: usize,
         tolerance: RankTolerance,
     ) -> Result<Self, DesignError> {
-        let expected = Shape::new(1, faults.len());
-        let found = Shape::new(1, signature.0.len());
-        if expected != found {
-            return Err(ShapeError { role: "signature", expected, found }.into());
-        }
-        let count = faults.len();
-        let having = |bit| (0..count).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
-        let (wanted, mut ignored) = (having(true), having(false));
-        if wanted.is_empty() {
-            return Err(DesignError::Empty { what: "one bit of the signature" });
-        }
-        ignored.extend(count..count + disturbances.len());
-        let plant = NaturalPlant::of(model, &faults.and(disturbances)?)?;
-        for order in 0..=longest {
-            let window = plant.window(order);
-            let decided = window.decoupled_from(&ignored, tolerance)?;
-            let (w, kept) = (decided.annihilators(), decided.decision);
-            if w.nrows() == 0 {
-                continue;
-            }
-            let react = |z: &Mat<f64>| {
-                let each = wanted.iter().map(|&fault| window.reaction(z.as_ref(), fault, &kept));
-                each.collect::<Vec<_>>()
-            };
-            let Some(z) = reacting_combination(&react(&w), tolerance)? else { continue };
-            // Once more, on the vector itself.
-            let one = &z * &w;
-            let bits = (0..count).map(|fault| {
-                let seen = window.reaction(one.as_ref(), fault, &kept);
-                NaturalWindow::reacts(seen.as_ref(), &[], tolerance)
-            });
-            let bits: Vec<RankDecision> = bits.collect();
-            let achieved = Signature(bits.iter().map(|bit| bit.rank == 1).collect());
-            let nearest = bits.into_iter().fold(kept, RankDecision::nearer);
-            if &achieved != signature {
-                let wanted = signature.clone();
-                return Err(DesignError::NotAchieved { row: 0, wanted, achieved, nearest });
-            }
-            let w = plant.in_model_units(one.as_ref());
-            return Ok(Self::unchecked(model, order, w, Some(nearest)));
-        }
-        Err(DesignError::NoSignature { signature: signature.clone(), longest })
+        let found = least_vector(model, faults, disturbances, signature, longest, tolerance)?;
+        let w = found.plant.in_model_units(found.w.as_ref());
+        Ok(Self::unchecked(model, found.order, w, Some(found.nearest)))
     }
+}
+
+/// A parity vector of the least order with a wanted signature, in natural units of signals and of time.
+pub(crate) struct LeastVector {
+    pub(crate) plant: NaturalPlant,
+    pub(crate) order: usize,
+    pub(crate) w: Mat<f64>,
+    /// The nearest decision behind it.
+    pub(crate) nearest: RankDecision,
+}
+
+/// The vector that [`ParityDesign::with_signature_within`] is made of, on either time axis.
+pub(crate) fn least_vector<D: TimeDomain>(
+    model: &StateSpace<D>,
+    faults: &UnknownInputs,
+    disturbances: &UnknownInputs,
+    signature: &Signature,
+    longest: usize,
+    tolerance: RankTolerance,
+) -> Result<LeastVector, DesignError> {
+    let expected = Shape::new(1, faults.len());
+    let found = Shape::new(1, signature.0.len());
+    if expected != found {
+        return Err(ShapeError { role: "signature", expected, found }.into());
+    }
+    let count = faults.len();
+    let having = |bit| (0..count).filter(|&i| signature.0[i] == bit).collect::<Vec<_>>();
+    let (wanted, mut ignored) = (having(true), having(false));
+    if wanted.is_empty() {
+        return Err(DesignError::Empty { what: "one bit of the signature" });
+    }
+    ignored.extend(count..count + disturbances.len());
+    let plant = NaturalPlant::of(model, &faults.and(disturbances)?)?;
+    for order in 0..=longest {
+        let window = plant.window(order);
+        let decided = window.decoupled_from(&ignored, tolerance)?;
+        let (w, kept) = (decided.annihilators(), decided.decision);
+        if w.nrows() == 0 {
+            continue;
+        }
+        let react = |z: &Mat<f64>| {
+            let each = wanted.iter().map(|&fault| window.reaction(z.as_ref(), fault, &kept));
+            each.collect::<Vec<_>>()
+        };
+        let Some(z) = reacting_combination(&react(&w), tolerance)? else { continue };
+        // Once more, on the vector itself.
+        let one = &z * &w;
+        let bits = (0..count).map(|fault| {
+            let seen = window.reaction(one.as_ref(), fault, &kept);
+            NaturalWindow::reacts(seen.as_ref(), &[], tolerance)
+        });
+        let bits: Vec<RankDecision> = bits.collect();
+        let achieved = Signature(bits.iter().map(|bit| bit.rank == 1).collect());
+        let nearest = bits.into_iter().fold(kept, RankDecision::nearer);
+        if &achieved != signature {
+            let wanted = signature.clone();
+            return Err(DesignError::NotAchieved { row: 0, wanted, achieved, nearest });
+        }
+        return Ok(LeastVector { plant, order, w: one, nearest });
+    }
+    Err(DesignError::NoSignature { signature: signature.clone(), longest })
 }
 
 /// A unit row `z` for which every `‖z M‖` is large, or `None` when one `M` is within the tolerance of zero.

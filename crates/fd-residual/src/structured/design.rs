@@ -1,6 +1,5 @@
 //! Designing each row.
 
-use faer::Mat;
 use fd_core::{IoDims, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace};
 
@@ -11,13 +10,12 @@ use crate::{
     decouple::{LeftNullSpace, refuse_what_passes},
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
+    least_order::LeastOrderDesign,
+    matrix::spread_rows,
     observer::ErrorPoles,
     parity::ParityDesign,
     rank::{RankDecision, RankTolerance},
 };
-
-/// Combinations of residuals that are tried besides each alone.
-const MIXTURES: usize = 24;
 
 /// How the residual of a row is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +28,11 @@ pub enum RowMethod {
     /// A filter in the left null space; smoother in noise.
     Filter {
         /// Least rate at which its modes die out, in 1/s.
+        rate: f64,
+    },
+    /// A filter with as few states as the parity relation has lags.
+    LeastOrder {
+        /// Rate at which its modes die out, in 1/s.
         rate: f64,
     },
 }
@@ -123,6 +126,19 @@ impl StructuredDesign {
                     .map_err(|error| in_row(error, row))?;
                     let nearest = design.rank();
                     (Box::new(design.clone()), design.order(), nearest)
+                }
+                RowMethod::LeastOrder { rate } => {
+                    let design = LeastOrderDesign::within(
+                        model,
+                        faults,
+                        disturbances,
+                        &wanted,
+                        &ErrorPoles::Rate(rate),
+                        tolerance,
+                    )
+                    .map_err(|error| in_row(error, row))?;
+                    let (order, nearest) = (design.order(), Some(design.nearest()));
+                    (Box::new(design), order, nearest)
                 }
                 RowMethod::Filter { rate } => {
                     let (form, nearest) =
@@ -247,7 +263,7 @@ fn filter(
     let gf = faults.select(&wanted)?.system(model)?;
     let mut best = None;
     let mut strongest = 0.0;
-    for row in mixtures(space.residual_len()) {
+    for row in spread_rows(space.residual_len()) {
         let form = space.combined(row.as_ref())?.placed(&ErrorPoles::Rate(rate))?;
         let effects = fault_effects(&form, &gf)?;
         let weakest = effects.iter().map(|e| if e.detectable { e.peak.norm } else { 0.0 });
@@ -257,17 +273,4 @@ fn filter(
         }
     }
     best.map(|form| (form, nearest)).ok_or_else(unachievable)
-}
-
-/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,
-/// which no integers relate.
-fn mixtures(width: usize) -> Vec<Mat<f64>> {
-    let alone = (0..width).map(|i| Mat::from_fn(1, width, |_, j| if i == j { 1.0 } else { 0.0 }));
-    let mixed = (1..=MIXTURES).filter(|_| 1 < width).map(|k| {
-        let spread = |j: usize| 2.0 * (k as f64 * ((j + 2) as f64).ln()).fract() - 1.0;
-        let row = Mat::from_fn(1, width, |_, j| spread(j));
-        let size = row.norm_l2();
-        faer::Scale(size.recip()) * row
-    });
-    alone.chain(mixed).collect()
 }

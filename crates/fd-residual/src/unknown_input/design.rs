@@ -5,10 +5,12 @@ use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, riccati};
 
 use crate::{
+    decouple::refuse_what_enters,
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
     matrix::{blocks, check_shape},
     observer::{ErrorPoles, entry_ranks, natural, place_visible},
+    rank::{RankDecision, RankTolerance},
     simulation::check_stable,
 };
 
@@ -29,7 +31,8 @@ impl<D: TimeDomain> UnknownInputObserver<D> {
     ///
     /// # Errors
     ///
-    /// Returns the condition that fails, or an error when the gain leaves a growing error.
+    /// Returns the condition that fails, an error when the gain leaves a growing error, or
+    /// [`DesignError::NotDecoupled`] when the residual, looked at again over frequency, lets an unknown input pass.
     ///
     /// # Examples
     ///
@@ -57,7 +60,9 @@ impl<D: TimeDomain> UnknownInputObserver<D> {
         let k1 = gain((&t * model.a()).as_ref());
         check_shape("observer gain K1", k1.as_ref(), Shape::new(model.nx(), model.ny()))?;
         let design = Self { model: model.clone(), h, t, k1 };
-        check_stable("the unknown-input observer error", design.form()?.system())?;
+        let form = design.form()?;
+        check_stable("the unknown-input observer error", form.system())?;
+        refuse_what_enters(&form, model, e, RankDecision::clear(RankTolerance::default()))?;
         Ok(design)
     }
 

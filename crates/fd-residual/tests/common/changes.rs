@@ -6,7 +6,7 @@ use fd_residual::analysis::UnknownInputs;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::cases::Problem;
+use super::common::problems::Problem;
 
 /// Condition of a change of coordinates.
 const CONDITION: f64 = 10.0;

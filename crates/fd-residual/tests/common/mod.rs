@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
+pub(crate) mod problems;
 pub(crate) mod transfer;
 
 use faer::{Mat, Scale, c64};

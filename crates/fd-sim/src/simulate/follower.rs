@@ -19,7 +19,7 @@ use fd_model::{Continuous, Record, SampleTime, StateSpace, riccati};
 use faer::{Mat, Scale, prelude::Solve};
 
 use super::{
-    Nominal, OperatingPoint, SimulateError, Simulator, linearize,
+    Nominal, OperatingPoint, Outcome, SimulateError, Simulator, linearize,
     logged_outputs::with_logged_outputs,
 };
 use crate::{
@@ -30,6 +30,8 @@ use crate::{
 
 /// Process noise of a sample, as of a disturbance of the inputs of this part of their size.
 const DISTURBANCE: f64 = 1e-3;
+/// The same where so little does not hold a plant that is far from linear, one after the other.
+const STRONGER: [f64; 3] = [1e-2, 1e-1, 1.0];
 
 /// A model whose simulation is corrected by logged outputs.
 ///
@@ -88,6 +90,109 @@ impl<'a> Follower<'a> {
         noise: &[f64],
         u: &[[f64; 2]],
     ) -> Option<Self> {
+        Self::disturbed(nominal, ts, noise, u, DISTURBANCE)
+    }
+
+    /// The same for a `record` that it is to follow: with more process noise where its run diverges, as that of a plant
+    /// does which is far from linear. `None` where none holds it.
+    ///
+    /// ```
+    /// use fd_sim::{model::Model, simulate::Follower};
+    /// use fd_model::{Channel, Record};
+    ///
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "pole"
+    /// sample_time = 0.02
+    /// inputs = { u = { unit = "1/s^2" } }
+    /// outputs = { y = { unit = "rad", value = "q" } }
+    /// [states]
+    /// q = { unit = "rad", initial = 0.0, derivative = "w" }
+    /// w = { unit = "rad/s", initial = 0.0, derivative = "9*sin(q) + u" }
+    /// "#.parse()?;
+    /// let (u, y) = ([Channel::new("u", "1/s^2")], [Channel::new("y", "rad")]);
+    /// let ts = model.sample_time()?;
+    /// let record = Record::from_rows(u.to_vec(), y.to_vec(), vec![([0.0], [0.0]); 200], ts)?;
+    /// assert!(Follower::along(&model, &record, &[0.001], &[[0.0, 1.0]]).is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn along(
+        nominal: &'a dyn Nominal,
+        record: &Record,
+        noise: &[f64],
+        u: &[[f64; 2]],
+    ) -> Option<Self> {
+        let mut each = std::iter::once(DISTURBANCE)
+            .chain(STRONGER)
+            .filter_map(|size| Self::disturbed(nominal, record.ts(), noise, u, size));
+        each.find(|follower| follower.holds(record).unwrap_or(false))
+    }
+
+    /// The same corrections around another simulator of these states and outputs, such as a patched one.
+    ///
+    /// ```
+    /// use fd_sim::{model::Model, simulate::{Follower, Nominal}};
+    ///
+    /// let pole = |gravity: f64| format!(r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "pole"
+    /// sample_time = 0.02
+    /// inputs = {{ u = {{ unit = "1/s^2" }} }}
+    /// outputs = {{ y = {{ unit = "rad", value = "q" }} }}
+    /// [states]
+    /// q = {{ unit = "rad", initial = 0.0, derivative = "w" }}
+    /// w = {{ unit = "rad/s", initial = 0.0, derivative = "{gravity}*sin(q) + u" }}
+    /// "#).parse::<Model>();
+    /// let (model, other) = (pole(9.0)?, pole(8.0)?);
+    /// let ts = model.sample_time()?;
+    /// let follower = Follower::of(&model, ts, &[0.001], &[[0.0, 1.0]]).ok_or("can be held")?;
+    /// assert_eq!(follower.around(&other).model(), &other);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn around<'b>(&self, nominal: &'b dyn Nominal) -> Follower<'b> {
+        Follower {
+            nominal,
+            model: nominal.model().clone(),
+            states: self.states.clone(),
+            gain: self.gain.clone(),
+            logged: self.logged.clone(),
+        }
+    }
+
+    /// Whether the run along a record stays finite; `None` where it cannot be made.
+    fn holds(&self, record: &Record) -> Option<bool> {
+        let record = self.record(record).ok()?;
+        let mut simulator = self.simulator(record.ts()).ok()?;
+        let places: Option<Vec<usize>> =
+            simulator.inputs().iter().map(|c| record.input_index(&c.name)).collect();
+        let places = places?;
+        // A missing input is the last one that was there.
+        let mut held = vec![0.0; places.len()];
+        let mut u = Vec::with_capacity(record.len() * places.len());
+        for k in 0..record.len() {
+            for (held, place) in held.iter_mut().zip(&places) {
+                let value = record.u(k)[*place];
+                *held = if value.is_finite() { value } else { *held };
+            }
+            u.extend_from_slice(&held);
+        }
+        let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+        let mut y = vec![0.0; record.len() * simulator.outputs().len()];
+        Some(simulator.simulate(&theta, &x0, &u, &mut y) == Outcome::Complete)
+    }
+
+    fn disturbed(
+        nominal: &'a dyn Nominal,
+        ts: SampleTime,
+        noise: &[f64],
+        u: &[[f64; 2]],
+        disturbance: f64,
+    ) -> Option<Self> {
         let model = nominal.model();
         if model.controller.is_some() {
             return None;
@@ -97,7 +202,7 @@ impl<'a> Follower<'a> {
             ..OperatingPoint::initial(model)
         };
         let linear = linearize(model, &at).ok()?;
-        let (gain, innovations) = design(&linear, ts, noise, u)?;
+        let (gain, innovations) = design(&linear, ts, noise, u, disturbance)?;
         let mut draft = model.clone().into_draft();
         for (output, size) in draft.outputs.iter_mut().zip(innovations) {
             output.noise = output.noise.map(|noise| noise.max(size));
@@ -208,6 +313,7 @@ fn design(
     ts: SampleTime,
     noise: &[f64],
     u: &[[f64; 2]],
+    disturbance: f64,
 ) -> Option<(Mat<f64>, Vec<f64>)> {
     let (n, m) = (linear.nx(), linear.nu());
     // Beside the inputs, each derivative has one of its own.
@@ -218,7 +324,7 @@ fn design(
     let wide =
         StateSpace::new(linear.a().to_owned(), b, linear.c().to_owned(), d, Continuous).ok()?;
     let sampled = wide.sample_zoh(ts).ok()?;
-    let by_inputs = Mat::from_fn(n, m, |i, j| sampled.b()[(i, j)] * DISTURBANCE * u[j][1]);
+    let by_inputs = Mat::from_fn(n, m, |i, j| sampled.b()[(i, j)] * disturbance * u[j][1]);
     let by_corrections = sampled.b().subcols(m, n).to_owned();
     let q = &by_inputs * by_inputs.transpose();
     // Rounding leaves a product of a matrix with itself unsymmetric.

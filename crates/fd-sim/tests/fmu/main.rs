@@ -15,20 +15,33 @@ const TS: f64 = 0.02;
 
 /// An unpacked FMU, with these macros in its source.
 fn fmu(macros: &[&str]) -> TempDir {
+    fmu_of(2, macros)
+}
+
+/// The same of another version of the standard.
+fn fmu_of(version: u8, macros: &[&str]) -> TempDir {
     let directory = tempfile::tempdir().unwrap();
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu");
-    fs::copy(here.join("mass.xml"), directory.path().join("modelDescription.xml")).unwrap();
-    let platform = match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => "linux64",
-        ("linux", "aarch64") => "aarch64-linux",
-        ("macos", _) => "darwin64",
+    let (xml, c, said) = match version {
+        2 => ("mass.xml", "mass.c", "VERSION=\"2.0\""),
+        _ => ("mass3.xml", "mass3.c", "VERSION=\"3.0\""),
+    };
+    fs::copy(here.join(xml), directory.path().join("modelDescription.xml")).unwrap();
+    let platform = match (version, std::env::consts::OS, std::env::consts::ARCH) {
+        (2, "linux", "x86_64") => "linux64",
+        (3, "linux", "x86_64") => "x86_64-linux",
+        (_, "linux", "aarch64") => "aarch64-linux",
+        (2, "macos", _) => "darwin64",
+        (3, "macos", "x86_64") => "x86_64-darwin",
+        (3, "macos", "aarch64") => "aarch64-darwin",
         other => panic!("the test does not know where FMUs keep the library of {other:?}"),
     };
     let binaries = directory.path().join("binaries").join(platform);
     fs::create_dir_all(&binaries).unwrap();
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     // The last one counts.
-    let defines = ["VERSION=\"2.0\"", "FAULT=3"].iter().chain(macros).flat_map(|text| {
+    let usual = [said, "FAULT=3"];
+    let defines = usual.iter().chain(macros).flat_map(|text| {
         let name = text.split('=').next().unwrap_or_default();
         [format!("-U{name}"), format!("-D{text}")]
     });
@@ -37,7 +50,7 @@ fn fmu(macros: &[&str]) -> TempDir {
         .args(["-shared", "-fPIC", "-O1", "-ffp-contract=off", "-o"])
         .arg(binaries.join(format!("mass{}", std::env::consts::DLL_SUFFIX)))
         .args(defines)
-        .arg(here.join("mass.c"))
+        .arg(here.join(c))
         .output()
         .unwrap_or_else(|e| panic!("this test needs a C compiler, and `{compiler}` gives: {e}"));
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
@@ -98,8 +111,13 @@ fn run(simulator: &mut dyn Simulator, theta: &[f64], x0: &[f64]) -> Vec<f64> {
 
 #[test]
 fn an_fmu_is_the_plant_that_it_was_made_of() {
-    let directory = fmu(&[]);
-    let mut simulator = open(&directory);
+    for version in [2, 3] {
+        is_the_plant_that_it_was_made_of(&fmu_of(version, &[]));
+    }
+}
+
+fn is_the_plant_that_it_was_made_of(directory: &TempDir) {
+    let mut simulator = open(directory);
     let contract = simulator.contract();
     let names = |channels: &[fd_model::Channel]| -> Vec<String> {
         channels.iter().map(|c| format!("{} {}", c.name, c.unit)).collect()
@@ -161,8 +179,15 @@ fn one_that_cannot_be_reset_is_made_anew() {
 
 #[test]
 fn an_error_in_a_step_is_a_divergence_from_there_and_a_fatal_one_the_end() {
-    for (fault, is_fatal) in [("FAULT=2", false), ("FAULT=3", false), ("FAULT=4", true)] {
-        let directory = fmu(&[fault]);
+    let each = [("FAULT=2", false), ("FAULT=3", false), ("FAULT=4", true)];
+    let each = each.map(|(fault, is_fatal)| (2, fault, is_fatal)).into_iter().chain([
+        // An FMU of version 3 may end the simulation.
+        (3, "FAULT=1", false),
+        (3, "FAULT=2", false),
+        (3, "FAULT=4", true),
+    ]);
+    for (version, fault, is_fatal) in each {
+        let directory = fmu_of(version, &[fault]);
         let text = FILE.replace("k = {}", "k = {}\nfault = { tolerance = 0.0 }");
         let mut simulator = file(&directory, &text).open().unwrap();
         let healthy = expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0);
@@ -171,7 +196,11 @@ fn an_error_in_a_step_is_a_divergence_from_there_and_a_fatal_one_the_end() {
         if is_fatal {
             assert!(found.iter().all(|y| y.is_nan()));
             let trouble = simulator.trouble().unwrap().to_string();
-            assert!(trouble.contains("fmi2DoStep: fatal (4) the spring has %s"), "{trouble}");
+            let expected = match version {
+                2 => "fmi2DoStep: fatal (4) the spring has %s",
+                _ => "fmi3DoStep: fatal (4) the spring has broken",
+            };
+            assert!(trouble.contains(expected), "{trouble}");
         } else {
             assert_eq!(found[..102], healthy[..102]);
             assert!(found[102..].iter().all(|y| y.is_nan()));
@@ -208,13 +237,16 @@ fn what_is_wrong_is_said_with_its_place() {
     let old = fmu(&["VERSION=\"1.0\""]);
     let error = file(&old, FILE).open().unwrap_err().to_string();
     assert!(error.contains("the functions of FMI 2.0, found its version is not 2.0"), "{error}");
+    let later = fmu_of(3, &["VERSION=\"4.0\""]);
+    let error = file(&later, FILE).open().unwrap_err().to_string();
+    assert!(error.contains("the functions of FMI 3.0, found its version is not 3.0"), "{error}");
     let foreign = fmu(&[]);
     let description = foreign.path().join("modelDescription.xml");
     let text = fs::read_to_string(&description).unwrap();
     fs::write(&description, text.replace("{mass}", "mass")).unwrap();
     let error = file(&foreign, FILE).open().unwrap_err().to_string();
     assert!(
-        error.contains("fmi2Instantiate: expected an instance, found another guid: %s"),
+        error.contains("its function to instantiate: expected an instance, found another guid: %s"),
         "{error}"
     );
     fs::write(&description, text.replace("modelIdentifier=\"mass\"", "modelIdentifier=\"m\""))

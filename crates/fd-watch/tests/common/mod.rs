@@ -12,22 +12,7 @@ pub mod support;
 use fd_log::LogMap;
 use fd_model::{Record, file::LinearModel};
 use fd_watch::{InputMap, Learning, Message, Monitor, Plan, Request, Row};
-
-pub const MODEL: &str = r#"
-version = 1
-kind = "state-space"
-sample_time = 0.1
-inputs = [{ name = "fuel", unit = "kg/s", operating_point = 2.0, scale = 0.5 }]
-outputs = [
-    { name = "speed", unit = "rpm", operating_point = 3000.0, scale = 100.0 },
-    { name = "temperature", unit = "K", operating_point = 900.0, scale = 50.0 },
-]
-
-[matrices]
-A = [[0.90, 0.06], [-0.04, 0.83]]
-B = [[0.06], [0.11]]
-C = [[1.0, 0.0], [0.3, 1.0]]
-"#;
+use support::physical::{self, MODEL};
 
 pub const SPEC: &str = r#"
 hold_missing = 3
@@ -52,13 +37,7 @@ pub fn plan() -> Plan {
 
 /// A run in physical units.
 pub fn record(samples: usize, variant: u32) -> Record {
-    let run =
-        support::run(&support::plant(), &support::input(samples, variant), 1e-3, variant.into());
-    let model = model();
-    let rows = run
-        .samples()
-        .map(|(u, y)| ([2.0 + 0.5 * u[0]], [3000.0 + 100.0 * y[0], 900.0 + 50.0 * y[1]]));
-    Record::from_rows(model.input_channels(), model.output_channels(), rows, run.ts()).unwrap()
+    physical::log(&support::input(samples, variant), variant.into())
 }
 
 /// Two faults of the temperature sensor, each for 10 s.

@@ -9,8 +9,6 @@ use super::patience::PatienceArgs;
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
-///
-/// Without a command it runs `fdiag engine`: the paper's experiment on a simulated jet engine.
 #[derive(Debug, Parser)]
 #[command(name = "fdiag", version, max_term_width = 100, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
@@ -132,7 +130,7 @@ Examples:
   fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
 
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 pub(crate) struct EngineArgs {
     /// Configuration file (TOML); see --print-config for all settings and their defaults
     #[arg(long, value_name = "FILE")]
@@ -300,12 +298,6 @@ pub(crate) struct OutputArgs {
     /// Number of threads; 0 takes all cores
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
-}
-
-impl Default for OutputArgs {
-    fn default() -> Self {
-        Self { out: PathBuf::from("fdiag-report"), json: false, threads: 0 }
-    }
 }
 
 /// A part of a whole that leaves something of it.

@@ -104,7 +104,10 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
 fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
     let setting = matches!(
         error,
-        CompareError::Version { .. } | CompareError::Setting { .. } | CompareError::Limit(_)
+        CompareError::Version { .. }
+            | CompareError::Setting { .. }
+            | CompareError::Limit(_)
+            | CompareError::Own { .. }
     );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),

@@ -26,12 +26,17 @@ mod watch;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use self::{
-    args::{Cli, Command, EngineArgs},
-    say::{be_quiet, complain},
+    args::{Cli, Command},
+    failure::Failure,
+    say::{be_quiet, complain, say},
 };
+
+/// The last line of `fdiag` alone.
+const START: &str = "To start: `fdiag engine` repeats the paper's experiment (a minute or two); \
+                     `fdiag gap --help` has examples for a simulator and logs of your own.";
 
 /// Runs what the command line asks for and says how it went.
 pub(crate) fn run() -> ExitCode {
@@ -40,7 +45,7 @@ pub(crate) fn run() -> ExitCode {
         be_quiet();
     }
     let result = match cli.command {
-        None => engine::run(&EngineArgs::default()),
+        None => how_to_start(),
         Some(Command::Engine(args)) => engine::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
@@ -60,4 +65,10 @@ pub(crate) fn run() -> ExitCode {
             failure.code()
         }
     }
+}
+
+/// What `fdiag` says to somebody who asks for nothing.
+fn how_to_start() -> Result<ExitCode, Failure> {
+    say(&format!("{}\n{START}\n", Cli::command().render_help()))?;
+    Ok(ExitCode::SUCCESS)
 }

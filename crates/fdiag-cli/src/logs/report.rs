@@ -10,6 +10,9 @@ use super::{
     study::{LogResult, LogStudy, SignalUnit, Traces},
 };
 
+/// A statistic that is so many thresholds large is drawn on a logarithmic axis, where the threshold can be seen.
+const FAR_ABOVE: f64 = 20.0;
+
 impl LogStudy {
     /// What came out, in one sentence.
     #[must_use]
@@ -202,20 +205,29 @@ fn file_name(log: &LogResult) -> String {
     log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned())
 }
 
+/// The statistic against its threshold, where it is judged: while the generator settles it may be a hundred times as
+/// large, and nothing else could be seen.
 fn statistic_picture(trace: &Trace) -> Picture {
-    let over_time = |values: &[f64]| -> Vec<(f64, f64)> {
-        trace.time.iter().copied().zip(values.iter().copied()).collect()
+    let is_ever = trace.compensating.contains(&true);
+    let judged = |values: &[f64]| -> Vec<(f64, f64)> {
+        let all = trace.time.iter().zip(values).zip(&trace.compensating);
+        all.map(|((t, v), judged)| (*t, if *judged || !is_ever { *v } else { f64::NAN })).collect()
     };
-    Picture {
+    let (statistic, threshold) = (judged(&trace.statistic), judged(&trace.threshold));
+    let largest = |line: &[(f64, f64)]| line.iter().map(|(_, v)| *v).fold(0.0, f64::max);
+    let log_y = FAR_ABOVE * largest(&threshold) < largest(&statistic);
+    let mut picture = Picture {
         title: "Detector".to_owned(),
         x_label: "time [s]".to_owned(),
         y_label: "statistic [1]".to_owned(),
-        lines: vec![
-            Line::new("statistic", over_time(&trace.statistic)),
-            Line::new("threshold", over_time(&trace.threshold)),
-        ],
+        log_y,
+        lines: vec![Line::new("statistic", statistic), Line::new("threshold", threshold)],
         ..Picture::default()
+    };
+    if let Some(k) = trace.first_alarm(0) {
+        picture.marks.push((trace.time[k], "first alarm".to_owned()));
     }
+    picture
 }
 
 fn caption(log: &LogResult) -> String {

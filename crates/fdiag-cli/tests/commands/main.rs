@@ -68,9 +68,10 @@ fn every_command_that_is_shown_runs() {
     let mut faults = Vec::new();
     for Shown { place, line } in &all {
         let squeezed = line.split_whitespace().collect::<Vec<_>>().join(" ");
-        if squeezed == "fdiag" {
+        // That of the README; with other numbers it runs.
+        if squeezed == "fdiag engine" {
             println!(
-                "{place}: `fdiag` is parsed only: a thousand engines; the tests of `cli` run two"
+                "{place}: `{squeezed}` is parsed only: a thousand engines; the tests of `cli` run two"
             );
             continue;
         }

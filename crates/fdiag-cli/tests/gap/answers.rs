@@ -28,6 +28,10 @@ fn the_answer_is_one_sentence_and_tables() {
     assert!(output.stderr.is_empty(), "nothing is said to nobody: {output:?}");
     let page = desk.read("out/report.html");
     assert!(page.contains("<svg") && page.contains("Coulomb friction at rail"));
+    // Behind the first pictures are the inputs, and what is left of each output.
+    for title in ["Input force", "Residual of speed", "Autocorrelation, speed"] {
+        assert!(page.contains(title), "{title}");
+    }
     let outside = ["src=", "@import", "url(", "http://", "https://"];
     let page = page.replace("url(#", "").replace("http://www.w3.org/2000/svg", "");
     assert!(outside.iter().all(|o| !page.contains(o)), "the page needs something from elsewhere");

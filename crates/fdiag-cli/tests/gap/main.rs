@@ -9,3 +9,4 @@ mod long;
 mod own_effects;
 mod refusals;
 mod schema;
+mod uneven;

@@ -9,6 +9,8 @@ function look(frame) {
       if (/auto|scroll/.test(view.getComputedStyle(e).overflowX)) return true;
     return false;
   };
+  // What is folded away has to be in order as well.
+  for (const details of page.querySelectorAll("details")) details.open = true;
   if (root.clientWidth < root.scrollWidth) found.clipped.push("the page is " + root.scrollWidth + " wide");
   for (const e of page.body.querySelectorAll("*")) {
     const box = e.getBoundingClientRect();

@@ -8,9 +8,9 @@ use fd_gap::{
     reading::Mistake,
 };
 use fd_log::{ColumnMap, LogMap};
-use fd_model::{Disorder, Record, SampleTime, TimeBaseReport};
+use fd_model::{Disorder, HeldInputs, Record, SampleTime, TimeBaseReport};
 use fd_sim::{
-    model::Model,
+    model::{Hold, Model},
     simulate::{Follower, Simulator},
 };
 
@@ -219,6 +219,10 @@ fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
     if request.resample.disorder != Disorder::default() {
         policy.disorder = request.resample.disorder;
     }
+    // What a model holds until the next sample has to have the integral of what was held in between.
+    let held =
+        if subject.model().hold == Hold::Zero { HeldInputs::Mean } else { HeldInputs::Latest };
+    policy.held_inputs.get_or_insert(held);
     let is_stated = policy.sample_time.or(map.time.sample_time).is_some();
     let pace = match (is_stated, subject.keeps_pace()) {
         (true, _) => Pace::Stated,

@@ -2,7 +2,7 @@
 
 use fd_gap::{
     fit::{FitError, Log},
-    quality::robust_third_difference_floor,
+    quality::{grid_step, robust_third_difference_floor},
 };
 use fd_model::Record;
 use fd_sim::{
@@ -12,6 +12,8 @@ use fd_sim::{
 
 use super::memory::Memory;
 
+/// Smallest noise of a signal without any, in its root mean square.
+const EXACT: f64 = 1e-6;
 /// Growth of a distance along the log of what falls over.
 const FALLS_OVER: f64 = 100.0;
 
@@ -65,14 +67,20 @@ pub fn follow<'a>(
         return Ok(None);
     }
     let noise = nominal.model().outputs.iter().map(|output| {
-        let estimated = || {
-            let column = longest.output_index(&output.name)?;
-            robust_third_difference_floor(&longest.output(column).collect::<Vec<_>>())
-        };
-        output.noise.or_else(estimated).unwrap_or(0.0)
+        let column = longest.output_index(&output.name);
+        let signal: Vec<f64> = column.map_or_else(Vec::new, |c| longest.output(c).collect());
+        noise(&signal, output.noise)
     });
-    let noise: Vec<f64> = noise.map(|noise| noise.max(f64::MIN_POSITIVE.sqrt())).collect();
-    Ok(Follower::of(nominal, longest.ts(), &noise, &inputs))
+    Ok(Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &inputs))
+}
+
+/// Noise of a signal: as stated, or that of third differences; at least that of rounding to the steps that it is logged in.
+fn noise(signal: &[f64], stated: Option<f64>) -> f64 {
+    let noise = stated.or_else(|| robust_third_difference_floor(signal)).unwrap_or(0.0);
+    let rounding = grid_step(signal).unwrap_or(0.0) / 12.0_f64.sqrt();
+    let finite: Vec<f64> = signal.iter().copied().filter(|value| value.is_finite()).collect();
+    let size = fd_numeric::rms(finite.iter().copied());
+    noise.max(rounding).max(EXACT * size).max(f64::MIN_POSITIVE.sqrt())
 }
 
 /// Whether a model leaves its initial state by itself within this time, without inputs or with their means. A pole
@@ -141,6 +149,57 @@ mod tests {
         let ts = model.sample_time().unwrap();
         let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..500).map(row), ts).unwrap();
         assert!(follow(&model, &[log]).unwrap().is_some());
+    }
+
+    /// A value that stands still between steps has no third differences, and is not exact for that.
+    #[test]
+    fn what_is_logged_in_steps_is_as_noisy_as_these() {
+        let coarse: Vec<f64> = (0..400)
+            .map(|k| (0.05 * f64::from(k)).sin())
+            .map(|x| 0.2 * (x / 0.2).round())
+            .collect();
+        assert_eq!(robust_third_difference_floor(&coarse), Some(0.0));
+        let step = 0.2 / 12.0_f64.sqrt();
+        // A grid is known to a rounding.
+        assert!((noise(&coarse, None) - step).abs() < 1e-12);
+        assert!((noise(&coarse, Some(0.01)) - step).abs() < 1e-12);
+        assert!((noise(&coarse, Some(0.5)) - 0.5).abs() < 1e-12);
+    }
+
+    /// A state that runs to infinity within a second, held by somebody: the run that follows it stays near it.
+    #[test]
+    fn what_is_far_from_linear_is_held() {
+        let model: Model = r#"
+            version = 1
+            kind = "equations"
+            name = "runaway"
+            sample_time = 0.05
+            inputs = { u = { unit = "1/s" } }
+            outputs = { y = { unit = "1", value = "x", noise = 0.01 } }
+            [states]
+            x = { unit = "1", initial = 0.3, tolerance = 0.01, derivative = "2*x + 4*x^3 + u" }
+            "#
+        .parse()
+        .unwrap();
+        let mut x = 0.3;
+        let row = |k: u32| {
+            let u = -6.0 * x + 0.9 * (0.2 * f64::from(k)).sin();
+            let y = x + 0.01 * f64::from(k * 7919 % 13 % 3) - 0.01;
+            // A hundred Euler steps; the largest rate is 6/s.
+            for _ in 0..100 {
+                x += 5e-4 * (2.0 * x + 4.0 * x * x * x + u);
+            }
+            ([u], [y])
+        };
+        let rows: Vec<([f64; 1], [f64; 1])> = (0..800).map(row).collect();
+        let ts = model.sample_time().unwrap();
+        let (u, y) = ([Channel::new("u", "1/s")], [Channel::new("y", "1")]);
+        let log = Record::from_rows(u.to_vec(), y.to_vec(), rows, ts).unwrap();
+        let follower = follow(&model, std::slice::from_ref(&log)).unwrap().unwrap();
+        let followed = follower.record(&log).unwrap();
+        let inputs: Vec<f64> = (0..800).flat_map(|k| followed.u(k).to_vec()).collect();
+        let scales = follower.scales(ts, &inputs, 800).unwrap();
+        assert!(scales.outputs[0].peak() < 2.0, "{:?}", scales.outputs);
     }
 
     #[test]

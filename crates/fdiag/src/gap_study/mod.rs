@@ -47,6 +47,6 @@ pub use self::{
     sparing::Sparing,
     study::{GapStudy, automatic_settings},
     subject::Subject,
-    traces::{Signals, Trace},
+    traces::{Drive, Signals, Trace},
     whole::{Whole, Window},
 };

@@ -3,7 +3,7 @@
 use fd_gap::{
     diagnose::Explanation,
     fit::{FitError, Horizon, Log},
-    shrink::{Settled, forecast_errors},
+    shrink::{Paths, Settled, forecast_errors},
 };
 use fd_model::SampleTime;
 use fd_sim::simulate::{Nominal, Simulator};
@@ -39,7 +39,8 @@ impl Said {
         sigma: &[f64],
     ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
         let Self { simulator, nuisances } = self;
-        let settled = Settled { simulator: &**simulator, nuisances, effects: &[] };
+        let settled =
+            Settled { simulator: &**simulator, nuisances, effects: &[], paths: Paths::AsFitted };
         forecast_errors(plain, settled, std::slice::from_ref(log), horizon, sigma)
     }
 }

@@ -22,6 +22,19 @@ pub struct Trace {
     pub time: Vec<f64>,
     /// One entry per output.
     pub outputs: Vec<Signals>,
+    /// One entry per input.
+    pub inputs: Vec<Drive>,
+}
+
+/// An input over time, as it drives the simulator.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Name of the input.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// As logged; where it is missing, its last value.
+    pub values: Vec<f64>,
 }
 
 /// An output over time; NaN where there is no value.
@@ -92,5 +105,11 @@ fn of(
             after,
         }
     });
-    Trace { role: part.role, time: time.collect(), outputs: outputs.collect() }
+    let inputs = nominal.model().external_inputs();
+    let inputs = inputs.into_iter().enumerate().map(|(i, input)| {
+        let values = (0..log.samples()).filter_map(|k| log.input(k).get(i).copied());
+        Drive { name: input.name, unit: input.unit, values: values.collect() }
+    });
+    let (time, outputs) = (time.collect(), outputs.collect());
+    Trace { role: part.role, time, outputs, inputs: inputs.collect() }
 }

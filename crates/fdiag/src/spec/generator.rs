@@ -153,6 +153,7 @@ pub enum GeneratorSpec {
         /// Variance of the step that each fault takes per sample.
         drift: f64,
     },
+    // What three filters have in common stands three times: a flattened struct would not refuse unknown keys.
     /// The extended Kalman filter of a nonlinear model.
     Extended {
         /// The model file.

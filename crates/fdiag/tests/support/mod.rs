@@ -6,6 +6,8 @@
     reason = "shared by several test binaries, each of which uses a part of it"
 )]
 
+pub mod physical;
+
 use faer::mat;
 use fdiag::{
     core::{Event, EventKind, Heap, Scalar, Step, stage::Phase},

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     diagnose::{
         context::Context,
-        result::Regime,
+        result::{Regime, Verdict},
         weigh::{Weighed, pair::FittedPair, rank::Basis, singles::Singles},
     },
     fit::{FitError, Log},
@@ -54,7 +54,7 @@ pub(super) fn by_evidence<'a>(
     let measured =
         beside.map_or_else(Vec::new, |beside| beside.with_ties(&singles.causes, &ties.tied));
     let is_curve = match (best.effects, simulated_effects) {
-        (1, _) => singles.is_first_a_curve(),
+        (1, _) => singles.does_first_follow_anything(),
         (_, 2) => fitted.first().is_some_and(FittedPair::follows_anything),
         _ => false,
     };
@@ -69,11 +69,23 @@ pub(super) fn by_evidence<'a>(
         is_curve,
     );
     let pairs = NamedPairs { pairs, tied, fitted };
+    let singles = Singles { causes, ..singles };
+    let verdict = verdict(probabilities, &singles.causes, &ties, &pairs);
+    let is_one = matches!(verdict, Verdict::Cause | Verdict::Tied);
+    // Named alone, whatever else may be there: what is said of it is said of it alone.
+    let alone = singles.first_answer().filter(|_| is_one && simulated_effects == 2);
+    let (best, lack_of_fit) = match alone {
+        Some(alone) => {
+            let lack_of_fit = singles.lack_of_fit(&alone);
+            (alone, lack_of_fit)
+        }
+        None => (best, lack_of_fit),
+    };
     Ok(Judged {
-        verdict: verdict(probabilities, &causes, &ties, &pairs),
+        verdict,
         regime: Regime::AtTheFloor,
         probabilities,
-        singles: Singles { causes, ..singles },
+        singles,
         ties,
         pairs,
         best,

@@ -17,6 +17,7 @@ use crate::{
         weigh::{answer::Answer, rank::Basis, singles::Singles},
     },
     fit::{FitError, Log},
+    shrink::Paths,
 };
 
 /// The causes in their new order, if a law comes before the curve that was the first, and its answer.
@@ -37,7 +38,8 @@ pub(super) fn law_before_curves<'a>(
         let ranked = &singles.causes[*place];
         let Basis::Simulation(id) = ranked.basis else { continue };
         let Some(answer) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
-        let loss = validate(&answer, floor, &singles, held_out, context.settings)?.loss;
+        let loss =
+            validate(&answer, floor, &singles, held_out, context.settings, Paths::AsFitted)?.loss;
         if is_curve(*place) {
             losses[*place] = loss;
         } else {

@@ -28,7 +28,7 @@ use super::{
 };
 use crate::{
     fit::{FitError, Log},
-    shrink::with_free_starts,
+    shrink::as_begun,
 };
 
 /// Judges by evidence, or by forecasts where nothing comes near the noise.
@@ -45,7 +45,7 @@ pub(super) fn judge<'a>(
         None => FittedValues::of(&null.problem, &null.minimum),
     };
     let sigma = &weighed.singles.searched.noise.sigma;
-    let held_out = with_free_starts(base.simulator(), values.settled(), held_out, sigma)?;
+    let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
     let judged = if weighed.is_far() {
         by_forecasts(weighed, &held_out, context)?

@@ -47,8 +47,7 @@ pub(super) fn name_pairs(
     let mut fitted: Vec<FittedPair> = fitted.into_iter().filter(|f| is_worth_it(&f.pair)).collect();
     let ties = are_tied(&mut fitted, settings);
     let each = fitted.iter().zip(ties);
-    let mut all: Vec<Weighed> =
-        each.map(|(f, tie)| Weighed { pair: f.pair.clone(), tie }).collect();
+    let mut all: Vec<Weighed> = each.map(|(f, tie)| Weighed { pair: f.named(), tie }).collect();
     let measured = measured.into_iter().filter(is_worth_it);
     all.extend(measured.map(|pair| Weighed { pair, tie: Tie::Measured }));
     all.sort_by(|a, b| b.pair.log_evidence.total_cmp(&a.pair.log_evidence));

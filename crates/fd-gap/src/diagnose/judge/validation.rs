@@ -9,11 +9,16 @@ use crate::{
     diagnose::{
         context::Context,
         settings::Settings,
-        weigh::{answer::Answer, rank::Basis, singles::Singles, values::FittedValues},
+        weigh::{
+            answer::{Answer, Fit},
+            rank::Basis,
+            singles::Singles,
+            values::FittedValues,
+        },
     },
     fit::{FitError, Log, Minimum, Problem},
     quality::Autoregression,
-    shrink::{Closed, closed, forecast_errors, gap_per_output},
+    shrink::{Closed, Paths, closed, forecast_errors, gap_per_output},
 };
 
 /// An explanation that surely closes less than this share of a held-out gap does not forecast it, and
@@ -49,8 +54,9 @@ pub(super) fn validate_with_rivals(
     context: &Context<'_>,
 ) -> Result<Validation, FitError> {
     let settings = context.settings;
-    let validate = |answer: &Answer| validate(answer, floor, singles, held_out, settings);
-    let mut validation = validate(best)?;
+    let validate =
+        |answer: &Answer, paths| validate(answer, floor, singles, held_out, settings, paths);
+    let mut validation = validate(best, Paths::AsFitted)?;
     if 0.0 < validation.loss && best.effects == 1 {
         let near = best.log_evidence - settings.bayes_factor.ln();
         let others = singles.causes.iter().skip(1);
@@ -58,10 +64,18 @@ pub(super) fn validate_with_rivals(
         for ranked in rivals.take(MOST_RIVALS) {
             let Basis::Simulation(id) = ranked.basis else { continue };
             let Some(rival) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
-            let other = validate(&rival)?;
+            let other = validate(&rival, Paths::AsFitted)?;
             if other.loss < validation.loss {
                 validation = other;
             }
+        }
+    }
+    // A path is that of one run; that no law forecasts where it does not has been seen.
+    let paths = best.fit.as_ref().map_or(Paths::AsFitted, Fit::paths);
+    if 0.0 < validation.loss && paths == Paths::Anew {
+        let anew = validate(best, paths)?;
+        if anew.loss < validation.loss {
+            validation = anew;
         }
     }
     Ok(validation)
@@ -75,6 +89,7 @@ pub(super) fn validate(
     singles: &Singles<'_>,
     held_out: &[Log],
     settings: &Settings,
+    paths: Paths,
 ) -> Result<Validation, FitError> {
     let (Some(fit), Some(horizon)) = (&answer.fit, settings.report_horizons.first()) else {
         return Ok(Validation::default());
@@ -84,7 +99,7 @@ pub(super) fn validate(
     }
     let (nominal, searched) = (singles.base.simulator(), &singles.searched);
     let run = |problem: &Problem, at: &Minimum| {
-        let values = FittedValues::of(problem, at);
+        let values = FittedValues::of(problem, at).with_paths(paths);
         forecast_errors(nominal, values.settled(), held_out, *horizon, &searched.noise.sigma)
     };
     let before = run(&searched.null.problem, &searched.null.minimum)?;

@@ -10,7 +10,8 @@ use crate::diagnose::{result::Verdict, weigh::rank::RankedCause};
 const NAMED: f64 = 0.5;
 
 /// The answer in one word. What has more than half of the probability is named; tied causes have it
-/// together, and so have pairs.
+/// together, and so have pairs. A cause that is at work with that probability, alone or as one of two, is named even where
+/// it is open whether there is a second one, and which.
 pub(super) fn verdict(
     probabilities: Probabilities,
     causes: &[RankedCause],
@@ -19,6 +20,8 @@ pub(super) fn verdict(
 ) -> Verdict {
     let tied_causes = tied.iter().filter_map(|id| causes.get(id.0));
     let single: f64 = tied_causes.map(|ranked| ranked.cause.probability).sum();
+    // The first one, alone or beside another: sums over what is tied would name a crowd of faint ones.
+    let first = causes.first().map_or(0.0, |first| first.cause.at_work(pairs));
     let double: f64 = pairs.iter().map(|pair| pair.probability).sum();
     if NAMED < probabilities.no_gap || causes.is_empty() {
         Verdict::NoGap
@@ -26,7 +29,7 @@ pub(super) fn verdict(
         Verdict::NoneOfThese
     } else if NAMED < double {
         Verdict::Pair
-    } else if NAMED < single {
+    } else if NAMED < single.max(first) {
         if tied.len() == 1 { Verdict::Cause } else { Verdict::Tied }
     } else {
         Verdict::Unclear

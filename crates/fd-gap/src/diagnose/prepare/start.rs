@@ -20,8 +20,10 @@ const BEGINNING: f64 = 1.0 / 3.0;
 /// … and the share of the gain that must lie there. What a free start gains all along the log, as the
 /// offset of an integrator does, may as well be an effect …
 const AT_THE_BEGINNING: f64 = 0.8;
-/// … unless free starts alone come this near to the noise: what hardly damps never forgets how it began.
+/// … unless free starts alone come this near to the noise …
 const DOWN_TO: f64 = 1.5;
+/// … or leave no more than this part of the squares of some output: what hardly damps never forgets how it began.
+const MOST: f64 = 0.1;
 
 /// The same logs with free starts, if their beginnings speak for motion: an F-test of what the free starts of
 /// the model without any effect gain, which need not come near the noise.
@@ -47,32 +49,64 @@ pub(in crate::diagnose) fn in_motion(
     Ok(Some(Prepared { model: prepared.model.clone(), null, noise }))
 }
 
-/// Whether free starts explain so much more, and that in the beginning, that the logs cannot have begun where
-/// the model says.
-fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
-    let sigma = &stated.problem.weights().sigma;
-    // Sums of squares in the beginnings of all logs, and of all samples.
-    let squares = |fit: &NullFit| -> Option<[f64; 2]> {
+/// Squares of the errors of an output, in the noise of the stated starts.
+#[derive(Clone, Copy, Debug, Default)]
+struct Squares {
+    /// In the beginnings of all logs.
+    early: f64,
+    all: f64,
+    samples: f64,
+}
+
+impl Squares {
+    /// Per output; `None` when the simulation diverges.
+    fn of(fit: &NullFit, sigma: &[f64]) -> Option<Vec<Self>> {
         let errors = fit.problem.clone().errors(&fit.minimum.z)?;
         let plan = fit.problem.plan();
-        let mut sums = [0.0; 2];
-        for ((signals, own), common) in errors.iter().zip(&fit.problem.weights().sigma).zip(sigma) {
+        let of = |((signals, own), common): ((&Vec<Vec<f64>>, &f64), &f64)| {
+            let mut squares = Self::default();
             for (signal, segment) in signals.iter().zip(plan.segments()) {
                 let end = BEGINNING * plan.logs[segment.log].samples() as f64;
                 for (k, e) in signal.iter().enumerate().filter(|(_, e)| e.is_finite()) {
                     let square = (e * own / common).powi(2);
-                    sums[0] += if ((segment.from + k) as f64) < end { square } else { 0.0 };
-                    sums[1] += square;
+                    squares.early += if ((segment.from + k) as f64) < end { square } else { 0.0 };
+                    squares.all += square;
+                    squares.samples += 1.0;
                 }
             }
-        }
-        Some(sums)
+            squares
+        };
+        Some(errors.iter().zip(&fit.problem.weights().sigma).zip(sigma).map(of).collect())
+    }
+
+    /// Whether they are near those of noise.
+    fn are_noise(&self) -> bool {
+        self.all < DOWN_TO * DOWN_TO * self.samples
+    }
+
+    fn sum(outputs: &[Self]) -> Self {
+        outputs.iter().fold(Self::default(), |sum, one| Self {
+            early: sum.early + one.early,
+            all: sum.all + one.all,
+            samples: sum.samples + one.samples,
+        })
+    }
+}
+
+/// Whether free starts explain so much more, and that in the beginning, that the logs cannot have begun where
+/// the model says.
+fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
+    let sigma = &stated.problem.weights().sigma;
+    let (Some(before), Some(after)) = (Squares::of(stated, sigma), Squares::of(free, sigma)) else {
+        return false;
     };
-    let (Some(before), Some(after)) = (squares(stated), squares(free)) else { return false };
+    let [sum_before, sum_after] = [Squares::sum(&before), Squares::sum(&after)];
     let n = stated.problem.plan().measured() as f64;
     let unknowns = free.problem.plan().own_variables().count() as f64;
-    let gain = before[1] - after[1];
-    let is_early = AT_THE_BEGINNING * gain < before[0] - after[0];
-    let is_all = after[1] < DOWN_TO * DOWN_TO * n;
-    (is_early || is_all) && unknowns * (n.ln() + SURE) * after[1] < n * gain
+    let gain = sum_before.all - sum_after.all;
+    let is_early = AT_THE_BEGINNING * gain < sum_before.early - sum_after.early;
+    // Of one output, as of a position that only integrates, while another one shows something else.
+    let is_most = before.iter().zip(&after).any(|(before, after)| after.all < MOST * before.all);
+    (is_early || sum_after.are_noise() || is_most)
+        && unknowns * (n.ln() + SURE) * sum_after.all < n * gain
 }

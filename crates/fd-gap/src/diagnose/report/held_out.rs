@@ -7,7 +7,7 @@ use crate::{
         weigh::{answer::Fit, values::FittedValues},
     },
     fit::{FitError, Horizon, Log, NullFit, Problem},
-    shrink::{Baselines, Closed, Settled, closed, forecast_errors, gap_per_output},
+    shrink::{Baselines, Closed, Paths, Settled, closed, forecast_errors, gap_per_output},
 };
 
 /// What is known of the noise of each output.
@@ -31,9 +31,12 @@ pub(super) fn held_out_gaps(
     context: &Context<'_>,
 ) -> Result<Vec<HeldOut>, FitError> {
     let nominal = nominal.simulator();
-    let as_it_came = Settled { simulator: nominal, nuisances: &[], effects: &[] };
+    let as_it_came =
+        Settled { simulator: nominal, nuisances: &[], effects: &[], paths: Paths::AsFitted };
     let refit = FittedValues::of(&null.problem, &null.minimum).on(nominal);
-    let best = best.map(|Fit { problem, minimum }| FittedValues::of(problem, minimum));
+    let paths = best.map_or(Paths::AsFitted, Fit::paths);
+    let best =
+        best.map(|Fit { problem, minimum }| FittedValues::of(problem, minimum).with_paths(paths));
     let best = best.as_ref().unwrap_or(&refit);
     let mut all = Vec::new();
     if logs.is_empty() {
@@ -70,6 +73,7 @@ pub(super) fn held_out_gaps(
                 .map(Closed::between_runs),
             closed_of_refit: closed(&refit, &after, floor, replicas, seed)
                 .map(Closed::between_runs),
+            is_redrawn: paths == Paths::Anew,
         });
     }
     Ok(all)

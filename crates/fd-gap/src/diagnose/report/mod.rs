@@ -35,7 +35,7 @@ use super::{
 };
 use crate::{
     fit::{FitError, Log, Minimum, NullFit, Problem},
-    shrink::with_free_starts,
+    shrink::as_begun,
 };
 
 /// Innovation, as a fraction of the noise, below which noise is slow: neighbouring samples show less than half of it.
@@ -89,7 +89,7 @@ pub(super) fn report(
         Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),
         None => FittedValues::of(&null.problem, &null.minimum).on(nominal.simulator()),
     };
-    let logs = with_free_starts(nominal.simulator(), values.settled(), logs, &noise.sigma)?;
+    let logs = as_begun(nominal.simulator(), values.settled(), logs, &noise.sigma)?;
     let known = Noise { sigma: &noise.sigma, floors: &floor };
     let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
     context.monitor.advance();

@@ -6,7 +6,8 @@ use fd_sim::model::Model;
 use super::{explain::explain, measurement::MeasurementCause};
 use crate::{
     diagnose::result::Explanation,
-    fit::{Minimum, Problem},
+    fit::{Minimum, Problem, Variable},
+    shrink::Paths,
 };
 
 /// Evidence over that of the best single cause from which a second cause is accepted.
@@ -36,6 +37,19 @@ pub(in crate::diagnose) struct Answer {
 pub(in crate::diagnose) struct Fit {
     pub(in crate::diagnose) problem: Problem,
     pub(in crate::diagnose) minimum: Minimum,
+}
+
+impl Fit {
+    /// What is made of its paths over time in another log: where it is nothing but paths, they are drawn anew, as no
+    /// forecast of them is possible. Beside a law a path has to forecast, or the two would follow anything.
+    pub(in crate::diagnose) fn paths(&self) -> Paths {
+        let effects = self.problem.effects();
+        if !effects.is_empty() && effects.iter().all(Variable::is_path) {
+            Paths::Anew
+        } else {
+            Paths::AsFitted
+        }
+    }
 }
 
 /// An answer and what must speak for it.

@@ -89,6 +89,16 @@ impl FittedPair {
         Some(Self { pair, model: second.model.clone(), fit, members })
     }
 
+    /// The pair as it is named: a law comes before what follows anything.
+    pub(in crate::diagnose) fn named(&self) -> Pair {
+        let mut pair = self.pair.clone();
+        let [first, second] = self.members.each_ref().map(follows_anything);
+        if first && !second {
+            pair.causes.reverse();
+        }
+        pair
+    }
+
     /// Whether both are of the same two causes, in any order.
     pub(super) fn is_of(&self, other: &Self) -> bool {
         let [a, b] = &self.members;

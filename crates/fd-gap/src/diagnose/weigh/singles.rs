@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     diagnose::{
-        candidates::is_free_curve,
+        candidates::{follows_anything, is_free_curve},
         context::Context,
         search::searched::{Searched, TrialId},
         settings::Settings,
@@ -69,6 +69,11 @@ impl<'a> Singles<'a> {
     /// Whether the first cause is a free curve, which is no law.
     pub(in crate::diagnose) fn is_first_a_curve(&self) -> bool {
         self.simulated(0).is_some_and(is_free_curve)
+    }
+
+    /// Whether the first cause follows one log as it pleases.
+    pub(in crate::diagnose) fn does_first_follow_anything(&self) -> bool {
+        self.simulated(0).is_some_and(follows_anything)
     }
 
     /// What is tried as the cause at a place of the ranking; `None` for one of the measurement, and beyond the last.

@@ -5,7 +5,7 @@ use fd_sim::simulate::Simulator;
 use super::explain::nuisances;
 use crate::{
     fit::{Minimum, Problem, Variable},
-    shrink::Settled,
+    shrink::{Paths, Settled},
 };
 
 /// A fitted model with its values.
@@ -14,6 +14,7 @@ pub(crate) struct FittedValues<'a> {
     simulator: &'a dyn Simulator,
     nuisances: Vec<(String, f64)>,
     effects: Vec<(Variable, f64)>,
+    paths: Paths,
 }
 
 impl<'a> FittedValues<'a> {
@@ -23,6 +24,7 @@ impl<'a> FittedValues<'a> {
             simulator: problem.simulator(),
             nuisances: nuisances(problem, &at.z).into_iter().map(|n| (n.name, n.value)).collect(),
             effects: problem.effects().iter().cloned().zip(values).collect(),
+            paths: Paths::AsFitted,
         }
     }
 
@@ -31,8 +33,13 @@ impl<'a> FittedValues<'a> {
         Self { simulator, ..self }
     }
 
+    /// The same values, with this made of paths over time.
+    pub(in crate::diagnose) fn with_paths(self, paths: Paths) -> Self {
+        Self { paths, ..self }
+    }
+
     pub(crate) fn settled(&self) -> Settled<'_> {
-        let Self { simulator, nuisances, effects } = self;
-        Settled { simulator: *simulator, nuisances, effects }
+        let Self { simulator, nuisances, effects, paths } = self;
+        Settled { simulator: *simulator, nuisances, effects, paths: *paths }
     }
 }

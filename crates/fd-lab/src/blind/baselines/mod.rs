@@ -6,7 +6,7 @@ mod sparse;
 
 use fd_gap::{
     fit::{FitError, Horizon, LeastSquares, Log, NullFit},
-    shrink::{Errors, Settled, forecast_errors, gap},
+    shrink::{Errors, Paths, Settled, forecast_errors, gap},
 };
 use fd_model::Record;
 use fd_sim::{
@@ -102,7 +102,8 @@ impl Bench<'_> {
         simulator: &dyn Simulator,
         values: &[(String, f64)],
     ) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
-        let settled = Settled { simulator, nuisances: values, effects: &[] };
+        let settled =
+            Settled { simulator, nuisances: values, effects: &[], paths: Paths::AsFitted };
         let logs = std::slice::from_ref(&self.held_out_log);
         forecast_errors(nominal, settled, logs, Horizon::FreeRun, &self.sigma)
     }

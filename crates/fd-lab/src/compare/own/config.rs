@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, path::Path};
 
+use fd_core::{LimitError, Limits, Resource};
 use fd_model::{
     ModelError, RecordError,
     fault::FaultError,
@@ -15,7 +16,10 @@ use fdiag::{
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::compare::fault::{ProfileKind, Sizes};
+use crate::compare::{
+    config::CompareConfig,
+    fault::{ProfileKind, Sizes},
+};
 
 /// A plant of one's own in place of the engine.
 ///
@@ -86,6 +90,39 @@ impl OwnPlant {
         self.model.begin_in(folder);
         self.plant.begin_in(folder);
     }
+
+    /// Returns the first setting that cannot be, before anything of its size is made.
+    pub(super) fn check(&self, config: &CompareConfig) -> Result<(), OwnError> {
+        let wrong = |setting, expected: &str, found: String| {
+            Err(OwnError::Setting { setting, expected: expected.to_owned(), found })
+        };
+        if self.faults.is_empty() {
+            return wrong("faults", "at least one", "none".to_owned());
+        }
+        for OwnFault { sizes, .. } in &self.faults {
+            if !sizes.are_possible() {
+                return wrong("faults.sizes", Sizes::POSSIBLE, sizes.to_string());
+            }
+        }
+        for (setting, seconds) in
+            [("before_s", self.before_s), ("settle_s", config.settle_s.unwrap_or(0.0))]
+        {
+            if !(seconds >= 0.0 && seconds.is_finite()) {
+                return wrong(setting, "finite and not negative", seconds.to_string());
+            }
+        }
+        for (setting, seconds) in [
+            ("training.duration_s", config.training.duration_s),
+            ("fresh.duration_s", config.duration_s()),
+        ] {
+            if seconds.is_nan() || seconds < config.sample_time_s {
+                return wrong(setting, "at least one sample", seconds.to_string());
+            }
+            let samples = (self.before_s + seconds) / config.sample_time_s;
+            Limits::default().check(Resource::Samples, setting, samples)?;
+        }
+        Ok(())
+    }
 }
 
 /// A plant of one's own cannot be set up or run.
@@ -95,16 +132,19 @@ pub enum OwnError {
     /// A file.
     #[error(transparent)]
     File(#[from] GeneratorSpecError),
-    /// A name that is not there.
+    /// A name that is not there, or a value that cannot be.
     #[error("{setting}: expected {expected}, found `{found}`")]
-    Unknown {
+    Setting {
         /// Where it was used.
         setting: &'static str,
         /// What it may be.
         expected: String,
-        /// The name.
+        /// The name or value.
         found: String,
     },
+    /// Runs that are longer than a limit.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// A signal that has to have a value has none, or one that cannot be.
     #[error(
         "{setting}: expected a value above zero for each state, input and output of the model, found {found} for `{name}`"

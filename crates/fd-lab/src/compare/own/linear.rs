@@ -92,7 +92,7 @@ pub(super) fn unknown<T>(
     known: &[String],
 ) -> Result<(), OwnError> {
     table.keys().find(|name| !known.contains(name)).map_or(Ok(()), |found| {
-        Err(OwnError::Unknown {
+        Err(OwnError::Setting {
             setting,
             expected: format!("one of {}", known.join(", ")),
             found: found.clone(),

@@ -50,6 +50,7 @@ enum Column {
 impl<'a> OwnPlants<'a> {
     pub(crate) fn new(config: &'a CompareConfig, own: &'a OwnPlant) -> Result<Self, OwnError> {
         let ts = SampleTime::new(config.sample_time_s)?;
+        own.check(config)?;
         let (model, plant) = (own.model.equations()?, own.plant.equations()?);
         let (system, scaling) = linear(own, &model, ts)?;
         let simulator = EquationSimulator::<f64>::at(&plant, ts)?;
@@ -63,11 +64,11 @@ impl<'a> OwnPlants<'a> {
             if !driven.contains(&fault.input) || own.signals.contains_key(&fault.input) {
                 let expected = "an input of the plant without a signal".to_owned();
                 let found = fault.input.clone();
-                return Err(OwnError::Unknown { setting: "faults.input", expected, found });
+                return Err(OwnError::Setting { setting: "faults.input", expected, found });
             }
             if let Some(found) = outputs.next() {
                 let (expected, found) = ("an output of the model".to_owned(), found.clone());
-                return Err(OwnError::Unknown { setting: "faults.sensor", expected, found });
+                return Err(OwnError::Setting { setting: "faults.sensor", expected, found });
             }
         }
         let nominal = EquationSimulator::<f64>::at(&model, ts)?;
@@ -75,7 +76,7 @@ impl<'a> OwnPlants<'a> {
         let column = |channel: &Channel| {
             let at = |all: &[Channel]| all.iter().position(|c| c.name == channel.name);
             let here = at(&y).map(Column::Output).or_else(|| at(&u).map(Column::Input));
-            here.ok_or_else(|| OwnError::Unknown {
+            here.ok_or_else(|| OwnError::Setting {
                 setting: "plant",
                 expected: "an input or output for each channel of the model".to_owned(),
                 found: channel.name.clone(),

@@ -5,11 +5,10 @@
 //! entries. Time is the time of logging, in seconds since the first message of the file; stamps inside messages are
 //! columns that count from the same instant. Chunks may be packed by Zstandard or LZ4.
 
-mod definition;
 mod record;
 
 use std::{
-    collections::{BTreeMap, HashSet},
+    collections::BTreeMap,
     fs::File,
     io::{BufReader, Read},
 };
@@ -18,10 +17,10 @@ use lz4_flex::frame::FrameDecoder;
 
 use self::record::{Content, HEAD, crc32};
 use super::{
-    message::{Bytes, Definitions, NoMessage, TopicColumns, decode},
+    message::{Definitions, NoMessage, Topics, definition},
     zstd::Frames,
 };
-use crate::{error::LogError, limit::Budget, recording::Recording, source::cannot_read};
+use crate::{error::LogError, recording::Recording, source::cannot_read};
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Most bytes of a record, and of a chunk unpacked.
@@ -36,41 +35,19 @@ const DATA_END: u8 = 15;
 
 /// Reads all messages that are columns.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
-    let mut reader = Reader { left: Budget::new(file), ..Reader::default() };
+    let mut reader = Reader { topics: Topics::new(file), ..Reader::default() };
     reader.file(file, &mut BufReader::new(from)).map_err(|error| error.of(file, "MCAP"))?;
-    let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
-    for topic in reader.topics.into_values() {
-        let (topic, unfit) = topic.finish();
-        recording.unfit.extend(unfit);
-        // A topic of texts has messages and no columns.
-        if topic.columns.is_empty() {
-            recording.unfit.push((topic.name, "messages without numbers".to_owned()));
-        } else {
-            recording.topics.push(topic);
-        }
-    }
-    recording.unfit.extend(reader.unfit);
-    if recording.topics.is_empty() {
-        let expected = "messages of ROS 2 with numbers in them";
-        let found = format!("found {:?}", recording.unfit);
-        return Err(LogError::NoLog { file: file.to_owned(), expected, found });
-    }
-    Ok(recording)
+    reader.topics.finish(file)
 }
 
 /// What is known of a file so far.
 #[derive(Debug, Default)]
 struct Reader {
-    left: Budget,
     /// Name and definitions; nothing for those of another kind, with the name of the kind.
     schemas: BTreeMap<u16, Result<(String, Definitions), String>>,
     /// Topic and schema.
     channels: BTreeMap<u16, (String, u16)>,
-    /// By channel: two of them may have one topic, and then are two clocks of it.
-    topics: BTreeMap<u16, TopicColumns>,
-    unfit: HashSet<(String, String)>,
-    /// Nanoseconds since 1970 of the first message.
-    start: Option<u64>,
+    topics: Topics,
 }
 
 fn unsound(found: impl Into<String>) -> NoMessage {
@@ -181,7 +158,7 @@ impl Reader {
         if encoding == "cdr" {
             self.channels.insert(id, (topic, schema));
         } else {
-            self.unfit.insert((topic, format!("messages in {encoding}")));
+            self.topics.pass_over(topic, format!("messages in {encoding}"));
         }
         Some(())
     }
@@ -195,23 +172,18 @@ impl Reader {
             Some((id, time))
         };
         let (id, time) = head().ok_or_else(cut)?;
-        let start = *self.start.get_or_insert(time);
+        self.topics.note(time);
         let Some((topic, schema)) = self.channels.get(&id) else { return Ok(()) };
-        let (kind, definitions) = match self.schemas.get(schema) {
-            Some(Ok(known)) => known,
+        match self.schemas.get(schema) {
+            Some(Ok((kind, definitions))) => {
+                let channel = (u64::from(id), topic.as_str());
+                self.topics.add(channel, (kind, definitions), time, content.0)
+            }
             other => {
                 let of = other.and_then(|schema| schema.as_ref().err()).map_or("", String::as_str);
-                self.unfit.insert((topic.clone(), format!("messages of another kind {of}")));
-                return Ok(());
+                self.topics.pass_over(topic, format!("messages of another kind {of}"));
+                Ok(())
             }
-        };
-        let bytes = Bytes::cdr(content.0)
-            .ok_or_else(|| unsound(format!("found a message of `{topic}` that is no CDR")))?;
-        let into = self.topics.entry(id).or_insert_with(|| TopicColumns::new(topic));
-        // Clocks count from the first message; one that was logged earlier comes before 0.
-        let seconds = (i128::from(time) - i128::from(start)) as f64 * 1e-9;
-        into.begin(seconds, &mut self.left)?;
-        decode(kind, definitions, bytes, start, into, &mut self.left)
-            .map_err(|error| error.in_topic(topic))
+        }
     }
 }

@@ -20,7 +20,7 @@ impl<'a> Bytes<'a> {
     }
 
     /// CDR as ROS 2 writes it (OMG RTPS 2.3, 10.2): four bytes that say how, then aligned numbers.
-    #[cfg(feature = "mcap")]
+    #[cfg(any(feature = "mcap", feature = "rosbag"))]
     pub(in crate::format) fn cdr(data: &'a [u8]) -> Option<Self> {
         let (head, data) = data.split_at_checked(4)?;
         let is_big_endian = match head {

@@ -3,9 +3,15 @@
 mod bytes;
 mod columns;
 mod decode;
+#[cfg(any(feature = "mcap", feature = "rosbag"))]
+pub(super) mod definition;
+#[cfg(any(feature = "mcap", feature = "rosbag"))]
+mod topics;
 
 use std::collections::BTreeMap;
 
+#[cfg(any(feature = "mcap", feature = "rosbag"))]
+pub(super) use self::topics::Topics;
 pub(super) use self::{
     bytes::Bytes,
     columns::TopicColumns,
@@ -28,7 +34,7 @@ pub(super) struct Field {
 pub(super) enum Kind {
     Number(Number),
     /// Text with a length before it.
-    #[cfg_attr(not(feature = "mcap"), allow(dead_code))]
+    #[cfg_attr(not(any(feature = "mcap", feature = "rosbag")), allow(dead_code))]
     Text,
     /// A byte that is nobody's number; those at the end may be left out.
     #[cfg_attr(not(feature = "ulog"), allow(dead_code))]
@@ -43,7 +49,7 @@ pub(super) enum Count {
     One,
     Fixed(usize),
     /// As many as a number before them says.
-    #[cfg_attr(not(feature = "mcap"), allow(dead_code))]
+    #[cfg_attr(not(any(feature = "mcap", feature = "rosbag")), allow(dead_code))]
     Sequence,
 }
 

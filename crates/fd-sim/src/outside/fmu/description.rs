@@ -1,12 +1,32 @@
-//! What `modelDescription.xml` says (FMI 2.0.4, section 2.2).
+//! What `modelDescription.xml` says (FMI 2.0.4, section 2.2; FMI 3.0.2, section 2.4).
+
+use std::fmt;
 
 use roxmltree::{Document, Node};
+
+/// A version of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Version {
+    Two,
+    Three,
+}
+
+impl fmt::Display for Version {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Two => "2.0",
+            Self::Three => "3.0",
+        })
+    }
+}
 
 /// What is needed of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Description {
+    pub(super) version: Version,
     pub(super) name: String,
-    pub(super) guid: String,
+    /// What an FMU of version 2 calls `guid`.
+    pub(super) token: String,
     /// Name of the library.
     pub(super) identifier: String,
     /// Whether a process may have one instance only.
@@ -14,7 +34,7 @@ pub(super) struct Description {
     pub(super) variables: Vec<Variable>,
 }
 
-/// A variable of type `Real`.
+/// A variable of type `Real`, in version 3 a single one of type `Float64`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variable {
     pub(super) name: String,
@@ -37,9 +57,12 @@ impl Description {
             .map_err(|error| wrong("modelDescription.xml", "XML", &error.to_string()))?;
         let root = xml.root_element();
         let version = root.attribute("fmiVersion").unwrap_or("none");
-        if root.tag_name().name() != "fmiModelDescription" || !version.starts_with("2.") {
-            return Err(wrong("fmiVersion", "2.0", version));
-        }
+        let is_description = root.tag_name().name() == "fmiModelDescription";
+        let version = match version {
+            two if is_description && two.starts_with("2.") => Version::Two,
+            three if is_description && three.starts_with("3.") => Version::Three,
+            other => return Err(wrong("fmiVersion", "2.0 or 3.0", other)),
+        };
         let of_root = |name: &str| {
             let value = root.attribute(name).map(str::to_owned);
             value.ok_or_else(|| wrong("fmiModelDescription", &format!("`{name}`"), "none"))
@@ -58,21 +81,43 @@ impl Description {
             return Err(wrong("needsExecutionTool", "an FMU that runs by itself", "true"));
         }
         let types = child("TypeDefinitions");
-        let scalars = child("ModelVariables").into_iter().flat_map(|node| node.children());
-        let scalars = scalars.filter(|node| node.has_tag_name("ScalarVariable"));
-        let variables = scalars.filter_map(|node| variable(node, types)).collect();
+        let variables = child("ModelVariables").into_iter().flat_map(|node| node.children());
+        let variables = variables.filter_map(|node| match version {
+            Version::Two => real(node, types),
+            Version::Three => float(node, types),
+        });
         Ok(Self {
+            version,
             name: of_root("modelName")?,
-            guid: of_root("guid")?,
+            token: of_root(match version {
+                Version::Two => "guid",
+                Version::Three => "instantiationToken",
+            })?,
             identifier: identifier.to_owned(),
             is_single: is_true("canBeInstantiatedOnlyOncePerProcess"),
-            variables,
+            variables: variables.collect(),
         })
     }
 }
 
-/// A variable, if it is real.
-fn variable(node: Node<'_, '_>, types: Option<Node<'_, '_>>) -> Option<Variable> {
+/// A variable of version 3, if it is one of floating point, and no array.
+fn float(node: Node<'_, '_>, types: Option<Node<'_, '_>>) -> Option<Variable> {
+    let is_array = node.children().any(|child| child.has_tag_name("Dimension"));
+    if !node.has_tag_name("Float64") || is_array {
+        return None;
+    }
+    let declared = node.attribute("declaredType");
+    let is_its =
+        |t: &Node<'_, '_>| t.has_tag_name("Float64Type") && t.attribute("name") == declared;
+    let unit_of_type = || types?.children().find(is_its)?.attribute("unit");
+    variable(node, node, declared.and_then(|_| unit_of_type()))
+}
+
+/// A variable of version 2, if it is real.
+fn real(node: Node<'_, '_>, types: Option<Node<'_, '_>>) -> Option<Variable> {
+    if !node.has_tag_name("ScalarVariable") {
+        return None;
+    }
     let real = node.children().find(|child| child.has_tag_name("Real"))?;
     let declared = real.attribute("declaredType");
     let unit_of_type = || {
@@ -80,12 +125,21 @@ fn variable(node: Node<'_, '_>, types: Option<Node<'_, '_>>) -> Option<Variable>
             types?.children().find(|t| declared.is_some() && t.attribute("name") == declared);
         simple?.children().find(|child| child.has_tag_name("Real"))?.attribute("unit")
     };
+    variable(node, real, unit_of_type())
+}
+
+/// A variable, with the node that its unit and its value are attributes of, and the unit of its type.
+fn variable(
+    node: Node<'_, '_>,
+    value: Node<'_, '_>,
+    unit_of_type: Option<&str>,
+) -> Option<Variable> {
     Some(Variable {
         name: node.attribute("name")?.to_owned(),
         reference: node.attribute("valueReference")?.parse().ok()?,
         causality: node.attribute("causality").unwrap_or("local").to_owned(),
-        unit: real.attribute("unit").or_else(unit_of_type).map(str::to_owned),
-        start: real.attribute("start").and_then(|start| start.parse().ok()),
+        unit: value.attribute("unit").or(unit_of_type).map(str::to_owned),
+        start: value.attribute("start").and_then(|start| start.parse().ok()),
     })
 }
 
@@ -114,10 +168,27 @@ mod tests {
     }
 
     #[test]
+    fn variables_of_version_3_are_elements_of_their_type_and_no_arrays() {
+        let text = "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"m\" instantiationToken=\"{1}\">\
+             <CoSimulation modelIdentifier=\"m\"/><TypeDefinitions><Float64Type name=\"Mass\" unit=\"kg\"/>\
+             </TypeDefinitions><ModelVariables>\
+             <Float64 name=\"a\" valueReference=\"7\" causality=\"input\" unit=\"N\"/>\
+             <Float64 name=\"b\" valueReference=\"8\" declaredType=\"Mass\" start=\"1.5\"/>\
+             <Float64 name=\"c\" valueReference=\"9\"><Dimension start=\"3\"/></Float64>\
+             <Int32 name=\"d\" valueReference=\"10\"/></ModelVariables></fmiModelDescription>";
+        let read = Description::read(text).unwrap();
+        assert_eq!((read.version, read.token.as_str()), (Version::Three, "{1}"));
+        let [a, b] = &read.variables[..] else { panic!("{read:?}") };
+        assert_eq!((a.reference, a.causality.as_str(), a.unit.as_deref()), (7, "input", Some("N")));
+        assert_eq!((b.unit.as_deref(), b.start), (Some("kg"), Some(1.5)));
+    }
+
+    #[test]
     fn what_cannot_be_run_is_refused_with_its_reason() {
         for (text, found) in [
             ("<other/>".to_owned(), "none"),
-            (HEAD.replace("2.0", "3.0") + "</fmiModelDescription>", "3.0"),
+            (HEAD.replace("2.0", "1.0") + "</fmiModelDescription>", "1.0"),
+            (HEAD.replace("2.0", "3.0") + "</fmiModelDescription>", "for model exchange only"),
             (format!("{HEAD}</fmiModelDescription>"), "an FMU for model exchange only"),
             (
                 format!("{HEAD}<CoSimulation modelIdentifier=\"../m\"/></fmiModelDescription>"),

@@ -44,7 +44,7 @@ impl FmuInstance {
         let unpacked = Arc::clone(&fmu.unpacked);
         let component = unpacked
             .component()
-            .map_err(|found| fmu.wrong("fmi2Instantiate", "an instance", &found))?;
+            .map_err(|found| fmu.wrong("its function to instantiate", "an instance", &found))?;
         Ok(Self {
             unpacked,
             references: Arc::clone(&fmu.references),
@@ -62,7 +62,7 @@ impl FmuInstance {
             Failure::Fatal(found) => Lost::Broken(Box::new(OutsideError::Fmu {
                 file: self.file.clone(),
                 what: "a call".to_owned(),
-                expected: "fmi2OK".to_owned(),
+                expected: "success".to_owned(),
                 found,
             })),
         }
@@ -87,9 +87,7 @@ impl FmuInstance {
     ) -> Result<(), Failure> {
         component.set(&references.parameters, start.theta)?;
         component.set(&references.states, start.x0)?;
-        component.setup(start.first as f64 * ts)?;
-        component.enter_initialization()?;
-        component.exit_initialization()
+        component.initialise(start.first as f64 * ts)
     }
 }
 

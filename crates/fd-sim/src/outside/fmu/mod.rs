@@ -1,8 +1,9 @@
-//! An FMU for co-simulation, FMI 2.0 (Modelica Association, <https://fmi-standard.org>), as a simulator.
+//! An FMU for co-simulation, FMI 2.0 or 3.0 (Modelica Association, <https://fmi-standard.org>), as a simulator.
 //!
-//! Inputs, outputs, parameters, initial states and ports are variables of type `Real`; ports are inputs that
-//! the user names as such. The communication step is the sample time. An instance is reused for the next run
-//! with `fmi2Reset`; parameters and initial states are set before it is initialised.
+//! Inputs, outputs, parameters, initial states and ports are variables of type `Real` (`Float64` in 3.0); ports are
+//! inputs that the user names as such. The communication step is the sample time. An instance is reused for the next
+//! run with `fmi2Reset` or `fmi3Reset`; parameters and initial states are set before it is initialised. Of 3.0 there
+//! are no events, no intermediate updates, no clocks and no arrays.
 //!
 //! *When not to use:* FMUs for model exchange, or of another version; FMUs that crash, because this process
 //! crashes with them: serve those from a separate process. Whether outputs with direct feedthrough reflect the
@@ -24,7 +25,7 @@ use tempfile::TempDir;
 
 use self::{
     api::{Api, Component},
-    description::{Description, Variable},
+    description::{Description, Variable, Version},
     instance::{FmuInstance, References},
 };
 use super::{
@@ -55,22 +56,38 @@ struct Unpacked {
 
 impl Unpacked {
     fn component(&self) -> Result<Component, String> {
-        let Description { name, guid, .. } = &self.description;
-        Component::new(&self.api, [name, guid, &self.resources])
+        let Description { name, token, .. } = &self.description;
+        Component::new(&self.api, [name, token, &self.resources])
     }
 }
 
-/// Where FMUs keep the library for this machine.
-fn platform() -> Result<&'static str, &'static str> {
-    Ok(match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => "linux64",
-        ("linux", "x86") => "linux32",
-        ("macos", _) => "darwin64",
-        ("windows", "x86_64") => "win64",
-        ("windows", "x86") => "win32",
-        ("linux", "aarch64") => "aarch64-linux",
-        _ => return Err("a platform that FMUs of version 2 have a name for"),
+/// Where FMUs of a version keep the library for this machine.
+fn platform(version: Version) -> Result<&'static str, &'static str> {
+    use Version::{Three, Two};
+    Ok(match (version, std::env::consts::OS, std::env::consts::ARCH) {
+        (Two, "linux", "x86_64") => "linux64",
+        (Two, "linux", "x86") => "linux32",
+        (Two, "macos", _) => "darwin64",
+        (Two, "windows", "x86_64") => "win64",
+        (Two, "windows", "x86") => "win32",
+        (Three, "linux", "x86_64") => "x86_64-linux",
+        (Three, "linux", "x86") => "x86-linux",
+        (Three, "macos", "x86_64") => "x86_64-darwin",
+        (Three, "macos", "aarch64") => "aarch64-darwin",
+        (Three, "windows", "x86_64") => "x86_64-windows",
+        (Three, "windows", "x86") => "x86-windows",
+        (_, "linux", "aarch64") => "aarch64-linux",
+        _ => return Err("a platform that FMUs have a name for"),
     })
+}
+
+/// How an FMU of a version is told where its resources are: by a URI, in 3.0 by a path that ends with a separator.
+fn resources(version: Version, root: &Path) -> String {
+    let resources = root.join("resources");
+    match version {
+        Version::Two => format!("file://{}", resources.display()),
+        Version::Three => format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR),
+    }
 }
 
 impl Fmu {
@@ -109,7 +126,9 @@ impl Fmu {
             .map_err(|error| wrong("modelDescription.xml", "to be there", error.to_string()))?;
         let description = Description::read(&text)
             .map_err(|(what, expected, found)| wrong(&what, &expected, found))?;
-        let platform = platform().map_err(|e| wrong("this machine", e, "another".to_owned()))?;
+        let version = description.version;
+        let platform =
+            platform(version).map_err(|e| wrong("this machine", e, "another".to_owned()))?;
         let binaries = root.join("binaries");
         let name = format!("{}{}", description.identifier, std::env::consts::DLL_SUFFIX);
         let library = binaries.join(platform).join(&name);
@@ -121,10 +140,11 @@ impl Fmu {
             let expected = format!("{platform}/{name}");
             return Err(wrong("binaries", &expected, format!("`{}`", names.join("`, `"))));
         }
-        let api = Api::load(&library)
-            .map_err(|error| wrong("its library", "the functions of FMI 2.0", error))?;
+        let api = Api::load(&library, version).map_err(|error| {
+            wrong("its library", &format!("the functions of FMI {version}"), error)
+        })?;
         let (contract, references) = meaning(&file, &description, stated)?;
-        let resources = format!("file://{}", root.join("resources").display());
+        let resources = resources(version, &root);
         Ok(Self {
             contract,
             references: Arc::new(references),

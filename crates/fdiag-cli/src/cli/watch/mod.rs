@@ -20,7 +20,7 @@ use std::{
     time::Duration,
 };
 
-use fd_log::{LogMap, read_log};
+use fd_log::{ColumnMap, LogMap, read_log};
 use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
 use fdiag::model::{SampleTime, file::LinearModel};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -211,9 +211,11 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
     let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
     let mut channels = map.inputs.iter().chain(&map.outputs);
-    if let Some(channel) = channels.find(|channel| channel.constant.is_some()) {
+    let is_none = |channel: &&ColumnMap| channel.constant.is_some() || channel.expression.is_some();
+    if let Some(channel) = channels.find(is_none) {
+        let what = if channel.constant.is_some() { "constant" } else { "expression" };
         let why = format!(
-            "column map: `constant` of channel `{}` is not for samples that come on line",
+            "column map: `{what}` of channel `{}` is not for samples that come on line",
             channel.name
         );
         return Err(Failure::of_input(why));

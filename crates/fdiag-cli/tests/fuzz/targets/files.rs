@@ -71,6 +71,10 @@ pub fn mcap() -> Target {
     own_log("mcap", "run.mcap", column, &["robot.mcap", "robot.lz4.mcap"])
 }
 
+pub fn rosbag() -> Target {
+    own_log("rosbag", "run.db3", "/cmd_vel.linear.x", &["humble.db3", "robot.db3"])
+}
+
 pub fn ulog() -> Target {
     own_log("ulog", "run.ulg", "y", &["flight.ulg"])
 }

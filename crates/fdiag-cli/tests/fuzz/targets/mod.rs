@@ -67,6 +67,7 @@ targets![
     files::npz,
     files::npy,
     files::mcap,
+    files::rosbag,
     files::ulog,
     files::hdf5,
     files::mat,

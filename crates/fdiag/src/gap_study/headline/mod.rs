@@ -20,6 +20,8 @@ const NAMED: usize = 3;
 const LEAST: f64 = 0.01;
 /// … and from which "none of these" is one.
 const DOUBTED: f64 = 0.1;
+/// Probability that a named cause is one of two from which that is said.
+const SECOND: f64 = 0.1;
 /// Share of what is left that "mostly" means.
 const MOSTLY: f64 = 0.7;
 /// Part of the bands beyond which "mostly" says nothing.
@@ -95,10 +97,13 @@ fn no_gap(report: &Report) -> String {
 
 fn cause(report: &Report) -> String {
     let Some(first) = report.diagnosis.causes.first() else { return no_gap(report) };
+    let at_work = report.diagnosis.at_work(first);
+    let beside =
+        if first.probability + SECOND < at_work { ", alone or with a second cause" } else { "" };
     format!(
-        "{}, {}; {}.",
+        "{}{beside}, {}; {}.",
         capital(&with_strength(first)),
-        p(first.probability),
+        p(at_work),
         closes(report, "adding it")
     )
 }
@@ -231,7 +236,9 @@ fn closes(report: &Report, adding: &str) -> String {
         }
         rest => format!("; {} remains{}", percent(rest), mostly(&report.location.spectra)),
     };
-    format!("{adding} closes {} of {of}{rest}", share(closed.fraction, closed.interval))
+    let redrawn =
+        if held_out.is_redrawn { ", with its path over time drawn anew there," } else { "" };
+    format!("{adding}{redrawn} closes {} of {of}{rest}", share(closed.fraction, closed.interval))
 }
 
 /// Where in frequency most of what is left above the floor is, if it is anywhere in particular.

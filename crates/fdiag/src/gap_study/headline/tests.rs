@@ -98,6 +98,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
             floor: vec![1.0],
             closed_of_nominal: None,
             closed_of_refit: Some(closed(0.92, [0.88, 0.95])),
+            is_redrawn: false,
         }],
         findings: Vec::new(),
         not_tested: Vec::new(),
@@ -170,6 +171,19 @@ fn a_cause() {
          of the gap that refitted parameters leave on held-out data; 8 % remains, mostly above \
          12.0 Hz."
     );
+}
+
+#[test]
+fn a_cause_that_is_one_of_two() {
+    let mut report = report(Verdict::Cause);
+    report.diagnosis.causes[0].probability = 0.4;
+    let causes = [0, 1].map(|i| report.diagnosis.causes[i].clone());
+    report.diagnosis.pairs = vec![Pair { causes, probability: 0.3, log_evidence: 0.0, gap: 1.0 }];
+    report.diagnosis.held_out[0].is_redrawn = true;
+    let expected = "Coulomb friction at joint 2 (0.310 ± 0.020 N m), alone or with a second cause, p = \
+                    0.70; adding it, with its path over time drawn anew there, closes 92 % (88..95)";
+    let text = headline(&report);
+    assert!(text.starts_with(expected), "{text}");
 }
 
 #[test]

@@ -65,7 +65,7 @@ pub fn side(side: Side) -> &'static str {
 #[must_use]
 pub fn strength(cause: &Cause) -> String {
     let strengths: Vec<&Estimate> = cause.parameters.iter().filter(|p| p.is_strength).collect();
-    if cause.label.ends_with("-map") {
+    if cause.label.ends_with("-map") || cause.label == "parameter-wander" {
         let by_size = |a: &&&Estimate, b: &&&Estimate| a.value.abs().total_cmp(&b.value.abs());
         let largest = strengths.iter().max_by(by_size);
         return largest.map_or_else(String::new, |p| format!("up to {}", estimate(cause.label, p)));

@@ -2,21 +2,24 @@
 
 use std::ops::Range;
 
+use fd_effect::with_default_sites;
 use fd_gap::{
     fit::{Horizon, Log},
-    shrink::{Settled, forecast_errors, gap},
+    shrink::{Paths, Settled, forecast_errors, gap},
 };
+use fd_model::Record;
 use fd_numeric::rms;
 use fd_sim::{
     model::Model,
-    simulate::{EquationSimulator, Simulator},
+    simulate::{EquationSimulator, Follower, Nominal, Simulator},
 };
+use fdiag::gap_study::follow;
 
 use super::Verdict;
 use crate::blind::{
     answer::Answer,
     error::BlindError,
-    files::Case,
+    files::{Case, Variant},
     logs::Part,
     oracle::free_start,
     truth::{Scene, Truth},
@@ -46,7 +49,8 @@ pub(super) fn look(
         return Ok(());
     }
     let Ok(patched) = patched.parse::<Model>() else { return Ok(()) };
-    verdict.really_closed = really_closed(&scene, &patched, answer)?;
+    let (_, [train, _]) = case.read(Variant::AsLogged)?;
+    verdict.really_closed = really_closed(&scene, &patched, answer, &train)?;
     verdict.is_covered =
         verdict.really_closed.map(|real| stated.interval[0] <= real && real <= stated.interval[1]);
     Ok(())
@@ -75,25 +79,41 @@ fn noise(scene: &Scene<'_>, runs: Range<u64>) -> Result<Option<Vec<f64>>, BlindE
     Ok(Some(squares.into_iter().map(|square: f64| (square / samples).sqrt()).collect()))
 }
 
+/// The share of the gap that is closed on fresh runs, forecast as the diagnosis forecasts: along the log where it
+/// follows it, else freely.
 fn really_closed(
     scene: &Scene<'_>,
     patched: &Model,
     answer: &Answer,
+    train: &Record,
 ) -> Result<Option<f64>, BlindError> {
-    let Some(noise) = noise(scene, FRESH)? else { return Ok(None) };
-    let nominal = EquationSimulator::<f64>::new(scene.model)?;
-    let with = EquationSimulator::<f64>::at(patched, nominal.ts())?;
+    let default_sites = with_default_sites(scene.model);
+    let follower = follow(&default_sites, std::slice::from_ref(train))?;
+    let Some(floor) = floor(scene, answer, follower.as_ref())? else { return Ok(None) };
+    let around = follower.as_ref().map(|follower| follower.around(patched));
+    let both = follower.as_ref().zip(around.as_ref());
+    let [nominal, with]: [Box<dyn Simulator>; 2] = if let Some((follower, around)) = both {
+        [follower.simulator(train.ts())?, around.simulator(train.ts())?]
+    } else {
+        let nominal = EquationSimulator::<f64>::new(scene.model)?;
+        let with = EquationSimulator::<f64>::at(patched, nominal.ts())?;
+        [Box::new(nominal), Box::new(with)]
+    };
     let values: Vec<(String, f64)> =
         patched.parameters.iter().map(|p| (p.name.clone(), p.value)).collect();
     let (mut before, mut after): (Vec<Vec<Vec<f64>>>, Vec<_>) = (Vec::new(), Vec::new());
     for run in FRESH {
-        let Some((nominal, log)) = fresh(scene, run, &nominal)? else { continue };
-        let error = |simulator: &dyn Simulator, nuisances: &[(String, f64)]| {
-            let settled = Settled { simulator, nuisances, effects: &[] };
-            let logs = std::slice::from_ref(&log);
-            forecast_errors(&nominal, settled, logs, Horizon::FreeRun, &answer.sigma)
+        let found = match &follower {
+            Some(follower) => followed(scene, run, follower, &*nominal)?,
+            None => fresh(scene, run, &*nominal)?,
         };
-        let found = [error(&nominal, &answer.refit)?, error(&with, &values)?];
+        let Some((nominal, log)) = found else { continue };
+        let error = |simulator: &dyn Simulator, nuisances: &[(String, f64)]| {
+            let settled = Settled { simulator, nuisances, effects: &[], paths: Paths::AsFitted };
+            let logs = std::slice::from_ref(&log);
+            forecast_errors(&*nominal, settled, logs, Horizon::FreeRun, &answer.sigma)
+        };
+        let found = [error(&*nominal, &answer.refit)?, error(&*with, &values)?];
         let [Some(without), Some(patched)] = found else { return Ok(None) };
         for (all, one) in [(&mut before, without), (&mut after, patched)] {
             all.resize_with(one.len(), Vec::new);
@@ -103,28 +123,56 @@ fn really_closed(
     if before.is_empty() {
         return Ok(None);
     }
-    let floor = rms(noise.iter().zip(&answer.sigma).map(|(noise, sigma)| noise / sigma));
     let (before, after) = (gap(&before) - floor, gap(&after) - floor);
     Ok((REDUCIBLE * floor < before).then(|| 1.0 - after / before))
 }
 
-/// A run that no diagnosis has seen, logged as the held-out one was: where that goes on or begins in
-/// motion, it starts freely.
-fn fresh(
+/// Root mean square of what noise leaves to a perfect forecast, in the diagnosis' units of it: where a log is followed,
+/// of the innovations.
+fn floor(
+    scene: &Scene<'_>,
+    answer: &Answer,
+    follower: Option<&Follower<'_>>,
+) -> Result<Option<f64>, BlindError> {
+    let Some(noise) = noise(scene, FRESH)? else { return Ok(None) };
+    let noise = match follower {
+        Some(follower) => {
+            let innovations = follower.model().outputs.iter().map(|output| output.noise);
+            innovations.zip(noise).map(|(innovation, noise)| innovation.unwrap_or(noise)).collect()
+        }
+        None => noise,
+    };
+    Ok(Some(rms(noise.iter().zip(&answer.sigma).map(|(noise, sigma)| noise / sigma))))
+}
+
+type Run = Option<(Box<dyn Simulator>, Log)>;
+
+/// A run that no diagnosis has seen, with its logged outputs among its inputs.
+fn followed(
     scene: &Scene<'_>,
     run: u64,
-    nominal: &EquationSimulator<f64>,
-) -> Result<Option<(EquationSimulator<f64>, Log)>, BlindError> {
+    follower: &Follower<'_>,
+    nominal: &dyn Simulator,
+) -> Result<Run, BlindError> {
+    let Some(log) = scene.log_of(run, Part::First, true)? else { return Ok(None) };
+    // A record of this model can be followed.
+    let Ok(record) = follower.record(&log.record) else { return Ok(None) };
+    Ok(Some((nominal.boxed(), Log::new(&record, nominal, 1)?)))
+}
+
+/// A run that no diagnosis has seen, logged as the held-out one was: where that goes on or begins in
+/// motion, it starts freely.
+fn fresh(scene: &Scene<'_>, run: u64, nominal: &dyn Simulator) -> Result<Run, BlindError> {
     let conditions = &scene.truth.conditions;
     let part = if conditions.is_cut { Part::Second } else { Part::First };
     let Some(log) = scene.log_of(run, part, true)? else { return Ok(None) };
     if !conditions.is_cut && conditions.before == 0 {
-        return Ok(Some((nominal.clone(), Log::new(&log.record, nominal, 1)?)));
+        return Ok(Some((nominal.boxed(), Log::new(&log.record, nominal, 1)?)));
     }
     let free = free_start(scene.model, &log)?;
-    let nominal = EquationSimulator::<f64>::at(&free, nominal.ts())?;
+    let nominal = EquationSimulator::<f64>::at(&free, log.record.ts())?;
     let earlier = scene.log_of(run, Part::First, true)?.map(|first| first.record);
     let earlier: Vec<_> = earlier.into_iter().filter(|_| conditions.is_cut).collect();
     let own = Log::new(&log.record, &nominal, 1)?.continuing(&log.record, &earlier);
-    Ok(Some((nominal, own)))
+    Ok(Some((Box::new(nominal), own)))
 }

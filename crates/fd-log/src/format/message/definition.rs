@@ -1,10 +1,10 @@
-//! Definitions of ROS 2 messages as MCAP stores them (`ros2msg`): the text of the message, and behind lines of `=`
+//! Definitions of ROS 2 messages as recordings store them (`ros2msg`): the text of the message, and behind lines of `=`
 //! the texts of those it is made of.
 
-use super::super::message::{Count, Definitions, Field, Kind, Number};
+use super::{Count, Definitions, Field, Kind, Number};
 
 /// All definitions of a schema, by names such as `geometry_msgs/Point`; nothing if a line makes no sense.
-pub(super) fn parse(root: &str, text: &str) -> Option<Definitions> {
+pub(in crate::format) fn parse(root: &str, text: &str) -> Option<Definitions> {
     let mut definitions = Definitions::new();
     let mut name = short(root);
     let mut fields = Vec::new();
@@ -23,7 +23,7 @@ pub(super) fn parse(root: &str, text: &str) -> Option<Definitions> {
 }
 
 /// `sensor_msgs/msg/Imu` and `sensor_msgs/Imu` are the same.
-pub(super) fn short(name: &str) -> String {
+pub(in crate::format) fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
