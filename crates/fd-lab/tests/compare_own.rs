@@ -153,8 +153,9 @@ fn shipped_configurations_run() {
         (config.engines.threshold_runs, config.engines.test_runs) = (19, 1);
         for scenario in &mut config.scenarios {
             let faults = &mut scenario.own.as_mut().unwrap().faults;
-            faults.iter_mut().for_each(|fault| fault.sizes.smallest = fault.sizes.largest);
-            faults.iter_mut().for_each(|fault| fault.sizes.count = 1);
+            for fault in faults {
+                (fault.sizes.smallest, fault.sizes.count) = (fault.sizes.largest, 1);
+            }
         }
         let comparison = Comparison::run(&config, None, &()).unwrap();
         let scenario = &comparison.scenarios[0];

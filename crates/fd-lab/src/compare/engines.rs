@@ -109,7 +109,7 @@ impl<'a> EnginePlants<'a> {
             scaling: case.plant().scaling(),
             healthy,
             faulty,
-            settle: 0,
+            unseen: 0,
         })
     }
 

@@ -51,8 +51,8 @@ pub(super) struct Runs {
     pub(super) healthy: Vec<Record>,
     /// The first of them with each kind of fault in each size; none for plants that set thresholds.
     pub(super) faulty: Vec<Vec<Vec<Record>>>,
-    /// Samples at the start of a run that no detector sees: residuals settle there.
-    pub(super) settle: usize,
+    /// Samples at the start of a run that no detector sees, as residual and simulated bias do not begin at rest there.
+    pub(super) unseen: usize,
 }
 
 impl Runs {

@@ -146,7 +146,7 @@ impl<'a> Judge<'a> {
         Ok(Watch::new(
             self.trained.scaled(&detector.spec, self.scale)?,
             self.config.rule,
-            self.runs.settle,
+            self.runs.unseen,
         ))
     }
 

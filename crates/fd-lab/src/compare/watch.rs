@@ -10,7 +10,7 @@ pub(super) struct Watch {
     detector: Box<dyn Detector>,
     recent: DebouncedStatistic,
     /// Samples at the start of a run that it does not see.
-    settle: usize,
+    unseen: usize,
 }
 
 /// A detector after the first samples of a run.
@@ -45,16 +45,16 @@ pub(super) struct Rest {
 }
 
 impl Watch {
-    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing, settle: usize) -> Self {
-        Self { detector, recent: DebouncedStatistic::new(rule), settle }
+    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing, unseen: usize) -> Self {
+        Self { detector, recent: DebouncedStatistic::new(rule), unseen }
     }
 
     /// The largest margin of a run without missing samples.
     pub(super) fn peak(&mut self, record: &Record, residual: &[f64]) -> f64 {
         self.detector.reset();
         self.recent.reset();
-        let seen = (self.settle * self.detector.residual_len()).min(residual.len());
-        self.on((record, self.settle), &residual[seen..], Levels::NONE).peak
+        let seen = (self.unseen * self.detector.residual_len()).min(residual.len());
+        self.on((record, self.unseen), &residual[seen..], Levels::NONE).peak
     }
 
     /// The detector after the samples of a run that `residual` holds.
@@ -104,6 +104,27 @@ mod tests {
     use fd_model::{Channel, SampleTime};
 
     use super::*;
+
+    /// A record of one input and one output, all zero.
+    fn record(samples: usize) -> Record {
+        let one = vec![Channel::new("x", "")];
+        let (ts, zero) = (SampleTime::new(0.1).unwrap(), vec![0.0; samples]);
+        Record::new(one.clone(), one, zero.clone(), zero, ts).unwrap()
+    }
+
+    #[test]
+    fn what_is_not_seen_plays_no_part() {
+        let mut residual = vec![0.0; 100];
+        (residual[10], residual[50]) = (5.0, 1.0);
+        let peak = |unseen| {
+            let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
+            let mut watch = Watch::new(Box::new(detector), Debouncing::default(), unseen);
+            watch.peak(&record(100), &residual)
+        };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(near(peak(0), 10.0) && near(peak(10), 10.0) && near(peak(11), 2.0));
+        assert!(near(peak(51), 0.0) && near(peak(200), 0.0));
+    }
 
     /// What is found from a fork, sample by sample, is what the whole run shows.
     #[test]

@@ -142,6 +142,7 @@ impl<'a> OwnPlants<'a> {
         let noise =
             self.noise.iter().map(|&sigma| WhiteNoise::new(sigma, random.next_u64()).values(n));
         let noise = noise.collect::<Result<Vec<_>, _>>()?;
+        let noise_at = |output: usize, k: usize| noise[output][k];
         let row = |k: usize| driven.iter().map(|values| values[k]).collect::<Vec<f64>>();
         let mut y = vec![0.0; self.noise.len()];
         let (mut us, mut ys) = (Vec::new(), Vec::new());
@@ -157,7 +158,7 @@ impl<'a> OwnPlants<'a> {
             if before <= k {
                 let value = |column: &Column| match *column {
                     Column::Input(at) => u[at],
-                    Column::Output(at) => y[at] + noise[at][k],
+                    Column::Output(at) => y[at] + noise_at(at, k),
                 };
                 let (inputs, outputs) = self.columns.split_at(self.inputs.len());
                 us.extend(inputs.iter().map(value));
@@ -199,7 +200,8 @@ impl<'a> OwnPlants<'a> {
             calibration: plain(&calibration)?,
             faulty: faulty.collect::<Result<_, _>>()?,
             healthy: plain(&healthy)?,
-            settle: samples_of(self.config.settle_s.unwrap_or(0.0), self.ts),
+            // The simulated bias begins after `settle_s` at rest, which the plant is not, and takes its own time to forget that.
+            unseen: self.config.fault_start(),
         })
     }
 }
@@ -242,7 +244,9 @@ fn reseeded(signal: &SignalSpec, stream: u64) -> SignalSpec {
         SignalSpec::WhiteNoise(signal) => signal.seed ^= stream,
         SignalSpec::ArNoise(signal) => signal.seed ^= stream,
         SignalSpec::Sum { terms } => {
-            terms.iter_mut().for_each(|term| *term = reseeded(term, stream))
+            for term in terms {
+                *term = reseeded(term, stream);
+            }
         }
         _ => {}
     }
