@@ -98,18 +98,6 @@ impl Study {
             String::new(),
         ]);
         residuals.push([
-            "thresholds said to be void [% of runs]".to_owned(),
-            String::new(),
-            format!("{:.1}", 100.0 * s.void),
-            String::new(),
-        ]);
-        residuals.push([
-            "false alarms while they are said to hold [% of runs]".to_owned(),
-            String::new(),
-            format!("{:.1}", 100.0 * s.unannounced),
-            String::new(),
-        ]);
-        residuals.push([
             "largest residual, test runs".to_owned(),
             String::new(),
             String::new(),

@@ -45,10 +45,6 @@ pub struct Summary {
     pub false_alarms_primary: f64,
     /// Share of fault-free test runs with an alarm, with compensation.
     pub false_alarms_compensated: f64,
-    /// Mean share of the test runs in which thresholds are said to be void.
-    pub void: f64,
-    /// Mean share of the test runs with an alarm with compensation while thresholds are said to hold.
-    pub unannounced: f64,
     /// One entry per faulty sensor.
     pub faults: Vec<FaultSummary>,
     /// What happened on line.
@@ -201,8 +197,6 @@ impl Summary {
             fault_free_test_ratio: range(&|t| t.fault_free_test.ratio()),
             false_alarms_primary: mean(&|t| t.false_alarms.primary),
             false_alarms_compensated: mean(&|t| t.false_alarms.compensated),
-            void: mean(&|t| t.void),
-            unannounced: mean(&|t| t.unannounced),
             faults: faults.collect(),
             on_line: OnLineSummary::of(trials),
         }

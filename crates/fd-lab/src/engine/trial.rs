@@ -1,7 +1,7 @@
 //! One perturbed engine from training to the smallest faults that are found.
 
 use fd_core::{
-    Event, EventKind,
+    Event,
     stage::{Detector, Stage},
 };
 use fd_model::{Channel, Record};
@@ -38,12 +38,6 @@ pub struct Trial {
     pub fault_free_test: Pair,
     /// Share of fault-free test runs with an alarm, without and with compensation.
     pub false_alarms: Pair,
-    /// Share of the test runs in which thresholds are said to be void, as the input leaves the range that was learned.
-    #[serde(default)]
-    pub void: f64,
-    /// Share of the fault-free test runs with an alarm with compensation while the threshold is said to hold.
-    #[serde(default)]
-    pub unannounced: f64,
     /// One entry per faulty sensor.
     pub faults: Vec<FaultOutcome>,
     /// What came out when the bias was learned on line, if that was asked for.
@@ -128,9 +122,6 @@ impl Benchmark {
             primary: plain.false_alarms(&tests.primary)?,
             compensated: compensated.false_alarms(&tests.compensated)?,
         };
-        let void = tests.compensated.iter().filter(|run| run.void.is_some()).count() as f64
-            / tests.compensated.len().max(1) as f64;
-        let unannounced = compensated.unannounced(&tests.compensated)?;
         let mut faults = Vec::new();
         for (channel, smallest_of_vector) in self.fault_channels()?.into_iter().zip(vector) {
             let (phi, phi_star) = self.unit_fault_response(&trained, channel)?;
@@ -162,8 +153,6 @@ impl Benchmark {
                 compensated: largest(&tests.compensated),
             },
             false_alarms,
-            void,
-            unannounced,
             faults,
             on_line: self.on_line(&mut case, &logs)?,
         })
@@ -208,15 +197,8 @@ impl Benchmark {
             pipeline.reset();
             let trace = Trace::of(&mut pipeline, record).map_err(TrainingError::from)?;
             let inputs: Vec<f64> = record.samples().flat_map(|(u, _)| u.iter().copied()).collect();
-            let left = |event: &&Event| event.kind == EventKind::OperatingPointLeft;
-            let left = trace.events.iter().find(left);
-            let void = left.and_then(|event| usize::try_from(event.k).ok());
-            tests.primary.push(Run {
-                inputs: inputs.clone(),
-                residual: trace.residual,
-                void: None,
-            });
-            tests.compensated.push(Run { inputs, residual: trace.compensated, void });
+            tests.primary.push(Run { inputs: inputs.clone(), residual: trace.residual });
+            tests.compensated.push(Run { inputs, residual: trace.compensated });
         }
         Ok(tests)
     }
@@ -264,7 +246,7 @@ impl Benchmark {
         let (nu, channels) = (trained.design().io().nu, trained.design().residual_len());
         let mut detector = trained.detector(trained.calibration().1)?;
         let mut ratios = Vec::new();
-        for Run { inputs, residual, .. } in runs {
+        for Run { inputs, residual } in runs {
             detector.reset();
             let mut trace = Trace { channels, ..Trace::default() };
             trace.compensated = residual.iter().zip(phi).map(|(r, g)| r + size * g).collect();

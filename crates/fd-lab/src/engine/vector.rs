@@ -92,11 +92,7 @@ impl Benchmark {
         let Ok(detector) = Magnitude::<f64>::new(&[1.0], threshold) else { return Ok(f64::NAN) };
         let runs: Vec<Run> = runs
             .iter()
-            .map(|run| Run {
-                inputs: run.inputs.clone(),
-                residual: project(&run.residual),
-                void: run.void,
-            })
+            .map(|run| Run { inputs: run.inputs.clone(), residual: project(&run.residual) })
             .collect();
         let mut watch = Watch::of(Box::new(detector), self.config().pipeline.rule, nu);
         Ok(watch.find(&runs, &project(phi), self.config().faults.size, start)?.smallest)

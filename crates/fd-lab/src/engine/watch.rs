@@ -16,8 +16,6 @@ const LARGEST_FAULT: f64 = 10.0;
 pub(super) struct Run {
     pub(super) inputs: Vec<f64>,
     pub(super) residual: Vec<f64>,
-    /// The first sample at which thresholds are said to be void, as the input has left the range that was learned.
-    pub(super) void: Option<usize>,
 }
 
 /// The calibrated detector of one of the two residuals.
@@ -74,16 +72,6 @@ impl Watch {
         Ok(count as f64 / runs.len() as f64)
     }
 
-    /// Share of the runs that alarm while the threshold is said to hold.
-    pub(super) fn unannounced(&mut self, runs: &[Run]) -> Result<f64, TrainingError> {
-        let mut count = 0;
-        for run in runs {
-            let alarm = self.first_alarm(&run.inputs, &run.residual)?;
-            count += usize::from(alarm.is_some_and(|k| run.void.is_none_or(|void| k < void)));
-        }
-        Ok(count as f64 / runs.len() as f64)
-    }
-
     /// A fault of size `s` makes the residual `r + s φ` exactly, so no run is simulated again.
     pub(super) fn find(
         &mut self,
@@ -93,7 +81,7 @@ impl Watch {
         start: usize,
     ) -> Result<Found, TrainingError> {
         let (mut sizes, mut delays, mut looks) = (Vec::new(), Vec::new(), 0_usize);
-        for Run { inputs, residual: r, .. } in runs {
+        for Run { inputs, residual: r } in runs {
             // A run that alarms by itself is a false alarm, counted as such and not as a find.
             if self.first_alarm(inputs, r)?.is_some() {
                 continue;

@@ -248,24 +248,16 @@ impl EngineFile {
     /// Returns an error when the engine does not run at the fuel flow, or the equations are not
     /// those of a shell around it.
     pub fn nominal(&self, ts: SampleTime) -> Result<Box<dyn Nominal>, EnginePlantError> {
+        let known = self.known(ts)?;
+        let noise = self.noise_of_outputs();
         if self.simulator == Kind::Linear {
-            return Ok(Box::new(linear_engine(&self.known(ts)?, &self.noise_of_outputs())?));
+            return Ok(Box::new(linear_engine(&known, &noise)?));
         }
-        Ok(Box::new(self.in_shell(ts)?))
-    }
-
-    /// The nonlinear engine in its shell, whatever simulator the file asks for: a black box, which can be diagnosed with
-    /// few runs.
-    ///
-    /// # Errors
-    ///
-    /// As [`nominal`](Self::nominal).
-    pub fn in_shell(&self, ts: SampleTime) -> Result<Shell, EnginePlantError> {
-        let shell = Self::shell(&self.known(ts)?)?;
-        Ok(match &self.equations {
-            None => shell.with_noise(&self.noise_of_outputs()),
+        let shell = Self::shell(&known)?;
+        Ok(Box::new(match &self.equations {
+            None => shell.with_noise(&noise),
             Some(text) => shell.with_model(text.parse::<Model>()?)?,
-        })
+        }))
     }
 
     /// Standard deviations of the noise of what is measured, where the file states them.

@@ -3,12 +3,11 @@
 use fd_effect::EverySite;
 use fd_gap::{
     diagnose::{Case as GapCase, Settings, Verdict, diagnose},
-    few_runs::{Effort, with_few_runs},
-    road::{Bounds, road},
+    road::road,
 };
 use fd_jetengine::engine17::{input_channels, output_channels};
 use fd_model::{Record, Scaling};
-use fd_sim::{model::Model, simulate::Nominal};
+use fd_sim::model::Model;
 use fdiag::engine_plant::{EngineFile, engine_effects};
 
 /// Most causes that are named.
@@ -48,24 +47,16 @@ pub(super) fn name(
     let (log, held_out) =
         (physical(log).map_err(|e| said(&e))?, physical(held_out).map_err(|e| said(&e))?);
     let file = EngineFile::parse("engine17", text).map_err(|e| said(&e))?;
-    let nominal = file.in_shell(log.ts()).map_err(|e| said(&e))?;
+    let nominal = file.nominal(log.ts()).map_err(|e| said(&e))?;
     let u: Vec<f64> = log.samples().flat_map(|(u, _)| u.to_vec()).collect();
     let scales = nominal.scales(log.ts(), &u, log.len()).map_err(|e| said(&e))?;
-    let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();
     let suspects = EverySite::new(engine_effects(), nominal.model(), scales);
     let (logs, held_out) = ([log], [held_out]);
-    let case = GapCase { nominal: &nominal, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let case =
+        GapCase { nominal: &*nominal, suspects: &suspects, logs: &logs, held_out: &held_out };
     let settings = Settings::default();
-    // A run of the engine takes thousands of its steps: what its linearisation proposes is confirmed with few runs.
-    let few = with_few_runs(&nominal, &forces, &case, &settings, Effort::default(), &());
-    let (found, lent) = match few.map_err(|e| said(&e))? {
-        Some(few) => (few.diagnosis, Some(few.lent)),
-        None => (diagnose(&case, &settings, &()).map_err(|e| said(&e))?, None),
-    };
-    let asked = lent.as_ref().unwrap_or(&nominal);
-    let bounds = Bounds { most: MOST_CAUSES, is_dear: lent.is_some() };
-    let case = GapCase { nominal: asked, ..case };
-    let road = road(&case, &found, &settings, bounds, &()).map_err(|e| said(&e))?;
+    let found = diagnose(&case, &settings, &()).map_err(|e| said(&e))?;
+    let road = road(&case, &found, &settings, MOST_CAUSES, &()).map_err(|e| said(&e))?;
     let of = |cause: &fd_gap::diagnose::Cause| {
         format!("{} {}", cause.label, cause.site.name().unwrap_or("everywhere"))
     };

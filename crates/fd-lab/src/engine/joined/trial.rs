@@ -2,15 +2,14 @@
 
 use std::time::Instant;
 
-use fd_core::Heap;
-use fd_model::{Inputs, Record};
+use fd_model::Record;
 use fdiag::spec::{DeviationSpec, GeneratorSpec, ModelSource, PipelineSpec};
 
 use super::{
     diagnose::{engine_text, name},
     scenario::{JoinedScenario, SCATTER},
 };
-use crate::engine::{Benchmark, Case, Draw, EngineChoice, EngineStudyError, Reality, trial::Logs};
+use crate::engine::{Benchmark, EngineChoice, EngineStudyError, trial::Logs};
 
 /// Time in s of the training run that is diagnosed.
 const DIAGNOSED_S: f64 = 20.0;
@@ -39,15 +38,11 @@ pub enum Residual {
     ObservedNominal,
     /// What the patched simulation leaves, seen by the linear observer.
     ObservedPatched,
-    /// The oracle: what a simulation of the engine itself leaves, with all that it lacks, seen by the linear observer.
-    /// It is the noise of the sensors and nothing else, so that no knowledge of the cause makes smaller faults visible to
-    /// this observer.
-    Oracle,
 }
 
 impl Residual {
     /// All of them, the opponent first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Linear,
         Self::Kalman,
         Self::Extended,
@@ -56,19 +51,17 @@ impl Residual {
         Self::Patched,
         Self::ObservedNominal,
         Self::ObservedPatched,
-        Self::Oracle,
     ];
 
     /// Those that run the engine once per sample, not once per slope or sigma point of its 17 states: a filter takes
     /// minutes per engine.
-    pub const QUICK: [Self; 7] = [
+    pub const QUICK: [Self; 6] = [
         Self::Linear,
         Self::Kalman,
         Self::Nominal,
         Self::Patched,
         Self::ObservedNominal,
         Self::ObservedPatched,
-        Self::Oracle,
     ];
 
     /// Its name in tables.
@@ -83,7 +76,6 @@ impl Residual {
             Self::Patched => "patched simulation",
             Self::ObservedNominal => "nonlinear simulation, observed",
             Self::ObservedPatched => "patched simulation, observed",
-            Self::Oracle => "the engine itself, observed",
         }
     }
 }
@@ -147,13 +139,7 @@ impl JoinedScenario {
                 }
                 let generator = generator(residual, &text, &named, noise)?;
                 let spec = PipelineSpec { generator, ..self.config.pipeline.clone() };
-                let found = if residual == Residual::Oracle {
-                    noise_alone(&benchmark, &case, &logs)
-                        .and_then(|logs| watched(&benchmark, &case, &logs, &spec))
-                } else {
-                    watched(&benchmark, &case, &logs, &spec)
-                };
-                found.map_err(|error| error.to_string())
+                watched(&benchmark, &case, &logs, &spec).map_err(|error| error.to_string())
             })
             .collect();
         let named = named.map_or_else(|error| format!("failed: {error}"), |named| named.words);
@@ -180,7 +166,7 @@ fn generator(
         observer_rate: is_observed.then_some(OBSERVER_RATE),
     };
     Ok(match residual {
-        Residual::Linear | Residual::Oracle => GeneratorSpec::Observer { rate: OBSERVER_RATE },
+        Residual::Linear => GeneratorSpec::Observer { rate: OBSERVER_RATE },
         Residual::Kalman => {
             // The same noises: a sample of 0.05 s takes this part of a second's variance.
             let process_noise = PROCESS_NOISE.powi(2) * 0.05;
@@ -204,35 +190,9 @@ fn generator(
     })
 }
 
-/// The same runs of an engine that the linear model describes exactly, with the noise that they have.
-fn noise_alone(benchmark: &Benchmark, case: &Case, logs: &Logs) -> Result<Logs, EngineStudyError> {
-    let exact = Reality::Linear(case.model.freeze::<f64, Heap>()?);
-    let one = |engine: &Reality, log: &Record| -> Result<Record, EngineStudyError> {
-        let u = log.samples().flat_map(|(u, _)| u.iter().copied()).collect();
-        let inputs = Inputs::new(log.inputs().to_vec(), u, log.len(), log.ts())?;
-        let draw = Draw { inputs, output_noise: Vec::new() };
-        let [clean, model] =
-            [benchmark.run(engine, &draw, &[])?, benchmark.run(&exact, &draw, &[])?];
-        let mut log = log.clone();
-        for k in 0..log.len() {
-            let shift = model.y(k).iter().zip(clean.y(k));
-            log.y_mut(k).iter_mut().zip(shift).for_each(|(y, (model, clean))| *y += model - clean);
-        }
-        Ok(log)
-    };
-    let all = |engine: &Reality, logs: &[Record]| -> Result<Vec<Record>, EngineStudyError> {
-        logs.iter().map(|log| one(engine, log)).collect()
-    };
-    Ok(Logs {
-        training: one(&case.training, &logs.training)?,
-        calibration: all(&case.training, &logs.calibration)?,
-        tests: all(&case.moved, &logs.tests)?,
-    })
-}
-
 fn watched(
     benchmark: &Benchmark,
-    case: &Case,
+    case: &crate::engine::Case,
     logs: &Logs,
     spec: &PipelineSpec,
 ) -> Result<Smallest, EngineStudyError> {

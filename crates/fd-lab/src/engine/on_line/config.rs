@@ -37,10 +37,6 @@ pub struct OnLineConfig {
     pub drift_s: f64,
     /// How long the run goes on after drift or fault have begun.
     pub after_s: f64,
-    /// Healthy runs that set the threshold, each as long as what is watched after the opening and driven like it. A
-    /// threshold from the short runs of the benchmark is void here: those are shorter, and have none of the steps from
-    /// the level of one run to that of the next. None takes the short ones all the same.
-    pub calibration_runs: usize,
 }
 
 /// A fault that is there while the bias is learned, and stays.
@@ -75,7 +71,6 @@ impl Default for OnLineConfig {
             drift: 0.5,
             drift_s: 30.0,
             after_s: 240.0,
-            calibration_runs: 20,
         }
     }
 }

@@ -39,7 +39,7 @@ pub struct Opened {
     pub smallest: Vec<f64>,
     /// One entry per fault in training.
     pub in_training: Vec<InTraining>,
-    /// The engine stays as it is; watched from the opening on.
+    /// The engine stays as it is.
     pub healthy: Afterwards,
     /// The incipient fault of the benchmark begins.
     pub incipient: Afterwards,
@@ -116,13 +116,7 @@ impl Benchmark {
             ..self.config().pipeline.clone()
         };
         spec.bias.learning = LearningSpec::Recursive(config.learning);
-        let mut long = Vec::new();
-        for _ in 0..config.calibration_runs {
-            let draw = self.draw_long(case, lead + after)?;
-            long.push(self.run(&case.training, &draw, &[])?);
-        }
-        let calibration = if long.is_empty() { &logs.calibration } else { &long };
-        let trained = match Self::train(&spec, case, &training, calibration) {
+        let trained = match Self::train(&spec, case, &training, &logs.calibration) {
             Ok(trained) => trained,
             Err(EngineStudyError::Training(
                 error @ (TrainingError::NotConverged { .. } | TrainingError::UnstableBias { .. }),
@@ -185,10 +179,10 @@ impl Benchmark {
             let fault = TrainingFault { size, rise_s: self.config().faults.rise_s };
             let faulty = with_fault(&healthy, channel, fault, line.begins);
             let trace = line_trace(&mut line.pipeline, &faulty)?;
-            incipient = Some(line.afterwards(&trace, line.begins));
+            incipient = Some(line.afterwards(&trace));
         }
         let trace = line_trace(&mut line.pipeline, &healthy)?;
-        let said = line.afterwards(&trace, line.opened + 1);
+        let said = line.afterwards(&trace);
         let length = self.samples(self.config().on_line.drift_s);
         let drift = match self.way(case, line.begins, length)? {
             None => None,
@@ -236,20 +230,23 @@ impl Line<'_> {
         Ok(InTraining { reported_s, opened: opened.is_some(), alarm, shown })
     }
 
-    /// What was said from a sample on.
-    fn afterwards(&self, trace: &Trace, from: usize) -> Afterwards {
-        let since = |k: usize| (k - from) as f64 * self.ts;
+    /// What was said from the sample on in which something begins.
+    fn afterwards(&self, trace: &Trace) -> Afterwards {
+        let since = |k: usize| (k - self.begins) as f64 * self.ts;
         let changed = trace.events.iter().find_map(|event| {
             let k = usize::try_from(event.k).ok()?;
-            (event.kind == EventKind::CharacteristicsChanged && k >= from).then_some(k)
+            (event.kind == EventKind::CharacteristicsChanged && k >= self.begins).then_some(k)
         });
-        Afterwards { changed_s: changed.map(since), alarm_s: trace.first_alarm(from).map(since) }
+        Afterwards {
+            changed_s: changed.map(since),
+            alarm_s: trace.first_alarm(self.begins).map(since),
+        }
     }
 
     /// What becomes of an engine that drifts.
     fn drift(&mut self, record: &Record) -> Result<Drift, EngineStudyError> {
         let trace = line_trace(&mut self.pipeline, record)?;
-        let said = self.afterwards(&trace, self.begins);
+        let said = self.afterwards(&trace);
         // The last word counts: what was learned in the middle of the drift may have to be learned again.
         let last = trace.events.iter().rev().find_map(|event| match event.kind {
             EventKind::Frozen | EventKind::CharacteristicsChanged => Some(*event),
