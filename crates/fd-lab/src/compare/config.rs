@@ -1,12 +1,14 @@
 //! Every choice of a comparison.
 
+use std::path::Path;
+
 use fd_compensate::decide::Debouncing;
 use fd_core::Limits;
 use fd_model::fault::Site;
 use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
-use super::{defaults, error::CompareError, fault::FaultGrid};
+use super::{defaults, error::CompareError, fault::FaultGrid, own::OwnPlant};
 use crate::engine::{EngineConfig, FreshRun, PlantConfig, ReductionConfig, TrainingRun};
 
 /// The version of the configuration format.
@@ -90,6 +92,9 @@ pub struct Scenario {
     /// The plant and what makes it differ from its model.
     #[serde(default)]
     pub plant: PlantConfig,
+    /// A plant of one's own instead of the engine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own: Option<OwnPlant>,
     /// A fault that is there already while the bias is learned; the faults to be found are then
     /// on top of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -225,6 +230,23 @@ impl CompareConfig {
     /// Length of a fresh run in s.
     pub(super) fn duration_s(&self) -> f64 {
         self.fresh.duration_s
+    }
+
+    /// Index of the first sample with a fault.
+    pub(super) fn fault_start(&self) -> usize {
+        self.samples(self.faults.start_s)
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample index")]
+    pub(super) fn samples(&self, seconds: f64) -> usize {
+        (seconds / self.sample_time_s).round().max(0.0) as usize
+    }
+
+    /// Lets the relative paths of model files begin in a folder, that of the configuration.
+    pub fn begin_in(&mut self, folder: &Path) {
+        self.generators.iter_mut().for_each(|generator| generator.spec.begin_in(folder));
+        let own = self.scenarios.iter_mut().filter_map(|scenario| scenario.own.as_mut());
+        own.for_each(|own| own.begin_in(folder));
     }
 
     /// # Errors

@@ -6,8 +6,10 @@ use fd_core::stage::Stage;
 use fd_model::Record;
 use fdiag::training::{Trained, TrainingError};
 
-use super::scene::Scene;
-use crate::engine::EngineStudyError;
+use super::{
+    error::CompareError,
+    scene::{Ask, Scene},
+};
 
 /// The run is timed this many times; the quickest counts, as everything else is something else's
 /// doing.
@@ -28,8 +30,8 @@ impl Cost {
 
 impl Scene<'_> {
     /// Times every entry on one engine; none for entries that cannot be built.
-    pub(super) fn costs(&self, seed: u64) -> Result<Vec<Option<Cost>>, EngineStudyError> {
-        let runs = self.runs(seed, 1, false)?;
+    pub(super) fn costs(&self, seed: u64) -> Result<Vec<Option<Cost>>, CompareError> {
+        let runs = self.runs(Ask { seed, fresh_runs: 1, tested: false })?;
         let record = &runs.healthy[0];
         let mut costs = Vec::with_capacity(self.config.entries());
         for generator in &self.config.generators {

@@ -58,6 +58,7 @@ pub(super) fn scenarios() -> Vec<Scenario> {
         name: name.to_owned(),
         about: about.to_owned(),
         plant,
+        own: None,
         present,
     };
     let noise = |noise| PlantConfig { noise, ..PlantConfig::default() };

@@ -6,6 +6,7 @@ use fd_core::LimitError;
 use fd_report::PictureError;
 use thiserror::Error;
 
+use super::own::OwnError;
 use crate::{engine::EngineStudyError, journal::JournalError};
 
 /// A comparison cannot be set up, run or continued.
@@ -50,6 +51,20 @@ pub enum CompareError {
         /// Why.
         error: Box<EngineStudyError>,
     },
+    /// A plant of one's own cannot be set up.
+    #[error("scenario `{scenario}`: {error}")]
+    Own {
+        /// Its name.
+        scenario: String,
+        /// Why.
+        error: Box<OwnError>,
+    },
+    /// An engine cannot be run.
+    #[error(transparent)]
+    Engine(#[from] EngineStudyError),
+    /// A plant of one's own cannot be run.
+    #[error(transparent)]
+    Plant(#[from] OwnError),
     /// Nobody waited any longer; what was finished is in the journal.
     #[error("stopped before all engines were finished")]
     Stopped,

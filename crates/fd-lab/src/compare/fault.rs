@@ -1,5 +1,7 @@
 //! The faults that every entry is asked to find.
 
+use std::fmt;
+
 use fd_model::{
     fault::{FaultProfile, FaultSpec, Site},
     figure,
@@ -94,16 +96,26 @@ impl Sizes {
         (0..self.count).map(|i| self.smallest * ratio.powf(i as f64 / last)).collect()
     }
 
+    /// What [`are_possible`](Self::are_possible) asks for.
+    pub(super) const POSSIBLE: &str = "0 < smallest <= largest, both finite, and at least one size";
+
+    pub(super) fn are_possible(&self) -> bool {
+        let range = self.smallest > 0.0 && self.largest >= self.smallest;
+        range && self.largest.is_finite() && self.count > 0
+    }
+
     fn check(&self, setting: &str) -> Result<(), CompareError> {
-        let fits = self.smallest > 0.0 && self.largest >= self.smallest && self.largest.is_finite();
-        if fits && self.count > 0 {
+        if self.are_possible() {
             return Ok(());
         }
-        Err(CompareError::Setting {
-            setting: setting.to_owned(),
-            expected: "0 < smallest <= largest, both finite, and at least one size",
-            found: format!("{} to {}, {} sizes", self.smallest, self.largest, self.count),
-        })
+        let (expected, found) = (Self::POSSIBLE, self.to_string());
+        Err(CompareError::Setting { setting: setting.to_owned(), expected, found })
+    }
+}
+
+impl fmt::Display for Sizes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}, {} sizes", self.smallest, self.largest, self.count)
     }
 }
 
@@ -116,18 +128,55 @@ pub struct FaultKind {
     pub profile: ProfileKind,
     /// How large, smallest first.
     pub sizes: Vec<f64>,
+    /// Unit of the sizes; none for shares of the reading or the parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// What it is called, unless after its site and profile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub called: Option<String>,
 }
 
 impl FaultKind {
     /// In words.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.site.target(), self.profile.name())
+        let plain = || format!("{} {}", self.site.target(), self.profile.name());
+        self.called.clone().unwrap_or_else(plain)
     }
 
-    /// What is said of the smallest size found when none of those tried is, in per cent.
+    /// Its name with the unit of its sizes.
+    pub(super) fn heading(&self) -> String {
+        format!("{} [{}]", self.name(), self.unit())
+    }
+
+    /// The unit of its sizes in reports.
+    pub(super) fn unit(&self) -> &str {
+        self.unit.as_deref().unwrap_or("%")
+    }
+
+    /// A size in that unit.
+    pub(super) fn in_unit(&self, size: f64) -> f64 {
+        if self.unit.is_some() { size } else { 100.0 * size }
+    }
+
+    /// A size in words, without its unit.
+    pub(super) fn shown(&self, size: f64) -> String {
+        figure(self.in_unit(size))
+    }
+
+    /// A size that can be compared with those of other kinds: a share of the reading, or of the largest size that is tried.
+    pub(super) fn relative(&self, size: f64) -> f64 {
+        if self.unit.is_some() { size / self.largest() } else { size }
+    }
+
+    /// The largest size that is tried.
+    pub(super) fn largest(&self) -> f64 {
+        self.sizes.last().copied().unwrap_or(f64::NAN)
+    }
+
+    /// What is said of the smallest size found when none of those tried is.
     pub(super) fn beyond(&self) -> String {
-        format!("> {}", figure(100.0 * self.sizes.last().copied().unwrap_or(f64::NAN)))
+        format!("> {}", self.shown(self.largest()))
     }
 }
 
@@ -139,6 +188,8 @@ impl FaultGrid {
                 site: Site::sensor(sensor.as_str()),
                 profile,
                 sizes: self.sensor_sizes.values(),
+                unit: None,
+                called: None,
             })
         });
         let components = if with_components { self.components.as_slice() } else { &[] };
@@ -146,6 +197,8 @@ impl FaultGrid {
             site: Site::component(component.as_str()),
             profile: ProfileKind::Incipient,
             sizes: self.component_sizes.values(),
+            unit: None,
+            called: None,
         });
         of_sensors.chain(of_components).collect()
     }

@@ -20,7 +20,7 @@ impl Comparison {
     #[must_use]
     pub fn markdown(&self, command: &str) -> String {
         let mut parts = vec![
-            "# Comparison of methods on the engine".to_owned(),
+            "# Comparison of methods".to_owned(),
             markdown_text(&self.headline()),
             format!(
                 "Written by `{command}`, version {} of `fdiag`. How it is counted, and what to choose: \
@@ -44,7 +44,8 @@ impl Comparison {
         section("## The best entry with each part", "", &self.by_part());
         section(
             "## Ways to be robust",
-            "Smallest fault in per cent, geometric mean over all kinds, of the best entry of each family \
+            "Smallest fault in per cent (of the reading; where sizes have units, of the largest size that was tried), \
+             geometric mean over all kinds, of the best entry of each family \
              that keeps its rate (`!`: none does), with the geometric means of the ends of the intervals. \
              Which entry is the best is decided by these same numbers, which flatters it a little.",
             &self.by_family(),
@@ -54,7 +55,7 @@ impl Comparison {
             section(
                 &format!("## {}", markdown_text(&scenario.name)),
                 &format!(
-                    "{}. Smallest fault in per cent with its interval; the best {BEST} of {} entries.",
+                    "{}. Smallest fault with its interval; the best {BEST} of {} entries.",
                     markdown_text(&scenario.about),
                     scenario.entries.len(),
                 ),
@@ -85,7 +86,9 @@ impl Comparison {
             let common = |kind: usize| scenario.common_size(kind);
             let named = scenario.faults.iter().enumerate();
             named
-                .map(|(k, kind)| format!("{} {} %", kind.name(), percent(kind.sizes[common(k)])))
+                .map(|(k, kind)| {
+                    format!("{} {} {}", kind.name(), kind.shown(kind.sizes[common(k)]), kind.unit())
+                })
                 .collect()
         });
         format!(
@@ -155,15 +158,16 @@ impl ScenarioResult {
     fn best(&self) -> Table {
         let mut header =
             vec!["entry", "runs with an alarm, fault-free [%]", "right sensor [%]", "kappa"];
-        let kinds: Vec<String> = self.faults.iter().map(super::FaultKind::name).collect();
+        let kinds: Vec<String> = self.faults.iter().map(super::FaultKind::heading).collect();
         header.extend(kinds.iter().map(String::as_str));
         let mut table = Table::new(self.name.clone(), &header);
         for entry in self.entries.iter().take(BEST) {
             let faults = entry.faults.iter().zip(&self.faults).map(|(fault, kind)| {
                 let Some(smallest) = fault.smallest else { return kind.beyond() };
-                let end = |end: Option<f64>| end.map_or_else(|| kind.beyond(), percent);
+                let end =
+                    |end: Option<f64>| end.map_or_else(|| kind.beyond(), |size| kind.shown(size));
                 let [low, high] = fault.interval.map(end);
-                format!("{} [{low} .. {high}]", percent(smallest))
+                format!("{} [{low} .. {high}]", kind.shown(smallest))
             });
             let head = [entry.entry.text(), entry.alarms()].into_iter().chain(entry.isolated());
             table.push(head.chain(faults).collect::<Vec<_>>());
@@ -173,8 +177,9 @@ impl ScenarioResult {
 
     /// Index of the size of a kind of fault that is nearest to the common one.
     fn common_size(&self, kind: usize) -> usize {
-        let away = |size: f64| (size / COMMON_SIZE).ln().abs();
-        let sizes = self.faults[kind].sizes.iter().enumerate();
+        let kind = &self.faults[kind];
+        let away = |size: f64| (kind.relative(size) / COMMON_SIZE).ln().abs();
+        let sizes = kind.sizes.iter().enumerate();
         sizes.min_by(|a, b| away(*a.1).total_cmp(&away(*b.1))).map_or(0, |(at, _)| at)
     }
 

@@ -10,12 +10,14 @@
 mod config;
 mod cost;
 mod defaults;
+mod engines;
 mod error;
 mod family;
 mod fault;
 mod isolate;
 mod markdown;
 mod overall;
+mod own;
 mod report;
 mod residuals;
 mod result;
@@ -35,6 +37,7 @@ pub use self::{
     family::Family,
     fault::{FaultGrid, FaultKind, ProfileKind, Sizes},
     overall::Overall,
+    own::{OwnError, OwnFault, OwnPlant},
     result::{
         Comparison, EntryName, EntryResult, FaultResult, IsolationResult, REPORT_VERSION, RocPoint,
         ScenarioResult,

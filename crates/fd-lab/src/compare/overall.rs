@@ -63,7 +63,7 @@ pub(super) fn overall(
 
 /// The score of an entry that finds nothing.
 fn nothing_found(scenario: &ScenarioResult) -> f64 {
-    let largest = scenario.faults.iter().filter_map(|fault| fault.sizes.last()).map(|s| s.ln());
+    let largest = scenario.faults.iter().map(|fault| fault.relative(fault.largest()).ln());
     let count = scenario.faults.len().max(1) as f64;
     NEVER * (largest.sum::<f64>() / count).exp()
 }

@@ -167,7 +167,7 @@ impl Comparison {
 impl ScenarioResult {
     fn table(&self, rows: usize) -> Table {
         let mut header = vec!["entry", "false alarms [%]", "isolated [%]", "kappa"];
-        let kinds: Vec<String> = self.faults.iter().map(|f| f.name() + " [%]").collect();
+        let kinds: Vec<String> = self.faults.iter().map(super::FaultKind::heading).collect();
         header.extend(kinds.iter().map(String::as_str));
         let mut table = Table::new(
             format!("{}: {}; smallest fault found in half of the runs", self.name, self.about),
@@ -179,8 +179,9 @@ impl ScenarioResult {
                 alarms += " too many";
             }
             let faults = entry.faults.iter().zip(&self.faults);
-            let smallest =
-                faults.map(|(fault, kind)| fault.smallest.map_or_else(|| kind.beyond(), percent));
+            let smallest = faults.map(|(fault, kind)| {
+                fault.smallest.map_or_else(|| kind.beyond(), |size| kind.shown(size))
+            });
             let head = [entry.entry.text(), alarms].into_iter().chain(entry.isolated());
             table.push(head.chain(smallest));
         }
@@ -208,13 +209,14 @@ impl ScenarioResult {
         for (k, kind) in self.faults.iter().enumerate() {
             let lines = chosen.iter().map(|entry| {
                 let points = kind.sizes.iter().enumerate();
-                let points = points.map(|(s, size)| (100.0 * size, 100.0 * entry.found(k, s)));
+                let points =
+                    points.map(|(s, size)| (kind.in_unit(*size), 100.0 * entry.found(k, s)));
                 Line::new(entry.entry.text(), points)
             });
             gallery.push((
                 Picture {
                     title: kind.name(),
-                    x_label: "size [%]".to_owned(),
+                    x_label: format!("size [{}]", kind.unit()),
                     y_label: "found [% of runs]".to_owned(),
                     log_x: true,
                     lines: lines.collect(),

@@ -46,8 +46,10 @@ impl Residuals {
             if let (Some(kinds), Some(tails)) = (runs.faulty.get(i), self.faulty.get(i)) {
                 let channels = primary.len() / record.len().max(1);
                 let before = &primary[..start.min(record.len()) * channels];
-                faulty.push(each(kinds, |record, (k, s)| {
-                    tail(&mut subtraction, &whole, record, before, &tails[k][s])
+                faulty.push(each(kinds, |broken, (k, s)| {
+                    // What a controller or a wrong sensor makes of the inputs moves the bias too.
+                    let known = same_inputs(record, broken, start).then_some(&whole);
+                    tail(&mut subtraction, known, broken, before, &tails[k][s])
                 })?);
             }
             healthy.push(whole.residual);
@@ -70,15 +72,20 @@ fn each(
         .collect()
 }
 
-/// The compensated residual from the start of a fault on, where the primary one is `after`.
+fn same_inputs(healthy: &Record, broken: &Record, start: usize) -> bool {
+    (start..healthy.len()).all(|k| healthy.u(k) == broken.u(k))
+}
+
+/// The compensated residual from the start of a fault on, where the primary one is `after`; `healthy` is what became of the
+/// run without the fault, if its inputs are the same.
 fn tail(
     subtraction: &mut Subtraction,
-    healthy: &Subtracted,
+    healthy: Option<&Subtracted>,
     record: &Record,
     before: &[f64],
     after: &[f64],
 ) -> Result<Vec<f64>, TrainingError> {
-    if let Some(known) = healthy.again(before.len(), after) {
+    if let Some(known) = healthy.and_then(|healthy| healthy.again(before.len(), after)) {
         return Ok(known);
     }
     let mut whole = subtraction.of(record, &[before, after].concat())?.residual;

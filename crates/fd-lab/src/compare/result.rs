@@ -207,8 +207,7 @@ impl EntryResult {
             .collect();
         let mean = |size: fn(&FaultResult) -> Option<f64>| {
             let logs = faults.iter().zip(kinds).map(|(fault, kind)| {
-                let never = NEVER * kind.sizes.last().copied().unwrap_or(f64::NAN);
-                size(fault).unwrap_or(never).ln()
+                kind.relative(size(fault).unwrap_or(NEVER * kind.largest())).ln()
             });
             rounded((logs.sum::<f64>() / faults.len().max(1) as f64).exp())
         };

@@ -1,11 +1,8 @@
-//! A scenario ready to run: its engines, their runs, and the faults laid on them.
+//! A scenario ready to run: what a comparison asks of its plants, whatever they are.
 
-use std::cell::LazyCell;
-
-use fd_jetengine::engine17::HealthParameter;
 use fd_model::{
     Discrete, Record, Scaling, StateSpace,
-    fault::{ChannelRef, FaultProfile, FaultSpec, Site},
+    fault::{ChannelRef, Site},
 };
 use fdiag::{
     spec::{NominalPlant, PipelineSpec},
@@ -13,35 +10,49 @@ use fdiag::{
 };
 
 use super::{
-    config::{CompareConfig, Present, Scenario},
+    config::{CompareConfig, Scenario},
+    engines::EnginePlants,
     error::CompareError,
     fault::FaultKind,
+    own::{OwnError, OwnPlants},
 };
-use crate::engine::{Benchmark, Case, Draw, EngineStudyError, Reality};
 
-/// A scenario ready to run.
-pub(super) struct Scene<'a> {
-    pub(super) config: &'a CompareConfig,
-    pub(super) index: usize,
-    pub(super) kinds: Vec<FaultKind>,
-    benchmark: Benchmark,
-    present: Option<&'a Present>,
+/// The plants of a scenario.
+pub(super) trait Plants: Sync {
+    /// Names of the outputs.
+    fn outputs(&self) -> Vec<String>;
+
+    /// All runs of one plant. The same seed gives the same runs whatever they are for.
+    fn runs(&self, ask: Ask) -> Result<Runs, CompareError>;
 }
 
-/// The runs of one engine.
+/// Which runs are wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ask {
+    /// Which plant.
+    pub(super) seed: u64,
+    /// How many runs without an injected fault, for thresholds or, if `tested`, for results.
+    pub(super) fresh_runs: u64,
+    /// Whether the results are taken from it, so that runs with faults are needed.
+    pub(super) tested: bool,
+}
+
+/// The runs of one plant.
 pub(super) struct Runs {
     /// The model that watches it.
     pub(super) model: StateSpace<Discrete>,
     /// What its signals are in physical units.
-    scaling: Scaling,
+    pub(super) scaling: Scaling,
     /// The run that the bias is learned from.
     pub(super) training: Record,
     /// Fault-free runs that scale the detectors.
     pub(super) calibration: Vec<Record>,
     /// Runs without an injected fault that thresholds or results are taken from.
     pub(super) healthy: Vec<Record>,
-    /// The first of them with each kind of fault in each size; none for engines that set thresholds.
+    /// The first of them with each kind of fault in each size; none for plants that set thresholds.
     pub(super) faulty: Vec<Vec<Vec<Record>>>,
+    /// Samples at the start of a run that no detector sees, as residual and simulated bias do not begin at rest there.
+    pub(super) unseen: usize,
 }
 
 impl Runs {
@@ -52,220 +63,51 @@ impl Runs {
     }
 }
 
+/// A scenario ready to run.
+pub(super) struct Scene<'a> {
+    pub(super) config: &'a CompareConfig,
+    pub(super) index: usize,
+    pub(super) kinds: Vec<FaultKind>,
+    plants: Box<dyn Plants + 'a>,
+}
+
 impl<'a> Scene<'a> {
     pub(super) fn new(config: &'a CompareConfig, index: usize) -> Result<Self, CompareError> {
         let scenario: &Scenario = &config.scenarios[index];
-        let wrong = |error| CompareError::Scenario {
-            scenario: scenario.name.clone(),
-            error: Box::new(error),
-        };
-        let benchmark = Benchmark::new(config.engine(scenario)).map_err(wrong)?;
-        let kinds = config.faults.kinds(benchmark.is_nonlinear());
-        let scene = Self { config, index, kinds, benchmark, present: scenario.present.as_ref() };
-        for site in scene.kinds.iter().map(|kind| &kind.site).chain(scene.present.map(|p| &p.site))
-        {
-            scene.check(site, &scenario.name)?;
-        }
-        Ok(scene)
-    }
-
-    fn check(&self, site: &Site, scenario: &str) -> Result<(), CompareError> {
-        let unknown = |expected| {
-            Err(CompareError::Setting {
-                setting: format!("fault site in scenario `{scenario}`"),
-                expected,
-                found: site.to_string(),
-            })
-        };
-        match site {
-            Site::Sensor(sensor) if self.output(sensor).is_none() => {
-                unknown("an output of the engine")
+        let (kinds, plants): (_, Box<dyn Plants + 'a>) = match &scenario.own {
+            None => {
+                let plants = EnginePlants::new(config, scenario)?;
+                (plants.kinds().to_vec(), Box::new(plants))
             }
-            Site::Component(part) if health(part).is_none() || !self.benchmark.is_nonlinear() => {
-                unknown("a health parameter of a nonlinear engine, such as `hpc_efficiency`")
+            Some(own) => {
+                let scene = scenario.name.clone();
+                let wrong = |error| CompareError::Own { scenario: scene, error: Box::new(error) };
+                if scenario.present.is_some() {
+                    return Err(wrong(OwnError::Present));
+                }
+                let plants = OwnPlants::new(config, own).map_err(wrong)?;
+                (plants.kinds().to_vec(), Box::new(plants))
             }
-            Site::Sensor(_) | Site::Component(_) => Ok(()),
-            _ => unknown("a sensor or a component"),
-        }
-    }
-
-    /// Index of the first sample with a fault.
-    pub(super) fn fault_start(&self) -> usize {
-        self.samples(self.config.faults.start_s)
-    }
-
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample index")]
-    pub(super) fn samples(&self, seconds: f64) -> usize {
-        (seconds / self.benchmark.ts().seconds()).round().max(0.0) as usize
+        };
+        Ok(Self { config, index, kinds, plants })
     }
 
     /// Index of the output whose sensor is faulty, if it is a sensor.
     pub(super) fn sensor(&self, kind: &FaultKind) -> Option<usize> {
         match &kind.site {
-            Site::Sensor(sensor) => self.output(sensor),
+            Site::Sensor(ChannelRef::Index(index)) => Some(*index),
+            Site::Sensor(ChannelRef::Name(name)) => self.outputs().iter().position(|o| o == name),
             _ => None,
         }
     }
 
     /// Names of the outputs.
     pub(super) fn outputs(&self) -> Vec<String> {
-        self.benchmark.outputs().into_iter().map(|channel| channel.name).collect()
+        self.plants.outputs()
     }
 
-    fn output(&self, sensor: &ChannelRef) -> Option<usize> {
-        let outputs = self.benchmark.outputs();
-        match sensor {
-            ChannelRef::Index(index) => (*index < outputs.len()).then_some(*index),
-            ChannelRef::Name(name) => outputs.iter().position(|channel| channel.name == *name),
-        }
-    }
-
-    /// All runs of an engine, `fresh_runs` of them for thresholds or, if `tested`, for results. The same
-    /// seed gives the same runs whatever they are for.
-    pub(super) fn runs(
-        &self,
-        seed: u64,
-        fresh_runs: u64,
-        tested: bool,
-    ) -> Result<Runs, EngineStudyError> {
-        let mut case = self.benchmark.case(seed)?;
-        let worn = self.worn(&case)?;
-        let constant = self.constant_fault();
-        let early = self.present.is_some_and(|present| present.while_learning);
-        let training = self.benchmark.draw_training(&mut case)?;
-        let fresh = |case: &mut Case, count: u64| -> Result<Vec<Draw>, EngineStudyError> {
-            (0..count).map(|_| self.benchmark.draw_fresh(case)).collect()
-        };
-        let engines = self.config.engines;
-        let calibration = fresh(&mut case, engines.calibration_runs)?;
-        let with_faults = if tested { engines.fault_runs } else { 0 };
-        let draws = fresh(&mut case, fresh_runs)?;
-        let new = (&case.training, &case.moved);
-        let (learned, moved) = worn.as_ref().map_or(new, |(learned, moved)| (learned, moved));
-        // The engine and what its sensors do, while learning and afterwards.
-        let before: (&Reality, &[FaultSpec]) =
-            if early { (learned, &constant) } else { (&case.training, &[]) };
-        let after: (&Reality, &[FaultSpec]) = if tested { (moved, &constant) } else { before };
-        let run = |at: (&Reality, &[FaultSpec]), draw: &Draw| self.benchmark.run(at.0, draw, at.1);
-        let healthy: Vec<Record> =
-            draws.iter().map(|draw| run(after, draw)).collect::<Result<_, _>>()?;
-        let faulty = (0..).zip(draws.iter().zip(&healthy)).take_while(|(i, _)| *i < with_faults);
-        let faulty = faulty.map(|(i, (draw, healthy))| self.faulty(after, draw, healthy, i));
-        let faulty = faulty.collect::<Result<_, _>>()?;
-        Ok(Runs {
-            training: run(before, &training)?,
-            calibration: calibration.iter().map(|d| run(before, d)).collect::<Result<_, _>>()?,
-            model: case.model.clone(),
-            scaling: case.plant().scaling(),
-            healthy,
-            faulty,
-        })
-    }
-
-    /// One run with each fault in each size.
-    fn faulty(
-        &self,
-        (plant, constant): (&Reality, &[FaultSpec]),
-        draw: &Draw,
-        healthy: &Record,
-        run: u64,
-    ) -> Result<Vec<Vec<Record>>, EngineStudyError> {
-        let faults = &self.config.faults;
-        let fork = LazyCell::new(|| Benchmark::fork(plant, draw, self.fault_start()));
-        let one = |kind: &FaultKind, s: usize| -> Result<Record, EngineStudyError> {
-            // Both signs in turn.
-            let sign = if (run + s as u64).is_multiple_of(2) { 1.0 } else { -1.0 };
-            let size = sign * kind.sizes[s];
-            let fault = faults.spec(kind, size, self.config.duration_s());
-            if matches!(kind.site, Site::Sensor(_)) {
-                // What the sensor says changes nothing in the engine.
-                let mut record = healthy.clone();
-                fault.apply_to_record(&mut record).map_err(fd_model::SimulationError::from)?;
-                return Ok(record);
-            }
-            self.benchmark.run_on(plant, (draw, healthy), &fork, (constant, fault))
-        };
-        let sizes = |kind: &FaultKind| (0..kind.sizes.len()).map(|s| one(kind, s)).collect();
-        self.kinds.iter().map(sizes).collect()
-    }
-
-    /// The engine with the component that has worn before anybody looked.
-    fn worn(&self, case: &Case) -> Result<Option<(Reality, Reality)>, EngineStudyError> {
-        match self.present {
-            Some(Present { site: Site::Component(part), size, .. }) => match health(part) {
-                Some(parameter) => self.benchmark.worn(case, parameter, *size),
-                None => Ok(None),
-            },
-            _ => Ok(None),
-        }
-    }
-
-    /// The sensor that has always been wrong.
-    fn constant_fault(&self) -> Vec<FaultSpec> {
-        match self.present {
-            Some(Present { site: site @ Site::Sensor(_), size, .. }) => {
-                vec![FaultSpec::add(site.clone(), 0.0, FaultProfile::abrupt(*size))]
-            }
-            _ => Vec::new(),
-        }
-    }
-}
-
-fn health(part: &ChannelRef) -> Option<HealthParameter> {
-    match part {
-        ChannelRef::Index(index) => HealthParameter::ALL.get(*index).copied(),
-        ChannelRef::Name(name) => HealthParameter::ALL.into_iter().find(|p| p.name() == name),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What is simulated from the start of a fault on is what a whole run with that fault shows, also on a worn
-    /// engine with lags and a sensor that has always been wrong.
-    #[test]
-    fn a_fork_is_the_whole_run() {
-        let mut config = CompareConfig::default();
-        config.faults.component_sizes.count = 2;
-        config.scenarios.retain(|scenario| scenario.name == "all-lags");
-        let present = |site, while_learning| Some(Present { site, size: 0.01, while_learning });
-        for present in
-            [present(Site::component("hpc_flow"), false), present(Site::sensor("T_7"), true)]
-        {
-            config.scenarios[0].present = present;
-            let scene = Scene::new(&config, 0).unwrap();
-            let mut case = scene.benchmark.case(3).unwrap();
-            let worn = scene.worn(&case).unwrap();
-            let draw = scene.benchmark.draw_fresh(&mut case).unwrap();
-            let plant = worn.as_ref().map_or(&case.moved, |(_, moved)| moved);
-            let constant = scene.constant_fault();
-            let healthy = scene.benchmark.run(plant, &draw, &constant).unwrap();
-            let records = scene.faulty((plant, &constant), &draw, &healthy, 0).unwrap();
-            let mut components = 0;
-            for (kind, records) in scene.kinds.iter().zip(records) {
-                components += usize::from(scene.sensor(kind).is_none());
-                for (s, forked) in records.iter().enumerate() {
-                    let sign = if s.is_multiple_of(2) { 1.0 } else { -1.0 };
-                    let fault = config.faults.spec(kind, sign * kind.sizes[s], config.duration_s());
-                    let all: Vec<FaultSpec> = constant.iter().cloned().chain([fault]).collect();
-                    let whole = scene.benchmark.run(plant, &draw, &all).unwrap();
-                    for k in 0..whole.len() {
-                        for (a, b) in forked.y(k).iter().zip(whole.y(k)) {
-                            // Until the fault nothing differs. After it, times from the fork and from the
-                            // beginning round differently, by some 1e-15 s, and with them the size of a
-                            // growing fault, by 1e-17; readings are of size 1 and the engine is stable.
-                            let most = if k < scene.fault_start() { 0.0 } else { 1e-13 };
-                            assert!((a - b).abs() <= most, "{} sample {k}: {a} {b}", kind.name());
-                        }
-                    }
-                    let (last, at_rest) = (whole.len() - 1, healthy.y(healthy.len() - 1));
-                    let moved =
-                        forked.y(last).iter().zip(at_rest).any(|(a, b)| (a - b).abs() > 1e-6);
-                    assert!(moved, "{} does nothing", kind.name());
-                }
-            }
-            assert_eq!(components, 2);
-        }
+    /// All runs of one plant.
+    pub(super) fn runs(&self, ask: Ask) -> Result<Runs, CompareError> {
+        self.plants.runs(ask)
     }
 }

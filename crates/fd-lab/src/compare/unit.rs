@@ -11,13 +11,14 @@ use fdiag::{
 
 use super::{
     config::{CompareConfig, Detector},
+    error::CompareError,
     isolate::Isolation,
     residuals::Residuals,
-    scene::{Runs, Scene},
+    scene::{Ask, Runs, Scene},
     tally::{Alarms, Outcome, Role, Unit},
     watch::{Fork, Levels, Watch},
 };
-use crate::{Watcher, engine::EngineStudyError};
+use crate::Watcher;
 
 /// Seconds at the end of a run over which a fault is named.
 const NAMING_S: f64 = 2.0;
@@ -30,12 +31,13 @@ impl Scene<'_> {
         seed: u64,
         role: Role<'_>,
         watcher: &impl Watcher,
-    ) -> Result<Unit, EngineStudyError> {
-        let (config, start) = (self.config, self.fault_start());
-        let runs = match role {
-            Role::Thresholds => self.runs(seed, config.engines.threshold_runs, false)?,
-            Role::Test(_) => self.runs(seed, config.engines.test_runs, true)?,
+    ) -> Result<Unit, CompareError> {
+        let (config, start) = (self.config, self.config.fault_start());
+        let (fresh_runs, tested) = match role {
+            Role::Thresholds => (config.engines.threshold_runs, false),
+            Role::Test(_) => (config.engines.test_runs, true),
         };
+        let runs = self.runs(Ask { seed, fresh_runs, tested })?;
         let mut entries = Vec::with_capacity(config.entries());
         // Simulated; then everything is trained once and judged once.
         let steps = 1 + 2 * config.generators.len() * config.biases.len();
@@ -141,7 +143,11 @@ impl<'a> Judge<'a> {
     }
 
     fn watch(&self, detector: &Detector) -> Result<Watch, TrainingError> {
-        Ok(Watch::new(self.trained.scaled(&detector.spec, self.scale)?, self.config.rule))
+        Ok(Watch::new(
+            self.trained.scaled(&detector.spec, self.scale)?,
+            self.config.rule,
+            self.runs.unseen,
+        ))
     }
 
     fn peaks(&self, detector: &Detector) -> Result<Vec<f64>, TrainingError> {
@@ -160,13 +166,14 @@ impl<'a> Judge<'a> {
             let peak = match self.residuals.faulty.get(run) {
                 None => watch.peak(record, residual),
                 Some(faulty) => {
-                    let start = self.scene.fault_start().min(record.len());
+                    let start = self.config.fault_start().min(record.len());
                     let channels = residual.len() / record.len().max(1);
                     let (before, after) = residual.split_at(start * channels);
                     let fork = watch.fork(record, before);
                     let rest = watch.rest(&fork, (record, start), after, Levels::NONE);
                     let peak = fork.peak.max(rest.peak);
-                    self.look(&mut watch, (&fork, peak), (record, faulty), factors, &mut alarms);
+                    let broken = &self.runs.faulty[run];
+                    self.look(&mut watch, (&fork, peak), (broken, faulty), factors, &mut alarms);
                     peak
                 }
             };
@@ -184,11 +191,11 @@ impl<'a> Judge<'a> {
         &self,
         watch: &mut Watch,
         (fork, healthy): (&Fork, f64),
-        (record, faulty): (&Record, &[Vec<Vec<f64>>]),
+        (records, faulty): (&[Vec<Record>], &[Vec<Vec<f64>>]),
         factors: &[f64],
         alarms: &mut Alarms,
     ) {
-        let (start, window) = (self.scene.fault_start(), self.scene.samples(NAMING_S));
+        let (start, window) = (self.config.fault_start(), self.config.samples(NAMING_S));
         // A margin above the highest factor that is not reached without a fault settles all.
         let open = factors.iter().copied().filter(|&factor| healthy <= factor);
         let Some(enough) = open.reduce(f64::max) else { return };
@@ -196,7 +203,7 @@ impl<'a> Judge<'a> {
         for (k, (kind, sizes)) in self.scene.kinds.iter().zip(faulty).enumerate() {
             let truth = self.scene.sensor(kind);
             for (s, residual) in sizes.iter().enumerate() {
-                let rest = watch.rest(fork, (record, start), residual, levels);
+                let rest = watch.rest(fork, (&records[k][s], start), residual, levels);
                 let is_found = alarms.look((k, s), healthy, rest, factors);
                 let (true, Some(isolation), Some(truth)) = (is_found, &self.isolation, truth)
                 else {

@@ -9,6 +9,8 @@ use fd_model::Record;
 pub(super) struct Watch {
     detector: Box<dyn Detector>,
     recent: DebouncedStatistic,
+    /// Samples at the start of a run that it does not see.
+    unseen: usize,
 }
 
 /// A detector after the first samples of a run.
@@ -43,15 +45,16 @@ pub(super) struct Rest {
 }
 
 impl Watch {
-    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing) -> Self {
-        Self { detector, recent: DebouncedStatistic::new(rule) }
+    pub(super) fn new(detector: Box<dyn Detector>, rule: Debouncing, unseen: usize) -> Self {
+        Self { detector, recent: DebouncedStatistic::new(rule), unseen }
     }
 
     /// The largest margin of a run without missing samples.
     pub(super) fn peak(&mut self, record: &Record, residual: &[f64]) -> f64 {
         self.detector.reset();
         self.recent.reset();
-        self.on((record, 0), residual, Levels::NONE).peak
+        let seen = (self.unseen * self.detector.residual_len()).min(residual.len());
+        self.on((record, self.unseen), &residual[seen..], Levels::NONE).peak
     }
 
     /// The detector after the samples of a run that `residual` holds.
@@ -102,6 +105,27 @@ mod tests {
 
     use super::*;
 
+    /// A record of one input and one output, all zero.
+    fn record(samples: usize) -> Record {
+        let one = vec![Channel::new("x", "")];
+        let (ts, zero) = (SampleTime::new(0.1).unwrap(), vec![0.0; samples]);
+        Record::new(one.clone(), one, zero.clone(), zero, ts).unwrap()
+    }
+
+    #[test]
+    fn what_is_not_seen_plays_no_part() {
+        let mut residual = vec![0.0; 100];
+        (residual[10], residual[50]) = (5.0, 1.0);
+        let peak = |unseen| {
+            let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
+            let mut watch = Watch::new(Box::new(detector), Debouncing::default(), unseen);
+            watch.peak(&record(100), &residual)
+        };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(near(peak(0), 10.0) && near(peak(10), 10.0) && near(peak(11), 2.0));
+        assert!(near(peak(51), 0.0) && near(peak(200), 0.0));
+    }
+
     /// What is found from a fork, sample by sample, is what the whole run shows.
     #[test]
     fn a_fork_goes_on_as_the_whole_run() {
@@ -111,7 +135,7 @@ mod tests {
         let record = Record::new(one.clone(), one, vec![0.0; 200], vec![0.0; 200], ts).unwrap();
         for rule in [Debouncing::default(), Debouncing::consecutive(3)] {
             let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
-            let mut watch = Watch::new(Box::new(detector), rule);
+            let mut watch = Watch::new(Box::new(detector), rule, 0);
             let ratios: Vec<f64> = residual.iter().map(|r| r.abs() / 0.5).collect();
             let margins = debounced_statistics(&ratios, rule);
             let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, &m| most.max(m));

@@ -1,6 +1,6 @@
 //! `fdiag compare`: the tournament.
 
-use std::{fs, process::ExitCode};
+use std::{fs, path::Path, process::ExitCode};
 
 use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
@@ -76,7 +76,11 @@ fn command() -> String {
 fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
     let mut config: CompareConfig = match &args.config {
         None => CompareConfig::default(),
-        Some(file) => toml_file::read(file)?,
+        Some(file) => {
+            let mut config: CompareConfig = toml_file::read(file)?;
+            config.begin_in(file.parent().unwrap_or(Path::new("")));
+            config
+        }
     };
     if let Some(seeds) = args.seeds {
         config.engines.thresholds = seeds;
@@ -100,7 +104,10 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
 fn refusal(args: &CompareArgs, error: &CompareError) -> Failure {
     let setting = matches!(
         error,
-        CompareError::Version { .. } | CompareError::Setting { .. } | CompareError::Limit(_)
+        CompareError::Version { .. }
+            | CompareError::Setting { .. }
+            | CompareError::Limit(_)
+            | CompareError::Own { .. }
     );
     match &args.config {
         Some(file) if setting => Failure::input(file, error),

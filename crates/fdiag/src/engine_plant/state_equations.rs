@@ -26,7 +26,10 @@ impl EngineEquations {
         let states =
             states.map(|(channel, value)| Initial { channel, value, tolerance: None }).collect();
         let measured = known.outputs.iter().filter_map(|i| MEASURED.get(*i).copied()).collect();
-        Ok((Self { plant: Sampled::new(engine, known.ts), measured }, states))
+        Ok((
+            Self { plant: Sampled::with_longest_step(engine, known.ts, known.step), measured },
+            states,
+        ))
     }
 }
 

@@ -45,8 +45,23 @@ pub(super) struct NamedEquations {
 }
 
 impl ModelSource {
+    /// The equations of the file.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the file cannot be read or holds no equations.
+    pub fn equations(&self) -> Result<Model, GeneratorSpecError> {
+        match self.read()? {
+            NonlinearFile::Equations(model) => Ok(*model),
+            NonlinearFile::Engine(_) => {
+                let (file, found) = (self.name(), ENGINE_KIND.to_owned());
+                Err(GeneratorSpecError::ModelKind { file, expected: "`equations`", found })
+            }
+        }
+    }
+
     /// A relative path made to begin in `folder`.
-    pub(super) fn begin_in(&mut self, folder: &Path) {
+    pub fn begin_in(&mut self, folder: &Path) {
         if let Self::File(path) = self
             && path.is_relative()
         {
