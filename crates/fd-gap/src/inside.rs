@@ -40,7 +40,9 @@ const LEAST_PROMISE: f64 = 0.1;
 /// inputs = { u = { unit = "V" } }
 /// outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
 /// definitions = { w = "2*a" }
-/// states = { a = { unit = "V", derivative = "u - a" }, x = { unit = "V", derivative = "w - x" } }
+/// [states]
+/// a = { unit = "V", initial = 0.0, derivative = "u - a" }
+/// x = { unit = "V", initial = 0.0, derivative = "w - x" }
 /// "#.parse()?;
 /// let (mut a, mut x, mut rows) = (0.0, 0.0, Vec::new());
 /// for k in 0..400_u32 {

@@ -24,15 +24,23 @@ pub(crate) fn blocks(rows: &[&[MatRef<'_, f64>]]) -> Mat<f64> {
     all
 }
 
-/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of logarithms,
-/// which no integers relate.
+/// Unit rows: each coordinate alone, then points spread over the sphere by multiples of powers of `1/φ`,
+/// `φ^(width + 1) = φ + 1` (the generalised golden ratio of Roberts 2018).
 pub(crate) fn spread_rows(width: usize) -> Vec<Mat<f64>> {
     /// Combinations besides each alone.
     const MIXTURES: usize = 24;
 
+    /// Steps of the iteration `φ ← (1 + φ)^(1/(width + 1))`, of which each leaves at most a sixth of the error.
+    const STEPS: usize = 24;
+
+    let root = 1.0 / (width as f64 + 1.0);
+    let ratio = (0..STEPS).fold(1.5_f64, |ratio, _| (1.0 + ratio).powf(root));
+    let powers: Vec<f64> = std::iter::successors(Some(ratio.recip()), |power| Some(power / ratio))
+        .take(width)
+        .collect();
     let alone = (0..width).map(|i| Mat::from_fn(1, width, |_, j| if i == j { 1.0 } else { 0.0 }));
     let mixed = (1..=MIXTURES).filter(|_| 1 < width).map(|k| {
-        let spread = |j: usize| 2.0 * (k as f64 * ((j + 2) as f64).ln()).fract() - 1.0;
+        let spread = |j: usize| 2.0 * (0.5 + k as f64 * powers[j]).fract() - 1.0;
         let row = Mat::from_fn(1, width, |_, j| spread(j));
         let size = row.norm_l2();
         Scale(size.recip()) * row
@@ -163,6 +171,21 @@ mod tests {
                 .map(|row| (0..width).map(|j| 0.0 < row[(0, j)]).collect::<Vec<_>>());
             let signs: HashSet<Vec<bool>> = signs.collect();
             assert_eq!(signs.len(), if width == 1 { 0 } else { 1 << width });
+        }
+    }
+
+    /// No two coordinates go together: independent ones would be off zero by `1/√24` = 0.2 as a rule.
+    #[test]
+    fn coordinates_of_combinations_are_not_correlated() {
+        for width in 2..7 {
+            let rows = spread_rows(width);
+            let of = |j: usize| rows[width..].iter().map(|row| row[(0, j)]).collect::<Vec<f64>>();
+            for (i, j) in (0..width).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                let (a, b) = (of(i), of(j));
+                let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+                let correlation = dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt();
+                assert!(correlation.abs() < 0.5, "{i} and {j} of {width}: {correlation}");
+            }
         }
     }
 }

@@ -30,24 +30,24 @@ const OUT_OF_REACH: f64 = 10.0;
 /// kind = "equations"
 /// name = "lag"
 /// sample_time = 0.1
-/// inputs = { u = { unit = "V" } }
+/// inputs = { u = { unit = "rad" } }
 /// outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
-/// states = { x = { unit = "V", initial = 0.0, derivative = "u - x" } }
+/// states = { x = { unit = "V", initial = 0.0, derivative = "sin(u) - x" } }
 /// "#.parse()?;
 /// let ts = model.sample_time()?;
 /// let suspects: Vec<Candidate> = Vec::new();
-/// let at_a_glance = |sign: f64| -> Result<Option<Mistake>, Box<dyn std::error::Error>> {
+/// let at_a_glance = |unit: f64| -> Result<Option<Mistake>, Box<dyn std::error::Error>> {
 ///     let (mut x, mut rows) = (0.0, Vec::new());
 ///     for k in 0..300_u32 {
-///         let u = (0.05 * f64::from(k)).sin();
-///         rows.push(([u], [sign * (x + 0.014 * f64::from(k * k).sin())]));
-///         x = u + (-0.1_f64).exp() * (x - u);
+///         let u = (0.05 * f64::from(k)).sin() + 0.3;
+///         rows.push(([u], [unit * (x + 0.014 * f64::from(k * k).sin())]));
+///         x = u.sin() + (-0.1_f64).exp() * (x - u.sin());
 ///     }
 ///     let log = Record::from_rows(model.external_inputs(), model.output_channels(), rows, ts)?;
 ///     let case = Case { nominal: &model, suspects: &suspects, logs: &[log], held_out: &[] };
 ///     Ok(glance(&case, Horizon::FreeRun)?.map(|suspicion| suspicion.mistake().clone()))
 /// };
-/// assert_eq!(at_a_glance(-1.0)?, Some(Mistake::sign("y")));
+/// assert_eq!(at_a_glance(1e3)?, Some(Mistake::unit("y", 1e3)));
 /// assert_eq!(at_a_glance(1.0)?, None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
