@@ -153,10 +153,9 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
-    let together = match (road, diagnosis.verdict, diagnosis.pairs.first()) {
-        (Some(road), ..) if 1 < road.causes.len() => {
-            road.causes.iter().map(|milestone| named(&milestone.cause)).collect()
-        }
+    let list = road.filter(|road| 1 < road.causes.len());
+    let together = match (list, diagnosis.verdict, diagnosis.pairs.first()) {
+        (Some(list), ..) => list.causes.iter().map(|milestone| named(&milestone.cause)).collect(),
         (_, Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
         _ => Vec::new(),
     };
@@ -164,6 +163,9 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
     // A path that was drawn anew through a log forecasts nothing of another.
     let forecast = diagnosis.held_out.first().filter(|held_out| !held_out.is_redrawn);
     let closed = forecast.and_then(|held_out| held_out.closed_of_refit);
+    // A list closes what all of it does.
+    let closed = list.map_or(closed, |list| list.closed);
+    let patched = list.map_or(&diagnosis.best.model, |list| &list.model);
     Answer {
         case: name.to_owned(),
         verdict: verdict(diagnosis.verdict).to_owned(),
@@ -180,7 +182,7 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
         sigma: diagnosis.sigma.clone(),
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: refit.collect(),
-        patched: Some(diagnosis.best.model.to_string()),
+        patched: Some(patched.to_string()),
         ..Answer::default()
     }
 }
