@@ -17,11 +17,6 @@ use crate::{
     fit::FitError,
 };
 
-/// Laws inside that are fitted to the end, to see whether one is worth a diagnosis.
-const FINALISTS: usize = 4;
-/// Share of the best score that one must promise for a fit.
-const LEAST_PROMISE: f64 = 0.1;
-
 /// Diagnoses a case whose suspects have signals inside the model among them, after a diagnosis of what is `around` it.
 /// `None` where that one is to stay: it finds no gap, or what is inside does not explain the logs down to the noise, or
 /// not clearly better.
@@ -92,17 +87,12 @@ pub fn inside(
     if laws.is_empty() || monitor.is_stopped() {
         return Ok(None);
     }
-    let singles = Settings { two: 0.0, ..settings.clone() };
-    let few = Settings {
-        finalists: FINALISTS,
-        least_promise: LEAST_PROMISE,
-        report_horizons: vec![settings.horizon],
-        ..singles.clone()
-    };
-    let glance = diagnose(&Case { suspects: &laws, ..*case }, &few, monitor)?;
+    let one = Settings { report_horizons: vec![settings.horizon], ..settings.for_one_law() };
+    let glance = diagnose(&Case { suspects: &laws, ..*case }, &one, monitor)?;
     if !is_better(&glance, around, settings) {
         return Ok(None);
     }
+    let singles = Settings { two: 0.0, ..settings.clone() };
     let found = diagnose(case, &singles, monitor)?;
     Ok(is_better(&found, around, settings).then_some(found))
 }

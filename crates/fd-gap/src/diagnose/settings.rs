@@ -34,6 +34,18 @@ pub struct Settings {
     pub without: Without,
 }
 
+/// Causes that are fitted to the end where only the best law is wanted.
+const FINALISTS: usize = 4;
+/// Share of the best score that a candidate must promise there.
+const LEAST_PROMISE: f64 = 0.1;
+
+impl Settings {
+    /// What is needed to find the best law, and no more: two at a time would take as long as all the rest.
+    pub(crate) fn for_one_law(&self) -> Self {
+        Self { two: 0.0, finalists: FINALISTS, least_promise: LEAST_PROMISE, ..self.clone() }
+    }
+}
+
 /// Rules of a diagnosis that can be left out, to see what they bring.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Without {

@@ -2,8 +2,7 @@
 
 use super::{
     mistake::Mistake,
-    suspicion::{EXPLAINED, Suspicion, suspect},
-    trial::Trial,
+    suspicion::{EXPLAINED, Explained, Suspicion},
 };
 use crate::{
     diagnose::Case,
@@ -17,7 +16,7 @@ const OUT_OF_REACH: f64 = 10.0;
 /// model: signs, units, swapped columns and time, which no cause does. A gain that no honest device has costs more than
 /// such a mistake, and so does any cause, for being one of many, if it explains no more. So causes need not be tried on
 /// the log as it is read, which far from the noise takes long: [`Suspicion::judged`] and a diagnosis of the mended log
-/// that finds no gap are enough. Where they are not, [`suspect`] is to be asked after the diagnosis, as always.
+/// that finds no gap are enough. Where they are not, [`suspect`](super::suspect) is to be asked after the diagnosis, as always.
 ///
 /// ```
 /// use fd_effect::Candidate;
@@ -54,13 +53,13 @@ const OUT_OF_REACH: f64 = 10.0;
 ///
 /// # Errors
 ///
-/// As [`suspect`].
+/// As [`suspect`](super::suspect).
 pub fn glance(case: &Case<'_>, horizon: Horizon) -> Result<Option<Suspicion>, FitError> {
-    let as_read = Trial::new(case, None)?.fitted(horizon);
-    if as_read.is_some_and(|misfit| misfit.is_noise(OUT_OF_REACH)) {
+    let Some(explained) = Explained::of(case, horizon, None)? else { return Ok(None) };
+    if explained.fitted.as_ref().is_some_and(|misfit| misfit.is_noise(OUT_OF_REACH)) {
         return Ok(None);
     }
-    Ok(suspect(case, horizon, None)?.filter(|suspicion| {
+    Ok(explained.suspected(case, horizon)?.filter(|suspicion| {
         let has_no_peer = matches!(
             suspicion.mistake(),
             Mistake::Sign { .. }

@@ -45,6 +45,18 @@ pub struct Suspicion {
     pub(super) mended: Misfit,
 }
 
+/// How a log is explained as it is read.
+pub(super) struct Explained {
+    /// The best explanation …
+    known: Misfit,
+    /// … and what it costs.
+    price: f64,
+    /// That of refitted parameters.
+    refit: Misfit,
+    /// What parameters and starts can do; `None` where the simulation is lost.
+    pub(super) fitted: Option<Misfit>,
+}
+
 /// Looks for a mistake of reading that explains a log at least about as well as the diagnosis of the
 /// log as it is read, which is `None` where the simulation as read is lost. Free of charge when that found no gap.
 ///
@@ -62,67 +74,83 @@ pub fn suspect(
     if let Some(suspicion) = as_read.and_then(|d| Suspicion::of_cut_off(case, horizon, d)) {
         return Ok(Some(suspicion));
     }
-    let Some((known, refit, price)) = explained(case, horizon, as_read)? else { return Ok(None) };
-    let mut fits = Vec::new();
-    for hypothesis in shortlist(case)? {
-        if let Some(misfit) = fit(case, horizon, &hypothesis.mistake) {
-            fits.push((hypothesis, misfit));
-        }
+    match Explained::of(case, horizon, as_read)? {
+        Some(explained) => explained.suspected(case, horizon),
+        None => Ok(None),
     }
-    let mut best: Option<(Hypothesis, Misfit)> = None;
-    for fit in &fits {
-        if best.as_ref().is_none_or(|best| 0.0 < beats(fit, best)) {
-            best = Some(fit.clone());
-        }
-    }
-    let Some(best) = best.map(|best| climbed(case, horizon, best)) else { return Ok(None) };
-    let over_refit = best.1.advantage(&refit);
-    let odds = best.1.advantage(&known) + price + best.0.log_prior;
-    let is_worth =
-        !known.is_noise(EXPLAINED) && WORTH[0] < best.1.shrinks(&refit) && WORTH[1] < over_refit;
-    if !(0.0 < odds || is_worth)
-        || !best.1.follows(&refit, FOLLOWS)
-        || !is_determined(case, horizon, &best)
-    {
-        return Ok(None);
-    }
-    let same = |other: &Mistake| match (other, &best.0.mistake) {
-        (Mistake::Clock { channel: a, .. }, Mistake::Clock { channel: b, .. }) => a == b,
-        (a, b) => a == b,
-    };
-    let tied = fits.iter().filter(|f| !same(&f.0.mistake) && -TIED < beats(f, &best));
-    let also = tied.map(|(hypothesis, _)| hypothesis.mistake.clone()).collect();
-    let (hypothesis, mended) = best;
-    Ok(Some(Suspicion { hypothesis, also, as_read: known, price, mended }))
 }
 
-/// The best explanation of the log as it is read, that of refitted parameters, and what the former costs.
-fn explained(
-    case: &Case<'_>,
-    horizon: Horizon,
-    as_read: Option<&Diagnosis>,
-) -> Result<Option<(Misfit, Misfit, f64)>, FitError> {
-    let trial = Trial::new(case, None)?;
-    let zero: Vec<Vec<f64>> = trial.zeros();
-    let Some(level) = trial.misfit(&zero, Look::Close).map(|misfit| misfit.constant()) else {
-        return Ok(None);
-    };
-    let of = |outputs: &[Vec<f64>]| trial.misfit(outputs, Look::Close);
-    let refit = as_read.and_then(|d| of(&d.refit.outputs)).unwrap_or_else(|| level.clone());
-    let mut known = (refit.clone(), 0.0);
-    if let Some((diagnosis, best)) = as_read.and_then(|d| Some((d, of(&d.best.outputs)?))) {
-        let price = price(diagnosis, best.independent());
-        if price < best.advantage(&refit) {
-            known = (best, price);
+impl Explained {
+    /// What there is; `None` where nothing can be compared.
+    pub(super) fn of(
+        case: &Case<'_>,
+        horizon: Horizon,
+        as_read: Option<&Diagnosis>,
+    ) -> Result<Option<Self>, FitError> {
+        let trial = Trial::new(case, None)?;
+        let zero: Vec<Vec<f64>> = trial.zeros();
+        let Some(level) = trial.misfit(&zero, Look::Close).map(|misfit| misfit.constant()) else {
+            return Ok(None);
+        };
+        let of = |outputs: &[Vec<f64>]| trial.misfit(outputs, Look::Close);
+        let refit = as_read.and_then(|d| of(&d.refit.outputs)).unwrap_or_else(|| level.clone());
+        let mut known = (refit.clone(), 0.0);
+        if let Some((diagnosis, best)) = as_read.and_then(|d| Some((d, of(&d.best.outputs)?))) {
+            let price = price(diagnosis, best.independent());
+            if price < best.advantage(&refit) {
+                known = (best, price);
+            }
         }
-    }
-    // Mended logs may begin anywhere, and so may this one.
-    for plain in std::iter::once(level).chain(trial.fitted(horizon)) {
-        if known.1 < plain.advantage(&known.0) {
-            known = (plain, 0.0);
+        // Mended logs may begin anywhere, and so may this one.
+        let fitted = trial.fitted(horizon);
+        for plain in std::iter::once(&level).chain(&fitted) {
+            if known.1 < plain.advantage(&known.0) {
+                known = (plain.clone(), 0.0);
+            }
         }
+        Ok(Some(Self { known: known.0, refit, price: known.1, fitted }))
     }
-    Ok(Some((known.0, refit, known.1)))
+
+    /// The mistake that explains a log at least about as well.
+    pub(super) fn suspected(
+        self,
+        case: &Case<'_>,
+        horizon: Horizon,
+    ) -> Result<Option<Suspicion>, FitError> {
+        let Self { known, refit, price, .. } = self;
+        let mut fits = Vec::new();
+        for hypothesis in shortlist(case)? {
+            if let Some(misfit) = fit(case, horizon, &hypothesis.mistake) {
+                fits.push((hypothesis, misfit));
+            }
+        }
+        let mut best: Option<(Hypothesis, Misfit)> = None;
+        for fit in &fits {
+            if best.as_ref().is_none_or(|best| 0.0 < beats(fit, best)) {
+                best = Some(fit.clone());
+            }
+        }
+        let Some(best) = best.map(|best| climbed(case, horizon, best)) else { return Ok(None) };
+        let over_refit = best.1.advantage(&refit);
+        let odds = best.1.advantage(&known) + price + best.0.log_prior;
+        let is_worth = !known.is_noise(EXPLAINED)
+            && WORTH[0] < best.1.shrinks(&refit)
+            && WORTH[1] < over_refit;
+        if !(0.0 < odds || is_worth)
+            || !best.1.follows(&refit, FOLLOWS)
+            || !is_determined(case, horizon, &best)
+        {
+            return Ok(None);
+        }
+        let same = |other: &Mistake| match (other, &best.0.mistake) {
+            (Mistake::Clock { channel: a, .. }, Mistake::Clock { channel: b, .. }) => a == b,
+            (a, b) => a == b,
+        };
+        let tied = fits.iter().filter(|f| !same(&f.0.mistake) && -TIED < beats(f, &best));
+        let also = tied.map(|(hypothesis, _)| hypothesis.mistake.clone()).collect();
+        let (hypothesis, mended) = best;
+        Ok(Some(Suspicion { hypothesis, also, as_read: known, price, mended }))
+    }
 }
 
 fn fit(case: &Case<'_>, horizon: Horizon, mistake: &Mistake) -> Option<Misfit> {

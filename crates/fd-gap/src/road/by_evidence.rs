@@ -9,7 +9,7 @@ use fd_model::Record;
 use super::{
     drive::Journey,
     finish::Found,
-    growth::{Growth, one_at_a_time},
+    growth::Growth,
     list::Listed,
     milestone::milestone,
     result::{End, Milestone},
@@ -36,7 +36,7 @@ pub(super) fn by_evidence(
         return Ok(None);
     }
     let Some(list) = lists.of(beginning(journey)) else { return Ok(None) };
-    let one = one_at_a_time(settings);
+    let one = settings.for_one_law();
     let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, 1.0).grown(list)?;
     let (list, end) = credible(journey, list, end);
     let list = largest_first(journey, list);

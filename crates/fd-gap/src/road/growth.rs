@@ -25,17 +25,8 @@ use crate::{
 /// Laws that are tried for the next place far above the noise, where forecasts with the best of them may be worse for
 /// want of others.
 const TRIES: usize = 3;
-/// Causes that are fitted to the end for the next place.
-const FINALISTS: usize = 4;
-/// Share of the best score that a candidate for the next place must promise.
-const LEAST_PROMISE: f64 = 0.1;
 /// Most rounds of going on and looking back.
 const ROUNDS: usize = 3;
-
-/// What a list by evidence needs of a diagnosis: the next cause. Two at a time would take as long as all the rest.
-pub(super) fn one_at_a_time(settings: &Settings) -> Settings {
-    Settings { two: 0.0, finalists: FINALISTS, least_promise: LEAST_PROMISE, ..settings.clone() }
-}
 
 /// A list that cannot grow any more.
 pub(super) struct Grown {

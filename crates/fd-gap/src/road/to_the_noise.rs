@@ -9,7 +9,7 @@ use super::{
     by_evidence::{beginning, credible, gaps, largest_first},
     drive::Journey,
     finish::Found,
-    growth::{Growth, one_at_a_time},
+    growth::Growth,
     result::End,
 };
 use crate::{diagnose::Monitor, fit::FitError};
@@ -31,7 +31,7 @@ pub(super) fn to_the_noise(
     if list.is_empty() || monitor.is_stopped() {
         return Ok(None);
     }
-    let one = one_at_a_time(journey.settings);
+    let one = journey.settings.for_one_law();
     let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, LEAVES).grown(list)?;
     let (list, end) = credible(journey, list, end);
     if end != End::AtTheNoise || list.is_empty() {

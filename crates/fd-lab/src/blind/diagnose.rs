@@ -70,12 +70,13 @@ pub(super) fn answer(
     let approach = &Approach { settings, method, is_followed: follower.is_some() };
     let reads_on = !approach.is_followed && method.has(Feature::Readings);
     let read = || diagnosed(nominal, &model, &logs, &held_out, approach);
-    let at_once = if reads_on { glanced(&model, &logs, &held_out, approach) } else { None };
+    let none: Vec<Candidate> = Vec::new();
+    let case =
+        diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
+    let at_once = if reads_on { glanced(&case, approach) } else { None };
     let as_read = at_once.is_none().then(read);
     let mended = match &as_read {
-        Some(as_read) if reads_on => {
-            mended(&model, &logs, &held_out, approach, as_read.as_ref().ok())
-        }
+        Some(as_read) if reads_on => mended(&case, approach, as_read.as_ref().ok()),
         _ => at_once,
     };
     let (reading, Diagnosed { diagnosis, candidates, .. }, road) = if let Some(mended) = mended {
@@ -223,7 +224,7 @@ struct Mended {
     diagnosed: Diagnosed,
 }
 
-/// Diagnoses logs with a simulator of the `model`; with effects inside it where those around it do not explain them.
+/// Diagnoses logs with a simulator of the `model`; with effects inside it where one of them explains them clearly better.
 fn diagnosed(
     nominal: &dyn Nominal,
     model: &Model,
@@ -254,50 +255,30 @@ fn diagnosed(
     Ok(Diagnosed { diagnosis, candidates, is_inside: false })
 }
 
-/// The diagnosis of the mended log, where a mistake of reading is confirmed.
+/// The diagnosis of the mended log, where a mistake of reading is confirmed. The case has no suspects.
 fn mended(
-    model: &Model,
-    logs: &[Record],
-    held_out: &[Record],
+    case: &diagnose::Case<'_>,
     approach: &Approach,
     as_read: Option<&Diagnosed>,
 ) -> Option<Mended> {
-    let none: Vec<Candidate> = Vec::new();
-    let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
     let as_read = as_read.map(|diagnosed| &diagnosed.diagnosis);
-    let suspicion = suspect(&case, approach.settings.horizon, as_read).ok()??;
-    Mended::of(suspicion, model, logs, held_out, approach)
+    Mended::of(suspect(case, approach.settings.horizon, as_read).ok()??, case, approach)
 }
 
 /// The same with a mistake that is seen before any cause is tried, and leaves no gap.
-fn glanced(
-    model: &Model,
-    logs: &[Record],
-    held_out: &[Record],
-    approach: &Approach,
-) -> Option<Mended> {
-    let none: Vec<Candidate> = Vec::new();
-    let case = diagnose::Case { nominal: model, suspects: &none, logs, held_out };
-    let suspicion = glance(&case, approach.settings.horizon).ok()??;
-    let mended = Mended::of(suspicion, model, logs, held_out, approach)?;
+fn glanced(case: &diagnose::Case<'_>, approach: &Approach) -> Option<Mended> {
+    let suspicion = glance(case, approach.settings.horizon).ok()??;
+    let mended = Mended::of(suspicion, case, approach)?;
     (mended.diagnosed.diagnosis.verdict == Verdict::NoGap).then_some(mended)
 }
 
 impl Mended {
     /// The diagnosis of the mended log, if that confirms what is suspected.
-    fn of(
-        suspicion: Suspicion,
-        model: &Model,
-        logs: &[Record],
-        held_out: &[Record],
-        approach: &Approach,
-    ) -> Option<Self> {
-        let none: Vec<Candidate> = Vec::new();
-        let model = suspicion.mistake().mended_model(model)?;
-        let (logs, held_out) = (suspicion.mended(logs)?, suspicion.mended(held_out)?);
+    fn of(suspicion: Suspicion, case: &diagnose::Case<'_>, approach: &Approach) -> Option<Self> {
+        let model = suspicion.mistake().mended_model(case.nominal.model())?;
+        let (logs, held_out) = (suspicion.mended(case.logs)?, suspicion.mended(case.held_out)?);
         let diagnosed = diagnosed(&model, &model, &logs, &held_out, approach).ok()?;
-        let case =
-            diagnose::Case { nominal: &model, suspects: &none, logs: &logs, held_out: &held_out };
+        let case = diagnose::Case { nominal: &model, logs: &logs, held_out: &held_out, ..*case };
         let reading = suspicion.judged(&case, &diagnosed.diagnosis)?;
         Some(Self { reading, model, logs, held_out, diagnosed })
     }

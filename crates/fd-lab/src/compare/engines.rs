@@ -43,11 +43,6 @@ impl<'a> EnginePlants<'a> {
         Ok(plants)
     }
 
-    /// The faults that are looked for.
-    pub(super) fn kinds(&self) -> &[FaultKind] {
-        &self.kinds
-    }
-
     fn check(&self, site: &Site, scenario: &str) -> Result<(), CompareError> {
         let unknown = |expected| {
             Err(CompareError::Setting {
@@ -163,6 +158,10 @@ impl<'a> EnginePlants<'a> {
 }
 
 impl Plants for EnginePlants<'_> {
+    fn kinds(&self) -> &[FaultKind] {
+        &self.kinds
+    }
+
     fn outputs(&self) -> Vec<String> {
         self.benchmark.outputs().into_iter().map(|channel| channel.name).collect()
     }

@@ -19,6 +19,9 @@ use super::{
 
 /// The plants of a scenario.
 pub(super) trait Plants: Sync {
+    /// The faults that are looked for.
+    fn kinds(&self) -> &[FaultKind];
+
     /// Names of the outputs.
     fn outputs(&self) -> Vec<String>;
 
@@ -74,22 +77,18 @@ pub(super) struct Scene<'a> {
 impl<'a> Scene<'a> {
     pub(super) fn new(config: &'a CompareConfig, index: usize) -> Result<Self, CompareError> {
         let scenario: &Scenario = &config.scenarios[index];
-        let (kinds, plants): (_, Box<dyn Plants + 'a>) = match &scenario.own {
-            None => {
-                let plants = EnginePlants::new(config, scenario)?;
-                (plants.kinds().to_vec(), Box::new(plants))
-            }
+        let plants: Box<dyn Plants + 'a> = match &scenario.own {
+            None => Box::new(EnginePlants::new(config, scenario)?),
             Some(own) => {
                 let scene = scenario.name.clone();
                 let wrong = |error| CompareError::Own { scenario: scene, error: Box::new(error) };
                 if scenario.present.is_some() {
                     return Err(wrong(OwnError::Present));
                 }
-                let plants = OwnPlants::new(config, own).map_err(wrong)?;
-                (plants.kinds().to_vec(), Box::new(plants))
+                Box::new(OwnPlants::new(config, own).map_err(wrong)?)
             }
         };
-        Ok(Self { config, index, kinds, plants })
+        Ok(Self { config, index, kinds: plants.kinds().to_vec(), plants })
     }
 
     /// Index of the output whose sensor is faulty, if it is a sensor.

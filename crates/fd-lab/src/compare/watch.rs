@@ -130,9 +130,7 @@ mod tests {
     #[test]
     fn a_fork_goes_on_as_the_whole_run() {
         let residual: Vec<f64> = (0..200).map(|k| (f64::from(k).powi(2) * 0.618).sin()).collect();
-        let one = Channel::numbered("c", 1);
-        let ts = SampleTime::new(1.0).unwrap();
-        let record = Record::new(one.clone(), one, vec![0.0; 200], vec![0.0; 200], ts).unwrap();
+        let record = record(200);
         for rule in [Debouncing::default(), Debouncing::consecutive(3)] {
             let detector = Magnitude::<f64>::new(&[1.0], 0.5).unwrap();
             let mut watch = Watch::new(Box::new(detector), rule, 0);

@@ -173,8 +173,7 @@ pub(super) fn mended(
     let none: Vec<Candidate> = Vec::new();
     let suspects: &dyn Suspects =
         as_read.as_ref().map_or(&none, |attempt| &attempt.suspects as &dyn Suspects);
-    let lent = as_read.as_ref().ok().and_then(|attempt| attempt.sparing.as_ref());
-    let nominal: &dyn Nominal = lent.map_or(subject.nominal(), |(_, lent)| lent);
+    let nominal = as_read.as_ref().map_or(subject.nominal(), Attempt::nominal);
     let logs = &data.fit[..];
     let case = Case { nominal, suspects, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);

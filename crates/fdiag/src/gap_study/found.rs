@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use fd_gap::{
-    diagnose::{Diagnosis, Monitor, Verdict},
+    diagnose::{Monitor, Verdict},
     reading::Reading,
 };
 use fd_model::Record;
@@ -86,11 +86,12 @@ impl<'a> Search<'a> {
         let glanced = if self.follower.is_none() { glanced(request, subject, data) } else { None };
         let glanced = kept(&shelf.glanced, glanced);
         let found = confirmed(request, subject, glanced, monitor);
-        let found = found.filter(|(mended, _)| mended.diagnosis.verdict == Verdict::NoGap);
-        found.map_or(Ok(None), |(attempt, reading)| {
-            let whole = self.whole(&attempt)?;
-            Ok(Some(Found { attempt, reading: Some(reading), whole }))
-        })
+        let Some((attempt, reading)) = found else { return Ok(None) };
+        if attempt.diagnosis.verdict != Verdict::NoGap {
+            return Ok(None);
+        }
+        let whole = self.whole(&attempt)?;
+        Ok(Some(Found { attempt, reading: Some(reading), whole }))
     }
 
     fn as_read_or_meant(
@@ -136,30 +137,20 @@ impl<'a> Search<'a> {
 
     /// All rows of long logs, judged by a diagnosis of their stretches.
     fn whole(self, attempt: &Attempt<'_>) -> Result<Option<Whole>, GapError> {
-        judged_whole(attempt.nominal(), &attempt.diagnosis, attempt.data, self.follower)
+        let Some(long) = &attempt.data.long else { return Ok(None) };
+        let followed = |record: &Record| match self.follower {
+            // A record of this model can be followed.
+            Some(follower) => follower.record(record).unwrap_or_else(|_| record.clone()),
+            None => record.clone(),
+        };
+        let fitted = attempt.data.fit.iter().map(Record::len).sum();
+        Ok(judge(long, attempt.nominal(), &attempt.diagnosis, fitted, followed)?)
     }
 }
 
 /// Puts something on a shelf, where there is something.
 fn kept<T>(place: &OnceCell<T>, thing: Option<T>) -> Option<&T> {
     thing.map(|thing| place.get_or_init(|| thing))
-}
-
-/// All rows of long logs, judged by a diagnosis of their stretches.
-fn judged_whole(
-    nominal: &dyn Nominal,
-    diagnosis: &Diagnosis,
-    data: &Data,
-    follower: Option<&Follower<'_>>,
-) -> Result<Option<Whole>, GapError> {
-    let Some(long) = &data.long else { return Ok(None) };
-    let followed = |record: &Record| match follower {
-        // A record of this model can be followed.
-        Some(follower) => follower.record(record).unwrap_or_else(|_| record.clone()),
-        None => record.clone(),
-    };
-    let fitted = data.fit.iter().map(Record::len).sum();
-    Ok(judge(long, nominal, diagnosis, fitted, followed)?)
 }
 
 /// The data with windows that the answer does not fit as it does the others; `None` without any.

@@ -100,11 +100,6 @@ impl<'a> OwnPlants<'a> {
         })
     }
 
-    /// The faults that are looked for.
-    pub(crate) fn kinds(&self) -> &[FaultKind] {
-        &self.kinds
-    }
-
     /// The parameters of one plant, each anywhere within its tolerance.
     fn parameters(&self, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
         let mut draw = |value: f64, tolerance: f64| {
@@ -122,7 +117,7 @@ impl<'a> OwnPlants<'a> {
         fault: Option<(&str, FaultSpec)>,
     ) -> Result<Record, OwnError> {
         let mut simulator = self.simulator.clone();
-        let before = samples_of(self.own.before_s, self.ts);
+        let before = self.config.samples(self.own.before_s);
         let n = before + samples;
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut driven = Vec::new();
@@ -173,8 +168,8 @@ impl<'a> OwnPlants<'a> {
     fn all(&self, ask: Ask) -> Result<Runs, OwnError> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(ask.seed);
         let theta = self.parameters(&mut random);
-        let learned = samples_of(self.config.training.duration_s, self.ts);
-        let fresh = samples_of(self.config.duration_s(), self.ts);
+        let learned = self.config.samples(self.config.training.duration_s);
+        let fresh = self.config.samples(self.config.duration_s());
         let training = self.run(&theta, random.next_u64(), learned, None)?;
         let mut seeds = |count: u64| (0..count).map(|_| random.next_u64()).collect::<Vec<_>>();
         let (calibration, healthy) =
@@ -207,6 +202,10 @@ impl<'a> OwnPlants<'a> {
 }
 
 impl Plants for OwnPlants<'_> {
+    fn kinds(&self) -> &[FaultKind] {
+        &self.kinds
+    }
+
     fn outputs(&self) -> Vec<String> {
         self.outputs.iter().map(|channel| channel.name.clone()).collect()
     }
@@ -214,11 +213,6 @@ impl Plants for OwnPlants<'_> {
     fn runs(&self, ask: Ask) -> Result<Runs, CompareError> {
         Ok(self.all(ask)?)
     }
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length in samples")]
-fn samples_of(seconds: f64, ts: SampleTime) -> usize {
-    (seconds / ts.seconds()).round().max(0.0) as usize
 }
 
 /// A fault as the comparison counts it.
