@@ -13,6 +13,7 @@ use fd_effect::{Candidate, SiteRef};
 use crate::{
     diagnose::{
         Case, Cause, Diagnosis, Monitor, Settings, Verdict, diagnose, follows_anything, is_a_pair,
+        is_curve_of_signal, wanders,
     },
     fit::FitError,
 };
@@ -83,33 +84,45 @@ pub fn inside(
         let found = diagnose(case, settings, monitor)?;
         return Ok(found.names_all().then_some(found));
     }
-    let laws: Vec<Candidate> = case.suspects.alone().into_iter().flatten().filter(is_law).collect();
+    // A path over time says nothing of another log; against that a curve of a signal is an answer, too.
+    let has_paths = is_of_paths(around);
+    let is_worth_a_try = |candidate: &Candidate| {
+        let is_answer = !follows_anything(candidate) || has_paths && is_curve_of_signal(candidate);
+        is_inside(&candidate.site) && is_answer
+    };
+    let suspects = case.suspects.alone().into_iter().flatten();
+    let laws: Vec<Candidate> = suspects.filter(is_worth_a_try).collect();
     if laws.is_empty() || monitor.is_stopped() {
         return Ok(None);
     }
     let one = Settings { report_horizons: vec![settings.horizon], ..settings.for_one_law() };
     let glance = diagnose(&Case { suspects: &laws, ..*case }, &one, monitor)?;
-    if !is_better(&glance, around, settings) {
+    // Which law it is, and how sure that is, is for the whole diagnosis to say.
+    if !explains_more(&glance, around, settings) {
         return Ok(None);
     }
     let singles = Settings { two: 0.0, ..settings.clone() };
     let found = diagnose(case, &singles, monitor)?;
-    Ok(is_better(&found, around, settings).then_some(found))
+    let is_named = matches!(found.verdict, Verdict::Cause | Verdict::Tied);
+    Ok((is_named && explains_more(&found, around, settings)).then_some(found))
 }
 
-/// Whether it is a law of a signal inside the model.
-fn is_law(candidate: &Candidate) -> bool {
-    is_inside(&candidate.site) && !follows_anything(candidate)
+/// Whether what a diagnosis names are parameters that wander, and nothing else.
+fn is_of_paths(diagnosis: &Diagnosis) -> bool {
+    let named = match (diagnosis.verdict, diagnosis.pairs.first()) {
+        (Verdict::Pair, Some(pair)) => &pair.causes[..],
+        _ => diagnosis.causes.get(..1).unwrap_or_default(),
+    };
+    !named.is_empty() && named.iter().all(|cause| wanders(cause.label))
 }
 
 fn is_inside(site: &SiteRef) -> bool {
     matches!(site, SiteRef::Signal(..))
 }
 
-/// Whether one law inside explains the logs down to the noise, with evidence that two effects around are not worth, or
-/// that is clearly more than that of one.
-fn is_better(found: &Diagnosis, around: &Diagnosis, settings: &Settings) -> bool {
-    let is_single = matches!(found.verdict, Verdict::Cause | Verdict::Tied);
+/// Whether the first cause is a law inside that explains the logs down to the noise, with evidence that two effects around
+/// are not worth, or that is clearly more than that of one.
+fn explains_more(found: &Diagnosis, around: &Diagnosis, settings: &Settings) -> bool {
     let own = found.causes.first().filter(|own| is_inside(&own.site));
     let (Some(Cause { log_evidence: own, .. }), Some(other)) = (own, around.causes.first()) else {
         return false;
@@ -118,5 +131,5 @@ fn is_better(found: &Diagnosis, around: &Diagnosis, settings: &Settings) -> bool
         (Verdict::Pair, Some(pair)) => !is_a_pair(pair.log_evidence, *own),
         _ => other.log_evidence + settings.bayes_factor.ln() < *own,
     };
-    is_single && found.names_all() && is_more
+    found.explains_all() && is_more
 }

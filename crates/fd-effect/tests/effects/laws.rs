@@ -128,15 +128,11 @@ fn actuator_curves_are_as_their_names_say() {
         if u > 0.0 { 1.3 * u } else { 0.9 * u }
     });
     arrives("input-dead-zone", "asymmetric", &[0.4, 0.5], &mut |u| {
-        if u > 0.6 {
-            u - 0.6
-        } else if u < -0.2 {
-            u + 0.2
-        } else {
-            0.0
-        }
+        if u > 0.6 { u - 0.6 } else { (u + 0.2).min(0.0) }
     });
     arrives("input-saturation", "hard", &[0.8], &mut |u| u.clamp(-1.25, 1.25));
+    arrives("input-saturation", "upper", &[0.8], &mut |u| u.min(1.25));
+    arrives("input-saturation", "lower", &[0.8], &mut |u| u.max(-1.25));
     arrives("input-saturation", "asymmetric", &[0.8, 0.25], &mut |u| u.clamp(-1.0 / 0.6, 1.0));
     arrives("input-saturation", "tanh", &[0.8], &mut |u| (0.8 * u).tanh() / 0.8);
     arrives("input-saturation", "soft", &[0.8, 2.0], &mut |u| u / (0.64 * u * u + 1.0).sqrt());

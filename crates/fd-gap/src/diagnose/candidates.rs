@@ -7,6 +7,9 @@ use super::result::NotTested;
 /// The family of free curves, which follow a misfit without being a law of anything.
 const FREE_CURVES: &str = "map";
 
+/// The law of those of time.
+const OF_TIME: &str = "of-time";
+
 /// A parameter that wanders follows a misfit as freely.
 const WANDERS: &str = "parameter-wander";
 
@@ -47,7 +50,17 @@ pub(crate) fn is_free_curve(candidate: &Candidate) -> bool {
     candidate.family == FREE_CURVES
 }
 
+/// Whether it is a free curve of a signal, which holds for another log as well, and not of time.
+pub(crate) fn is_curve_of_signal(candidate: &Candidate) -> bool {
+    is_free_curve(candidate) && candidate.law != OF_TIME
+}
+
 /// Whether it follows one log as it pleases: a free curve, or a parameter that wanders.
 pub(crate) fn follows_anything(candidate: &Candidate) -> bool {
-    is_free_curve(candidate) || candidate.label == WANDERS
+    is_free_curve(candidate) || wanders(candidate.label)
+}
+
+/// Whether effects of this label are parameters that wander.
+pub(crate) fn wanders(label: &str) -> bool {
+    label == WANDERS
 }

@@ -155,7 +155,7 @@ use self::{
     weigh::weigh,
 };
 pub(crate) use self::{
-    candidates::{follows_anything, is_free_curve},
+    candidates::{follows_anything, is_curve_of_signal, is_free_curve, wanders},
     prepare::prepare,
     report::objections::FAINT,
     weigh::{answer::is_a_pair, explain::settle, values::FittedValues},

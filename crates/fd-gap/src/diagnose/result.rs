@@ -108,7 +108,13 @@ impl Diagnosis {
     #[must_use]
     pub fn names_all(&self) -> bool {
         let is_named = matches!(self.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
-        is_named && self.regime != Regime::AboveTheFloor && !self.is_unexplained
+        is_named && self.explains_all()
+    }
+
+    /// Whether the best explanation comes down to the noise, named or not.
+    #[must_use]
+    pub fn explains_all(&self) -> bool {
+        self.regime != Regime::AboveTheFloor && !self.is_unexplained
     }
 }
 

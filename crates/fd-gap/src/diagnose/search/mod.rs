@@ -10,8 +10,15 @@ pub(super) mod trial;
 use rayon::prelude::*;
 
 pub(super) use self::{command::Command, finalists::finish};
-use self::{searched::Searched, step_size::with_short_steps, trial::Trial};
-use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
+use self::{
+    searched::Searched,
+    step_size::with_short_steps,
+    trial::{Trial, promises_less},
+};
+use super::{
+    candidates::is_same_cause, context::Context, monitor::Stage, prepare::Prepared,
+    result::NotTested,
+};
 use crate::{
     fit::{FitError, NullFit, Projection},
     quality::spectral_peaks,
@@ -65,13 +72,18 @@ pub(super) fn search<'a>(
     monitor.begin(Stage::Fit, trials.len());
     let fitted = case.suspects.fitted();
     let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| trial.is_in(fitted));
+    let causes = promises(&trials);
+    let is_faint = |trial: &Trial<'_>| {
+        let promise = causes.iter().find(|(index, _)| *index == trial.index);
+        promise.is_some_and(|(_, gain)| promises_less(*gain, settings.least_promise, most))
+    };
     let late: Vec<usize> = trials
         .par_iter_mut()
         .filter_map(|trial| {
             if 0 < trial.index && monitor.is_stopped() {
                 return Some(trial.index);
             }
-            if !is_known(trial) && trial.promises_less(settings.least_promise, most) {
+            if !is_known(trial) && is_faint(trial) {
                 monitor.advance();
                 return None;
             }
@@ -84,7 +96,7 @@ pub(super) fn search<'a>(
         if trial.best.is_none() {
             let reason = if late.contains(&trial.index) {
                 stopped()
-            } else if trial.promises_less(settings.least_promise, most) {
+            } else if is_faint(trial) {
                 "others promise far more".to_owned()
             } else {
                 "its simulation diverges".to_owned()
@@ -99,6 +111,25 @@ pub(super) fn search<'a>(
         });
     }
     finish(&mut trials, &null, settings.finalists);
+    if std::env::var("DBG").is_ok() {
+        eprintln!("--- search: {} trials, null cost {:.1}", trials.len(), null.minimum.cost);
+        let mut t: Vec<&Trial<'_>> = trials.iter().collect();
+        t.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        for t in t.iter().take(25) {
+            eprintln!(
+                "{:?} {:?} {} gain {:.1} cost {:.1} final {}",
+                t.candidate.label,
+                t.candidate.law,
+                t.candidate.site.name().unwrap_or_default(),
+                t.gain(),
+                t.cost(),
+                t.is_final
+            );
+        }
+        for n in not_tested.iter().take(0) {
+            eprintln!("not tested {n:?}");
+        }
+    }
     if let Some(fitted) = fitted {
         // What stands for one of a longer list has as good a start as that one, which has had its own.
         let is_rival = |trial: &Trial<'_>| trial.is_final && !is_known(trial);
@@ -113,6 +144,15 @@ pub(super) fn search<'a>(
         nominal,
         Searched { model, null, noise, trials, not_tested, is_coloured, lines },
     )
+}
+
+/// The index of each candidate with what the best law of its cause could explain: laws are started from one another.
+fn promises(trials: &[Trial<'_>]) -> Vec<(usize, f64)> {
+    let of_cause = |trial: &Trial<'_>| {
+        let laws = trials.iter().filter(|other| is_same_cause(other.candidate, trial.candidate));
+        (trial.index, laws.map(Trial::gain).fold(0.0, f64::max))
+    };
+    trials.iter().map(of_cause).collect()
 }
 
 /// Why a candidate was not tried.

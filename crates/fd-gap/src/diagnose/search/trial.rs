@@ -37,6 +37,11 @@ const FAR_BELOW: f64 = 200.0;
 /// A candidate whose sum of squares is above this multiple of the best is out of reach.
 const OUT_OF_REACH: f64 = 1.2;
 
+/// Whether a gain is below this share of `most`, and far below it.
+pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {
+    gain < share * most && gain < most - FAR_BELOW
+}
+
 /// A start of a fit.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct ScoredStart {
@@ -108,7 +113,7 @@ impl<'a> Trial<'a> {
                 self.scaled(values, if is_small { smallest } else { score.amplitude })
             })
             .collect();
-        let is_hopeless = self.promises_less(HOPELESS, most);
+        let is_hopeless = promises_less(self.gain(), HOPELESS, most);
         let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
         if is_hopeless {
             // So that one step is never worse than none.
@@ -118,11 +123,6 @@ impl<'a> Trial<'a> {
         if self.best.is_none() {
             self.fall_back(null);
         }
-    }
-
-    /// Whether no start could explain this share of `most`, and is far below it.
-    pub(in crate::diagnose) fn promises_less(&self, share: f64, most: f64) -> bool {
-        self.gain() < share * most && self.gain() < most - FAR_BELOW
     }
 
     /// A few iterations from each start, with the slopes of the nuisances as they are without the
