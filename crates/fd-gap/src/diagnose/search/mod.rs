@@ -111,25 +111,6 @@ pub(super) fn search<'a>(
         });
     }
     finish(&mut trials, &null, settings.finalists);
-    if std::env::var("DBG").is_ok() {
-        eprintln!("--- search: {} trials, null cost {:.1}", trials.len(), null.minimum.cost);
-        let mut t: Vec<&Trial<'_>> = trials.iter().collect();
-        t.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        for t in t.iter().take(25) {
-            eprintln!(
-                "{:?} {:?} {} gain {:.1} cost {:.1} final {}",
-                t.candidate.label,
-                t.candidate.law,
-                t.candidate.site.name().unwrap_or_default(),
-                t.gain(),
-                t.cost(),
-                t.is_final
-            );
-        }
-        for n in not_tested.iter().take(0) {
-            eprintln!("not tested {n:?}");
-        }
-    }
     if let Some(fitted) = fitted {
         // What stands for one of a longer list has as good a start as that one, which has had its own.
         let is_rival = |trial: &Trial<'_>| trial.is_final && !is_known(trial);
