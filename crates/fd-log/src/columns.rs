@@ -115,13 +115,11 @@ pub(super) fn rule_columns(
         if let Some(text) = &rule.expression {
             let column = rule_expression(file, header, map, rule, text)?;
             let has_time = matches!(time, Time::Column(_));
-            return match has_time || !column.needs_time() {
-                true => Ok((rule.clone(), column)),
-                false => Err(wrong_rule(
-                    file,
-                    "expected a column of time for `t`, found rows that are counted",
-                )),
-            };
+            if column.needs_time() && !has_time {
+                let problem = "expected a column of time for `t`, found rows that are counted";
+                return Err(wrong_rule(file, problem));
+            }
+            return Ok((rule.clone(), column));
         }
         let index = find(file, header, &rule.column)?;
         let text = header[index].text.clone();
