@@ -37,9 +37,9 @@ class Spread(Simulator):
     """A simulator whose runs are made by actors of Ray, several at the same time. A diagnosis of it gives the answer of
     one machine, to the bit.
 
-    A run is asked for in one call where that is possible. Forces that depend on the motion are computed here, so such
-    runs take two calls per sample, for up to `lanes` runs at once. A call takes about a millisecond: this is for
-    simulators of which a run takes longer than its calls.
+    A run is one call, also where forces depend on the motion: the equations of a candidate are sent to the actor. What is
+    stepped by itself, as in a linearisation from states, takes a call per step. A call takes some milliseconds, so this is
+    for simulators of which a run takes longer.
 
     A run whose actor or node is lost is made again by another one. Three losses at the same parameters are a run that
     diverges there.

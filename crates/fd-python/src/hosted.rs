@@ -117,6 +117,7 @@ impl Hosted {
     /// between samples: parameters are then those of the equations, and `rows` their inputs, the same for all runs.
     ///
     /// A simulator that has ended raises a `ConnectionError`.
+    #[expect(clippy::too_many_arguments, reason = "one call is one message between two processes")]
     fn ask<'py>(
         &self,
         py: Python<'py>,
