@@ -3,10 +3,12 @@
     python python/bench/cost.py memory --diagnoses 100
     python python/bench/cost.py steps
     python python/bench/cost.py ray --tasks 400
+    python python/bench/cost.py spread
 
 `memory`: resident memory of one process after every tenth diagnosis, which alternate between a model file and an object
 of Python. `steps`: a sample of a run through `fdiag`, less what the object, or `mj_step`, takes by itself. `ray`: tasks
-that do nothing, and how long until all answers are in their files, in one process and by two workers of Ray.
+that do nothing, and how long until all answers are in their files, in one process and by two workers of Ray. `spread`:
+runs, and a diagnosis, of a simulator in this process, and of the same one spread over actors of Ray.
 """
 
 from __future__ import annotations
@@ -173,9 +175,70 @@ def tasks(count: int) -> None:
     ray.shutdown()
 
 
+def slow() -> fdiag.Rollout:
+    """A function whose runs wait: for a licence, a disk, a device. It takes no processor."""
+
+    @fdiag.rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters={"k": fdiag.Uncertain(1.0, 0.05)})
+    def waits(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
+        time.sleep(0.1)
+        y, shown = np.empty((len(u), 1)), 0.0
+        for k, value in enumerate(u[:, 0]):
+            y[k, 0], shown = shown, shown + 0.1 * (parameters["k"] * value - shown)
+        return y
+
+    return waits
+
+
+def spread() -> None:
+    import ray
+
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    n, u = 1000, np.sin(0.01 * np.arange(1000))
+    print("| what | where | s | ms per run |\n|---|---|---|---|")
+
+    def told(what: str, where: str, seconds: float, runs: int) -> None:
+        print(f"| {what} | {where} | {seconds:.2f} | {1e3 * seconds / runs:.2f} |", flush=True)
+
+    places: list[tuple[str, Callable[[Callable[[], fdiag.Simulator]], fdiag.Simulator]]] = [
+        ("this process", lambda make: make())
+    ]
+    for actors in (1, 2, 4):
+        s = "" if actors == 1 else "s"
+        places.append((f"{actors} actor{s}", lambda make, a=actors: fdiag.ray.Spread(make, actors=a, cpus=0.25)))  # type: ignore[misc]
+    for where, made in places[:2]:
+        simulator = made(lag)
+        simulator.simulate(u)
+        begun = time.perf_counter()
+        for repeat in range(50):
+            simulator.simulate(u * (1.0 + 1e-9 * (repeat + 1)))
+        told(f"runs of {n} samples", where, time.perf_counter() - begun, 50)
+    random = np.random.default_rng(20261125)
+    short = np.repeat(random.uniform(-3.0, 3.0, 20), 20)
+    # An object with a port: half of what is asked are steps.
+    shown = lag().simulate(0.9 * short).ravel() + 0.01 * random.standard_normal(400)
+    stepped = {"time": 0.01 * np.arange(400), "u": short, "y": shown}
+    late = np.concatenate([np.zeros(3), short[:-3]])
+    whole = {"time": 0.1 * np.arange(400), "u": short, "y": slow().simulate(late).ravel()}
+    whole["y"] = whole["y"] + 0.01 * random.standard_normal(400)
+    answers = []
+    for what, make, log, only in (
+        ("diagnosis of an object that steps", lag, stepped, FEW),
+        ("diagnosis of runs that wait 100 ms", slow, whole, ["input-delay", "input-gain", "sensor-delay"]),
+    ):
+        for where, made in places:
+            simulator = made(make)
+            simulator.simulate([0.0])
+            begun = time.perf_counter()
+            result = fdiag.gap(simulator, log, only=only, most=1, noise={"y": 0.01}, threads=4)
+            told(what, where, time.perf_counter() - begun, result.work.made if result.work else 1)
+            answers.append({key: value for key, value in result.to_dict().items() if key != "timing"})
+    assert answers[:4] == 4 * answers[:1] and answers[4:] == 4 * answers[4:5]
+    ray.shutdown()
+
+
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("what", choices=("memory", "steps", "ray"))
+    asked.add_argument("what", choices=("memory", "steps", "ray", "spread"))
     asked.add_argument("--diagnoses", type=int, default=100)
     asked.add_argument("--tasks", type=int, default=400)
     arguments = asked.parse_args()
@@ -183,6 +246,8 @@ def main() -> None:
         memory(arguments.diagnoses)
     elif arguments.what == "steps":
         steps()
+    elif arguments.what == "spread":
+        spread()
     else:
         tasks(arguments.tasks)
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "Hosted",
     "Pipeline",
     "SceneSteps",
     "Simulator",
@@ -32,12 +33,26 @@ class Simulator:
     def lent(
         stated: str, object: Any, takes_forces: bool, workers: int, stacked: int | None
     ) -> Simulator: ...
+    def elsewhere(self, opener: Any, workers: int, lanes: int) -> Simulator: ...
+    def hosted(self, more: Callable[[], Simulator] | None) -> Hosted: ...
     def described(self) -> str: ...
     def text(self) -> str: ...
     def handed_on(self) -> tuple[list[float], bool]: ...
     def simulate(
         self, u: _Array, parameters: list[float], initial: list[float], sample_time: float
     ) -> _Array: ...
+
+@final
+class Hosted:
+    def ask(
+        self,
+        op: str,
+        starts: _Array,
+        rows: _Array,
+        runs: int,
+        samples: int,
+        around: tuple[str, float] | None,
+    ) -> tuple[_Array, _Array] | None: ...
 
 _Part = tuple[_Array, list[int]]
 _Shown = tuple[_Array, list[int], list[int]]

@@ -153,8 +153,11 @@ def gap(
     fitted = native(log, "log", sample_time, needed)
     later = native(held_out, "held-out", sample_time, needed)
     call = shown(progress)
+    # Threads that wait for actors take no processor.
+    waiting = getattr(simulator, "least_threads", 0)
+    count = int(threads) or (max(waiting, os.cpu_count() or 1) if waiting else 0)
     try:
-        study = _fdiag.study(simulator._native, fitted, later, json.dumps(settings), int(threads), call)
+        study = _fdiag.study(simulator._native, fitted, later, json.dumps(settings), count, call)
     finally:
         if isinstance(call, Bar):
             call.close()

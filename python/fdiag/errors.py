@@ -25,5 +25,6 @@ class Diverged(ArithmeticError):
     """Raised by a simulator: at these parameters there are no numbers from here on.
 
     A diagnosis then looks elsewhere. So it does for every `ArithmeticError` (a division by zero, an overflow) and
-    for outputs that are not finite; any other exception ends the diagnosis.
+    for outputs that are not finite. After a `ConnectionError` another simulator makes the run again; any other exception
+    ends the diagnosis.
     """

@@ -100,6 +100,7 @@ class Gymnasium(Simulator):
             workers=workers,
         )
         super().__init__(native)
+        self._is_single = workers == 1 and not _is_maker(env)
 
 
 class _Steps:

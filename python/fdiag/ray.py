@@ -1,22 +1,24 @@
-"""Many diagnoses on a cluster, by Ray (`pip install ray`). Not needed for what one machine does in an hour:
-`fdiag.jobs.run` gives the same answers without it.
+"""Diagnoses on a cluster, by Ray (`pip install ray`): many of them by `map`, or one whose simulator is `Spread`. Not
+needed for what one machine does in an hour: `fdiag.jobs.run` and `fdiag.gap` give the same answers without it.
 
 >>> import fdiag.ray  # doctest: +SKIP
 >>> cars = {car: {"model": "car.toml", "log": f"{car}.csv"} for car in ("red", "blue")}  # doctest: +SKIP
 >>> found = fdiag.ray.map(fdiag.gap, cars, folder="out")  # doctest: +SKIP
+>>> slow = fdiag.ray.Spread(lambda: fdiag.MuJoCo("arm.xml", ports="all"), actors=8)  # doctest: +SKIP
+>>> result = fdiag.gap(slow, "monday.csv")  # doctest: +SKIP
 """
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .errors import Error, InputError
+from ._spread import Spread, started
+from .errors import InputError
 from .jobs import Outcome, Shelf, called, checked, seed_of
 
-__all__ = ["map"]
+__all__ = ["Spread", "map"]
 
 
 def map(
@@ -47,10 +49,6 @@ def map(
     retries
         How often a task is run again whose worker was lost.
     """
-    try:
-        ray: Any = importlib.import_module("ray")
-    except ImportError as error:
-        raise Error("ray: expected the package to be installed: pip install ray") from error
     if not 0.0 < cpus < float("inf"):
         raise InputError(f"cpus: expected a number above 0, found {cpus}")
     if retries < 0:
@@ -64,12 +62,13 @@ def map(
             waiting.append((name, arguments))
         else:
             outcomes[name] = kept
-    if waiting and not ray.is_initialized():
-        ray.init(include_dashboard=False, log_to_driver=False)
+    if not waiting:
+        return [outcomes[name] for name in jobs]
+    ray = started()
     # An exception of the function is an answer; what is tried again is a worker that died.
     task = ray.remote(num_cpus=cpus, max_retries=retries)(_task)
     running: dict[Any, tuple[str, dict[str, Any]]] = {}
-    shared = ray.put(function) if waiting else None
+    shared = ray.put(function)
     waiting.reverse()
     try:
         while waiting or running:

@@ -348,10 +348,11 @@ class Result:
         """
         from .mujoco import MuJoCo
 
-        if not isinstance(self._simulator, MuJoCo):
+        scene = getattr(self._simulator, "here", self._simulator)
+        if not isinstance(scene, MuJoCo):
             raise Error("write_mjcf: expected the result of a scene, a `MuJoCo`, found one of another simulator")
         values, _ = self.patched(which)._native.handed_on()
-        return self._simulator._written(values, self._named(which), path)
+        return scene._written(values, self._named(which), path)
 
     def _named(self, which: int) -> tuple[Cause, ...]:
         """The causes that are in a patched model."""

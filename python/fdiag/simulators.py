@@ -37,6 +37,9 @@ class Channel:
 class Simulator:
     """What is diagnosed. Make one by `Model`, `Steps`, `rollout`, `Process`, `Fmu` or `MuJoCo`."""
 
+    #: Whether the native half can have several that do not know of each other.
+    _is_single = False
+
     def __init__(self, native: _fdiag.Simulator):
         self._native = native
 
@@ -226,7 +229,8 @@ class Steps(Simulator):
     which `reset` gets with the others.
 
     The same run must give the same numbers. Outputs that are not finite, and an `ArithmeticError`, are a run that
-    diverges; any other exception ends the diagnosis and arrives with its traceback. More than one worker needs a
+    diverges. After a `ConnectionError` another object makes the run again, three times at the most; any other exception
+    ends the diagnosis and arrives with its traceback. More than one worker needs a
     function that makes objects, and gains only where they release the interpreter.
     """
 
@@ -277,6 +281,7 @@ class Steps(Simulator):
             workers=workers,
         )
         super().__init__(native)
+        self._is_single = is_object
 
 
 def takes(function: Callable[..., Any], count: int) -> bool:

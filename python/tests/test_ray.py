@@ -1,4 +1,4 @@
-"""Jobs on a cluster: the answers of one machine, whatever becomes of a worker."""
+"""Jobs and simulators on a cluster: the answers of one machine, whatever becomes of a worker."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import fdiag
 import fdiag.ray
-from conftest import FEW
+from conftest import FEW, QUICK, Cart
 from fdiag import jobs
 
 ray = pytest.importorskip("ray", reason="ray is not installed")
@@ -71,3 +72,84 @@ def test_bad_settings_are_refused() -> None:
     with pytest.raises(fdiag.InputError, match="retries"):
         fdiag.ray.map(settled, {}, retries=-1)
     assert fdiag.ray.map(settled, {}) == []
+
+
+class Mortal(Cart):
+    """A cart whose process is killed in the middle of a run, once; `left` is how many samples it has till then."""
+
+    left = 5000
+
+    def __init__(self, mark: str):
+        self._mark = Path(mark)
+
+    def step(self, u: np.ndarray, f: np.ndarray) -> float:
+        Mortal.left -= 1
+        if Mortal.left == 0:
+            try:
+                self._mark.touch(exist_ok=False)
+            except FileExistsError:
+                return super().step(u, f)
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().step(u, f)
+
+
+def report(result: fdiag.Result) -> dict[str, Any]:
+    return {key: value for key, value in result.to_dict().items() if key != "timing"}
+
+
+def test_one_diagnosis_by_two_actors_of_which_one_is_killed(short: dict[str, np.ndarray], tmp_path: Path) -> None:
+    settings: dict[str, Any] = {"only": ["coulomb-friction", "viscous-friction", "input-delay"], "most": 1}
+    here = fdiag.gap(Cart(), short, **settings)
+    mark = tmp_path / "killed"
+    spread = fdiag.ray.Spread(lambda: Mortal(str(mark)), actors=2)
+    there = fdiag.gap(spread, short, **settings)
+    assert mark.exists() and there.work is not None and here.work is not None
+    assert (there.work.deaths, there.work.lost, here.work.deaths) == (1, 0, 0)
+    assert report(there) == report(here) and there.causes[0].name == "coulomb-friction@rail"
+    # The actors are still there, and what was found is a simulator that they run.
+    u = short["force [N]"]
+    assert np.array_equal(there.patched().simulate(u), here.patched().simulate(u))
+
+
+def lag(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
+    y = np.empty((len(u), 1))
+    shown = 0.0
+    for k, value in enumerate(u[:, 0]):
+        y[k, 0], shown = shown, shown + parameters["rate"] * (value - shown)
+    return y
+
+
+def whole_runs() -> fdiag.Rollout:
+    rate = {"rate": fdiag.Uncertain(0.1, 0.05)}
+    return fdiag.rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters=rate)(lag)
+
+
+def test_whole_runs_by_actors() -> None:
+    random = np.random.default_rng(20261125)
+    u = np.repeat(random.uniform(-1.0, 1.0, 30), 10)
+    late = np.concatenate([np.zeros(3), u[:-3]])
+    y = whole_runs().simulate(late).ravel() + 0.01 * random.standard_normal(300)
+    log = {"time": 0.1 * np.arange(300), "u": u, "y": y}
+    settings: dict[str, Any] = {"noise": {"y": 0.01}, "only": ["input-delay", "input-gain", "sensor-delay"], "most": 1}
+    here, there = (fdiag.gap(s, log, **settings) for s in (whole_runs(), fdiag.ray.Spread(whole_runs, actors=2)))
+    assert report(there) == report(here) and here.causes[0].label in ("input-delay", "sensor-delay")
+
+
+class Broken(Cart):
+    def step(self, u: np.ndarray, f: np.ndarray) -> float:
+        raise KeyError("no such joint")
+
+
+def test_what_is_wrong_with_an_actor_is_said(short: dict[str, np.ndarray]) -> None:
+    with pytest.raises(fdiag.SimulatorError) as raised:
+        fdiag.ray.Spread(Broken, actors=1).simulate(np.ones(5))
+    assert "no such joint" in str(raised.value.__cause__) and "failed in `step`" in str(raised.value.__cause__)
+    with pytest.raises(fdiag.SimulatorError) as raised:
+        fdiag.ray.Spread(Cart, actors=1, cpus=64.0, patience=0.5).simulate(np.ones(5))
+    assert "are 64.0 processors free?" in str(raised.value.__cause__)
+    with pytest.raises(fdiag.InputError, match="found equations"):
+        fdiag.ray.Spread(lambda: fdiag.Model(QUICK / "model.toml"), actors=1)
+    with pytest.raises(fdiag.InputError, match="actors: expected at least 1"):
+        fdiag.ray.Spread(Cart, actors=0)
+    with pytest.raises(fdiag.InputError, match="a function that makes a simulator"):
+        fdiag.ray.Spread(Cart(), actors=1)

@@ -65,6 +65,27 @@ def test_a_function_makes_whole_runs(short: dict[str, np.ndarray]) -> None:
     assert callable(cart) and cart.__name__ == "cart"
 
 
+def test_a_run_is_made_again_where_a_connection_is_lost(short: dict[str, np.ndarray]) -> None:
+    steps = 0
+
+    class Rig(Cart):
+        def step(self, u: np.ndarray, f: np.ndarray) -> float:
+            nonlocal steps
+            steps += 1
+            if steps == 1234:
+                raise ConnectionResetError("the rig has hung up")
+            return super().step(u, f)
+
+    said = {k: getattr(Cart, k) for k in ("inputs", "outputs", "parameters", "initial", "ports")}
+    rig = fdiag.Steps(Rig, sample_time=0.01, **said)
+    result = fdiag.gap(rig, short, only=["coulomb-friction"], most=1)
+    plain = fdiag.gap(Cart(), short, only=["coulomb-friction"], most=1)
+    assert result.work is not None and (result.work.deaths, result.work.lost) == (1, 0)
+    assert "hung up" in (result.work.trouble or "")
+    assert result.to_dict()["diagnosis"] == plain.to_dict()["diagnosis"]
+    assert result.causes[0].name == "coulomb-friction@rail"
+
+
 def test_a_program_gives_the_answer_of_the_object(short: dict[str, np.ndarray]) -> None:
     command = [sys.executable, str(ROOT / "examples" / "process" / "cart.py")]
     process = fdiag.Process(command, parameters={"m": {"tolerance": 0.03}})

@@ -3,7 +3,7 @@
 use fd_model::{Channel, SampleTime, unit::Conversion};
 
 use crate::{
-    derived::{Derived, derived},
+    derived::{Derived, derived, derived_channel},
     error::LogError,
     header::{HeaderColumn, find, texts},
     map::{ColumnMap, LogMap, RowRule},
@@ -25,6 +25,11 @@ pub(super) struct Column {
 impl Column {
     pub(super) fn new(index: usize, text: String, conversion: Conversion) -> Self {
         Self { index, text, conversion, constant: None, derived: None }
+    }
+
+    /// Whether it is computed from the time of the row, too.
+    pub(super) fn needs_time(&self) -> bool {
+        self.derived.as_ref().is_some_and(|derived| derived.needs_time())
     }
 
     /// The number in the current row, in the unit of the channel.
@@ -99,18 +104,53 @@ pub(super) fn is_time(column: &HeaderColumn, map: &LogMap) -> bool {
     }
 }
 
-/// Columns of the rules about rows, in the unit they have.
+/// Columns of the rules about rows, in the unit they have, and what is computed from columns.
 pub(super) fn rule_columns(
     file: &str,
     header: &[HeaderColumn],
     map: &LogMap,
+    time: &Time,
 ) -> Result<Vec<(RowRule, Column)>, LogError> {
     let column = |rule: &RowRule| {
+        if let Some(text) = &rule.expression {
+            let column = rule_expression(file, header, map, rule, text)?;
+            let has_time = matches!(time, Time::Column(_));
+            if column.needs_time() && !has_time {
+                let problem = "expected a column of time for `t`, found rows that are counted";
+                return Err(wrong_rule(file, problem));
+            }
+            return Ok((rule.clone(), column));
+        }
         let index = find(file, header, &rule.column)?;
         let text = header[index].text.clone();
         Ok((rule.clone(), Column::new(index, text, Conversion::IDENTITY)))
     };
     map.rules(file).map(column).collect()
+}
+
+/// An expression of a rule.
+fn rule_expression(
+    file: &str,
+    header: &[HeaderColumn],
+    map: &LogMap,
+    rule: &RowRule,
+    text: &str,
+) -> Result<Column, LogError> {
+    if !rule.column.is_empty() {
+        return Err(wrong_rule(file, "expected it alone, found a `column` beside it"));
+    }
+    if rule.equals.or(rule.from).or(rule.until).is_none() {
+        return Err(wrong_rule(file, "expected `equals`, `from` or `until` beside it, found none"));
+    }
+    derived(file, header, map, text, RULE)
+}
+
+/// What a rule with an expression is called.
+const RULE: &str = "`rows`";
+
+fn wrong_rule(file: &str, problem: &str) -> LogError {
+    let (file, place, problem) = (file.to_owned(), RULE.to_owned(), problem.to_owned());
+    LogError::Expression { file, place, problem }
 }
 
 /// Finds a column and settles its unit.
@@ -121,7 +161,7 @@ pub(super) fn resolve(
     map: &ColumnMap,
 ) -> Result<(Column, Channel), LogError> {
     if let Some(text) = &map.expression {
-        return derived(file, header, all, map, text);
+        return derived_channel(file, header, all, map, text);
     }
     if let Some(number) = map.constant {
         return constant(file, map, number);

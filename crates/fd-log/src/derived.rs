@@ -1,10 +1,10 @@
-//! Channels that are computed from columns: `expression = "kt*current"` of a column map.
+//! What is computed from columns, channels or numbers for rules about rows: `expression = "kt*current"` of a column map.
 //!
 //! The language is that of model files (`docs/model-equations.md`). Names are columns of the file, in its units, or
 //! those that the map names and converts in `[[columns]]`; `t` is the time of the row in seconds. A value that is
 //! missing makes the result missing, even where the expression would not need it.
 
-use fd_model::{Channel, nearest, unit::Conversion};
+use fd_model::{Channel, Shown, nearest, unit::Conversion};
 use fd_sim::equation::{Expr, Program, Scope, Workspace};
 
 use crate::{
@@ -25,6 +25,8 @@ pub(super) struct Derived {
     workspace: Workspace<f64>,
     /// What its names stand for, in the order of the workspace; `None` is the time.
     names: Vec<Option<Column>>,
+    /// Whether the time is among them.
+    needs_time: bool,
 }
 
 /// Names of columns in an expression; none where it is no expression, which is said when it is compiled.
@@ -50,25 +52,48 @@ fn unknown(name: &str, header: &[HeaderColumn], map: &LogMap) -> String {
 }
 
 /// The column that a channel with an expression is, and the channel.
-pub(super) fn derived(
+pub(super) fn derived_channel(
     file: &str,
     header: &[HeaderColumn],
     map: &LogMap,
     channel: &ColumnMap,
     text: &str,
 ) -> Result<(Column, Channel), LogError> {
+    let place = format!("channel `{}`", Shown(&channel.name));
+    if channel.column.is_some() || channel.constant.is_some() {
+        let problem = "expected it alone, found a `column` or `constant` beside it".to_owned();
+        return Err(LogError::Expression { file: file.to_owned(), place, problem });
+    }
+    let column = derived(file, header, map, text, &place)?;
+    let unit = channel.unit.as_deref().or(channel.column_unit.as_deref()).unwrap_or("1");
+    let from = channel.column_unit.as_deref().unwrap_or(unit);
+    let text = format!("{} = {text}", channel.name);
+    let conversion = Conversion::between(from, unit).map_err(|source| LogError::Unit {
+        file: file.to_owned(),
+        column: text.clone(),
+        source,
+    })?;
+    let column = Column { text, conversion, ..column };
+    Ok((column, Channel::new(channel.name.clone(), unit)))
+}
+
+/// What an expression makes of columns; `place` is where it stands in the map, for messages.
+pub(super) fn derived(
+    file: &str,
+    header: &[HeaderColumn],
+    map: &LogMap,
+    text: &str,
+    place: &str,
+) -> Result<Column, LogError> {
     let wrong = |problem: String| LogError::Expression {
         file: file.to_owned(),
-        channel: channel.name.clone(),
+        place: place.to_owned(),
         problem,
     };
-    if channel.column.is_some() || channel.constant.is_some() {
-        return Err(wrong(
-            "expected it alone, found a `column` or `constant` beside it".to_owned(),
-        ));
-    }
     let expression = Expr::parse(text).map_err(|error| wrong(error.to_string()))?;
     let of_columns = names(text);
+    let mut needs_time = false;
+    expression.visit_names(&mut |name| needs_time |= name == TIME);
     let mut columns = Vec::new();
     for name in &of_columns {
         let named = map.columns.iter().find(|column| column.name == *name);
@@ -91,34 +116,30 @@ pub(super) fn derived(
     let program = program.map_err(|error| wrong(error.to_string()))?;
     let mut workspace = program.workspace::<f64>();
     program.prepare(&mut workspace);
-    let unit = channel.unit.as_deref().or(channel.column_unit.as_deref()).unwrap_or("1");
-    let from = channel.column_unit.as_deref().unwrap_or(unit);
-    let text = format!("{} = {text}", channel.name);
-    let conversion = Conversion::between(from, unit).map_err(|source| LogError::Unit {
-        file: file.to_owned(),
-        column: text.clone(),
-        source,
-    })?;
-    let derived = Some(Box::new(Derived { program, workspace, names: columns }));
-    let column = Column { derived, ..Column::new(0, text, conversion) };
-    Ok((column, Channel::new(channel.name.clone(), unit)))
+    let derived = Some(Box::new(Derived { program, workspace, names: columns, needs_time }));
+    Ok(Column { derived, ..Column::new(0, text.to_owned(), Conversion::IDENTITY) })
 }
 
 impl Derived {
+    /// Whether it is computed from the time of the row, too.
+    pub(super) fn needs_time(&self) -> bool {
+        self.needs_time
+    }
+
     /// The number of a row, in the unit of the expression; nothing where one of its columns has none.
     pub(super) fn number(
         &mut self,
         source: &impl LogSource,
         now: Moment,
     ) -> Result<Option<f64>, LogError> {
-        let Self { program, workspace, names } = self;
+        let Self { program, workspace, names, needs_time } = self;
         let mut is_missing = false;
         for (value, column) in workspace.fast_mut().iter_mut().zip(names) {
             *value = match column {
                 Some(column) => column.number(source, now)?,
                 None => now.time,
             };
-            is_missing |= value.is_nan();
+            is_missing |= value.is_nan() && (column.is_some() || *needs_time);
         }
         if is_missing {
             return Ok(None);

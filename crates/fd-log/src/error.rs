@@ -120,13 +120,13 @@ pub enum LogError {
         /// The column, if there is one.
         column: Option<String>,
     },
-    /// An expression for a channel is none, or stands beside a column or a constant.
-    #[error("{file}: channel `{}`: expression: {problem}", Shown(channel))]
+    /// An expression for a channel or a rule about rows is none, or stands beside a column or a constant.
+    #[error("{file}: {place}: expression: {problem}")]
     Expression {
         /// Name of the file.
         file: String,
-        /// Name of the channel.
-        channel: String,
+        /// The channel, or `rows`.
+        place: String,
         /// What is wrong with it.
         problem: String,
     },

@@ -114,8 +114,9 @@ impl MergeMap {
     }
 }
 
-/// Which rows belong to the log, by the number in one of their columns: a run out of a file of many,
-/// or a stretch of time. Everything that is given must hold; a row whose number is missing is out.
+/// Which rows belong to the log, by the number in one of their columns, or one that is computed from them: a run out of
+/// a file of many, a stretch of time, all that is fast. Everything that is given must hold; a row whose number is missing
+/// is out.
 ///
 /// ```
 /// use fd_log::{LogMap, RowRule, read_log_from};
@@ -124,13 +125,20 @@ impl MergeMap {
 /// let mut map: LogMap = toml::from_str("outputs = [{ name = 'y' }]")?;
 /// map.rows = vec![RowRule::equal("run", 1.0)];
 /// assert_eq!(read_log_from("runs.csv", csv.as_bytes(), &map)?.record.y(0), [7.0]);
+/// map.rows = vec![RowRule { from: Some(7.5), ..RowRule::computed("y + 0.5*run") }];
+/// assert_eq!(read_log_from("runs.csv", csv.as_bytes(), &map)?.record.y(0), [7.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RowRule {
-    /// Header of the column, with or without its unit; numbers are compared as they are in the file.
+    /// Header of the column, with or without its unit; numbers are compared as they are in the file. Empty where the
+    /// number is computed.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub column: String,
+    /// How the number is computed, as [`ColumnMap::expression`]; `t` needs a column of time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expression: Option<String>,
     /// The number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub equals: Option<f64>,
@@ -255,19 +263,25 @@ impl LogMap {
             map.constant.is_none().then(|| map.column.as_ref().unwrap_or(&map.name).clone())
         };
         let mut wanted = Vec::new();
+        let mut expressions = Vec::new();
         for channel in self.inputs.iter().chain(&self.outputs) {
-            let Some(text) = &channel.expression else {
-                wanted.extend(column(channel));
-                continue;
-            };
-            for name in names(text) {
-                match self.columns.iter().find(|column| column.name == name) {
-                    Some(named) => wanted.extend(column(named)),
-                    None => wanted.push(name),
-                }
+            match &channel.expression {
+                Some(text) => expressions.push(text),
+                None => wanted.extend(column(channel)),
             }
         }
-        wanted.extend(self.rules(file).map(|rule| rule.column.clone()));
+        for rule in self.rules(file) {
+            match &rule.expression {
+                Some(text) => expressions.push(text),
+                None => wanted.push(rule.column.clone()),
+            }
+        }
+        for name in expressions.into_iter().flat_map(|text| names(text)) {
+            match self.columns.iter().find(|column| column.name == name) {
+                Some(named) => wanted.extend(column(named)),
+                None => wanted.push(name),
+            }
+        }
         wanted.extend(self.time.column.clone());
         wanted
     }
@@ -278,6 +292,18 @@ impl RowRule {
     #[must_use]
     pub fn equal(column: impl Into<String>, number: f64) -> Self {
         Self { column: column.into(), equals: Some(number), ..Self::default() }
+    }
+
+    /// Rows by a number that is computed; which numbers is then to be said.
+    ///
+    /// ```
+    /// # use fd_log::RowRule;
+    /// let fast = RowRule { from: Some(0.2), ..RowRule::computed("sqrt(vx^2 + vy^2)") };
+    /// assert_eq!(fast.column, "");
+    /// ```
+    #[must_use]
+    pub fn computed(expression: impl Into<String>) -> Self {
+        Self { expression: Some(expression.into()), ..Self::default() }
     }
 
     /// Whether a row with this number belongs to the log.

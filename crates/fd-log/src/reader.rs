@@ -115,9 +115,9 @@ impl<S: LogSource> LogReader<S> {
             }
         }
         Ok(Self {
-            time,
-            rules: rule_columns(file, header, map)?,
+            rules: rule_columns(file, header, map, &time)?,
             values: vec![f64::NAN; columns.len()],
+            time,
             columns,
             rows_read: 0,
             inputs,
@@ -170,11 +170,16 @@ impl<S: LogSource> LogReader<S> {
 
     /// Goes on to a row that all rules admit, and returns its number.
     fn next_admitted(&mut self) -> Result<Option<u64>, LogError> {
+        let needs_time = self.rules.iter().any(|(_, column)| column.needs_time());
         while let Some(row) = self.source.next_row()? {
             let mut is_admitted = true;
-            let now = Moment { row, time: f64::NAN };
+            let mut now = Moment { row, time: f64::NAN };
+            if let (true, Time::Column(column)) = (needs_time, &mut self.time) {
+                now.time = column.number(&self.source, now)?;
+            }
             for (rule, column) in &mut self.rules {
-                is_admitted &= rule.admits(column.number(&self.source, now)?);
+                // What a row is that is out already is not asked.
+                is_admitted = is_admitted && rule.admits(column.number(&self.source, now)?);
             }
             if is_admitted {
                 return Ok(Some(row));

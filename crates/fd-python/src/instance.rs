@@ -5,6 +5,7 @@ use std::sync::Arc;
 use fd_sim::outside::{Contract, Instance, Lane, Lost, OutsideError, Start, by_lanes, by_steps};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{
+    exceptions::PyConnectionError,
     intern,
     prelude::*,
     types::{PyDict, PyString, PyTuple},
@@ -75,7 +76,7 @@ impl PythonInstance {
     }
 
     /// Where a run begins, for messages.
-    fn note_start(&mut self, start: Start<'_>) {
+    pub(crate) fn note_start(&mut self, start: Start<'_>) {
         let pairs = self.parameters.iter().zip(start.theta).map(|(p, v)| format!("{p} = {v}"));
         let pairs: Vec<String> = pairs.collect();
         self.at =
@@ -89,10 +90,16 @@ impl PythonInstance {
         Lost::Broken(Box::new(error))
     }
 
-    /// What an exception means: no numbers here, or the end.
+    /// What an exception means: no numbers here, a simulator that is gone, or the end.
     pub(crate) fn lost(&self, py: Python<'_>, what: &str, error: PyErr) -> Lost {
         if is_divergence(py, &error) {
             return self.refused(what, &error);
+        }
+        if error.is_instance_of::<PyConnectionError>(py) {
+            let (simulator, what) = (self.name.clone(), format!("`{what}`{}", self.at));
+            self.troubles.note(|| format!("{what}: {error}"));
+            let message = error.to_string();
+            return Lost::Gone(Box::new(OutsideError::Raised { simulator, what, message }));
         }
         let message = error.to_string();
         let what = format!("`{what}`{}", self.at);

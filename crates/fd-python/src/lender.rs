@@ -10,6 +10,7 @@ use pyo3::{exceptions::PyArithmeticError, prelude::*};
 
 use crate::{
     instance::PythonInstance,
+    remote::RemoteInstance,
     scene::{SceneInstance, SceneSteps},
 };
 
@@ -21,9 +22,19 @@ pub(crate) struct Lender {
     pub(crate) object: Py<PyAny>,
     /// Whether its functions take forces.
     pub(crate) takes_forces: bool,
-    /// How many runs its `rollout` takes at once, stacked; `None` for one at a time.
-    pub(crate) stacked: Option<usize>,
+    pub(crate) kind: Lending,
     troubles: Arc<Troubles>,
+}
+
+/// How an object is asked for runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lending {
+    /// One at a time.
+    Single,
+    /// So many at once, with an axis of runs in front.
+    Stacked(usize),
+    /// So many at once, of a simulator in another process.
+    Remote(usize),
 }
 
 /// What went wrong in a user's code, and whether that is the end.
@@ -43,10 +54,10 @@ impl Lender {
         contract: Contract,
         object: Py<PyAny>,
         takes_forces: bool,
-        stacked: Option<usize>,
+        kind: Lending,
         troubles: Arc<Troubles>,
     ) -> Self {
-        Self { contract, object, takes_forces, stacked, troubles }
+        Self { contract, object, takes_forces, kind, troubles }
     }
 }
 
@@ -63,7 +74,10 @@ impl Source for Lender {
         })?;
         let troubles = Arc::clone(&self.troubles);
         let mut instance = PythonInstance::new(&self.contract, made, self.takes_forces, troubles);
-        instance.is_stacked = self.stacked.is_some();
+        if matches!(self.kind, Lending::Remote(_)) {
+            return Ok(Box::new(RemoteInstance::new(instance)));
+        }
+        instance.is_stacked = matches!(self.kind, Lending::Stacked(_));
         let steps = Python::attach(|py| {
             let steps = instance.object.bind(py).getattr("steps").ok()?;
             steps.cast_into::<SceneSteps>().ok().map(Bound::unbind)
@@ -75,7 +89,14 @@ impl Source for Lender {
     }
 
     fn lanes(&self) -> usize {
-        self.stacked.unwrap_or(1)
+        match self.kind {
+            Lending::Single => 1,
+            Lending::Stacked(lanes) | Lending::Remote(lanes) => lanes,
+        }
+    }
+
+    fn takes_equations(&self) -> bool {
+        matches!(self.kind, Lending::Remote(_))
     }
 }
 

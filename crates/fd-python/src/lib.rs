@@ -5,6 +5,7 @@
 //! | `simulator` | a model text, or a Python object, as the simulator to diagnose |
 //! | `lender`, `instance` | how runs are requested from a Python object |
 //! | `scene` | how samples of a `MuJoCo` scene are taken |
+//! | `remote`, `hosted` | how runs are requested from another process, and what answers there |
 //! | `study` | a gap study in its own threads, which Ctrl-C stops |
 //! | `check` | whether a simulator is fit for a gap study |
 //! | `settings`, `log` | settings, and arrays as logs |
@@ -29,10 +30,12 @@
 
 mod check;
 mod errors;
+mod hosted;
 mod instance;
 mod lender;
 mod log;
 mod online;
+mod remote;
 mod scene;
 mod settings;
 mod simulator;
@@ -49,6 +52,7 @@ fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<simulator::Simulator>()?;
     module.add_class::<scene::SceneSteps>()?;
+    module.add_class::<hosted::Hosted>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<online::Trained>()?;
     module.add_class::<online::Pipeline>()?;

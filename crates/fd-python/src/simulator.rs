@@ -16,7 +16,8 @@ use pyo3::prelude::*;
 
 use crate::{
     errors::{Class, class, input, raise},
-    lender::{Lender, Troubles},
+    hosted::Hosted,
+    lender::{Lender, Lending, Troubles},
 };
 
 /// A simulator, with or without effects in it.
@@ -44,8 +45,7 @@ struct Lent {
     object: Py<PyAny>,
     takes_forces: bool,
     workers: usize,
-    /// How many runs it takes at once, stacked.
-    stacked: Option<usize>,
+    kind: Lending,
     /// Equations around it, with effects.
     equations: Option<String>,
 }
@@ -54,16 +54,16 @@ impl Lent {
     fn started(&self, troubles: &Arc<Troubles>) -> Result<OutsideSimulator, OutsideError> {
         let object = Python::attach(|py| self.object.clone_ref(py));
         let (contract, troubles) = (self.contract.clone(), Arc::clone(troubles));
-        let lender =
-            Lender::new(contract.clone(), object, self.takes_forces, self.stacked, troubles);
+        let lender = Lender::new(contract.clone(), object, self.takes_forces, self.kind, troubles);
         OutsideSimulator::new(contract, lender, self.workers)
     }
 }
 
+/// A subject, and what went wrong with it.
 #[derive(Debug)]
-struct Ready {
-    subject: Subject,
-    troubles: Arc<Troubles>,
+pub(crate) struct Ready {
+    pub(crate) subject: Subject,
+    pub(crate) troubles: Arc<Troubles>,
 }
 
 impl Simulator {
@@ -121,7 +121,8 @@ impl Simulator {
         Ok(self.ready(py)?.subject.channels()[0].len())
     }
 
-    fn ready(&self, py: Python<'_>) -> PyResult<Arc<Ready>> {
+    /// The subject that runs are asked of.
+    pub(crate) fn ready(&self, py: Python<'_>) -> PyResult<Arc<Ready>> {
         let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if let Some(ready) = ready.take().filter(|ready| !ready.troubles.is_stopped()) {
             return Ok(ready);
@@ -161,6 +162,13 @@ pub(crate) fn explained_as(
     }
 }
 
+/// The simulator outside of Rust that a subject is.
+fn outside<'a>(py: Python<'_>, ready: &'a Ready) -> PyResult<&'a OutsideSimulator> {
+    let message = "expected a simulator outside of Rust, found equations, whose runs are made here in less time than asking \
+                   for them elsewhere takes";
+    ready.subject.outside().ok_or_else(|| raise(py, Class::Input, message))
+}
+
 #[pymethods]
 impl Simulator {
     /// A model from the text of its file; relative paths in it begin where `file` is.
@@ -183,9 +191,46 @@ impl Simulator {
         let name = stated.name.clone().unwrap_or_else(|| "simulator".to_owned());
         let contract = stated.contract(&format!("simulator `{name}`"));
         let contract = contract.map_err(|error: OutsideError| input(py, &error))?;
-        let lent = Lent { contract, object, takes_forces, workers, stacked, equations: None };
+        let kind = stacked.map_or(Lending::Single, Lending::Stacked);
+        let lent = Lent { contract, object, takes_forces, workers, kind, equations: None };
         let kind = Kind::Lent(Box::new(lent));
         Ok(Self::new(kind, PathBuf::from(name)))
+    }
+
+    /// This simulator, of which all runs are made elsewhere: `opener.open()` gives what `ask` of [`Hosted`] is asked
+    /// through, `workers` at once, each for `lanes` runs in one call unless the simulator takes more.
+    fn elsewhere(
+        &self,
+        py: Python<'_>,
+        opener: Py<PyAny>,
+        workers: usize,
+        lanes: usize,
+    ) -> PyResult<Self> {
+        let ready = self.ready(py)?;
+        let outside = outside(py, &ready)?;
+        let mut contract = outside.contract().clone();
+        let powers = &mut contract.powers;
+        let lanes = if outside.lanes() == 1 { lanes } else { outside.lanes() };
+        if powers.step && powers.lanes == 1 {
+            powers.lanes = lanes;
+        }
+        // The host makes them of steps, where they are.
+        powers.rollout = true;
+        let (takes_forces, equations) = match &self.kind {
+            Kind::Lent(lent) => (lent.takes_forces, lent.equations.clone()),
+            Kind::Text(_) => (true, Some(ready.subject.model().to_string())),
+        };
+        let kind = Lending::Remote(lanes);
+        let lent = Lent { contract, object: opener, takes_forces, workers, kind, equations };
+        Ok(Self::new(Kind::Lent(Box::new(lent)), self.file.clone()))
+    }
+
+    /// This simulator for whoever asks for runs from elsewhere; `more()` makes another one like it, where this one
+    /// cannot make several runs at the same time.
+    fn hosted(&self, py: Python<'_>, more: Option<Py<PyAny>>) -> PyResult<Hosted> {
+        let ready = self.ready(py)?;
+        outside(py, &ready)?;
+        Ok(Hosted::new(ready, more))
     }
 
     /// Name, time between samples, inputs, outputs and parameters with units, as JSON.

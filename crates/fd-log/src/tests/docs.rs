@@ -7,7 +7,7 @@ use fd_model::{
     unit::KNOWN_UNITS,
 };
 
-use crate::{LogMap, read_log, read_log_from, write_log_to};
+use crate::{LogMap, RowRule, read_log, read_log_from, write_log_to};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
@@ -118,6 +118,34 @@ fn one_run_and_one_stretch_out_of_a_file_of_many() {
     assert!(message.contains("found none") && message.contains("4.0"), "{message}");
     map.rows[0].column = "runs".to_owned();
     assert!(read(&map).unwrap_err().to_string().contains("did you mean `run`?"));
+}
+
+#[test]
+fn rows_by_a_number_that_is_computed() {
+    let csv = "t,vx,vy [mm/s],y\n0,0.1,0,1\n5,0.1,0,2\n6,0.3,400,3\n7,,400,4\n8,0.3,400,5\n9,0.3,0,6\n10,0.3,0,7\n";
+    let mut map: LogMap = toml::from_str(&block("moving.toml")).unwrap();
+    let read = |map: &LogMap| read_log_from("runs.csv", csv.as_bytes(), map);
+    let record = read(&map).unwrap().record;
+    // From 6 s on, faster than 0.2 m/s; one row has no speed, and is a hole in an even grid of 1 s.
+    assert_eq!((record.len(), record.y(0)[0], record.y(2)[0], record.y(3)[0]), (5, 3.0, 5.0, 6.0));
+
+    let mut said = |expression: &str, from: Option<f64>, column: &str| {
+        map.rows.truncate(1);
+        map.rows[0] = RowRule { from, column: column.to_owned(), ..RowRule::computed(expression) };
+        read(&map).unwrap_err().to_string()
+    };
+    let wrong = said("2*vxx", Some(1.0), "");
+    assert!(wrong.contains("`rows`: expression: `vxx`") && wrong.contains("mean `vx`"), "{wrong}");
+    assert!(said("2*vx", None, "").contains("expected `equals`, `from` or `until`"));
+    assert!(said("2*vx", Some(1.0), "vx").contains("found a `column` beside it"));
+    assert!(said("1/(t - 5)", Some(1.0), "").contains("row 3: expected a finite number"));
+    assert!(said("vx", Some(9.0), "").contains("found none"));
+    map.time.sample_time = Some(1.0);
+    map.time.column = None;
+    map.rows = vec![RowRule { from: Some(2.0), ..RowRule::computed("t") }];
+    assert!(read(&map).unwrap_err().to_string().contains("expected a column of time for `t`"));
+    map.rows = vec![RowRule { from: Some(0.2), ..RowRule::computed("vx") }];
+    assert_eq!(read(&map).unwrap().record.len(), 4);
 }
 
 #[test]

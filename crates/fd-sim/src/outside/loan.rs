@@ -151,6 +151,10 @@ impl Shared {
         fate.is_over || fate.deaths.get(&origin).is_some_and(|deaths| MOST_DEATHS <= *deaths)
     }
 
+    pub(super) fn is_given_up(&self) -> bool {
+        self.fate().is_over
+    }
+
     /// Starts a simulator; gives all up where that fails again.
     fn start(&self) -> Option<Box<dyn Instance>> {
         for _ in 0..STARTS {

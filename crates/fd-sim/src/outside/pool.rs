@@ -73,6 +73,13 @@ impl Pool {
         open(&self.slots[0].slot).instance = Some(instance);
     }
 
+    /// The simulator in the first room, if it is there and nobody has it.
+    pub(super) fn empty(&self) -> Option<Box<dyn Instance>> {
+        let room = self.slots.first()?;
+        let mut slot = open(&room.slot);
+        if room.holder.load(Acquire) == 0 { slot.instance.take() } else { None }
+    }
+
     /// How many simulators there may be.
     pub(super) fn workers(&self) -> usize {
         self.slots.len()

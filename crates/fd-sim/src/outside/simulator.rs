@@ -1,6 +1,7 @@
 //! A simulator outside of this program, as a simulator.
 
 mod foresight;
+mod host;
 mod lanes;
 mod repeat;
 mod replay;

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use super::error::OutsideError;
+use crate::simulate::{Around, Run};
 
 /// Where a run begins.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +115,16 @@ pub trait Instance: Debug + Send {
         if lanes == 1 { self.step(rows, y, x) } else { Err(Lost::Refused) }
     }
 
+    /// Whole runs of this simulator in equations of a shell, through the same inputs `u`, of a source that
+    /// [takes them](Source::takes_equations). `around` is that of the first run.
+    ///
+    /// # Errors
+    ///
+    /// Returns why all of them are lost; outputs that are not finite are no error.
+    fn in_equations(&mut self, _around: Around<'_>, _runs: &mut [Run<'_>]) -> Result<(), Lost> {
+        Err(Lost::Refused)
+    }
+
     /// Whole runs of so many samples each; of a simulator that shows no states, and only as many as its source says.
     ///
     /// # Errors
@@ -200,5 +211,10 @@ pub trait Source: Debug + Send + Sync {
     /// How many whole runs one of them takes in one call.
     fn lanes(&self) -> usize {
         1
+    }
+
+    /// Whether they make whole runs in equations of a shell: worth it where asking takes longer than the equations.
+    fn takes_equations(&self) -> bool {
+        false
     }
 }

@@ -1,6 +1,9 @@
 //! Several runs of one simulator, step by step beside each other.
 
+use fd_model::SampleTime;
+
 use super::simulator::Simulator;
+use crate::model::Model;
 
 /// One of several runs that go on together. What drives it may depend on what it shows, which is why it cannot be made
 /// in one go.
@@ -29,6 +32,33 @@ pub trait Driven: Send {
 
     /// Takes the outputs of a step, and says whether the run goes on.
     fn take(&mut self, step: usize, y: &[f64]) -> bool;
+
+    /// What drives it, where that is the equations of a shell: who has the simulator and these can make the whole run.
+    fn equations(&self) -> Option<Around<'_>> {
+        None
+    }
+
+    /// Takes the outputs of a whole run, made with [`equations`](Self::equations).
+    fn take_all(&mut self, _y: &[f64]) {}
+}
+
+/// A run of a simulator in equations of a shell.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    /// The equations.
+    pub model: &'a Model,
+    /// Time between samples.
+    pub ts: SampleTime,
+    /// Number of the first sample.
+    pub first: u64,
+    /// Parameters of the equations.
+    pub theta: &'a [f64],
+    /// Initial state of the simulator.
+    pub x0: &'a [f64],
+    /// Inputs of the equations, row by row; the last row is held.
+    pub u: &'a [f64],
+    /// How many samples there are.
+    pub samples: usize,
 }
 
 /// One lane after the other.

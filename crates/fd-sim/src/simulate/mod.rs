@@ -51,7 +51,7 @@ pub use self::{
     follower::Follower,
     limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
-    lock_step::Driven,
+    lock_step::{Around, Driven},
     logged_loop::LoggedLoop,
     native::NativeEffect,
     nominal::Nominal,

@@ -6,14 +6,15 @@ use std::sync::Arc;
 use super::{
     super::{
         contract::Contract,
-        loan::Work,
+        loan::{Shared, Work},
+        memory::Past,
         source::{Instance, Lost, Start},
         tally::Tally,
     },
     OutsideSimulator,
 };
 use crate::{
-    simulate::{Driven, Simulator, lane_by_lane},
+    simulate::{Around, Driven, Run, Simulator, lane_by_lane},
     workers::on_workers,
 };
 
@@ -22,6 +23,10 @@ type Lanes<'a> = [Box<dyn Driven + 'a>];
 /// Makes the runs of all lanes.
 pub(super) fn lock_step(simulator: &mut OutsideSimulator, first: u64, lanes: &mut Lanes<'_>) {
     let shared = Arc::clone(&simulator.shared);
+    if shared.source.takes_equations() && lanes.iter().all(|lane| lane.equations().is_some()) {
+        in_equations(&shared, lanes);
+        return;
+    }
     let powers = shared.contract.powers;
     let width = if powers.step { powers.lanes.max(1) } else { 1 };
     // As many groups as there are instances, each no wider than one takes.
@@ -36,7 +41,55 @@ pub(super) fn lock_step(simulator: &mut OutsideSimulator, first: u64, lanes: &mu
     });
 }
 
+/// Makes the runs of lanes where the simulators are, groups of one length in one call.
+fn in_equations(shared: &Arc<Shared>, lanes: &mut Lanes<'_>) {
+    let width = shared.source.lanes().min(lanes.len().div_ceil(shared.pool.workers())).max(1);
+    let mut groups: Vec<&mut Lanes<'_>> = Vec::new();
+    for same in lanes.chunk_by_mut(|a, b| a.steps() == b.steps()) {
+        groups.extend(same.chunks_mut(width));
+    }
+    on_workers(shared.pool.workers(), groups, |group| {
+        OutsideSimulator::of(Arc::clone(shared)).whole(group);
+    });
+}
+
 impl OutsideSimulator {
+    /// Makes the runs of lanes of one length in one call.
+    fn whole(&mut self, lanes: &mut Lanes<'_>) {
+        let all: Vec<Around<'_>> = lanes.iter().filter_map(|lane| lane.equations()).collect();
+        let Some(around) = all.first().copied() else { return };
+        let size = around.samples * self.outputs().len();
+        let mut y = vec![f64::NAN; all.len() * size];
+        // What the group is blamed for is the first lane's.
+        let origin = Past::default().and(around.theta).and(around.x0);
+        let Self { shared, loan, .. } = self;
+        let steps = lanes.iter().map(|lane| lane.steps() as u64).sum();
+        let work = loan.work(shared, origin, |instance, reached| {
+            *reached = None;
+            let places = y.chunks_exact_mut(size.max(1));
+            let mut runs: Vec<Run<'_>> =
+                all.iter().zip(places).map(|(a, y)| Run::new(a.theta, a.x0, y)).collect();
+            instance.in_equations(around, &mut runs)
+        });
+        if work == Work::Done {
+            let count = all.len() as u64;
+            for (counter, by) in [
+                (&shared.tally.asked, count),
+                (&shared.tally.made, count),
+                (&shared.tally.steps, steps),
+            ] {
+                Tally::add(counter, by);
+            }
+        } else {
+            y.fill(f64::NAN);
+        }
+        drop(all);
+        for (lane, y) in lanes.iter_mut().zip(y.chunks_exact(size.max(1))) {
+            lane.take_all(y);
+        }
+        self.rest();
+    }
+
     /// Makes the runs of lanes of one length by calls for all of them; says whether they were made. A lane that leaves
     /// its region gives numbers that are not finite, and the others go on; where a whole call is lost, each lane is
     /// tried by itself.

@@ -17,9 +17,11 @@ use crate::{
 
 /// Makes the runs of all tapes; those that can be made in one call together, and those on several instances at once.
 pub(super) fn replay(simulator: &mut OutsideSimulator, first: u64, tapes: &mut [Tape<'_>]) {
-    let Shared { contract, source, pool, .. } = &*simulator.shared;
-    let lanes = if contract.powers.states { 1 } else { source.lanes().max(contract.powers.lanes) };
+    let Shared { contract, pool, .. } = &*simulator.shared;
+    let lanes = if contract.powers.states { 1 } else { simulator.lanes() };
+    // As many groups as there are instances, each no wider than one takes.
     let workers = pool.workers();
+    let lanes = lanes.min(tapes.len().div_ceil(workers));
     let groups: Vec<&mut [Tape<'_>]> = tapes.chunks_mut(lanes.max(1)).collect();
     if workers.min(groups.len()) < 2 {
         for group in groups {

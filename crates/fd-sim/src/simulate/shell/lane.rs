@@ -1,7 +1,21 @@
 //! A run in a shell, beside others.
 
+use fd_model::SampleTime;
+
 use super::around::Around;
-use crate::simulate::{Driven, Outcome, Run, run::rows};
+use crate::{
+    model::Model,
+    simulate::{self, Driven, Outcome, Run, run::rows},
+};
+
+/// What all lanes have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Shelled<'r> {
+    pub(super) around: &'r Around,
+    pub(super) steps: usize,
+    pub(super) model: &'r Model,
+    pub(super) ts: SampleTime,
+}
 
 /// The equations around one lane of the simulator inside.
 pub(super) struct ShellLane<'r, 'a> {
@@ -13,20 +27,18 @@ pub(super) struct ShellLane<'r, 'a> {
     steps: usize,
     /// The first of them.
     begin: u64,
+    /// Equations of the shell, and the time between samples.
+    model: &'r Model,
+    ts: SampleTime,
     /// Outputs between two samples.
     between: Vec<f64>,
 }
 
 impl<'r, 'a> ShellLane<'r, 'a> {
-    pub(super) fn new(
-        around: &Around,
-        run: &'r mut Run<'a>,
-        u: &'r [f64],
-        steps: usize,
-        begin: u64,
-    ) -> Self {
+    pub(super) fn new(shell: Shelled<'r>, run: &'r mut Run<'a>, u: &'r [f64], begin: u64) -> Self {
+        let Shelled { around, steps, model, ts } = shell;
         let between = vec![0.0; around.raw.len()];
-        Self { around: around.clone(), run, u, steps, begin, between }
+        Self { around: around.clone(), run, u, steps, begin, model, ts, between }
     }
 
     fn samples(&self) -> usize {
@@ -83,5 +95,24 @@ impl Driven for ShellLane<'_, '_> {
             self.run.outcome = Outcome::Diverged { sample: sample + 1 };
         }
         is_fine
+    }
+
+    fn equations(&self) -> Option<simulate::Around<'_>> {
+        Some(simulate::Around {
+            model: self.model,
+            ts: self.ts,
+            first: self.begin / self.steps as u64,
+            theta: self.run.theta,
+            x0: self.run.x0,
+            u: self.u,
+            samples: self.samples(),
+        })
+    }
+
+    fn take_all(&mut self, y: &[f64]) {
+        self.run.outcome = Outcome::Complete;
+        self.run.y.copy_from_slice(y);
+        let ny = self.between.len();
+        (0..self.samples()).all(|sample| self.run.check(sample, ny));
     }
 }

@@ -5,7 +5,11 @@ use std::sync::Arc;
 use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
-use super::{around::Around, lane::ShellLane, wiring::Wiring};
+use super::{
+    around::Around,
+    lane::{ShellLane, Shelled},
+    wiring::Wiring,
+};
 use crate::{
     model::{Model, Parameter},
     simulate::{
@@ -26,6 +30,7 @@ pub struct ShellSimulator {
     ts: SampleTime,
     /// Steps of the simulator inside per sample.
     steps: usize,
+    model: Arc<Model>,
     parameters: Arc<[Parameter]>,
     around: Around,
     /// Outputs between two samples.
@@ -64,6 +69,7 @@ impl ShellSimulator {
             ts,
             steps,
             parameters: model.parameters.clone().into(),
+            model: Arc::new(model.clone()),
             around,
             between,
             has_diverged: false,
@@ -97,11 +103,13 @@ impl ShellSimulator {
     /// Runs of which the effects depend on what the plant does, step by step beside each other.
     fn in_lock_step(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
         let (begin, ny) = (first * self.steps as u64, self.around.raw.len());
+        let Self { inside, around, steps, model, ts, .. } = self;
+        let shell = Shelled { around, steps: *steps, model, ts: *ts };
         let mut lanes: Vec<Box<dyn Driven + '_>> = Vec::with_capacity(runs.len());
         for run in &mut *runs {
-            lanes.push(Box::new(ShellLane::new(&self.around, run, u, self.steps, begin)));
+            lanes.push(Box::new(ShellLane::new(shell, run, u, begin)));
         }
-        self.inside.lock_step(begin, &mut lanes);
+        inside.lock_step(begin, &mut lanes);
         drop(lanes);
         for run in runs {
             run.finish(ny);
