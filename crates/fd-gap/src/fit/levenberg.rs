@@ -118,21 +118,15 @@ pub fn minimise_all(
     slopes: Option<&[Vec<f64>]>,
     search: Search,
 ) -> Vec<Option<Minimum>> {
-    let setting = Setting {
-        layout: problem.layout().clone(),
-        bounds: problem.bounds().to_vec(),
-        prior: problem.prior().to_vec(),
-        search,
-    };
+    let setting = Setting::of(problem, search);
     let Layout { shared, own, .. } = setting.layout;
+    let all = if search.own_only { shared..shared + own } else { 0..shared + own };
     let refreshed = match search {
-        Search { own_only: true, .. } => shared..shared + own,
-        Search { frozen: 0, .. } => 0..shared + own,
+        Search { frozen: 0, .. } => all.clone(),
         Search { frozen, .. } => frozen.min(shared)..shared,
     };
     // What stays frozen is computed once, unless it was given.
-    let is_known = slopes.is_some() || search.own_only;
-    let first = if is_known { refreshed.clone() } else { 0..shared + own };
+    let first = if slopes.is_some() { refreshed.clone() } else { all };
     let starts: Vec<Vec<f64>> = starts.iter().map(|z| setting.inside(z)).collect();
     let mut descents: Vec<Option<Descent<'_>>> = problem
         .linearize(&starts, first.clone())
@@ -159,6 +153,16 @@ pub fn minimise_all(
     descents.into_iter().map(|descent| descent.map(|descent| descent.at)).collect()
 }
 
+/// By how much the sum of squares at a place would fall if residuals were as linear as their slopes say.
+pub(crate) fn promised(problem: &dyn LeastSquares, at: &Minimum) -> f64 {
+    let setting = Setting::of(problem, Search::PLAIN);
+    let equations = setting.linear_equations(at);
+    let Some(factor) = equations.factor() else { return f64::INFINITY };
+    let mut step = equations.gradient.clone();
+    factor.solve(&mut step);
+    dot(&step, &equations.gradient)
+}
+
 /// What all searches of a problem have in common.
 struct Setting {
     layout: Layout,
@@ -168,6 +172,32 @@ struct Setting {
 }
 
 impl Setting {
+    fn of(problem: &dyn LeastSquares, search: Search) -> Self {
+        Self {
+            layout: problem.layout().clone(),
+            bounds: problem.bounds().to_vec(),
+            prior: problem.prior().to_vec(),
+            search,
+        }
+    }
+
+    /// Normal equations at a place, with held unknowns taken out.
+    fn linear_equations(&self, at: &Minimum) -> Arrow {
+        let Self { layout, bounds, prior, search } = self;
+        let Minimum { z, r, slopes, .. } = at;
+        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
+        for (i, [low, high]) in bounds.iter().enumerate() {
+            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
+            let is_held = search.own_only && i < layout.shared
+                || z[i] <= low + edge && 0.0 <= slope
+                || high - edge <= z[i] && slope <= 0.0;
+            if is_held || *equations.diagonal_mut(i) <= 0.0 {
+                equations.fix(i);
+            }
+        }
+        equations
+    }
+
     fn inside(&self, z: &[f64]) -> Vec<f64> {
         assert_eq!(z.len(), self.layout.unknowns(), "one start per unknown");
         z.iter().zip(&self.bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect()
@@ -221,7 +251,7 @@ impl<'a> Descent<'a> {
         }
         let equations = match self.equations.take() {
             Some(equations) => equations,
-            None => self.linear_equations(),
+            None => self.setting.linear_equations(&self.at),
         };
         let mut next = None;
         while next.is_none() && self.damping < give_up {
@@ -245,22 +275,6 @@ impl<'a> Descent<'a> {
         }
         self.equations = Some(equations);
         next
-    }
-
-    fn linear_equations(&self) -> Arrow {
-        let Setting { layout, bounds, prior, search } = self.setting;
-        let Minimum { z, r, slopes, .. } = &self.at;
-        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
-        for (i, [low, high]) in bounds.iter().enumerate() {
-            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
-            let is_held = search.own_only && i < layout.shared
-                || z[i] <= low + edge && 0.0 <= slope
-                || high - edge <= z[i] && slope <= 0.0;
-            if is_held || *equations.diagonal_mut(i) <= 0.0 {
-                equations.fix(i);
-            }
-        }
-        equations
     }
 
     /// Goes there if it is lower, and shortens the step if not.

@@ -25,7 +25,7 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::{arrow::Arrow, cholesky::Cholesky};
+pub(crate) use self::{arrow::Arrow, cholesky::Cholesky, levenberg::promised};
 pub use self::{
     error::FitError,
     layout::{Layout, LeastSquares, Linearization},

@@ -285,7 +285,7 @@ impl Problem {
 
     /// Whether runs are so dear that a stand-in gives the slopes.
     pub(crate) fn is_dear(&self) -> bool {
-        self.stand_in.is_some()
+        self.stand_in.is_some() && !self.is_stood_in
     }
 
     /// How to look for its minimum.
