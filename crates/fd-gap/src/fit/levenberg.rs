@@ -6,6 +6,7 @@ use fd_numeric::dot;
 
 use super::{
     arrow::Arrow,
+    columns::Columns,
     layout::{Layout, LeastSquares, Linearization},
 };
 
@@ -77,9 +78,17 @@ pub struct Minimum {
     /// Residuals.
     pub r: Vec<f64>,
     /// Slopes, column by column, at this place; frozen ones at the place where they were computed.
-    pub slopes: Vec<Vec<f64>>,
+    pub slopes: Columns,
     /// Whether the search ended because it could not get lower.
     pub converged: bool,
+}
+
+impl Minimum {
+    /// The same, whose slopes many fits will share.
+    pub(crate) fn shared(mut self, problem: &dyn LeastSquares) -> Self {
+        self.slopes = std::mem::take(&mut self.slopes).multiplied(problem.layout());
+        self
+    }
 }
 
 /// Minimises a sum of squares within its box, from `z` on. Where residuals are not finite the
@@ -97,7 +106,7 @@ pub struct Minimum {
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     z: &[f64],
-    slopes: Option<&[Vec<f64>]>,
+    slopes: Option<&Columns>,
     search: Search,
 ) -> Option<Minimum> {
     minimise_all(problem, &[z.to_vec()], slopes, search).pop().flatten()
@@ -115,7 +124,7 @@ pub fn minimise(
 pub fn minimise_all(
     problem: &mut dyn LeastSquares,
     starts: &[Vec<f64>],
-    slopes: Option<&[Vec<f64>]>,
+    slopes: Option<&Columns>,
     search: Search,
 ) -> Vec<Option<Minimum>> {
     let setting = Setting::of(problem, search);
@@ -231,12 +240,12 @@ impl<'a> Descent<'a> {
         z: Vec<f64>,
         there: Linearization,
         columns: Range<usize>,
-        known: Option<&[Vec<f64>]>,
+        known: Option<&Columns>,
     ) -> Self {
         let [cost, prior_cost] = setting.cost(&z, &there.r);
         let rows = there.r.len();
         let all = setting.layout.shared + setting.layout.own;
-        let mut slopes = known.map_or_else(|| vec![vec![0.0; rows]; all], <[Vec<f64>]>::to_vec);
+        let mut slopes = known.cloned().unwrap_or_else(|| Columns::new(vec![vec![0.0; rows]; all]));
         slopes.splice(columns, there.slopes);
         let at = Minimum { z, cost, prior_cost, r: there.r, slopes, converged: false };
         Self { setting, at, damping: DAMPING, equations: None, iterations: 0 }

@@ -43,7 +43,7 @@ pub fn null_fit(
     let build = |plan: Arc<Plan>| Problem::new(plan, simulator.boxed(), vec![], weights.clone());
     let mut problem = build(plan.clone())?;
     if !problem.is_dear() {
-        let minimum = lowest(&mut problem, simulator, build)?;
+        let minimum = lowest(&mut problem, simulator, build)?.shared(&problem);
         return Ok(NullFit { problem, minimum });
     }
     let stood_in = |plan| build(plan).map(Problem::on_stand_in);
@@ -54,7 +54,7 @@ pub fn null_fit(
     let looks = minimise_all(&mut problem, &starts, None, look).into_iter().flatten();
     let start = looks.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(FitError::Diverged)?;
     let search = problem.search();
-    let minimum = minimise(&mut problem, &start.z, None, search).unwrap_or(start);
+    let minimum = minimise(&mut problem, &start.z, None, search).unwrap_or(start).shared(&problem);
     Ok(NullFit { problem, minimum })
 }
 

@@ -166,7 +166,7 @@ impl<'a> Trial<'a> {
         let new = vec![vec![0.0; rows]; self.strengths.len()];
         slopes.splice(shared..shared, new);
         let search = Search { frozen: shared, ..search };
-        let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
+        let known = if shared == 0 { None } else { Some(&slopes) };
         let search = self.patient(search);
         for minimum in minimise_all(&mut self.problem, &places, known, search) {
             self.keep(minimum);
