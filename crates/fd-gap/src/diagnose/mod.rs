@@ -148,7 +148,7 @@ use self::{
     candidates::Candidates,
     context::Context,
     feedback::Feedback,
-    judge::{judge, judged::Judged, prefer},
+    judge::{is_open, judge, judged::Judged, prefer},
     prepare::{Prepared, start::in_motion},
     report::report,
     search::search,
@@ -243,7 +243,7 @@ pub(crate) fn told(
         (Some(free), Beginning::InMotion) => judged(free, &context)?,
         (free, _) => {
             let stated = judged(prepared, &context)?;
-            match free {
+            match free.filter(|free| is_open(&stated, free)) {
                 Some(free) => prefer(stated, judged(free, &context)?),
                 None => stated,
             }

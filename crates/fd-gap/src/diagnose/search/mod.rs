@@ -20,6 +20,12 @@ use crate::{
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
+/// More candidates than a library has for a plant of a few states: of so many …
+const MANY: usize = 500;
+/// … those are not fitted that promise less than this share of the best and are far below it. They would get one step of
+/// a fit, and with a hundred places they are most of the work and of the memory.
+const PROMISE_OF_MANY: f64 = 0.02;
+
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
 /// little from the best starts, and fits the best causes (effect and site, all their laws) to the
 /// end, with an integration step that is short enough for them.
@@ -62,6 +68,8 @@ pub(super) fn search<'a>(
         }
     }
     let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
+    let of_many = if MANY < candidates.len() { PROMISE_OF_MANY } else { 0.0 };
+    let least_promise = settings.least_promise.max(of_many);
     monitor.begin(Stage::Fit, trials.len());
     let fitted = case.suspects.fitted();
     let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| trial.is_in(fitted));
@@ -71,7 +79,7 @@ pub(super) fn search<'a>(
             if 0 < trial.index && monitor.is_stopped() {
                 return Some(trial.index);
             }
-            if !is_known(trial) && trial.promises_less(settings.least_promise, most) {
+            if !is_known(trial) && trial.promises_less(least_promise, most) {
                 monitor.advance();
                 return None;
             }
@@ -84,7 +92,7 @@ pub(super) fn search<'a>(
         if trial.best.is_none() {
             let reason = if late.contains(&trial.index) {
                 stopped()
-            } else if trial.promises_less(settings.least_promise, most) {
+            } else if trial.promises_less(least_promise, most) {
                 "others promise far more".to_owned()
             } else {
                 "its simulation diverges".to_owned()
