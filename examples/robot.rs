@@ -134,7 +134,7 @@ impl Arm {
     fn new(n: usize) -> Self {
         let joint = |i: usize| {
             let Joint { inertia, friction, gear, weight, swing } = Joint::new(i, n);
-            let off = |part: f64| 1.0 + if i % 2 == 0 { part } else { -part };
+            let off = |part: f64| 1.0 + if i.is_multiple_of(2) { part } else { -part };
             Joint {
                 inertia: inertia * off(0.01),
                 friction: friction * off(-0.03),
@@ -179,7 +179,7 @@ fn log(n: usize, samples: usize, seed: u64) -> Result<String, std::fmt::Error> {
     let (mut arm, mut current) = (Arm::new(n), vec![0.0; n]);
     for k in 0..samples {
         for (i, current) in current.iter_mut().enumerate() {
-            if (k + 7 * i) % 40 == 0 {
+            if (k + 7 * i).is_multiple_of(40) {
                 *current = random.random_range(-PEAK..PEAK);
             }
         }

@@ -102,8 +102,7 @@ pub fn with_few_runs(
     let settings = Settings { causes, ..settings.clone() };
     if let Some(best) = &best {
         // What is near the best answer is fitted better there, and where the logs begin shows better.
-        let proposing =
-            Case { nominal: best, suspects: &proposals, logs: &records, held_out: &[], ..*case };
+        let proposing = Case { nominal: best, suspects: &proposals, logs: &records, held_out: &[] };
         let doubt = if is_doubted { Beginning::Doubted } else { Beginning::AsStated };
         let near = Settings { beginning: doubt, ..settings.clone() };
         let near = told(&proposing, &near, monitor, false)?;

@@ -44,13 +44,11 @@ impl Driven {
 impl Replay<'_> {
     /// Inputs of a step, of which there are several per sample.
     pub(super) fn input(&self, step: usize, steps: usize, nu: usize) -> &[f64] {
-        match self.driven {
-            Some(driven) => &driven.u[step * nu..(step + 1) * nu],
-            None => {
-                let k = step / steps;
-                &self.u[k * nu..(k + 1) * nu]
-            }
+        if let Some(driven) = self.driven {
+            return &driven.u[step * nu..(step + 1) * nu];
         }
+        let k = step / steps;
+        &self.u[k * nu..(k + 1) * nu]
     }
 
     /// Writes the forces of a step.
