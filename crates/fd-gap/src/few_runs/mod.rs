@@ -97,7 +97,14 @@ pub fn with_few_runs(
         told(&proposing, settings, monitor, false)?;
     let causes = Some(proposed.causes.len());
     let mut proposals = Proposals::of(&proposed, case.suspects, effort);
-    let best = at_the_best(shell, ts, case, forces, (&stand_in, &proposed.best))?;
+    // What one run shows of a simulator with noise in itself is no better place.
+    let repeats = shell.inside().repeats();
+    let best = if repeats {
+        at_the_best(shell, ts, case, forces, (&stand_in, &proposed.best))?
+    } else {
+        None
+    };
+    beginning = if repeats { beginning } else { settings.beginning };
     let runs = runs + best.as_ref().map_or(0, StandIn::runs);
     let settings = Settings { causes, ..settings.clone() };
     if let Some(best) = &best {

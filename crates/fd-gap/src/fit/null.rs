@@ -42,7 +42,7 @@ pub fn null_fit(
 ) -> Result<NullFit, FitError> {
     let build = |plan: Arc<Plan>| Problem::new(plan, simulator.boxed(), vec![], weights.clone());
     let mut problem = build(plan.clone())?;
-    if !problem.is_dear() {
+    if !problem.begins_on_stand_in() {
         let minimum = lowest(&mut problem, simulator, build)?.shared(&problem);
         return Ok(NullFit { problem, minimum });
     }

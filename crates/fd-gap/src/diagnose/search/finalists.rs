@@ -29,7 +29,7 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
         let best = peers.min_by(|a, b| a.cost().total_cmp(&b.cost()));
         let is_chosen = is_among(&chosen, trial);
         // Where runs are dear it has done so on the stand-in.
-        let is_open = is_chosen && !trial.problem.is_dear();
+        let is_open = is_chosen && !trial.problem.begins_on_stand_in();
         let other = best.filter(|best| is_open && best.index != trial.index);
         starts.push(other.and_then(|best| best.values_for(trial.candidate)));
     }

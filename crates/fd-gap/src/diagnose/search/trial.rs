@@ -103,7 +103,7 @@ impl<'a> Trial<'a> {
     /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
     /// and one run shows what the simulator is there.
     pub(in crate::diagnose) fn short_fits(&mut self, null: &NullFit, most: f64) {
-        if !self.problem.is_dear() {
+        if !self.problem.begins_on_stand_in() {
             self.fit_starts(null, most);
             if self.best.is_none() {
                 self.fall_back(null);
@@ -203,7 +203,7 @@ impl<'a> Trial<'a> {
         if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
             return;
         }
-        let search = if self.problem.is_dear() { LOOK } else { SHORT };
+        let search = if self.problem.begins_on_stand_in() { LOOK } else { SHORT };
         self.short_fit(null, &[self.neutral()], search);
     }
 
@@ -277,7 +277,9 @@ impl<'a> Trial<'a> {
         let Some(here) = self.best.as_ref().filter(|_| self.problem.is_dear()) else {
             return false;
         };
-        let lowest = here.cost - MORE_THAN_PROMISED * promised(&self.problem, here);
+        let promised =
+            if self.problem.begins_on_stand_in() { promised(&self.problem, here) } else { 0.0 };
+        let lowest = here.cost - MORE_THAN_PROMISED * promised;
         OUT_OF_REACH * best < lowest && best + FAR_BELOW < lowest
     }
 

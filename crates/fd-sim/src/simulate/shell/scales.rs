@@ -10,6 +10,8 @@ use crate::{
 
 /// Moments of the replay at which a force is tried.
 const PROBES: usize = 12;
+/// What kicks move is at least so many times what equal runs differ by.
+const ROUGH: f64 = 30.0;
 /// Samples between two kicks, at least.
 const FEWEST_APART: usize = 4;
 /// Change of a velocity or output by a trial force, as a part of what it is usually.
@@ -158,7 +160,8 @@ impl Replay<'_> {
         let size = |kicks: &[f64]| kicks.iter().fold(0.0_f64, |m, k| m.max(k.abs()));
         if 0.0 < size(&kicks) && 0.0 < usual {
             // Small enough to be linear, large enough not to drown in rounding.
-            force = TRIAL * usual / size(&kicks);
+            let trial = TRIAL.max((ROUGH * self.simulator.precision()).min(1.0));
+            force = trial * usual / size(&kicks);
             kicks = self.kicks(port, output, force, y);
         }
         let mean = kicks.iter().sum::<f64>() / kicks.len().max(1) as f64;
