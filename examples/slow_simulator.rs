@@ -209,12 +209,17 @@ fn log() -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-/// Says what is planned, and when what begins.
-struct Said(Instant);
+/// Says what is planned, and when what begins, and how many runs' worth of steps were made before.
+struct Said<'a> {
+    begun: Instant,
+    subject: &'a Subject,
+}
 
-impl Monitor for Said {
+impl Monitor for Said<'_> {
     fn begin(&self, stage: Stage, pieces: usize) {
-        println!("{:6.1} s: {stage:?}, {pieces}", self.0.elapsed().as_secs_f64());
+        let steps = self.subject.outside().map_or(0, |simulator| simulator.counts().steps);
+        let (seconds, runs) = (self.begun.elapsed().as_secs_f64(), steps as f64 / FITTED);
+        println!("{seconds:6.1} s, {runs:5.1} runs: {stage:?}, {pieces}");
     }
 
     fn advance(&self) {}
@@ -237,7 +242,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let request = Request::new("cart", [path]);
     let subject = Subject::lent(&request, simulator(seconds, &kind, at_once)?, None)?;
     let begun = Instant::now();
-    let study = GapStudy::run_on(&request, &subject, &Said(begun))?;
+    let study = GapStudy::run_on(&request, &subject, &Said { begun, subject: &subject })?;
     let took = begun.elapsed().as_secs_f64();
     let (counts, trouble) = study.outside.ok_or("it is outside")?;
     println!("{}", study.report.headline);

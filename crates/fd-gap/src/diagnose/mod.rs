@@ -148,7 +148,7 @@ use self::{
     candidates::Candidates,
     context::Context,
     feedback::Feedback,
-    judge::{judge, judged::Judged, prefer},
+    judge::{is_open, judge, judged::Judged, prefer},
     prepare::{Prepared, start::in_motion},
     report::report,
     search::search,
@@ -168,7 +168,7 @@ pub use self::{
         Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
         Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
-    settings::{Settings, Without},
+    settings::{Beginning, Settings, Without},
 };
 use crate::fit::FitError;
 
@@ -212,41 +212,55 @@ pub fn diagnose(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Diagnosis, FitError> {
-    once(case, settings, monitor, false)
+    Ok(told(case, settings, monitor, false)?.diagnosis)
+}
+
+/// A diagnosis, and where it took the logs to begin.
+pub(crate) struct Told {
+    pub(crate) diagnosis: Diagnosis,
+    /// Whether both beginnings were tried.
+    pub(crate) is_doubted: bool,
+    /// What was believed.
+    pub(crate) beginning: Beginning,
 }
 
 /// One diagnosis, and another one without single wrong samples if it shows any, unless the logs are `clean` of them.
-fn once(
+pub(crate) fn told(
     case: &Case<'_>,
     settings: &Settings,
     monitor: &dyn Monitor,
     clean: bool,
-) -> Result<Diagnosis, FitError> {
+) -> Result<Told, FitError> {
     let feedback = Feedback::of(case, settings);
     let candidates = Candidates::of(case.suspects);
     let logged = feedback.case(case);
     let prepared = prepare(&logged, settings.horizon)?;
     let tempered = prepared.with_chance(settings);
     let context = Context { case: logged, candidates: &candidates, settings: &tempered, monitor };
-    let free = if settings.without.free_starts {
-        None
-    } else {
-        in_motion(&prepared, &context.case, settings.horizon)?
-    };
-    let stated = judged(prepared, &context)?;
-    let judged = match free {
-        Some(free) => prefer(stated, judged(free, &context)?),
-        None => stated,
+    let free = in_motion(&prepared, &context.case, settings)?;
+    let is_doubted = free.is_some();
+    let judged = match (free, settings.beginning) {
+        (Some(free), Beginning::InMotion) => judged(free, &context)?,
+        (free, _) => {
+            let stated = judged(prepared, &context)?;
+            match free.filter(|free| is_open(&stated, free)) {
+                Some(free) => prefer(stated, judged(free, &context)?),
+                None => stated,
+            }
+        }
     };
     let accidents = if clean { None } else { Accidents::of(&judged, case) };
     let Some(Accidents { findings, logs }) = accidents else {
-        return report(judged, case, &feedback, &context);
+        let in_motion = judged.singles.base.plan().logs.iter().any(|log| log.is_in_motion);
+        let beginning = if in_motion { Beginning::InMotion } else { Beginning::AsStated };
+        let diagnosis = report(judged, case, &feedback, &context)?;
+        return Ok(Told { diagnosis, is_doubted, beginning });
     };
     let before = report::simulations(&judged);
-    let mut diagnosis = once(&Case { logs: &logs, ..*case }, settings, monitor, true)?;
-    diagnosis.findings.extend(findings);
-    diagnosis.simulations += before;
-    Ok(diagnosis)
+    let mut again = told(&Case { logs: &logs, ..*case }, settings, monitor, true)?;
+    again.diagnosis.findings.extend(findings);
+    again.diagnosis.simulations += before;
+    Ok(again)
 }
 
 /// From prepared logs to a judgement.

@@ -30,8 +30,25 @@ pub struct Settings {
     pub replicas: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
+    /// Where logs may begin.
+    pub beginning: Beginning,
     /// What is left out, to see what it brings.
     pub without: Without,
+}
+
+/// Where logs may begin, as far as the model does not leave it open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Beginning {
+    /// Where the model says, or in motion if their beginnings speak for that without any effect: what explains them
+    /// better.
+    #[default]
+    Either,
+    /// The same, whatever their beginnings say.
+    Doubted,
+    /// Where the model says.
+    AsStated,
+    /// In motion.
+    InMotion,
 }
 
 /// Causes that are fitted to the end where only the best law is wanted.
@@ -72,6 +89,7 @@ impl Default for Settings {
             causes: None,
             replicas: 400,
             seed: 1,
+            beginning: Beginning::default(),
             without: Without::default(),
         }
     }

@@ -15,12 +15,14 @@ mod refit;
 use fd_model::SampleTime;
 use fd_sim::{
     simulate::{Nominal, Shell},
-    stand_in::{Replay, StandIn},
+    stand_in::{Driven, Replay, StandIn},
 };
 
 use self::{proposals::Proposals, refit::Refit};
 use crate::{
-    diagnose::{Case, Diagnosis, Monitor, Settings, Stage, diagnose},
+    diagnose::{
+        Beginning, Case, Diagnosis, Explanation, Monitor, Settings, Stage, Told, diagnose, told,
+    },
     fit::{FitError, Log},
 };
 
@@ -91,17 +93,40 @@ pub fn with_few_runs(
     // A log with a channel of that name has no stand-in.
     let Ok(records) = records.collect::<Result<Vec<_>, _>>() else { return Ok(None) };
     let proposing = Case { nominal: &stand_in, logs: &records, held_out: &[], ..*case };
-    let proposed = diagnose(&proposing, settings, monitor)?;
-    let proposals = Proposals::of(&proposed, case.suspects, effort);
+    let Told { diagnosis: proposed, is_doubted, mut beginning } =
+        told(&proposing, settings, monitor, false)?;
+    let causes = Some(proposed.causes.len());
+    let mut proposals = Proposals::of(&proposed, case.suspects, effort);
+    // What one run shows of a simulator with noise in itself is no better place.
+    let repeats = shell.inside().repeats();
+    let best = if repeats {
+        at_the_best(shell, ts, case, forces, (&stand_in, &proposed.best))?
+    } else {
+        None
+    };
+    beginning = if repeats { beginning } else { settings.beginning };
+    let runs = runs + best.as_ref().map_or(0, StandIn::runs);
+    let settings = Settings { causes, ..settings.clone() };
+    if let Some(best) = &best {
+        // What is near the best answer is fitted better there, and where the logs begin shows better.
+        let proposing = Case { nominal: best, suspects: &proposals, logs: &records, held_out: &[] };
+        let doubt = if is_doubted { Beginning::Doubted } else { Beginning::AsStated };
+        let near = Settings { beginning: doubt, ..settings.clone() };
+        let near = told(&proposing, &near, monitor, false)?;
+        beginning = near.beginning;
+        proposals = Proposals::of(&near.diagnosis, case.suspects, effort);
+    }
+    let stand_in = best.unwrap_or(stand_in);
     let lent = stand_in.lent();
     let confirming = Case { nominal: &lent, suspects: &proposals, ..*case };
-    let settings = Settings { causes: Some(proposed.causes.len()), ..settings.clone() };
+    // To see the simulator with both beginnings would take twice the runs.
+    let settings = Settings { beginning, ..settings };
     let diagnosis = diagnose(&confirming, &settings, monitor)?;
     let explains = stand_in.explains();
     Ok(Some(FewRuns { diagnosis, proposed, explains, runs, lent }))
 }
 
-/// The simulator, linearised along the logs of a case.
+/// The simulator, linearised along the logs of a case, in the run of a refit.
 fn stand_in(
     shell: &Shell,
     ts: SampleTime,
@@ -110,11 +135,55 @@ fn stand_in(
     refit: Option<&Refit>,
 ) -> Result<Option<StandIn>, FitError> {
     let logs = Log::all(case.logs, &*shell.simulator(ts)?, &[])?;
-    let mut replays = Vec::with_capacity(logs.len());
-    for (i, log) in logs.iter().enumerate() {
-        let x0 = refit.map(|refit| refit.starts[i].as_slice());
-        replays.push(Replay { u: &log.u, samples: log.samples, first: log.first as u64, x0 });
+    let mut replays = replays(&logs);
+    for (i, replay) in replays.iter_mut().enumerate() {
+        replay.x0 = refit.map(|refit| refit.starts[i].as_slice());
     }
     let theta = refit.map(|refit| refit.theta.as_slice());
     Ok(StandIn::of(shell, ts, &replays, forces, theta)?)
+}
+
+/// The simulator, linearised once more where it is with the best answer of a stand-in: a plant that moves otherwise has
+/// other slopes, with respect to its parameters even where it is linear. `None` where the best answer has no effects
+/// before the simulator, or it cannot be linearised there.
+fn at_the_best(
+    shell: &Shell,
+    ts: SampleTime,
+    case: &Case<'_>,
+    forces: &[f64],
+    (known, best): (&StandIn, &Explanation),
+) -> Result<Option<StandIn>, FitError> {
+    let simulator = shell.simulator(ts)?;
+    let logs = Log::all(case.logs, &*simulator, &[])?;
+    let mut replays = replays(&logs);
+    let starts = best.starts.iter().filter(|start| start.from == 0);
+    if starts.clone().count() != replays.len() || shell.passes_on(&best.model)? {
+        return Ok(None);
+    }
+    for start in starts {
+        if let Some(replay) = replays.get_mut(start.log) {
+            replay.x0 = Some(&start.state);
+        }
+    }
+    let driven =
+        replays.iter().enumerate().map(|(i, replay)| known.driven(&best.model, ts, i, replay));
+    let driven: Option<Vec<Driven>> = driven.collect::<Result<_, _>>()?;
+    let Some(driven) = driven else { return Ok(None) };
+    for (replay, driven) in replays.iter_mut().zip(&driven) {
+        replay.driven = Some(driven);
+    }
+    let theta = driven.first().map(|driven| driven.theta.as_slice());
+    let found = StandIn::of(shell, ts, &replays, forces, theta)?;
+    Ok(found.filter(|found| FORETOLD <= found.explains()))
+}
+
+fn replays(logs: &[Log]) -> Vec<Replay<'_>> {
+    let each = logs.iter().map(|log| Replay {
+        u: &log.u,
+        samples: log.samples,
+        first: log.first as u64,
+        x0: None,
+        driven: None,
+    });
+    each.collect()
 }

@@ -1,8 +1,8 @@
 //! Normal equations in the form of an arrow: shared unknowns, and blocks that touch only them.
 
-use fd_numeric::wide::{dot, dots};
+use fd_numeric::wide::dots;
 
-use super::{cholesky::Cholesky, layout::Layout};
+use super::{cholesky::Cholesky, columns::Columns, layout::Layout};
 
 /// `H = JᵀJ + P` and `g = Jᵀr + P(z − m)`, block by block.
 ///
@@ -26,7 +26,7 @@ impl Arrow {
     /// Assembles the equations, with residuals and slopes multiplied by `weight`.
     pub(crate) fn new(
         layout: &Layout,
-        slopes: &[Vec<f64>],
+        slopes: &Columns,
         r: &[f64],
         prior: &[[f64; 2]],
         z: &[f64],
@@ -42,13 +42,23 @@ impl Arrow {
             arms: vec![0.0; segments * no * ns],
             gradient: vec![0.0; layout.unknowns()],
         };
-        let square = weight * weight;
+        let (square, known) = (weight * weight, slopes.known());
         for (s, rows) in layout.segments.iter().enumerate() {
             let columns: Vec<&[f64]> = slopes.iter().map(|slope| &slope[rows.clone()]).collect();
             for (i, slope) in columns.iter().enumerate().take(ns + no) {
                 let place = if i < ns { i } else { layout.first_own(s) + i - ns };
-                arrow.gradient[place] += square * dot(slope, &r[rows.clone()]);
-                for (j, product) in dots(slope, &columns[..=i]).into_iter().enumerate() {
+                // What nobody has multiplied yet, and the residuals, in one pass over this slope.
+                let is_new = |j: &usize| known[i].and(known[*j]).is_none();
+                let new = (0..=i).filter(is_new).map(|j| columns[j]);
+                let others: Vec<&[f64]> = new.chain([&r[rows.clone()]]).collect();
+                let mut products = dots(slope, &others);
+                arrow.gradient[place] += square * products.pop().unwrap_or(0.0);
+                let mut new = products.into_iter();
+                for j in 0..=i {
+                    let product = match (known[i], known[j]) {
+                        (Some(i), Some(j)) => slopes.product(s, i, j),
+                        _ => new.next().unwrap_or(0.0),
+                    };
                     let product = square * product;
                     if i < ns {
                         arrow.corner[i * ns + j] += product;

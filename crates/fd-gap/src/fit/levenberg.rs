@@ -6,6 +6,7 @@ use fd_numeric::dot;
 
 use super::{
     arrow::Arrow,
+    columns::Columns,
     layout::{Layout, LeastSquares, Linearization},
 };
 
@@ -77,9 +78,17 @@ pub struct Minimum {
     /// Residuals.
     pub r: Vec<f64>,
     /// Slopes, column by column, at this place; frozen ones at the place where they were computed.
-    pub slopes: Vec<Vec<f64>>,
+    pub slopes: Columns,
     /// Whether the search ended because it could not get lower.
     pub converged: bool,
+}
+
+impl Minimum {
+    /// The same, whose slopes many fits will share.
+    pub(crate) fn shared(mut self, problem: &dyn LeastSquares) -> Self {
+        self.slopes = std::mem::take(&mut self.slopes).multiplied(problem.layout());
+        self
+    }
 }
 
 /// Minimises a sum of squares within its box, from `z` on. Where residuals are not finite the
@@ -97,7 +106,7 @@ pub struct Minimum {
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     z: &[f64],
-    slopes: Option<&[Vec<f64>]>,
+    slopes: Option<&Columns>,
     search: Search,
 ) -> Option<Minimum> {
     minimise_all(problem, &[z.to_vec()], slopes, search).pop().flatten()
@@ -115,24 +124,18 @@ pub fn minimise(
 pub fn minimise_all(
     problem: &mut dyn LeastSquares,
     starts: &[Vec<f64>],
-    slopes: Option<&[Vec<f64>]>,
+    slopes: Option<&Columns>,
     search: Search,
 ) -> Vec<Option<Minimum>> {
-    let setting = Setting {
-        layout: problem.layout().clone(),
-        bounds: problem.bounds().to_vec(),
-        prior: problem.prior().to_vec(),
-        search,
-    };
+    let setting = Setting::of(problem, search);
     let Layout { shared, own, .. } = setting.layout;
+    let all = if search.own_only { shared..shared + own } else { 0..shared + own };
     let refreshed = match search {
-        Search { own_only: true, .. } => shared..shared + own,
-        Search { frozen: 0, .. } => 0..shared + own,
+        Search { frozen: 0, .. } => all.clone(),
         Search { frozen, .. } => frozen.min(shared)..shared,
     };
     // What stays frozen is computed once, unless it was given.
-    let is_known = slopes.is_some() || search.own_only;
-    let first = if is_known { refreshed.clone() } else { 0..shared + own };
+    let first = if slopes.is_some() { refreshed.clone() } else { all };
     let starts: Vec<Vec<f64>> = starts.iter().map(|z| setting.inside(z)).collect();
     let mut descents: Vec<Option<Descent<'_>>> = problem
         .linearize(&starts, first.clone())
@@ -159,6 +162,16 @@ pub fn minimise_all(
     descents.into_iter().map(|descent| descent.map(|descent| descent.at)).collect()
 }
 
+/// By how much the sum of squares at a place would fall if residuals were as linear as their slopes say.
+pub(crate) fn promised(problem: &dyn LeastSquares, at: &Minimum) -> f64 {
+    let setting = Setting::of(problem, Search::PLAIN);
+    let equations = setting.linear_equations(at);
+    let Some(factor) = equations.factor() else { return f64::INFINITY };
+    let mut step = equations.gradient.clone();
+    factor.solve(&mut step);
+    dot(&step, &equations.gradient)
+}
+
 /// What all searches of a problem have in common.
 struct Setting {
     layout: Layout,
@@ -168,6 +181,32 @@ struct Setting {
 }
 
 impl Setting {
+    fn of(problem: &dyn LeastSquares, search: Search) -> Self {
+        Self {
+            layout: problem.layout().clone(),
+            bounds: problem.bounds().to_vec(),
+            prior: problem.prior().to_vec(),
+            search,
+        }
+    }
+
+    /// Normal equations at a place, with held unknowns taken out.
+    fn linear_equations(&self, at: &Minimum) -> Arrow {
+        let Self { layout, bounds, prior, search } = self;
+        let Minimum { z, r, slopes, .. } = at;
+        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
+        for (i, [low, high]) in bounds.iter().enumerate() {
+            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
+            let is_held = search.own_only && i < layout.shared
+                || z[i] <= low + edge && 0.0 <= slope
+                || high - edge <= z[i] && slope <= 0.0;
+            if is_held || *equations.diagonal_mut(i) <= 0.0 {
+                equations.fix(i);
+            }
+        }
+        equations
+    }
+
     fn inside(&self, z: &[f64]) -> Vec<f64> {
         assert_eq!(z.len(), self.layout.unknowns(), "one start per unknown");
         z.iter().zip(&self.bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect()
@@ -201,12 +240,12 @@ impl<'a> Descent<'a> {
         z: Vec<f64>,
         there: Linearization,
         columns: Range<usize>,
-        known: Option<&[Vec<f64>]>,
+        known: Option<&Columns>,
     ) -> Self {
         let [cost, prior_cost] = setting.cost(&z, &there.r);
         let rows = there.r.len();
         let all = setting.layout.shared + setting.layout.own;
-        let mut slopes = known.map_or_else(|| vec![vec![0.0; rows]; all], <[Vec<f64>]>::to_vec);
+        let mut slopes = known.cloned().unwrap_or_else(|| Columns::new(vec![vec![0.0; rows]; all]));
         slopes.splice(columns, there.slopes);
         let at = Minimum { z, cost, prior_cost, r: there.r, slopes, converged: false };
         Self { setting, at, damping: DAMPING, equations: None, iterations: 0 }
@@ -221,7 +260,7 @@ impl<'a> Descent<'a> {
         }
         let equations = match self.equations.take() {
             Some(equations) => equations,
-            None => self.linear_equations(),
+            None => self.setting.linear_equations(&self.at),
         };
         let mut next = None;
         while next.is_none() && self.damping < give_up {
@@ -245,22 +284,6 @@ impl<'a> Descent<'a> {
         }
         self.equations = Some(equations);
         next
-    }
-
-    fn linear_equations(&self) -> Arrow {
-        let Setting { layout, bounds, prior, search } = self.setting;
-        let Minimum { z, r, slopes, .. } = &self.at;
-        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
-        for (i, [low, high]) in bounds.iter().enumerate() {
-            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
-            let is_held = search.own_only && i < layout.shared
-                || z[i] <= low + edge && 0.0 <= slope
-                || high - edge <= z[i] && slope <= 0.0;
-            if is_held || *equations.diagonal_mut(i) <= 0.0 {
-                equations.fix(i);
-            }
-        }
-        equations
     }
 
     /// Goes there if it is lower, and shortens the step if not.

@@ -13,6 +13,7 @@
 
 mod arrow;
 mod cholesky;
+mod columns;
 mod error;
 mod holes;
 mod layout;
@@ -25,8 +26,9 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::{arrow::Arrow, cholesky::Cholesky};
+pub(crate) use self::{arrow::Arrow, cholesky::Cholesky, levenberg::promised};
 pub use self::{
+    columns::Columns,
     error::FitError,
     layout::{Layout, LeastSquares, Linearization},
     levenberg::{Minimum, Search, minimise, minimise_all},

@@ -285,7 +285,12 @@ impl Problem {
 
     /// Whether runs are so dear that a stand-in gives the slopes.
     pub(crate) fn is_dear(&self) -> bool {
-        self.stand_in.is_some()
+        self.stand_in.is_some() && !self.is_stood_in
+    }
+
+    /// Whether fits begin on the stand-in: not where the simulator has noise in itself, and one run shows little.
+    pub(crate) fn begins_on_stand_in(&self) -> bool {
+        self.is_dear() && self.simulator.repeats()
     }
 
     /// How to look for its minimum.

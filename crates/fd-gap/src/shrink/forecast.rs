@@ -130,10 +130,12 @@ pub(super) fn forecast_one(
         }
     }
     let mut begun = plan.clone();
-    for segment in &begun.segments {
+    for segment in &mut begun.segments {
         let log = &mut begun.logs[segment.log];
         let first = known_until(segment, horizon);
         log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
+        // What comes later need not be simulated.
+        segment.to = first;
     }
     let values =
         in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, beginning: &begun })?;
@@ -155,6 +157,8 @@ pub(super) fn forecast_one(
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
     let search = Search { own_only: true, relative: STATES_SETTLED, ..Search::default() };
+    let is_dear = settled.simulator.stand_in().is_some();
+    let search = if is_dear { search.of_dear_runs() } else { search };
     let Some(begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
     // What lies at the edge of its box may be rounded into it.
     debug_assert!(

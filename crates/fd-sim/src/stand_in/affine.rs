@@ -40,7 +40,8 @@ impl Affine {
         x.iter_mut().zip(self.x.iter().zip(known)).for_each(|(dx, (x, known))| *dx = x - known);
         let known = &slopes.u[row * nu..(row + 1) * nu];
         du.iter_mut().zip(u.iter().zip(known)).for_each(|(du, (u, known))| *du = u - known);
-        df.copy_from_slice(f);
+        let known = &slopes.f[row * nf..(row + 1) * nf];
+        df.iter_mut().zip(f.iter().zip(known)).for_each(|(df, (f, known))| *df = f - known);
         theta.copy_from_slice(&self.theta);
         let results = slopes.results();
         self.result.copy_from_slice(&slopes.result[row * results..(row + 1) * results]);

@@ -1,7 +1,7 @@
 //! How well a linear model predicts a run of the simulator.
 
 use super::replay::Replay;
-use crate::simulate::Simulator;
+use crate::simulate::{Run, Simulator, Tape};
 
 /// How far inputs and forces are disturbed, as a part of their size …
 const DISTURBED: f64 = 0.1;
@@ -28,6 +28,7 @@ pub(super) fn explained(
     let (mut real, mut still) = (simulator.boxed(), linear.boxed());
     let mut linear = linear.boxed();
     let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
+    let nf = simulator.ports().len();
     let size = |i: usize| {
         let column = replays.iter().flat_map(|r| r.u.iter().skip(i).step_by(nu));
         column.fold(0.0_f64, |most, u| most.max(u.abs()))
@@ -38,26 +39,36 @@ pub(super) fn explained(
     let mut begin = 0;
     for replay in replays {
         let x0 = replay.start(simulator);
-        real.start(&theta, &x0, replay.begin(steps));
         linear.start(&theta, &x0, replay.begin(steps));
         still.start(nominal, &x0, replay.begin(steps));
-        let [mut y, mut foretold, mut undisturbed] = [(); 3].map(|()| vec![0.0; ny]);
-        for k in 0..replay.samples * steps {
-            let plain = replay.input(k, steps, nu);
-            let row = (begin + k / steps) as f64;
+        let [mut foretold, mut undisturbed] = [(); 2].map(|()| vec![0.0; ny]);
+        let n = replay.samples * steps;
+        let (mut u, mut f) = (Vec::with_capacity(n * nu), replay.forces(steps, nf));
+        for (k, f) in f.chunks_exact_mut(nf.max(1)).enumerate() {
+            for (i, (f, usual)) in f.iter_mut().zip(forces).enumerate() {
+                *f += DISTURBED * usual * sign(nu + i, 1 + k / HOLD);
+            }
+        }
+        for k in 0..n {
             let disturbed =
                 |(i, u): (usize, &f64)| u + DISTURBED * sizes[i] * sign(i, 1 + k / HOLD);
-            let u: Vec<f64> = plain.iter().enumerate().map(disturbed).collect();
-            let force = |(i, f): (usize, &f64)| DISTURBED * f * sign(nu + i, 1 + k / HOLD);
-            let mut f: Vec<f64> = forces.iter().enumerate().map(force).collect();
-            f.resize(simulator.ports().len(), 0.0);
+            u.extend(replay.input(k, steps, nu).iter().enumerate().map(disturbed));
+        }
+        // In one go: a simulator that makes whole runs only is not asked for steps.
+        let mut y = vec![f64::NAN; n * ny];
+        let run = Run::new(&theta, &x0, &mut y);
+        real.replay(replay.begin(steps), &mut [Tape { run, u: &u, f: &f }]);
+        let mut at_rest = vec![0.0; nf];
+        for k in 0..n {
+            let row = (begin + k / steps) as f64;
+            replay.force(k, &mut at_rest);
             let with_row = |u: &[f64]| [u, &[row]].concat();
-            real.step(&u, &u, &f, &mut y);
-            linear.step(&with_row(&u), &with_row(&u), &f, &mut foretold);
-            still.step(&with_row(plain), &with_row(plain), &[], &mut undisturbed);
+            let (plain, u) = (replay.input(k, steps, nu), &u[k * nu..(k + 1) * nu]);
+            linear.step(&with_row(u), &with_row(u), &f[k * nf..(k + 1) * nf], &mut foretold);
+            still.step(&with_row(plain), &with_row(plain), &at_rest, &mut undisturbed);
             for (c, squares) in squares.iter_mut().enumerate() {
-                squares[0] += (y[c] - foretold[c]).powi(2);
-                squares[1] += (y[c] - undisturbed[c]).powi(2);
+                squares[0] += (y[k * ny + c] - foretold[c]).powi(2);
+                squares[1] += (y[k * ny + c] - undisturbed[c]).powi(2);
             }
         }
         real.rest();

@@ -28,6 +28,7 @@ pub(super) fn linearise(
         ny,
         theta: theta.clone(),
         u: vec![],
+        f: vec![],
         x: vec![],
         result: vec![],
         columns: vec![],
@@ -39,6 +40,7 @@ pub(super) fn linearise(
     }
     for replay in replays {
         (0..replay.samples * steps).for_each(|k| found.u.extend(replay.input(k, steps, nu)));
+        found.f.extend(replay.forces(steps, nf));
     }
     let columns: usize = widths.iter().sum();
     found.columns = vec![0.0; found.result.len() * columns];
@@ -128,9 +130,6 @@ fn walk(
     let (nx, nu, ny) =
         (simulator.initial().len(), simulator.inputs().len(), simulator.outputs().len());
     let mut f = vec![0.0; simulator.ports().len()];
-    if let Some((i, step)) = moved.f {
-        f[i] = step;
-    }
     let (mut states, mut results) = (Vec::new(), Vec::new());
     let mut y = vec![0.0; ny];
     let mut u = vec![0.0; nu];
@@ -139,8 +138,11 @@ fn walk(
         simulator.start(&moved.theta, &replay.start(simulator), replay.begin(steps));
         for k in 0..replay.samples * steps {
             u.copy_from_slice(replay.input(k, steps, nu));
-            if let Some((i, step)) = moved.u {
-                u[i] += step;
+            replay.force(k, &mut f);
+            for (row, moved) in [(&mut u, moved.u), (&mut f, moved.f)] {
+                if let Some((i, step)) = moved {
+                    row[i] += step;
+                }
             }
             if let Some(along) = along {
                 let mut x = along[row * nx..(row + 1) * nx].to_vec();

@@ -30,7 +30,7 @@ mod slopes;
 
 use fd_model::{Channel, ModelError, Record, SampleTime};
 
-pub use self::replay::Replay;
+pub use self::replay::{Driven, Replay};
 use self::{
     affine::Affine, check::explained, linearise::linearise, replayed::Replayed, respond::respond,
     responses::Responses,
@@ -60,8 +60,8 @@ pub struct StandIn {
 }
 
 impl StandIn {
-    /// Linearises the simulator of a shell along replays, with the parameters `theta` of the shell (none for the
-    /// nominal ones). `forces` are typical forces at its ports. `None` when it cannot be set to a state, or diverges.
+    /// Linearises the simulator of a shell along replays, with the parameters `theta` of the simulator inside (none for
+    /// the nominal ones). `forces` are typical forces at its ports. `None` when it cannot be set to a state, or diverges.
     ///
     /// ```
     /// use fd_sim::{
@@ -86,7 +86,7 @@ impl StandIn {
     /// // As of a simulator of which nothing is known but that it steps.
     /// let shell = Shell::new("pendulum", Box::new(EquationSimulator::<f64>::at(&model, ts)?))?;
     /// let u: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
-    /// let replay = Replay { u: &u, samples: 200, first: 0, x0: None };
+    /// let replay = Replay { u: &u, samples: 200, first: 0, x0: None, driven: None };
     /// let stand_in = StandIn::of(&shell, ts, &[replay], &[], None)?.ok_or("states can be set")?;
     /// // Itself, two states, an input and a parameter, and one run to see how good that is.
     /// assert_eq!(stand_in.runs(), 6);
@@ -141,6 +141,33 @@ impl StandIn {
     #[must_use]
     pub fn lent(&self) -> Shell {
         self.shell.clone().with_stand_in(self.inside.clone())
+    }
+
+    /// What the simulator is given in a run of a `model` of its shell, with the values that the model states, from the
+    /// states of replay `number` on, through the replay; as far as the stand-in knows. `None` where the run diverges, or
+    /// is given what it is given anyway.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model is not that of this shell, or cannot be simulated with samples `ts` apart.
+    pub fn driven(
+        &self,
+        model: &Model,
+        ts: SampleTime,
+        number: usize,
+        replay: &Replay<'_>,
+    ) -> Result<Option<Driven>, SimulateError> {
+        let nu = replay.u.len() / replay.samples.max(1);
+        let begin = self.begins.get(number).copied().unwrap_or_default();
+        let rows = (0..replay.samples)
+            .flat_map(|k| [&replay.u[k * nu..(k + 1) * nu], &[(begin + k) as f64]].concat());
+        let (u, x0): (Vec<f64>, _) = (rows.collect(), replay.start(self.shell.inside()));
+        let driven = self.inside.driven(model, ts, [&x0, &u], replay.first)?;
+        Ok(driven.filter(|driven| {
+            let steps = driven.steps / replay.samples.max(1);
+            let is_other = |k: usize| replay.input(k, steps, nu) != &driven.u[k * nu..(k + 1) * nu];
+            (0..driven.steps).any(is_other) || driven.f.iter().any(|f| *f != 0.0)
+        }))
     }
 
     /// The record of replay `number`, from 0, with its rows among its inputs.

@@ -35,10 +35,11 @@ pub(super) fn respond(
     let theta = theta.to_vec();
     let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
     let mut begins = Vec::new();
-    let mut u = Vec::new();
+    let (mut u, mut f) = (Vec::new(), Vec::new());
     for replay in replays {
         begins.push(u.len() / nu.max(1));
         (0..replay.samples * steps).for_each(|k| u.extend(replay.input(k, steps, nu)));
+        f.extend(replay.forces(steps, nf));
     }
     // All at once, the plain run first: a simulator may make several runs in one call, or at the same time.
     let usual = |j: usize| forces.get(j).copied().filter(|f| 0.0 < *f).unwrap_or(1.0);
@@ -77,7 +78,7 @@ pub(super) fn respond(
     let runs = runs.map(|(moved, step)| slope(moved, *step)).collect();
     let ny = simulator.outputs().len();
     let equations = Data { responses: &responses, begins: &begins, ny }.equations();
-    Some(Known { theta, x0, u, y, begins, runs, equations })
+    Some(Known { theta, x0, u, f, y, begins, runs, equations })
 }
 
 /// What is moved in a run.
@@ -105,7 +106,7 @@ fn whole_runs(
         let signals: Vec<[Vec<f64>; 2]> = all
             .iter()
             .map(|moved| {
-                let (mut u, mut f) = (plain.clone(), vec![0.0; n * nf]);
+                let (mut u, mut f) = (plain.clone(), replay.forces(steps, nf));
                 if let Some((j, size)) = moved.signal {
                     let (column, width) =
                         if j < nu { (&mut u[j..], nu) } else { (&mut f[j - nu..], nf) };

@@ -27,8 +27,9 @@ pub(super) struct Responses {
 pub(super) struct Known {
     pub(super) theta: Vec<f64>,
     pub(super) x0: Vec<f64>,
-    /// Inputs and outputs of the replays, row by row.
+    /// Inputs, forces and outputs of the replays, row by row.
     pub(super) u: Vec<f64>,
+    pub(super) f: Vec<f64>,
     pub(super) y: Vec<f64>,
     /// First rows of the replays.
     pub(super) begins: Vec<usize>,
@@ -84,7 +85,9 @@ impl Responses {
         let (nu, nf) = (u.len(), f.len());
         let known = &self.known.u[row * nu..(row + 1) * nu];
         self.w[..nu].iter_mut().zip(u.iter().zip(known)).for_each(|(w, (u, known))| *w = u - known);
-        self.w[nu..nu + nf].copy_from_slice(f);
+        let known = &self.known.f[row * nf..(row + 1) * nf];
+        let forces = self.w[nu..nu + nf].iter_mut();
+        forces.zip(f.iter().zip(known)).for_each(|(w, (f, known))| *w = f - known);
         let equations = self.known.equations.iter().zip(&self.past_y);
         for (change, (equation, past)) in self.changes.iter_mut().zip(equations) {
             *change = equation.next(past, &self.w);

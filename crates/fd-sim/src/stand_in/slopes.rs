@@ -11,6 +11,8 @@ pub(super) struct Slopes {
     pub(super) theta: Vec<f64>,
     /// Inputs, row by row.
     pub(super) u: Vec<f64>,
+    /// Forces, row by row.
+    pub(super) f: Vec<f64>,
     /// States before each step, row by row.
     pub(super) x: Vec<f64>,
     /// Outputs and then the states after each step, row by row.

@@ -79,7 +79,7 @@ fn shell(model: &Model, is_dark: bool) -> Shell {
 }
 
 fn replayed(shell: &Shell, u: &[f64]) -> StandIn {
-    let replay = Replay { u, samples: SAMPLES, first: 0, x0: None };
+    let replay = Replay { u, samples: SAMPLES, first: 0, x0: None, driven: None };
     StandIn::of(shell, shell.inside().ts(), &[replay], &[1.0], None).unwrap().unwrap()
 }
 
@@ -171,8 +171,8 @@ fn records_of_several_logs_say_where_they_are() {
     let shell = shell(&masses(4.0, 0.5), false);
     let (a, b) = ([1.0; 10], [0.5; 7]);
     let replays = [
-        Replay { u: &a, samples: 10, first: 0, x0: None },
-        Replay { u: &b, samples: 7, first: 0, x0: None },
+        Replay { u: &a, samples: 10, first: 0, x0: None, driven: None },
+        Replay { u: &b, samples: 7, first: 0, x0: None, driven: None },
     ];
     let ts = shell.inside().ts();
     let stand_in = StandIn::of(&shell, ts, &replays, &[1.0], None).unwrap().unwrap();

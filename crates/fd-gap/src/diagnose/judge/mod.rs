@@ -19,7 +19,7 @@ use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged}
 pub(super) use self::{
     groups::{groups, sides},
     probabilities::Probabilities,
-    starts::prefer,
+    starts::{is_open, prefer},
 };
 use super::{
     context::Context,

@@ -1,7 +1,28 @@
 //! Which reading of the starts of the logs to believe.
 
 use super::judged::Judged;
-use crate::diagnose::prepare::start::SURE;
+use crate::{
+    diagnose::prepare::{Prepared, start::SURE},
+    fit::Plan,
+};
+
+/// What free starts must gain where they are not the plainer answer.
+fn needed(free: &Plan) -> f64 {
+    let (n, unknowns) = (free.measured() as f64, free.own_variables().count() as f64);
+    unknowns * (n.ln() + SURE)
+}
+
+/// Whether free starts could gain enough to be believed: not where the noise of all outputs is stated and the answer
+/// with stated starts leaves so little more than noise, and by chance less, that many unknown states would not be worth it.
+pub(in crate::diagnose) fn is_open(stated: &Judged<'_>, free: &Prepared) -> bool {
+    let plan = free.null.problem.plan();
+    let n = plan.measured() as f64;
+    let errors = stated.best.errors.iter().flatten().flatten().filter(|e| e.is_finite());
+    let left = errors.map(|e| e * e).sum::<f64>() / n;
+    let most = n * left.max(1.0).ln() + (2.0 * n).sqrt();
+    let is_known = stated.singles.searched.noise.stated.iter().all(Option::is_some);
+    !is_known || needed(plan) < most
+}
 
 /// The judgement to believe: that of free starts only where its best answer leaves so much less than the other
 /// one's that chance with so many more unknowns does not explain it, or where it is the plainer one: fewer starts and
@@ -20,6 +41,6 @@ pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> J
     let (n, unknowns) = (plan.measured() as f64, plan.own_variables().count() as f64);
     let gain = n * (squares(&stated, &sigma) / squares(&free, &sigma)).ln();
     let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64;
-    let least = if is_plainer { -SURE } else { unknowns * (n.ln() + SURE) };
+    let least = if is_plainer { -SURE } else { needed(plan) };
     if least < gain { free } else { stated }
 }

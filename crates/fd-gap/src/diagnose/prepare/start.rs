@@ -9,8 +9,11 @@ use std::sync::Arc;
 
 use super::{Prepared, noise::KnownNoise, weighted_null_fit};
 use crate::{
-    diagnose::case::Case,
-    fit::{FitError, Horizon, NullFit, Plan},
+    diagnose::{
+        case::Case,
+        settings::{Beginning, Settings},
+    },
+    fit::{FitError, NullFit, Plan},
 };
 
 /// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
@@ -26,22 +29,27 @@ const DOWN_TO: f64 = 1.5;
 const MOST: f64 = 0.1;
 
 /// The same logs with free starts, if their beginnings speak for motion: an F-test of what the free starts of
-/// the model without any effect gain, which need not come near the noise.
+/// the model without any effect gain, which need not come near the noise; or if a setting does.
 pub(in crate::diagnose) fn in_motion(
     prepared: &Prepared,
     case: &Case<'_>,
-    horizon: Horizon,
+    settings: &Settings,
 ) -> Result<Option<Prepared>, FitError> {
+    if settings.without.free_starts || settings.beginning == Beginning::AsStated {
+        return Ok(None);
+    }
     let simulator =
         case.nominal.patched(&prepared.model, prepared.null.problem.simulator().ts())?;
     let logs = prepared.null.problem.plan().logs.iter().map(|log| log.clone().in_motion());
     // Too short for so many unknowns, or lost from everywhere: then the log begins where it is said to.
-    let Ok(plan) = Plan::of_logs(&*simulator, logs.collect(), horizon) else { return Ok(None) };
+    let Ok(plan) = Plan::of_logs(&*simulator, logs.collect(), settings.horizon) else {
+        return Ok(None);
+    };
     let KnownNoise { stated, grids, spread, .. } = &prepared.noise;
     let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated, grids, spread) else {
         return Ok(None);
     };
-    if !begins_in_motion(&prepared.null, &null) {
+    if settings.beginning == Beginning::Either && !begins_in_motion(&prepared.null, &null) {
         return Ok(None);
     }
     let mut noise = prepared.noise.clone();

@@ -1,5 +1,7 @@
 //! Gaps on held-out logs, before and after.
 
+use rayon::prelude::*;
+
 use crate::{
     diagnose::{
         context::Context,
@@ -38,17 +40,25 @@ pub(super) fn held_out_gaps(
     let best =
         best.map(|Fit { problem, minimum }| FittedValues::of(problem, minimum).with_paths(paths));
     let best = best.as_ref().unwrap_or(&refit);
-    let mut all = Vec::new();
     if logs.is_empty() {
-        return Ok(all);
+        return Ok(Vec::new());
     }
     let ts = nominal.ts().seconds();
     let longest = logs.iter().map(Log::samples).max().unwrap_or(0);
-    for &horizon in horizons {
-        let run = |settled| forecast_errors(nominal, settled, logs, horizon, sigma);
-        let (before, refit) = (run(as_it_came)?, run(refit.settled())?);
-        let after = run(best.settled())?;
-        let (Some(before), Some(refit), Some(after)) = (before, refit, after) else { continue };
+    // Where runs are dear, all of them are made at the same time.
+    let run = |settled, horizon| forecast_errors(nominal, settled, logs, horizon, sigma);
+    let models = [as_it_came, refit.settled(), best.settled()];
+    let forecasts: Vec<_> = horizons
+        .par_iter()
+        .map(|&horizon| {
+            models.par_iter().map(|settled| run(*settled, horizon)).collect::<Result<Vec<_>, _>>()
+        })
+        .collect::<Result<_, _>>()?;
+    let mut all = Vec::new();
+    for (&horizon, forecasts) in horizons.iter().zip(forecasts) {
+        let Ok([Some(before), Some(refit), Some(after)]) = <[_; 3]>::try_from(forecasts) else {
+            continue;
+        };
         let squares = floors.iter().map(|floor| floor * floor);
         let floor = f64::sqrt(squares.sum::<f64>() / floors.len() as f64);
         let physical = |gaps: &[f64]| -> Vec<f64> {

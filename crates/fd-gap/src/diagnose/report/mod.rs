@@ -155,7 +155,7 @@ fn not_tested(singles: &Singles<'_>, context: &Context<'_>) -> Vec<NotTested> {
 /// Parameters on which no residual depends.
 fn idle(null: &NullFit) -> Vec<String> {
     let parameters = &null.problem.simulator().parameters();
-    let nuisances = null.problem.plan().nuisances().iter().zip(&null.minimum.slopes);
+    let nuisances = null.problem.plan().nuisances().iter().zip(null.minimum.slopes.iter());
     let idle = nuisances.filter(|(_, slopes)| slopes.iter().all(|slope| *slope == 0.0));
     let names = idle.map(|(variable, _)| variable.name.clone());
     names.filter(|name| parameters.iter().any(|known| known.name == *name)).collect()

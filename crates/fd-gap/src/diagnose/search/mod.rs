@@ -27,6 +27,12 @@ use crate::{
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
+/// More candidates than a library has for a plant of a few states: of so many …
+const MANY: usize = 500;
+/// … those are not fitted that promise less than this share of the best and are far below it. They would get one step of
+/// a fit, and with a hundred places they are most of the work and of the memory.
+const PROMISE_OF_MANY: f64 = 0.02;
+
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
 /// little from the best starts, and fits the best causes (effect and site, all their laws) to the
 /// end, with an integration step that is short enough for them.
@@ -69,13 +75,15 @@ pub(super) fn search<'a>(
         }
     }
     let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
+    let of_many = if MANY < candidates.len() { PROMISE_OF_MANY } else { 0.0 };
+    let least_promise = settings.least_promise.max(of_many);
     monitor.begin(Stage::Fit, trials.len());
     let fitted = case.suspects.fitted();
     let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| trial.is_in(fitted));
     let causes = promises(&trials);
     let is_faint = |trial: &Trial<'_>| {
         let promise = causes.iter().find(|(index, _)| *index == trial.index);
-        promise.is_some_and(|(_, gain)| promises_less(*gain, settings.least_promise, most))
+        promise.is_some_and(|(_, gain)| promises_less(*gain, least_promise, most))
     };
     let late: Vec<usize> = trials
         .par_iter_mut()

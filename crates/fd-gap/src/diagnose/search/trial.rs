@@ -9,7 +9,7 @@ use crate::{
     diagnose::prepare::step::with_step,
     fit::{
         FitError, LeastSquares, Minimum, NullFit, Problem, Score, Search, Variable, Weights,
-        minimise, minimise_all,
+        minimise, minimise_all, promised,
     },
 };
 
@@ -20,6 +20,8 @@ const SHORT: Search =
     Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
 /// A fit to the end: what is left is a hundredth of a nat.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-6, ..Search::PLAIN };
+/// No step, but residuals and slopes.
+const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -36,6 +38,9 @@ const HOPELESS: f64 = 0.02;
 const FAR_BELOW: f64 = 200.0;
 /// A candidate whose sum of squares is above this multiple of the best is out of reach.
 const OUT_OF_REACH: f64 = 1.2;
+
+/// A sum of squares may fall by so many times what slopes promise.
+const MORE_THAN_PROMISED: f64 = 2.0;
 
 /// Whether a gain is below this share of `most`, and far below it.
 pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {
@@ -100,8 +105,31 @@ impl<'a> Trial<'a> {
     }
 
     /// Fits the best starts a little; only one when no start could explain much of `most`, which
-    /// the best of all candidates could.
+    /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
+    /// and one run shows what the simulator is there.
     pub(in crate::diagnose) fn short_fits(&mut self, null: &NullFit, most: f64) {
+        if !self.problem.begins_on_stand_in() {
+            self.fit_starts(null, most);
+            if self.best.is_none() {
+                self.fall_back(null);
+            }
+            return;
+        }
+        let dear = self.problem.clone();
+        self.problem = dear.clone().on_stand_in();
+        self.fit_starts(null, most);
+        let found = match self.best.take() {
+            Some(best) => minimise(&mut self.problem, &best.z, None, FULL).unwrap_or(best).z,
+            None => self.problem.place(&null.minimum.z, &self.neutral()),
+        };
+        self.problem = dear;
+        self.best = minimise(&mut self.problem, &found, None, LOOK);
+        if self.best.is_none() {
+            self.fall_back(null);
+        }
+    }
+
+    fn fit_starts(&mut self, null: &NullFit, most: f64) {
         let top = self.gain();
         let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
         let hopeful = self.scored.iter().take(fits);
@@ -120,9 +148,6 @@ impl<'a> Trial<'a> {
             starts.push(self.neutral());
         }
         self.short_fit(null, &starts, search);
-        if self.best.is_none() {
-            self.fall_back(null);
-        }
     }
 
     /// A few iterations from each start, with the slopes of the nuisances as they are without the
@@ -141,7 +166,7 @@ impl<'a> Trial<'a> {
         let new = vec![vec![0.0; rows]; self.strengths.len()];
         slopes.splice(shared..shared, new);
         let search = Search { frozen: shared, ..search };
-        let known = if shared == 0 { None } else { Some(slopes.as_slice()) };
+        let known = if shared == 0 { None } else { Some(&slopes) };
         let search = self.patient(search);
         for minimum in minimise_all(&mut self.problem, &places, known, search) {
             self.keep(minimum);
@@ -178,7 +203,8 @@ impl<'a> Trial<'a> {
         if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
             return;
         }
-        self.short_fit(null, &[self.neutral()], SHORT);
+        let search = if self.problem.begins_on_stand_in() { LOOK } else { SHORT };
+        self.short_fit(null, &[self.neutral()], search);
     }
 
     /// The effect is absent.
@@ -245,10 +271,16 @@ impl<'a> Trial<'a> {
         self.cost() < before
     }
 
-    /// Whether it is out of reach of the `best` sum of squares, and runs are too dear to see how far.
+    /// Whether it is out of reach of the `best` sum of squares, however much lower its slopes promise to bring it, and
+    /// runs are too dear to see how far.
     pub(super) fn is_not_worth_a_run(&self, best: f64) -> bool {
-        let is_far = OUT_OF_REACH * best < self.cost() && best + FAR_BELOW < self.cost();
-        self.problem.is_dear() && is_far
+        let Some(here) = self.best.as_ref().filter(|_| self.problem.is_dear()) else {
+            return false;
+        };
+        let promised =
+            if self.problem.begins_on_stand_in() { promised(&self.problem, here) } else { 0.0 };
+        let lowest = here.cost - MORE_THAN_PROMISED * promised;
+        OUT_OF_REACH * best < lowest && best + FAR_BELOW < lowest
     }
 
     /// Whether a model has all its parameters.

@@ -87,7 +87,7 @@ fn beside(
     let plan: Plan = null.problem.plan().with_parameters(first.problem.effects());
     let (simulator, weights) = (first.problem.simulator(), first.problem.weights());
     let problem = Problem::new(Arc::new(plan), simulator.boxed(), vec![], weights.clone())?;
-    let base = NullFit { problem, minimum };
+    let base = NullFit { minimum: minimum.shared(&problem), problem };
     let projection = Projection::new(&base.problem, &base.minimum).ok_or(FitError::Diverged)?;
     let candidates: Vec<Candidate> = suspects
         .beside(first.candidate)

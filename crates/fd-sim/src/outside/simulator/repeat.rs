@@ -117,6 +117,10 @@ impl OutsideSimulator {
         let start = Start { theta, x0, first: *first };
         let mut y = vec![0.0; samples * ny];
         Tally::add(&shared.tally.asked, 1);
+        if shared.contract.powers.rollout {
+            // Steps through these inputs are foreseen from here on.
+            shared.tapes.note(*first, rows);
+        }
         let work = loan.work(shared, self.origin, |instance, reached| {
             *reached = None;
             Tally::add(&shared.tally.made, 1);

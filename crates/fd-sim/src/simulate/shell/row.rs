@@ -2,12 +2,12 @@
 
 use fd_model::SampleTime;
 
-use super::{Names, Shell};
+use super::{Names, Shell, ShellSimulator, wiring::Wiring};
 use crate::{
     equation::Expr,
     model::{Input, Law, Model, ModelError, State},
     simulate::{Nominal, SimulateError, Simulator},
-    stand_in::ROW,
+    stand_in::{Driven, ROW},
 };
 
 impl Shell {
@@ -25,11 +25,32 @@ impl Shell {
         model: &Model,
         ts: SampleTime,
     ) -> Result<Box<dyn Simulator>, SimulateError> {
+        self.patched(&self.told_the_row(model)?, ts)
+    }
+
+    /// What the simulator inside is given in a run of a `model` of the shell that knows nothing of rows, with the values
+    /// that the model states, from the states `x0` on, through inputs `u` of which the last is the row. `None` where the
+    /// run diverges.
+    pub(crate) fn driven(
+        &self,
+        model: &Model,
+        ts: SampleTime,
+        [x0, u]: [&[f64]; 2],
+        first: u64,
+    ) -> Result<Option<Driven>, SimulateError> {
+        let model = self.told_the_row(model)?;
+        let wiring = Wiring::new(&model, &self.names)?;
+        let mut simulator = ShellSimulator::new(self.inside.boxed(), &model, &wiring, ts)?;
+        Ok(simulator.driven([&model.nominal(), x0, u], first).map(Driven::without_rows))
+    }
+
+    /// The model with the row as one more input.
+    fn told_the_row(&self, model: &Model) -> Result<Model, ModelError> {
         let names = Names {
             integrals: self.names.integrals[..self.names.integrals.len() - 1].to_vec(),
             ..self.names.clone()
         };
-        self.patched(&with_row(model, &names)?, ts)
+        with_row(model, &names)
     }
 }
 

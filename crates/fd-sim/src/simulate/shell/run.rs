@@ -13,8 +13,10 @@ use super::{
 use crate::{
     model::{Model, Parameter},
     simulate::{
-        Driven, Initial, Outcome, Port, Run, SimulateError, Simulator, Tape, run::as_tapes,
+        Driven as DrivenLane, Initial, Outcome, Port, Run, SimulateError, Simulator, Tape,
+        run::as_tapes,
     },
+    stand_in::Driven,
 };
 
 /// Relative error of a ratio of two times that is meant to be whole.
@@ -94,6 +96,26 @@ impl ShellSimulator {
         around.conclude(u, y)
     }
 
+    /// What the simulator inside is given in a run through the inputs of a log; `None` where that diverges.
+    pub(super) fn driven(&mut self, [theta, x0, u]: [&[f64]; 3], first: u64) -> Option<Driven> {
+        let nu = self.around.seen.len();
+        let mut y = vec![0.0; self.around.raw.len()];
+        let (mut inputs, mut forces) = (Vec::new(), Vec::new());
+        self.start(theta, x0, first);
+        let mut is_fine = true;
+        for row in u.chunks_exact(nu) {
+            for _ in 0..self.steps {
+                is_fine = is_fine && self.move_on(row, &[], &mut y);
+                inputs.extend_from_slice(&self.around.seen);
+                forces.extend_from_slice(&self.around.pushed);
+            }
+        }
+        self.inside.rest();
+        let theta = self.around.theta.clone();
+        let steps = u.len() / nu * self.steps;
+        is_fine.then_some(Driven { steps, theta, u: inputs, f: forces })
+    }
+
     /// Starts the equations around the simulator inside, and finds its parameters.
     fn start_around(&mut self, theta: &[f64], first: u64) {
         self.around.start(theta, first);
@@ -105,7 +127,7 @@ impl ShellSimulator {
         let (begin, ny) = (first * self.steps as u64, self.around.raw.len());
         let Self { inside, around, steps, model, ts, .. } = self;
         let shell = Shelled { around, steps: *steps, model, ts: *ts };
-        let mut lanes: Vec<Box<dyn Driven + '_>> = Vec::with_capacity(runs.len());
+        let mut lanes: Vec<Box<dyn DrivenLane + '_>> = Vec::with_capacity(runs.len());
         for run in &mut *runs {
             lanes.push(Box::new(ShellLane::new(shell, run, u, begin)));
         }

@@ -5,11 +5,15 @@ use crate::{
     equation::Expr,
     model::{Model, Site},
     scales::{ForceScale, ReplayScales, SignalScale},
-    simulate::Simulator,
+    simulate::{Run, Simulator, Tape},
 };
 
 /// Moments of the replay at which a force is tried.
 const PROBES: usize = 12;
+/// What kicks move is at least so many times what equal runs differ by.
+const ROUGH: f64 = 30.0;
+/// Samples between two kicks, at least.
+const FEWEST_APART: usize = 4;
 /// Change of a velocity or output by a trial force, as a part of what it is usually.
 const TRIAL: f64 = 0.01;
 /// The velocity that friction takes away in half a step is this much more than for an integration
@@ -25,7 +29,7 @@ pub(super) fn measure(
 ) -> ReplayScales {
     let ts = simulator.ts();
     let mut replay = Replay { simulator, u, samples, model: &shell.model };
-    let y = replay.outputs(&[]);
+    let y = replay.outputs(&vec![0.0; samples * replay.simulator.ports().len()]);
     let (nu, ny) = (replay.simulator.inputs().len(), shell.names.raw.len());
     let column = |values: &[f64], width: usize, i: usize| -> Vec<f64> {
         values.iter().skip(i).step_by(width).copied().take_while(|x| x.is_finite()).collect()
@@ -72,30 +76,22 @@ struct Replay<'a> {
 }
 
 impl Replay<'_> {
-    fn start(&mut self) {
-        let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
-        self.simulator.start(&self.model.nominal(), &x0, 0);
-    }
-
-    fn input(&self, sample: usize) -> &[f64] {
-        let nu = self.simulator.inputs().len();
-        let sample = sample.min(self.samples - 1);
-        &self.u[sample * nu..(sample + 1) * nu]
-    }
-
-    /// Outputs of the whole replay with constant forces.
+    /// Outputs of the whole replay with forces, row by row.
     fn outputs(&mut self, f: &[f64]) -> Vec<f64> {
-        self.start();
         let ny = self.simulator.outputs().len();
+        let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
         let mut y = vec![f64::NAN; self.samples * ny];
-        for (k, row) in y.chunks_exact_mut(ny).enumerate() {
-            let u = self.input(k).to_vec();
-            self.simulator.step(&u, &u, f, row);
-            if row.iter().any(|value| !value.is_finite()) {
-                break;
-            }
-        }
+        let theta = self.model.nominal();
+        self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u: self.u, f }]);
         y
+    }
+
+    /// Forces at a port, by the sample.
+    fn forces(&self, port: usize, force: impl Fn(usize) -> f64) -> Vec<f64> {
+        let nf = self.simulator.ports().len();
+        let mut f = vec![0.0; self.samples * nf];
+        f.iter_mut().skip(port).step_by(nf).enumerate().for_each(|(k, f)| *f = force(k));
+        f
     }
 
     /// What the force at a port moves; `position` and `velocity` are places among the outputs, with
@@ -115,12 +111,12 @@ impl Replay<'_> {
         let signal = |values: &[f64]| SignalScale::of("acceleration", "", values.iter().copied());
         let (motion, mobility) = match (velocity, position) {
             (Some((place, values)), _) => {
-                let kick = self.kick(port, *place, outputs[*place].std);
+                let kick = self.kick(port, *place, outputs[*place].std, y);
                 (signal(&rates(values)), kick.map(|kick| kick / ts))
             }
             (None, Some((place, values))) => {
                 // From rest, a force of 1 moves a unit mass by ts²/2.
-                let kick = self.kick(port, *place, outputs[*place].std);
+                let kick = self.kick(port, *place, outputs[*place].std, y);
                 (signal(&rates(&rates(values))), kick.map(|kick| 2.0 * kick / (ts * ts)))
             }
             (None, None) => (signal(&[]), [0.0; 2]),
@@ -158,53 +154,40 @@ impl Replay<'_> {
 
     /// Mean and largest magnitude of what a force of 1 during one sample changes in an output of
     /// the next sample, at moments of the replay.
-    fn kick(&mut self, port: usize, output: usize, usual: f64) -> [f64; 2] {
+    fn kick(&mut self, port: usize, output: usize, usual: f64, y: &[f64]) -> [f64; 2] {
         let mut force = 1.0;
-        let mut kicks = self.kicks(port, output, force);
+        let mut kicks = self.kicks(port, output, force, y);
         let size = |kicks: &[f64]| kicks.iter().fold(0.0_f64, |m, k| m.max(k.abs()));
         if 0.0 < size(&kicks) && 0.0 < usual {
             // Small enough to be linear, large enough not to drown in rounding.
-            force = TRIAL * usual / size(&kicks);
-            kicks = self.kicks(port, output, force);
+            let trial = TRIAL.max((ROUGH * self.simulator.precision()).min(1.0));
+            force = trial * usual / size(&kicks);
+            kicks = self.kicks(port, output, force, y);
         }
         let mean = kicks.iter().sum::<f64>() / kicks.len().max(1) as f64;
         [mean, size(&kicks)]
     }
 
-    fn kicks(&mut self, port: usize, output: usize, force: f64) -> Vec<f64> {
-        let mut forces = vec![0.0; self.simulator.ports().len()];
-        forces[port] = force;
-        let mut y = vec![0.0; self.simulator.outputs().len()];
-        let mut kicks = Vec::new();
-        let every = (self.samples / PROBES).max(1);
-        self.start();
-        for k in 0..self.samples.saturating_sub(1) {
-            let (u, next) = (self.input(k).to_vec(), self.input(k + 1).to_vec());
-            if k % every == 0 {
-                let [free, pushed] = [&[][..], &forces].map(|f| {
-                    let mut copy = self.simulator.boxed();
-                    copy.step(&u, &u, f, &mut y);
-                    copy.step(&next, &next, &[], &mut y);
-                    y[output]
-                });
-                let kick = (pushed - free) / force;
-                if kick.is_finite() {
-                    kicks.push(kick);
-                }
-            }
-            self.simulator.step(&u, &u, &[], &mut y);
-        }
-        kicks
+    /// One run with all kicks, against that without, of which the outputs are `y`: what the ones before still do goes on
+    /// as it did during the last two samples.
+    fn kicks(&mut self, port: usize, output: usize, force: f64, y: &[f64]) -> Vec<f64> {
+        let ny = self.simulator.outputs().len();
+        let every = (self.samples / PROBES).max(FEWEST_APART);
+        let is_kicked = |k: usize| every <= k + 1 && (k + 1).is_multiple_of(every);
+        let f = self.forces(port, |k| if is_kicked(k) { force } else { 0.0 });
+        let pushed = self.outputs(&f);
+        let change = |k: usize| pushed[k * ny + output] - y[k * ny + output];
+        let kicked = (1..self.samples.saturating_sub(1)).filter(|k| is_kicked(*k));
+        let kicks = kicked.map(|k| (change(k + 1) - (2.0 * change(k) - change(k - 1))) / force);
+        kicks.filter(|kick| kick.is_finite()).collect()
     }
 
     /// The constant force that changes some output by as much as it moves in the replay.
     fn force_that_shows(&mut self, port: usize, outputs: &[SignalScale], y: &[f64]) -> f64 {
-        let mut forces = vec![0.0; self.simulator.ports().len()];
         let mut force = 1.0;
         // Twice, for the effect of a force that is far too large is not linear.
         for fraction in [TRIAL, 1.0] {
-            forces[port] = force;
-            let pushed = self.outputs(&forces);
+            let pushed = self.outputs(&self.forces(port, |_| force));
             let change = |(i, output): (usize, &SignalScale)| {
                 let pairs = pushed.iter().zip(y).skip(i).step_by(outputs.len());
                 let squares = pairs.map(|(p, y)| (p - y) * (p - y)).filter(|x| x.is_finite());
