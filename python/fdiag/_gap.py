@@ -36,6 +36,7 @@ def gap(
     longest_hole: float | None = None,
     drop_disorder: bool = False,
     as_read: bool = False,
+    starts: str | None = None,
     calibrate: int | None = None,
     most: int | None = None,
     budget: str | None = None,
@@ -83,6 +84,9 @@ def gap(
         Drop rows that are not later than the row before, instead of refusing the log.
     as_read
         Take the log as it is read, without looking for wrong signs, units, columns and clocks.
+    starts
+        Where the logs begin: "stated" (where the model says), "free" (anywhere), or "either", whichever explains
+        them better (the default).
     calibrate
         Also diagnose this many simulated logs of each known cause.
     most
@@ -139,6 +143,7 @@ def gap(
         "longest_hole": longest_hole,
         "drop_disorder": bool(drop_disorder),
         "as_read": bool(as_read),
+        "starts": starts,
         "calibrate": calibrate,
         "most": most,
         "budget": budget,

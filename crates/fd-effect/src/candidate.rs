@@ -243,8 +243,6 @@ impl Rounding {
 /// What is wrong with the noise of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observation {
-    /// Values lie on a grid; `parameters` has its step.
-    Quantised,
     /// A share of the samples is far off; `parameters` has the share.
     Outliers,
     /// The noise is stronger than stated; `parameters` has its standard deviation.

@@ -31,6 +31,7 @@ pub(crate) struct Settings {
     longest_hole: Option<f64>,
     drop_disorder: bool,
     as_read: bool,
+    starts: Option<String>,
     calibrate: Option<usize>,
     most: Option<usize>,
     seed: Option<u64>,
@@ -67,6 +68,10 @@ impl Settings {
         let disorder = if self.drop_disorder { Disorder::Drop } else { Disorder::Reject };
         let budget = self.budget.map(|text| text.parse::<Budget>()).transpose();
         let budget = budget.map_err(|error| format!("budget: {error}"))?;
+        let starts = self.starts.map(|text| {
+            text.parse().map_err(|error: String| format!("starts: {error}, found `{text}`"))
+        });
+        let starts = starts.transpose()?;
         let effects = self.effects.effects().map_err(|error| error.to_string())?;
         Ok(Request {
             effects,
@@ -87,6 +92,7 @@ impl Settings {
             },
             most: self.most.unwrap_or(plain.most),
             as_read: self.as_read,
+            starts: starts.unwrap_or_default(),
             seed: self.seed.unwrap_or(plain.seed),
             calibrate: self.calibrate,
             limits: Limits {

@@ -20,7 +20,7 @@ pub use self::{
     delay::SensorDelay,
     drift::SensorDrift,
     lag::SensorLag,
-    noise::{SensorJitter, SensorNoise, SensorOutliers, SensorQuantisation},
+    noise::{SensorJitter, SensorNoise, SensorOutliers},
     saturation::SensorSaturation,
     scale::SensorScale,
 };
@@ -42,7 +42,6 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(SensorSaturation),
         Box::new(SensorBacklash),
         Box::new(SensorCrossTalk),
-        Box::new(SensorQuantisation),
         Box::new(SensorOutliers),
         Box::new(SensorNoise),
         Box::new(SensorJitter),

@@ -4,10 +4,6 @@ use fd_sim::{model::Model, scales::ReplayScales};
 
 use crate::{Effect, Observation, Offers, Sketch};
 
-/// Values lie on a grid of unknown step: a matter of the lattice of measured values, not of a fit.
-#[derive(Clone, Copy, Debug)]
-pub struct SensorQuantisation;
-
 /// A share of the samples is far off.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorOutliers;
@@ -40,28 +36,6 @@ impl Effect for SensorJitter {
                 .strength("t", "jitter", "s", nominal.sample_time, [0.0, 10.0])
                 .observation(Observation::Jitter)
                 .starts([[0.1]])
-                .finish()
-        });
-        offers.collect()
-    }
-}
-
-impl Effect for SensorQuantisation {
-    fn label(&self) -> &'static str {
-        "sensor-quantisation"
-    }
-
-    fn family(&self) -> &'static str {
-        "sensor-noise"
-    }
-
-    fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let offers = scales.outputs.iter().enumerate().map(|(i, output)| {
-            Sketch::of_output(self, "round", nominal, scales, i)
-                .require(output.moves(), super::STILL)
-                .strength("q", "quantum", &output.unit, output.std, [0.0, 10.0])
-                .observation(Observation::Quantised)
-                .starts([[0.01], [0.1]])
                 .finish()
         });
         offers.collect()

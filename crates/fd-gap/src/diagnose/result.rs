@@ -51,6 +51,9 @@ pub struct Diagnosis {
     pub leftover: Leftover,
     /// Noise of each output that residuals are measured in, in its unit.
     pub sigma: Vec<f64>,
+    /// Step of the grid that the logged values of each output lie on, in its unit, where that is more than half the
+    /// noise. It is part of the noise, and no cause: a log shows it, nobody has to infer it.
+    pub steps: Vec<Option<f64>>,
     /// Noise floor of each output below the best explanation, in sigma.
     pub floor: Vec<f64>,
     /// Whether the best explanation leaves clearly more than the floor (`ln` of the ratio above

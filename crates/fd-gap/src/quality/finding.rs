@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use fd_model::figure;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -82,6 +83,15 @@ pub enum Defect {
     /// No input changes, and the output still moves when the model has come to rest: the log lacks what
     /// moved it.
     Undriven,
+    /// The log begins in another state than the model says; the channel is that state.
+    Elsewhere {
+        /// Where it begins, in the unit of the state.
+        start: f64,
+        /// Where the model says, in that unit.
+        stated: f64,
+        /// Unit of the state.
+        unit: String,
+    },
     /// Two columns fit the simulation better when they are swapped.
     Swapped {
         /// The other one.
@@ -113,7 +123,9 @@ impl Defect {
     #[must_use]
     pub fn severity(&self) -> Severity {
         match self {
-            Self::Quantised { .. } | Self::Missing { .. } => Severity::Note,
+            Self::Quantised { .. } | Self::Missing { .. } | Self::Elsewhere { .. } => {
+                Severity::Note
+            }
             Self::Clipped { .. }
             | Self::WrongSample { .. }
             | Self::NotHeldOut
@@ -138,7 +150,7 @@ impl fmt::Display for Finding {
 impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Quantised { step } => write!(f, "values are multiples of {step:.3e}"),
+            Self::Quantised { step } => write!(f, "values are multiples of {}", figure(*step)),
             Self::Clipped { at, share } => {
                 write!(f, "{:.0} % of the values are exactly {at}", 100.0 * share)
             }
@@ -164,6 +176,12 @@ impl fmt::Display for Defect {
                 f,
                 "sample {row} reads {found:.4}, its neighbours {low:.4} to {high:.4}: treated as a bad \
                  sample and left out"
+            ),
+            Self::Elsewhere { start, stated, unit } => write!(
+                f,
+                "the log begins with this state at {} {unit}, not at {} {unit} as the model says",
+                figure(*start),
+                figure(*stated)
             ),
             Self::NotHeldOut => write!(
                 f,

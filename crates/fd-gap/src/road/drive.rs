@@ -84,14 +84,22 @@ pub fn road(
     let journey = Journey { case, first, settings, most, lists, horizon };
     let found = match first.regime {
         Regime::AtTheFloor if is_dear => None,
-        Regime::AtTheFloor => by_evidence(&journey, monitor)?,
-        Regime::AboveTheFloor => match by_forecasts(&journey, monitor)? {
+        Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
+        Regime::AboveTheFloor => match simulated(by_forecasts(&journey, monitor))? {
             Some(found) if matches!(found.end, End::AtTheNoise | End::Enough) => Some(found),
             found if is_dear => found,
-            found => to_the_noise(&journey, monitor)?.or(found),
+            found => simulated(to_the_noise(&journey, monitor))?.or(found),
         },
     };
     found
         .filter(|found: &Found| !found.list.is_empty())
-        .map_or(Ok(None), |found| finish(&journey, found))
+        .map_or(Ok(None), |found| simulated(finish(&journey, found)))
+}
+
+/// What was found, unless a list on the way to it cannot be simulated: then there is none, and the one cause stands.
+fn simulated<T>(found: Result<Option<T>, FitError>) -> Result<Option<T>, FitError> {
+    match found {
+        Err(FitError::Diverged) => Ok(None),
+        found => found,
+    }
 }

@@ -4,7 +4,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{baselines::Baselines, error::BlindError};
+use super::{
+    baselines::Baselines,
+    error::BlindError,
+    truth::{Effect, Truth},
+};
 use crate::journal;
 
 /// The word for an answer that names nothing.
@@ -40,6 +44,9 @@ pub struct Answer {
     pub gaps: [Vec<f64>; 3],
     /// What the diagnosis took for the noise of each output, in its unit.
     pub sigma: Vec<f64>,
+    /// Outputs that are told to be logged in steps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rounded: Vec<String>,
     /// Mistakes in the reading of the log: what was named, then what the diagnosis cannot tell from it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reading: Vec<Reading>,
@@ -120,6 +127,36 @@ pub struct Share {
 }
 
 impl Answer {
+    /// The answer with the quantised sensors of the `truth` named where they are told. No probability is theirs, as a
+    /// log shows its steps: they count as found, and are no cause that was named alone.
+    #[must_use]
+    pub(super) fn with_steps_named(&self, truth: &Truth) -> Self {
+        let is_told =
+            |e: &&Effect| e.label == "sensor-quantisation" && self.rounded.contains(&e.site);
+        let mut answer = self.clone();
+        for effect in truth.effects.iter().filter(is_told) {
+            let named = Named {
+                label: effect.label.clone(),
+                law: effect.law.clone(),
+                family: effect.family.clone(),
+                side: "output".to_owned(),
+                site: effect.site.clone(),
+                partner: None,
+                probability: 1.0,
+            };
+            if answer.together.is_empty() {
+                answer.together.extend(answer.first().cloned());
+            }
+            answer.together.push(named.clone());
+            if answer.first().is_none() {
+                answer.causes.insert(0, named);
+                (answer.no_gap, answer.tied) = (0.0, vec![0]);
+                UNCLEAR.clone_into(&mut answer.verdict);
+            }
+        }
+        answer
+    }
+
     /// The most probable cause, unless "no gap" is more probable than all causes together.
     #[must_use]
     pub fn first(&self) -> Option<&Named> {

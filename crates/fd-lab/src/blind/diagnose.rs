@@ -167,6 +167,8 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
     // A list closes what all of it does.
     let closed = list.map_or(closed, |list| list.closed);
     let patched = list.map_or(&diagnosis.best.model, |list| &list.model);
+    let outputs = diagnosis.best.model.outputs.iter().zip(&diagnosis.steps);
+    let rounded = outputs.filter(|(_, step)| step.is_some()).map(|(output, _)| output.name.clone());
     Answer {
         case: name.to_owned(),
         verdict: verdict(diagnosis.verdict).to_owned(),
@@ -181,6 +183,7 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
         gaps: [&diagnosis.refit.gap, &diagnosis.best.gap, &diagnosis.floor]
             .map(|gaps| physical(gaps)),
         sigma: diagnosis.sigma.clone(),
+        rounded: rounded.collect(),
         closed: closed.map(|c| Share { fraction: c.fraction, interval: c.interval }),
         refit: refit.collect(),
         patched: Some(patched.to_string()),

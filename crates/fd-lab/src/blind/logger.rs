@@ -42,9 +42,6 @@ impl Logger {
     #[must_use]
     pub fn labels(&self, output: usize) -> Vec<&'static str> {
         let mut all = Vec::new();
-        if self.steps.get(output).is_some_and(|step| 0.0 < *step) {
-            all.push("sensor-quantisation");
-        }
         if self.ranges.get(output).is_some_and(Option::is_some) {
             all.push("sensor-saturation");
         }

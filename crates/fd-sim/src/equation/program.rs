@@ -117,6 +117,13 @@ impl Program {
         Workspace { slots, slow: self.slow, fast: self.fast }
     }
 
+    /// Whether results may depend on a fast input.
+    pub(crate) fn reads(&self, fast: usize) -> bool {
+        let slot = u32::try_from(self.slow + fast).unwrap_or(u32::MAX);
+        let reads = |i: &Instruction| [i.a, i.b, i.c].contains(&slot);
+        self.results.contains(&slot) || self.body.iter().any(reads)
+    }
+
     /// Computes what depends on slow inputs alone, to be called whenever they have changed.
     pub fn prepare<V: Value>(&self, workspace: &mut Workspace<V>) {
         V::vectorized(Prepare { program: self, workspace });

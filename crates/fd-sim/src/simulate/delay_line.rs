@@ -7,16 +7,29 @@ use crate::equation::Value;
 /// Longest delay, in integration steps; a longer one is cut.
 const LONGEST: f64 = 1_048_576.0;
 
-/// A ring of the values that an expression had at the starts of integration steps.
+/// An expression during an integration step: at its start, in its middle and at its end, before inputs jump. A parabola
+/// goes through these.
+pub(super) type Course<V> = [V; 3];
+
+/// What integrates a polynomial of degree five over the unit interval exactly: places and weights (Gauss).
+const GAUSS: [[f64; 2]; 3] = [
+    [0.112_701_665_379_258_31, 5.0 / 18.0],
+    [0.5, 8.0 / 18.0],
+    [0.887_298_334_620_741_7, 5.0 / 18.0],
+];
+
+/// A ring of the courses that an expression took during integration steps.
 #[derive(Clone, Debug)]
 pub(super) struct DelayLine<V> {
-    past: Vec<V>,
-    /// Place of the value of this step.
+    past: Vec<Course<V>>,
+    /// Place of the course of this step.
     now: usize,
     /// Whole steps of the delay of each lane.
     whole: Vec<usize>,
     /// What is left, as a fraction of a step.
     fraction: V,
+    /// What three numbers of the older course and three of the newer one give to each of [`Self::course`].
+    weights: Course<[V; 6]>,
     /// Number of values so far.
     age: u64,
 }
@@ -24,7 +37,7 @@ pub(super) struct DelayLine<V> {
 impl DelayLine<f64> {
     /// Shows the past values and the place in the ring.
     pub(super) fn visit_memory(&mut self, visitor: &mut dyn StateVisitor<f64>) {
-        visitor.reals_with_holes("past values of a delay", &mut self.past);
+        visitor.reals_with_holes("past values of a delay", self.past.as_flattened_mut());
         let mut counts = [self.now as u64, self.age];
         visitor.counts("place and age of a delay", &mut counts);
         // A number from a file is brought into range.
@@ -35,8 +48,9 @@ impl DelayLine<f64> {
 
 impl<V: Value> DelayLine<V> {
     pub(super) fn new() -> Self {
-        let (whole, fraction) = (vec![0; V::LANES], V::constant(0.0));
-        Self { past: Vec::new(), now: 0, whole, fraction, age: 0 }
+        let zero = V::constant(0.0);
+        let whole = vec![0; V::LANES];
+        Self { past: Vec::new(), now: 0, whole, fraction: zero, weights: [[zero; 6]; 3], age: 0 }
     }
 
     /// Forgets the past and sets the delay, in integration steps. Allocates only for a delay that
@@ -46,8 +60,12 @@ impl<V: Value> DelayLine<V> {
             let steps = steps.lane(lane);
             let whole = steps.to_report().clamp(0.0, LONGEST).floor();
             let is_cut = whole >= LONGEST;
-            let left = steps - Scalar::from_design(whole);
-            self.fraction.set_lane(lane, if is_cut { Scalar::from_design(0.0) } else { left });
+            let left =
+                if is_cut { Scalar::from_design(0.0) } else { steps - Scalar::from_design(whole) };
+            self.fraction.set_lane(lane, left);
+            for (to, weights) in self.weights.iter_mut().zip(weights(left)) {
+                to.iter_mut().zip(weights).for_each(|(to, weight)| to.set_lane(lane, weight));
+            }
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -55,7 +73,7 @@ impl<V: Value> DelayLine<V> {
             )]
             let whole = whole as usize;
             *to = whole;
-            self.past.resize(self.past.len().max(whole + 2), V::constant(0.0));
+            self.past.resize(self.past.len().max(whole + 2), [V::constant(0.0); 3]);
         }
         self.age = 0;
     }
@@ -67,28 +85,86 @@ impl<V: Value> DelayLine<V> {
         self.correct(value);
     }
 
-    /// Replaces the value of this step.
+    /// Replaces the value at the start of this step, which it is taken to keep.
     pub(super) fn correct(&mut self, value: V) {
         if self.age == 1 {
             // Before the run, nothing moved.
-            self.past.fill(value);
+            self.past.fill([value; 3]);
         } else {
-            self.past[self.now] = value;
+            self.past[self.now] = [value; 3];
         }
     }
 
-    /// The delayed value, mean over this step.
+    /// Says where the expression went in this step.
+    pub(super) fn finish(&mut self, middle: V, end: V) {
+        let [_, to_middle, to_end] = &mut self.past[self.now];
+        (*to_middle, *to_end) = (middle, end);
+    }
+
+    /// The delayed value at the start of this step; the mean over the step of an expression that is held for steps.
     pub(super) fn value(&self) -> V {
+        let [older, newer] = self.courses();
+        let chord =
+            newer[0].zip3(older[0], self.fraction, |newer, older, f| newer + (older - newer) * f);
+        let two = V::Lane::from_design(2.0);
+        let bend = older[1]
+            .zip3(older[0], older[2], |middle, start, end| two * (two * middle - start - end));
+        let one = V::Lane::from_design(1.0);
+        chord.zip3(bend, self.fraction, |chord, bend, f| chord + bend * f * (one - f))
+    }
+
+    /// The delayed value over this step: the parabola that is nearest to it, with its mean.
+    pub(super) fn course(&self) -> Course<V> {
+        let [older, newer] = self.courses();
+        self.weights.map(|weights| {
+            let all = older.into_iter().chain(newer).zip(weights);
+            all.fold(V::constant(0.0), |sum, (value, weight)| {
+                sum.zip3(value, weight, |sum, value, weight| sum + value * weight)
+            })
+        })
+    }
+
+    /// The two courses that the delayed value goes through in this step.
+    fn courses(&self) -> [Course<V>; 2] {
         // At most as many steps ago as the ring is long.
         let ago = |steps: usize| {
             let wrapped = if steps <= self.now { 0 } else { self.past.len() };
             &self.past[self.now + wrapped - steps]
         };
-        let (mut newer, mut older) = (V::constant(0.0), V::constant(0.0));
+        let mut both = [[V::constant(0.0); 3]; 2];
         for (lane, whole) in self.whole.iter().enumerate() {
-            newer.set_lane(lane, ago(*whole).lane(lane));
-            older.set_lane(lane, ago(*whole + 1).lane(lane));
+            for (course, from) in both.iter_mut().zip([ago(*whole + 1), ago(*whole)]) {
+                course.iter_mut().zip(from).for_each(|(to, v)| to.set_lane(lane, v.lane(lane)));
+            }
         }
-        newer.zip3(older, self.fraction, |newer, older, f| newer + (older - newer) * f)
+        both
     }
+}
+
+/// What older and newer courses weigh in the start, the middle and the end of a delayed one, whose first `f` of a step is
+/// the last `f` of the older one. It is the projection to parabolas, by Legendre polynomials: the mean is kept, also where
+/// an expression jumps from one step to the next.
+fn weights<T: Scalar>(f: T) -> [[T; 6]; 3] {
+    let of = T::from_design;
+    let (zero, one, two) = (of(0.0), of(1.0), of(2.0));
+    let mut moments = [[zero; 6]; 3];
+    for (piece, from, length, shift) in [(0, zero, f, one - f), (3, f, one - f, zero - f)] {
+        for [place, weight] in GAUSS {
+            let s = from + length * of(place);
+            let (at, x) = (s + shift, two * s - one);
+            let parabola =
+                [(one - at) * (one - two * at), of(4.0) * at * (one - at), at * (two * at - one)];
+            let legendre = [one, of(3.0) * x, of(2.5) * (of(3.0) * x * x - one)];
+            for (moment, legendre) in moments.iter_mut().zip(legendre) {
+                for (to, value) in moment[piece..].iter_mut().zip(parabola) {
+                    *to += of(weight) * length * legendre * value;
+                }
+            }
+        }
+    }
+    let [mean, slope, bend] = moments;
+    let at = |slopes: T, bends: T| -> [T; 6] {
+        std::array::from_fn(|i| mean[i] + slopes * slope[i] + bends * bend[i])
+    };
+    [at(zero - one, one), at(zero, of(-0.5)), at(one, one)]
 }

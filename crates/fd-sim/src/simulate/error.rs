@@ -17,7 +17,8 @@ pub enum SimulateError {
     Linear(#[from] ModelError),
     /// The Jacobian has no finite value at the initial state, so no step can be derived from it.
     #[error(
-        "the derivative of `{state}` has no finite slope at the initial state: state `step` in the model"
+        "the derivative of `{state}` has no finite slope at the initial state with all inputs zero (is it divided by \
+         an input?), so that no integration step follows from it: state `step` in the model"
     )]
     NoStep {
         /// First state with such a derivative.

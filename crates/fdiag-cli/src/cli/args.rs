@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use fdiag::gap_study::{Budget, HorizonChoice, Named};
+use fdiag::gap_study::{Budget, HorizonChoice, Named, StartsChoice};
 
 use super::patience::PatienceArgs;
 
@@ -260,6 +260,10 @@ pub(crate) struct GapArgs {
     /// Take the log as it is read, without looking for wrong signs, units, columns and clocks
     #[arg(long)]
     pub(crate) as_read: bool,
+    /// Where the logs begin: `stated` (where the model says), `free` (anywhere), or `either`, whichever explains them
+    /// better
+    #[arg(long, value_name = "WHERE", default_value = "either")]
+    pub(crate) starts: StartsChoice,
     /// Also diagnose simulated logs of known cause, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]

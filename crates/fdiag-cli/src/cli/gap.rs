@@ -110,6 +110,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
             disorder,
         },
         as_read: args.as_read,
+        starts: args.starts,
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),

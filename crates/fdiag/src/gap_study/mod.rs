@@ -43,7 +43,7 @@ pub use self::{
         HorizonKind, HorizonSource, Inputs, LogPart, Pace, REPORT_VERSION, Report, Role,
         StudySettings, Timing, schema,
     },
-    request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice},
+    request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice, StartsChoice},
     simulator_check::{Cost, SimulatorCheck},
     sparing::Sparing,
     study::{GapStudy, automatic_settings},

@@ -10,6 +10,7 @@ use fd_core::Limits;
 use fd_effect::text::TextEffect;
 use fd_log::{Log, LogError, LogMap, LogTable, read_log};
 use fd_model::Disorder;
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::budget::Budget;
@@ -48,6 +49,8 @@ pub struct Request {
     pub most: usize,
     /// Whether the log is taken as it is read, without asking for wrong signs, units, columns and clocks.
     pub as_read: bool,
+    /// Where logs begin.
+    pub starts: StartsChoice,
     /// Seed of everything random.
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
@@ -88,6 +91,7 @@ impl Request {
             resample: ResampleChoice::default(),
             most: MOST,
             as_read: false,
+            starts: StartsChoice::default(),
             seed: 1,
             calibrate: None,
             budget: None,
@@ -138,6 +142,32 @@ impl FromStr for HorizonChoice {
                 Ok(seconds) if 0.0 < seconds && seconds.is_finite() => Ok(Self::Seconds(seconds)),
                 _ => Err("expected `auto`, `free` or a number of seconds above 0".to_owned()),
             },
+        }
+    }
+}
+
+/// Where logs begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartsChoice {
+    /// Where the model says, or anywhere: what explains the logs better.
+    #[default]
+    Either,
+    /// Where the model says, within the tolerances of its initial states.
+    Stated,
+    /// Anywhere: initial states are unknowns.
+    Free,
+}
+
+impl FromStr for StartsChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "either" => Ok(Self::Either),
+            "stated" => Ok(Self::Stated),
+            "free" => Ok(Self::Free),
+            _ => Err("expected `either`, `stated` or `free`".to_owned()),
         }
     }
 }

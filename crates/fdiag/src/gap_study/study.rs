@@ -1,7 +1,7 @@
 //! From files to an answer.
 
 use fd_gap::{
-    diagnose::{Case, Monitor, Settings},
+    diagnose::{Beginning, Case, Monitor, Settings},
     fit::{FitError, Horizon, Log},
     quality::{Defect, Finding},
 };
@@ -25,7 +25,7 @@ use super::{
     patched::patched_models,
     pause::Pause,
     report::{Inputs, REPORT_VERSION, Report, StudySettings, Timing},
-    request::{HorizonChoice, Request},
+    request::{HorizonChoice, Request, StartsChoice},
     subject::Subject,
     traces::{Trace, trace},
     words,
@@ -238,7 +238,13 @@ pub(super) fn settings(
             report_horizons.push(other);
         }
     }
-    Settings { horizon, report_horizons, seed: request.seed, ..Settings::default() }
+    let beginning = match request.starts {
+        StartsChoice::Either => Beginning::Either,
+        StartsChoice::Stated => Beginning::AsStated,
+        StartsChoice::Free => Beginning::InMotion,
+    };
+    let seed = request.seed;
+    Settings { horizon, report_horizons, seed, beginning, ..Settings::default() }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]

@@ -32,12 +32,8 @@ impl<'a> Beside<'a> {
         let (noise, is_coloured) = (&singles.searched.noise, singles.searched.is_coloured);
         let (outputs, errors) = (&best.explanation.outputs[..], &best.errors[..]);
         let left = Measured { problem: &singles.base, outputs, errors };
-        let weighed = candidates.measured.iter().filter_map(|candidate| {
-            let measured = weigh_measurement(candidate, left, noise, is_coloured)?;
-            // Any simulation would have the rest of it.
-            let gain = measured.gain - measured.given;
-            Some(MeasurementCause { gain, ..measured })
-        });
+        let candidates = candidates.measured.iter();
+        let weighed = candidates.filter_map(|c| weigh_measurement(c, left, noise, is_coloured));
         let measured = weighed.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let second = measured_cause(&measured, &best.explanation);
         let pair = Pair {

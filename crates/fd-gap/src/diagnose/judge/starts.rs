@@ -25,8 +25,9 @@ pub(in crate::diagnose) fn is_open(stated: &Judged<'_>, free: &Prepared) -> bool
 }
 
 /// The judgement to believe: that of free starts only where its best answer leaves so much less than the other
-/// one's that chance with so many more unknowns does not explain it, or where it is the plainer one: fewer starts and
-/// effects together than the other needs effects, and as good.
+/// one's that chance with so many more unknowns does not explain it, or where it is the plainer one, and as good: fewer starts
+/// and effects together than the other needs effects, or one effect less than several. A log that begins elsewhere is an
+/// everyday thing; to take its start for one of two effects is not.
 pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> Judged<'a> {
     let squares = |judged: &Judged<'_>, sigma: &[f64]| -> f64 {
         let own = &judged.singles.searched.noise.sigma;
@@ -40,7 +41,8 @@ pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> J
     let plan = free.singles.base.plan();
     let (n, unknowns) = (plan.measured() as f64, plan.own_variables().count() as f64);
     let gain = n * (squares(&stated, &sigma) / squares(&free, &sigma)).ln();
-    let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64;
+    let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64
+        || 1 < stated.best.effects && free.best.effects < stated.best.effects;
     let least = if is_plainer { -SURE } else { needed(plan) };
     if least < gain { free } else { stated }
 }

@@ -10,6 +10,8 @@ use crate::{
 const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
 /// A grid above this many times the noise is seen in it: errors of rounding are no noise of a filter.
 const COARSE: f64 = 1.0;
+/// A grid above this many times the noise is a property of the log that is worth telling, not of the file's digits.
+const SEEN: f64 = 0.5;
 /// Times the stated noise that the best explanation leaves from which likelihoods are no use.
 const FAR: f64 = 5.0;
 /// Errors within this many times the noise may be noise of another colour.
@@ -52,6 +54,12 @@ impl KnownNoise {
     /// Whether an output lies on a grid that is coarse beside its noise.
     pub(in crate::diagnose) fn is_coarse(&self, output: usize) -> bool {
         self.grids[output].is_some_and(|step| COARSE * self.sigma[output] < step)
+    }
+
+    /// The grids whose steps are seen in the noise, in the unit of the output.
+    pub(in crate::diagnose) fn steps(&self) -> Vec<Option<f64>> {
+        let outputs = self.grids.iter().zip(&self.sigma);
+        outputs.map(|(grid, sigma)| grid.filter(|step| SEEN * sigma < *step)).collect()
     }
 
     /// What errors are at least, in sigma: a log in steps of `q` has errors of `q/√12`, however smooth it looks, and

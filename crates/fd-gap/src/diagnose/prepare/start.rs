@@ -27,6 +27,10 @@ const AT_THE_BEGINNING: f64 = 0.8;
 const DOWN_TO: f64 = 1.5;
 /// … or leave no more than this part of the squares of some output: what hardly damps never forgets how it began.
 const MOST: f64 = 0.1;
+/// The first samples of a log, …
+const FIRST: usize = 3;
+/// … which contradict the stated start when all are off by this many times the noise.
+const OFF: f64 = 6.0;
 
 /// The same logs with free starts, if their beginnings speak for motion: an F-test of what the free starts of
 /// the model without any effect gain, which need not come near the noise; or if a setting does.
@@ -49,7 +53,9 @@ pub(in crate::diagnose) fn in_motion(
     let Ok(null) = weighted_null_fit(&Arc::new(plan), &*simulator, stated, grids, spread) else {
         return Ok(None);
     };
-    if settings.beginning == Beginning::Either && !begins_in_motion(&prepared.null, &null) {
+    let speaks =
+        || begins_in_motion(&prepared.null, &null) || begins_elsewhere(&prepared.null, &null);
+    if settings.beginning == Beginning::Either && !speaks() {
         return Ok(None);
     }
     let mut noise = prepared.noise.clone();
@@ -99,6 +105,27 @@ impl Squares {
             samples: sum.samples + one.samples,
         })
     }
+}
+
+/// Whether the first samples of an output are off, all to one side, with the stated start, and not with a free one: so
+/// they are, too, where a sensor is wrong, but an effect on the plant takes time.
+fn begins_elsewhere(stated: &NullFit, free: &NullFit) -> bool {
+    // By log and output, the least that the first samples are off, to the side where they are.
+    let off = |fit: &NullFit| -> Option<Vec<f64>> {
+        let errors = fit.problem.clone().errors(&fit.minimum.z)?;
+        let begin = |signals: &Vec<Vec<f64>>| -> Vec<f64> {
+            let segments = fit.problem.plan().segments().iter().zip(signals);
+            let first = segments.filter(|(segment, _)| segment.from == 0).map(|(_, signal)| {
+                let mut samples = signal.iter().filter(|e| e.is_finite()).take(FIRST);
+                let Some(first) = samples.next() else { return 0.0 };
+                samples.fold(first.abs(), |least, e| least.min(e * first.signum()))
+            });
+            first.collect()
+        };
+        Some(errors.iter().flat_map(begin).collect())
+    };
+    let (Some(stated), Some(free)) = (off(stated), off(free)) else { return false };
+    stated.iter().zip(&free).any(|(stated, free)| OFF < *stated && *free < OFF)
 }
 
 /// Whether free starts explain so much more, and that in the beginning, that the logs cannot have begun where

@@ -1,10 +1,11 @@
 //! Findings: what is wrong with the logs.
 
 use fd_model::Record;
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Initial, Simulator};
 
 use crate::{
-    fit::{FitError, Log, Problem},
+    diagnose::result::Start,
+    fit::{FitError, Log, Plan, Problem},
     quality::{Defect, Finding, inspect},
     shrink::dominant_time_constant,
 };
@@ -28,6 +29,30 @@ pub(super) fn findings(
         findings.extend(short(null.simulator(), &null.plan().logs[i], i + 1));
     }
     Ok(findings)
+}
+
+/// States that a log which begins in motion does not have where the model says, by more than this many tolerances.
+const ELSEWHERE: f64 = 4.0;
+
+/// Where logs begin that do not begin where the model says.
+pub(super) fn elsewhere(plan: &Plan, starts: &[Start], initial: &[Initial]) -> Vec<Finding> {
+    let logs = starts.iter().filter(|s| s.from == 0 && plan.logs[s.log].is_in_motion);
+    let of_log = logs.flat_map(|log| {
+        let states = log.state.iter().zip(initial);
+        let moved = states.filter(|(start, stated)| {
+            ELSEWHERE * stated.tolerance.unwrap_or(0.0) < (**start - stated.value).abs()
+        });
+        moved.map(|(start, stated)| Finding {
+            log: log.log + 1,
+            channel: stated.channel.name.clone(),
+            defect: Defect::Elsewhere {
+                start: *start,
+                stated: stated.value,
+                unit: stated.channel.unit.clone(),
+            },
+        })
+    });
+    of_log.collect()
 }
 
 /// A log that ends before the plant has forgotten where it started.

@@ -9,7 +9,7 @@ use fd_effect::Candidate;
 use fd_sim::model::Model;
 
 use self::{
-    findings::findings,
+    findings::{elsewhere, findings},
     held_out::{Noise, held_out_gaps},
     objections::{Claim, doubt, objections},
     reported_floor::{around_the_loop, reported_floor},
@@ -82,8 +82,9 @@ pub(super) fn report(
         None => refitted.clone(),
     };
     around_the_loop(&mut floor, &answer.explanation.gap, &best.gap);
-    let findings =
+    let mut findings =
         findings(case.logs, &nominal, model.external_inputs().len(), &noise.stated, &refit.errors)?;
+    findings.extend(elsewhere(nominal.plan(), &best.starts, nominal.simulator().initial()));
     let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
     let values = match &fit {
         Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),
@@ -129,6 +130,7 @@ pub(super) fn report(
         refit: refitted,
         is_unexplained: lack_of_fit.is_unexplained,
         best,
+        steps: noise.steps(),
         sigma: noise.sigma,
         floor,
         is_coloured,

@@ -91,7 +91,15 @@ fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
 
 /// The explained model forecasts no better than something that needs no cause, at every horizon.
 fn useless(claim: Claim<'_>) -> Vec<Objection> {
-    let Claim { held_out, noise, .. } = claim;
+    let Claim { held_out, noise, answer, .. } = claim;
+    // What explains the fitted logs down to the noise, and surely something of the held-out ones, is no artefact of a
+    // model that stands still: the rest is where a held-out log begins, or what only that one shows.
+    let gaps = answer.explanation.gap.iter().zip(noise.floors);
+    let is_explained = gaps.into_iter().all(|(gap, floor)| *gap < AT_THE_FLOOR * floor);
+    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|c| 0.0 < c.interval[0]);
+    if is_explained && !held_out.is_empty() && held_out.iter().all(is_shown) {
+        return Vec::new();
+    }
     let total = |sizes: &[f64]| -> f64 {
         sizes
             .iter()

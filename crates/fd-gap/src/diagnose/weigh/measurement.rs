@@ -12,11 +12,6 @@ use crate::{
     fit::Problem,
 };
 
-/// A grid above this many times the noise is a matter of the sensor, not of the file.
-const COARSE: f64 = 0.5;
-/// What it says for a grid that values lie on it at all, as a logarithm of the evidence.
-const ON_GRID: f64 = 10.0;
-
 /// Log-likelihood ratio from which wrong samples come in bursts, which is no accident of a sensor.
 const BURSTS: f64 = 5.0;
 
@@ -26,8 +21,6 @@ pub(in crate::diagnose) struct MeasurementCause<'a> {
     pub(in crate::diagnose) candidate: &'a Candidate,
     /// Logarithm of the evidence over that of the same errors without the cause.
     pub(in crate::diagnose) gain: f64,
-    /// The part of it that any simulation would have.
-    pub(in crate::diagnose) given: f64,
     /// Log-likelihood that errors which come in bursts would add for something that explains them.
     pub(in crate::diagnose) bursts: f64,
     /// Errors of the output (in sigma) without what the cause has done to them.
@@ -73,24 +66,18 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
     let is_white = noise.is_coarse(*output);
     let prior = noise.priors(is_coloured && !is_white)[*output].of_its_size();
     let sigma = noise.sigma[*output];
-    let exact = |value| Known { value, standard_error: 0.0 };
     let (mut bursts, mut left) = (0.0, signals.clone());
-    let (gain, given, values) = match kind {
-        Observation::Quantised => {
-            let step = noise.grids[*output].filter(|step| COARSE * sigma < *step)?;
-            // What rounding does to the errors is part of the likelihood of every explanation.
-            (0.0, ON_GRID, vec![exact(step)])
-        }
+    let (gain, values) = match kind {
         Observation::Outliers => {
             let found = Outliers::of(signals, prior)?;
             (bursts, left) = (found.bursts, found.without(signals));
             let Outliers { gain, share: value, standard_error, .. } = found;
-            (gain, 0.0, vec![Known { value, standard_error }])
+            (gain, vec![Known { value, standard_error }])
         }
         Observation::Jitter => {
             let found = Jitter::of(signals, prior, problem, outputs, *output)?;
             left = found.left;
-            (found.gain, 0.0, vec![found.time])
+            (found.gain, vec![found.time])
         }
         Observation::Noise | Observation::HeavyTails => {
             noise.stated[*output]?;
@@ -100,7 +87,7 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
             weaken(&mut left, prior);
             let (value, standard_error) = (sigma * value, sigma * standard_error);
             let extra = Known { value, standard_error };
-            (gain, 0.0, std::iter::once(extra).chain(freedom).collect())
+            (gain, std::iter::once(extra).chain(freedom).collect())
         }
     };
     let parameters = candidate.parameters.iter().zip(values).map(|(p, known)| Estimate {
@@ -111,6 +98,5 @@ pub(in crate::diagnose) fn weigh_measurement<'a>(
         is_strength: p.is_strength,
         is_reciprocal: p.is_reciprocal,
     });
-    let (gain, parameters) = (gain + given, parameters.collect());
-    Some(MeasurementCause { candidate, gain, given, bursts, left, parameters })
+    Some(MeasurementCause { candidate, gain, bursts, left, parameters: parameters.collect() })
 }

@@ -163,6 +163,7 @@ pub(super) fn judge(
     truth: &Truth,
     answer: &Answer,
 ) -> Result<Verdict, BlindError> {
+    let answer = &answer.with_steps_named(truth);
     let (variant, case) = (case.map_or(Variant::AsLogged, |(_, v)| v), case.map(|(case, _)| case));
     let oracle = truth.oracle.clone().unwrap_or_default();
     let is_measurement = |effect: &Effect| {

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use fd_core::Scalar;
 
-use super::{super::delay_line::DelayLine, system::System};
+use super::{
+    super::delay_line::{Course, DelayLine},
+    system::System,
+};
 use crate::{
     equation::{Program, Value, Workspace},
     model::Hold,
@@ -24,6 +27,10 @@ pub(in crate::simulate) struct Engine<V> {
     /// Signals of a sampled controller, then delayed values.
     pub(super) held: Vec<V>,
     pub(super) lines: Vec<DelayLine<V>>,
+    /// Delayed values over this step, of those that move within one.
+    pub(super) courses: Vec<Course<V>>,
+    /// States in the middle of a step.
+    pub(super) middle: Vec<V>,
     pub(super) delays: Vec<Workspace<V>>,
     pub(super) delay_times: Workspace<V>,
     /// Whether this is the first integration step of a run.
@@ -52,6 +59,8 @@ impl<V: Value> Engine<V> {
             u_next: zeros(nu),
             held: zeros(signals + system.delays.len()),
             lines: system.delays.iter().map(|_| DelayLine::new()).collect(),
+            courses: vec![[V::constant(0.0); 3]; system.delays.len()],
+            middle: zeros(nx),
             delays: system.delays.iter().map(Program::workspace).collect(),
             delay_times: system.delay_times.workspace(),
             is_first: true,

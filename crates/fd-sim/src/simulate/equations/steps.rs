@@ -13,7 +13,10 @@ use super::{
 use crate::{
     equation::{Kernel, Value, Work, Workspace},
     model::Hold,
-    simulate::{delay_line::DelayLine, flat::FIRST_STATE},
+    simulate::{
+        delay_line::{Course, DelayLine},
+        flat::FIRST_STATE,
+    },
 };
 
 impl<V: Value> Engine<V> {
@@ -32,8 +35,12 @@ impl<V: Value> Engine<V> {
             interpolate(system, workspace, &self.u, &self.u_next, substep as f64);
             let mut value = [V::constant(0.0)];
             program.run(workspace, &mut value);
-            store(&mut self.lines[i], value[0]);
-            self.held[first_delay + i] = self.lines[i].value();
+            let line = &mut self.lines[i];
+            store(line, value[0]);
+            self.held[first_delay + i] = line.value();
+            if system.moving[i] {
+                self.courses[i] = line.course();
+            }
         }
     }
 
@@ -66,9 +73,40 @@ impl<V: Value> Engine<V> {
         }
         if self.system.is_continuous {
             V::vectorized(RungeKutta { engine: self, t, at });
+            self.finish(t, at);
         }
         for (index, value) in self.system.updated.iter().zip(&self.updated) {
             self.x[*index] = *value;
+        }
+    }
+
+    /// Stores where the delayed expressions that move within a step went in this one.
+    fn finish(&mut self, t: f64, at: f64) {
+        let system = &*self.system;
+        if !system.moving.contains(&true) {
+            return;
+        }
+        let h = system.timing.h();
+        // By the parabola with the slopes at both ends: h/8 (k₁ - k₄) from the chord.
+        let weights = [1.0 / 24.0, -1.0 / 6.0, -1.0 / 6.0, -5.0 / 24.0];
+        for (i, middle) in self.middle.iter_mut().enumerate() {
+            *middle = self.k.iter().zip(weights).fold(self.x[i], |x, (k, weight)| {
+                x.zip(k[i], |x, k| x + V::Lane::from_design(weight * h) * k)
+            });
+        }
+        for i in (0..self.lines.len()).filter(|i| system.moving[*i]) {
+            let workspace = &mut self.delays[i];
+            let mut of = |place: usize, x: &[V]| {
+                let fraction = 0.5 * place as f64;
+                fill(workspace, (t + fraction * h, self.is_first), x, &self.u, &self.held);
+                hold_back(system, workspace, &self.courses, place);
+                interpolate(system, workspace, &self.u, &self.u_next, at + fraction);
+                let mut value = [V::constant(0.0)];
+                system.delays[i].run(workspace, &mut value);
+                value[0]
+            };
+            let (middle, end) = (of(1, &self.middle), of(2, &self.x));
+            self.lines[i].finish(middle, end);
         }
     }
 
@@ -79,7 +117,9 @@ impl<V: Value> Engine<V> {
         let system = &*self.system;
         let h = system.timing.h();
         fill(&mut self.rates, (t, self.is_first), &self.x, &self.u, &self.held);
-        for (stage, fraction) in [0.0, 0.5, 0.5, 1.0].into_iter().enumerate() {
+        for (stage, place) in [0, 1, 1, 2].into_iter().enumerate() {
+            let fraction = 0.5 * place as f64;
+            hold_back(system, &mut self.rates, &self.courses, place);
             interpolate(system, &mut self.rates, &self.u, &self.u_next, at + fraction);
             if stage != 0 {
                 let length = V::constant(fraction * h);
@@ -157,6 +197,23 @@ fn fill<V: Value>(
     to_x.copy_from_slice(x);
     to_u.copy_from_slice(u);
     to_held.copy_from_slice(held);
+}
+
+/// Moves the delayed values on to the start, the middle or the end of a step: to a `place` in their courses.
+#[inline(always)]
+fn hold_back<V: Value>(
+    system: &System,
+    workspace: &mut Workspace<V>,
+    courses: &[Course<V>],
+    place: usize,
+) {
+    let fast = workspace.fast_mut();
+    let first = fast.len() - courses.len();
+    for ((to, course), moves) in fast[first..].iter_mut().zip(courses).zip(&system.moving) {
+        if *moves {
+            *to = course[place];
+        }
+    }
 }
 
 /// Moves the inputs on to `at` integration steps after the sample, if they are interpolated.

@@ -5,14 +5,14 @@ use fd_model::{Channel, SampleTime};
 
 use super::super::{
     error::SimulateError,
-    flat::{SampledControl, flatten},
+    flat::{FIRST_STATE, SampledControl, flatten},
     limits::check_delays,
     simulator::{Initial, Port},
     timing::Timing,
 };
 use crate::{
     equation::{CompileError, Expr, Program, Scope},
-    model::{Hold, Law, Model, Parameter},
+    model::{Hold, Law, Model, Parameter, State},
 };
 
 /// Programs and descriptions of a model. All programs have the same fast inputs: time, whether it
@@ -37,6 +37,8 @@ pub(in crate::simulate) struct System {
     pub(super) outputs: Program,
     /// Delayed expressions in order of use, one program each.
     pub(super) delays: Vec<Program>,
+    /// Whether each of them moves within an integration step.
+    pub(super) moving: Vec<bool>,
     /// Times of the delays, in seconds.
     pub(super) delay_times: Program,
     pub(super) control: Option<Control>,
@@ -68,7 +70,8 @@ impl System {
         let (updated, updates): (Vec<usize>, Vec<Expr>) = flat.updates.into_iter().unzip();
         let (delayed, times): (Vec<Expr>, Vec<Expr>) = flat.delays.into_iter().unzip();
         let delays = delayed.into_iter().map(|expr| Program::compile(&flat.scope, &[expr]));
-        let delays = delays.collect::<Result<_, _>>()?;
+        let delays = delays.collect::<Result<Vec<Program>, _>>()?;
+        let moving = moving(&delays, model, &flat.scope);
         let control = flat.control.map(|control| Control::new(&flat.scope, control)).transpose()?;
         let mut inputs = model.external_inputs();
         inputs.retain(|channel| !names.contains(&channel.name));
@@ -93,10 +96,27 @@ impl System {
             updated,
             outputs: Program::compile(&flat.scope, &flat.outputs)?,
             delays,
+            moving,
             delay_times: Program::compile(&flat.scope, &times)?,
             control,
         })
     }
+}
+
+/// Which of the delayed expressions, each after those that it uses, move within an integration step.
+fn moving(delays: &[Program], model: &Model, scope: &Scope) -> Vec<bool> {
+    let is_continuous = |state: &State| matches!(state.law, Law::Derivative(_));
+    let states: Vec<bool> = model.all_states().map(is_continuous).collect();
+    let others = scope.fast.len() - FIRST_STATE - states.len() - delays.len();
+    // The time moves; what is called `first` does not, nor do signals of a sampled controller.
+    let fast = [true, false].into_iter().chain(states);
+    let mut moves: Vec<bool> =
+        fast.chain(std::iter::repeat_n(model.hold != Hold::Zero, others)).collect();
+    for delay in delays {
+        let is_moving = (0..moves.len()).any(|i| moves[i] && delay.reads(i));
+        moves.push(is_moving);
+    }
+    moves.split_off(scope.fast.len() - delays.len())
 }
 
 impl Control {

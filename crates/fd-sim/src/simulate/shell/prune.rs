@@ -43,14 +43,16 @@ fn meaning<'a>(model: &'a Draft, name: &str) -> Option<(&'a str, Vec<&'a Expr>)>
 }
 
 /// Whether an expression has one value all through an integration step, given inputs that are held:
-/// neither time nor a state with a derivative is in it. A delayed value is the mean over the step.
+/// neither time nor a state with a derivative is in it. A delayed value of what is held is the mean over the step.
 pub(super) fn is_held(model: &Draft, expr: &Expr) -> bool {
     let mut is_held = true;
     expr.visit_names(&mut |name| {
         let state = model.states.iter().find(|state| state.name == name);
         let definition = model.definitions.iter().find(|definition| definition.name == name);
+        let delay = model.delays.iter().find(|delay| delay.name == name);
         let moves = state.is_some_and(|state| matches!(state.law, Law::Derivative(_)))
-            || definition.is_some_and(|definition| !self::is_held(model, &definition.value));
+            || definition.is_some_and(|definition| !self::is_held(model, &definition.value))
+            || delay.is_some_and(|delay| !self::is_held(model, &delay.value));
         is_held &= name != "t" && !moves;
     });
     is_held

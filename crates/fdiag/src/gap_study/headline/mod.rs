@@ -83,10 +83,12 @@ fn no_gap(report: &Report) -> String {
     let slow = words::slow_noise(report);
     let slow =
         slow.map_or_else(String::new, |slow| format!(", if the slow wander of {slow} is noise"));
+    let steps = words::steps(report)
+        .map_or_else(String::new, |steps| format!("; the rounding of {steps} counts as noise"));
     match words::missed(report) {
         None => format!(
             "No gap: with its parameters refitted within their tolerances{moved} the model explains \
-             the logs down to the noise ({p}){slow}."
+             the logs down to the noise ({p}){slow}{steps}."
         ),
         Some(missed) => format!(
             "No gap in the fitted logs, which the model explains down to the noise with its parameters \

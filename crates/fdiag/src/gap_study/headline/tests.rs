@@ -83,6 +83,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         is_unexplained: false,
         is_coloured: false,
         slow_noise: vec![false],
+        steps: vec![None],
         nominal: explanation(),
         refit: explanation(),
         best: explanation(),

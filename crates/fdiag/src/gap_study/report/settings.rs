@@ -5,7 +5,7 @@ use fd_gap::{diagnose::Settings, fit::Horizon};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::gap_study::request::{HeldOutChoice, HorizonChoice, Named, Request};
+use crate::gap_study::request::{HeldOutChoice, HorizonChoice, Named, Request, StartsChoice};
 
 /// How a study was made. All probabilities are between 0 and 1.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -34,6 +34,8 @@ pub struct StudySettings {
     pub noise: Vec<Named>,
     /// Whether the log was taken as it is read, without asking for mistakes of reading.
     pub as_read: bool,
+    /// Where the logs were taken to begin.
+    pub starts: StartsChoice,
     /// Causes that were fitted to the end.
     pub finalists: usize,
     /// Probability of no gap before the data.
@@ -107,6 +109,7 @@ impl StudySettings {
             tolerances: request.tolerances.clone(),
             noise: request.noise.clone(),
             as_read: request.as_read,
+            starts: request.starts,
             finalists: settings.finalists,
             prior_no_gap: settings.no_gap,
             prior_unknown: settings.unknown,

@@ -10,6 +10,7 @@ mod numbers;
 mod objection;
 mod regions;
 mod slow_noise;
+mod steps;
 mod units;
 
 pub use self::{
@@ -22,4 +23,6 @@ pub use self::{
     regions::{region_of, region_on},
     units::shown,
 };
-pub(super) use self::{missed::missed, next_steps::next_steps, slow_noise::slow_noise};
+pub(super) use self::{
+    missed::missed, next_steps::next_steps, slow_noise::slow_noise, steps::steps,
+};
