@@ -24,6 +24,9 @@ pub enum Objection {
     WorseThanNominal,
     /// At every horizon, held-out logs are forecast worse than by the model with its parameters refitted.
     WorseThanRefitted,
+    /// At every horizon, held-out logs may as well be forecast worse with it as better, and it is a curve or a path,
+    /// which follows anything in the log that it is fitted to.
+    NotShown,
     /// Refitted parameters lie at the edges of what their tolerances allow.
     ParametersAtEdges {
         /// Their names.
@@ -53,6 +56,7 @@ impl Objection {
             | Self::NoBetterThanLastValue
             | Self::WorseThanNominal
             | Self::WorseThanRefitted
+            | Self::NotShown
             | Self::ReadsBeyondLimit { .. } => true,
         }
     }

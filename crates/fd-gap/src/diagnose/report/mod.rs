@@ -51,6 +51,7 @@ pub(super) fn report(
 ) -> Result<Diagnosis, FitError> {
     let not_tested = not_tested(&judged.singles, context);
     let simulations = simulations(&judged);
+    let first_follows = judged.singles.does_first_follow_anything();
     let idle = idle(&judged.singles.searched.null);
     let Judged { verdict, regime, mut probabilities, singles, ties, pairs, horizons, .. } = judged;
     let (answer, lack_of_fit) = match verdict {
@@ -103,7 +104,9 @@ pub(super) fn report(
         _ => Vec::new(),
     };
     let logs = &base.plan().logs;
-    let claim = Claim { causes: &named, answer: &answer, held_out: &held_out, noise: known, logs };
+    let follows = first_follows && named.len() == 1 && ties.tied.len() < 2;
+    let (answer, held) = (&answer, &held_out[..]);
+    let claim = Claim { causes: &named, follows, answer, held_out: held, noise: known, logs };
     let objections = if named.is_empty() { Vec::new() } else { objections(claim) };
     let is_forbidden = objections.iter().any(Objection::forbids);
     let verdict = if is_forbidden && !context.settings.without.vetoes {

@@ -39,6 +39,8 @@ const NOISE: f64 = 6.0;
 pub(super) struct Claim<'a> {
     /// The causes that the verdict names.
     pub(super) causes: &'a [&'a Cause],
+    /// Whether the only one of them follows anything.
+    pub(super) follows: bool,
     /// The best answer.
     pub(super) answer: &'a Answer,
     /// Gaps on held-out logs.
@@ -54,6 +56,7 @@ pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
     let mut all: Vec<Objection> =
         claim.causes.iter().filter_map(|cause| faint(cause, claim.held_out)).collect();
     all.extend(useless(claim));
+    all.extend(not_shown(claim));
     all.extend(at_edges(claim.answer));
     all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
     all.sort_by_key(|objection| !objection.forbids());
@@ -131,6 +134,14 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
         all.push(Objection::WorseThanRefitted);
     }
     all
+}
+
+/// A curve or a path that no held-out log shows.
+fn not_shown(claim: Claim<'_>) -> Option<Objection> {
+    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|c| 0.0 < c.interval[0]);
+    let Claim { follows, held_out, .. } = claim;
+    let is_tested = held_out.iter().any(|h| h.closed_of_refit.is_some());
+    (follows && is_tested && !held_out.iter().any(is_shown)).then_some(Objection::NotShown)
 }
 
 /// Refitted parameters at the edges of what their tolerances allow.

@@ -98,7 +98,7 @@ fn cure(objection: &Objection) -> Option<String> {
              considering any effect: its forecasts are useless."
                 .to_owned(),
         ),
-        Objection::WorseThanRefitted => Some(
+        Objection::WorseThanRefitted | Objection::NotShown => Some(
             "Log a second run in which the suspected effect shows more: this one does not carry over."
                 .to_owned(),
         ),

@@ -28,6 +28,10 @@ pub fn objection(objection: &Objection) -> String {
             "with it the model forecasts held-out data worse than with refitted parameters alone"
                 .to_owned()
         }
+        Objection::NotShown => {
+            "it may follow anything in the log that it is fitted to, and held-out data do not show it"
+                .to_owned()
+        }
         Objection::ParametersAtEdges { names, of, .. } => format!(
             "{} of {of} refitted parameters lie at the edges of their tolerances ({})",
             names.len(),
