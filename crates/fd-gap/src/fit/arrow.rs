@@ -109,26 +109,6 @@ impl Arrow {
         *self.diagonal_mut(i) = 1.0;
     }
 
-    /// As [`fix`](Self::fix), for an unknown whose part of the solution is known to be `step`: the others see it.
-    pub(crate) fn displace(&mut self, i: usize, step: f64) {
-        let (ns, no) = (self.shared, self.own);
-        for j in (0..self.gradient.len()).filter(|j| *j != i) {
-            let (low, high) = (i.min(j), i.max(j));
-            let coupling = if high < ns {
-                self.corner[high * ns + low]
-            } else if low < ns {
-                self.arms[(high - ns) * ns + low]
-            } else {
-                let (first, second) = (high - ns, low - ns);
-                let is_one_block = first / no == second / no;
-                if is_one_block { self.blocks[first * no + second % no] } else { 0.0 }
-            };
-            self.gradient[j] -= coupling * step;
-        }
-        self.fix(i);
-        self.gradient[i] = step;
-    }
-
     /// Factors `H`, block by block; `None` when it is not positive definite.
     pub(crate) fn factor(&self) -> Option<Factor> {
         let (ns, no) = (self.shared, self.own);

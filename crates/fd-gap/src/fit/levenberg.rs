@@ -94,9 +94,8 @@ impl Minimum {
 /// Minimises a sum of squares within its box, from `z` on. Where residuals are not finite the
 /// cost is infinite, so that the step shrinks. Returns `None` when it is so at the start.
 ///
-/// An unknown at the edge of its box that wants to get out stays there for the step; a step that
-/// would leave the box stops at its edge, and the other unknowns move as is best then (projected Levenberg-Marquardt;
-/// Nocedal & Wright 2006, sections 10.3, 16.7).
+/// An unknown at the edge of its box that wants to get out stays there for the step; other steps
+/// end at the edge (projected Levenberg-Marquardt; Nocedal & Wright 2006, sections 10.3, 16.7).
 ///
 /// `slopes` of a nearby place may be given, for [`Search::frozen`].
 ///
@@ -208,28 +207,6 @@ impl Setting {
         equations
     }
 
-    /// The step of damped equations, within the box: an unknown that would leave it goes to its edge, and the others to
-    /// where they are best with it there. `None` when the equations cannot be solved.
-    fn step_inside(&self, mut damped: Arrow, z: &[f64]) -> Option<Vec<f64>> {
-        loop {
-            let mut step = damped.gradient.clone();
-            damped.factor()?.solve(&mut step);
-            let mut is_inside = true;
-            for (i, [low, high]) in self.bounds.iter().enumerate() {
-                let there = z[i] - step[i];
-                let edge = there.clamp(*low, *high);
-                // Each unknown stops once, give or take a rounding error.
-                if EDGE * (high - low) < (there - edge).abs() {
-                    damped.displace(i, z[i] - edge);
-                    is_inside = false;
-                }
-            }
-            if is_inside {
-                return Some(step);
-            }
-        }
-    }
-
     fn inside(&self, z: &[f64]) -> Vec<f64> {
         assert_eq!(z.len(), self.layout.unknowns(), "one start per unknown");
         z.iter().zip(&self.bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect()
@@ -291,10 +268,12 @@ impl<'a> Descent<'a> {
             for i in 0..self.at.z.len() {
                 *damped.diagonal_mut(i) *= 1.0 + self.damping;
             }
-            let Some(step) = self.setting.step_inside(damped, &self.at.z) else {
+            let Some(factor) = damped.factor() else {
                 self.damping *= 10.0;
                 continue;
             };
+            let mut step = equations.gradient.clone();
+            factor.solve(&mut step);
             let predicted = dot(&step, &equations.gradient);
             if predicted < self.setting.negligible(self.at.cost) {
                 self.at.converged = true;
