@@ -56,7 +56,8 @@ fn holes(said: &str) -> BTreeSet<String> {
 
 /// Gives lines of the hour to `take` when the plant has measured them, those of ten seconds together.
 fn at_pace(lines: &[String], mut take: impl FnMut(&[String])) {
-    let (begun, lasts) = (Instant::now(), pace() * SAMPLES[1] as f64 / 10.0);
+    // Three units at 10 Hz.
+    let (begun, lasts) = (Instant::now(), pace() * lines.len() as f64 / 30.0);
     for (i, some) in lines.chunks(300).enumerate() {
         let due = Duration::from_secs_f64(
             lasts * (300 * (i + 1)).min(lines.len()) as f64 / lines.len() as f64,
