@@ -1,7 +1,7 @@
 #!/bin/sh
 # The compiler, with what `cargo fuzz` adds for coverage, but only for what reads inputs: guidance by the branches of
 # matrix products would be none, and their counters cost time. No sanitizer, so that stable Rust will do: code that is
-# `unsafe` is in `fd-numeric/src/lanes` alone.
+# `unsafe` is in `fd-sim/src/outside/fmu/api` alone, which calls functions of FMUs and is no target.
 name=
 next=
 for argument in "$@"; do

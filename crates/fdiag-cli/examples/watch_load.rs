@@ -15,6 +15,10 @@ use std::{
     io::{BufRead, BufReader, BufWriter, Write},
     path::Path,
     process::{Child, Command, Stdio},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -127,7 +131,9 @@ fn cost(child: &Child) -> Cost {
 /// Unit and time in samples of an alarm, and when it was read.
 type Heard = Vec<(usize, u64, Instant)>;
 
-fn listen(child: &mut Child) -> std::thread::JoinHandle<(Heard, u64)> {
+/// Listens to the end; `alarms` counts them meanwhile.
+fn listen(child: &mut Child, alarms: &Arc<AtomicU64>) -> std::thread::JoinHandle<(Heard, u64)> {
+    let alarms = Arc::clone(alarms);
     let out = BufReader::new(child.stdout.take().unwrap());
     std::thread::spawn(move || {
         let (mut heard, mut events) = (Vec::new(), 0);
@@ -140,6 +146,7 @@ fn listen(child: &mut Child) -> std::thread::JoinHandle<(Heard, u64)> {
                     let k = (message["time"].as_f64().unwrap() * 10.0).round();
                     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                     heard.push((unit, k as u64, now));
+                    alarms.fetch_add(1, Ordering::Relaxed);
                 }
                 Some("event") => {
                     events += 1;
@@ -182,7 +189,7 @@ fn compare(heard: &Heard, units: usize, samples: u64) -> [usize; 4] {
 fn latency(units: usize, hertz: u64, seconds: u64) {
     let folder = tempfile::tempdir().unwrap();
     let (mut child, bodies) = (start(folder.path()), bodies());
-    let heard = listen(&mut child);
+    let heard = listen(&mut child, &Arc::default());
     let mut stdin = BufWriter::with_capacity(1 << 16, child.stdin.take().unwrap());
     let (tick, burst) =
         (Duration::from_secs(1) / u32::try_from(hertz).unwrap(), units.div_ceil(100));
@@ -236,7 +243,8 @@ fn latency(units: usize, hertz: u64, seconds: u64) {
 fn soak(units: usize, samples: u64) {
     let folder = tempfile::tempdir().unwrap();
     let (mut child, bodies) = (start(folder.path()), bodies());
-    let heard = listen(&mut child);
+    let alarms = Arc::default();
+    let heard = listen(&mut child, &alarms);
     let mut stdin = BufWriter::with_capacity(1 << 16, child.stdin.take().unwrap());
     let begun = Instant::now();
     let (each, mut told) = (samples / units as u64, Instant::now());
@@ -248,9 +256,10 @@ fn soak(units: usize, samples: u64) {
             told = Instant::now();
             let Cost { memory: [now, most], cpu } = cost(&child);
             println!(
-                "{} samples, {:.0} s, {cpu:.0} s CPU, {now:.1} MB, at most {most:.1} MB",
+                "{} samples, {:.0} s, {cpu:.0} s CPU, {now:.1} MB, at most {most:.1} MB, {} alarms",
                 k * units as u64,
-                begun.elapsed().as_secs_f64()
+                begun.elapsed().as_secs_f64(),
+                alarms.load(Ordering::Relaxed)
             );
             // A file that is there ends it early, and its figures are as good.
             if Path::new("stop-soak").exists() {

@@ -126,6 +126,40 @@ fn wrong_requests_are_refused_with_a_reason() {
     refused(&format!("{WATCH} --state state --longest-gap 3"), "", 3, "made with another");
 }
 
+/// A second monitor on a state is refused before it has said or written anything, and the first does not notice.
+#[test]
+fn a_second_monitor_on_a_state_changes_nothing() {
+    let plant = Plant::new();
+    let stream = Plant::stream(600);
+    let line = format!("{WATCH} --unit rig");
+    let mut expected = BTreeMap::new();
+    promised(&text(&plant.run(&line, &stream).stdout), &mut expected).unwrap();
+    let line = format!("{line} --state state");
+    let mut first = plant.spawn(&line);
+    let mut stdin = first.stdin.take().unwrap();
+    let (early, late) = stream.as_bytes().split_at(stream.len() / 2);
+    stdin.write_all(early).unwrap();
+    let journal = plant.path("state/journal.ndjson");
+    while fs::metadata(&journal).map_or(0, |file| file.len()) == 0 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    for _ in 0..3 {
+        let second = plant.run(&line, &stream);
+        assert_eq!((second.status.code(), second.stdout.len()), (Some(3), 0));
+        assert!(text(&second.stderr).contains("another monitor runs on this state"));
+    }
+    stdin.write_all(late).unwrap();
+    drop(stdin);
+    let first = first.wait_with_output().unwrap();
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let mut found = BTreeMap::new();
+    promised(&text(&first.stdout), &mut found).unwrap();
+    assert_eq!(found, expected);
+    let mut kept = BTreeMap::new();
+    promised(&fs::read_to_string(journal).unwrap(), &mut kept).unwrap();
+    assert_eq!(kept, expected);
+}
+
 /// A disk that takes no more: what cannot be promised is not said, and comes when there is room.
 #[cfg(unix)]
 #[test]

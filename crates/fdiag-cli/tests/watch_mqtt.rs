@@ -6,6 +6,9 @@
 #[path = "watching/broker.rs"]
 #[allow(clippy::expect_used, clippy::unwrap_used, unreachable_pub, dead_code, missing_docs)]
 mod broker;
+#[path = "watching/ears.rs"]
+#[allow(clippy::unwrap_used, clippy::panic, unreachable_pub)]
+mod ears;
 mod watching;
 #[path = "watching/week.rs"]
 #[allow(clippy::unwrap_used, unreachable_pub)]
@@ -13,52 +16,18 @@ mod week;
 
 use std::{
     collections::BTreeMap,
-    io::Read,
-    process::{Child, Command},
-    sync::{Arc, Mutex},
+    process::Command,
     time::{Duration, Instant},
 };
 
 use broker::{Broker, Heard, wait};
+use ears::{Ears, messages, union};
 use fd_watch::Message;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use watching::{Plant, promised, text};
+use watching::{Plant, text};
 
 const WATCH: &str = "watch --model model.toml --spec spec.toml --healthy healthy.csv --unit rig";
-
-/// One message per sample, to a topic of its unit.
-fn messages(stream: &str) -> Vec<(String, String)> {
-    let unit = |line: &str| line.split('"').nth(3).unwrap().to_owned();
-    stream.lines().map(|line| (format!("plant/{}", unit(line)), line.to_owned())).collect()
-}
-
-/// What a child says, while it says it.
-fn ears(child: &mut Child) -> Arc<Mutex<Vec<u8>>> {
-    let heard = Arc::new(Mutex::new(Vec::new()));
-    let (mut out, said) = (child.stdout.take().unwrap(), Arc::clone(&heard));
-    std::thread::spawn(move || {
-        let mut buffer = [0; 4096];
-        while let Ok(read @ 1..) = out.read(&mut buffer) {
-            said.lock().unwrap().extend_from_slice(&buffer[..read]);
-        }
-    });
-    heard
-}
-
-fn said(ears: &Arc<Mutex<Vec<u8>>>) -> String {
-    text(&ears.lock().unwrap())
-}
-
-/// What was promised in texts, one message one text.
-fn union(texts: &[String]) -> BTreeMap<String, String> {
-    let mut all = BTreeMap::new();
-    for text in texts {
-        promised(text, &mut all)
-            .unwrap_or_else(|two| panic!("one message says two things:\n{two}"));
-    }
-    all
-}
 
 fn message(line: &str) -> Message {
     serde_json::from_str(line).unwrap()
@@ -87,8 +56,8 @@ impl<'a> Trial<'a> {
         );
         // The session begins before the first sample is sent: what was sent before is nobody's.
         let mut first = plant.spawn(&line);
-        let out = ears(&mut first);
-        assert!(wait(Duration::from_secs(60), || said(&out).contains("\"kind\":\"connected\"")));
+        let out = Ears::on(&mut first);
+        assert!(wait(Duration::from_secs(60), || out.said().contains("\"kind\":\"connected\"")));
         std::thread::sleep(Duration::from_millis(300));
         first.kill().unwrap();
         first.wait().unwrap();
@@ -99,7 +68,7 @@ impl<'a> Trial<'a> {
     /// A monitor that is killed after a random time, or asked to end; every fourth one loses its broker for a while.
     fn disturb(&mut self, longest: Duration) {
         let mut child = self.plant.spawn(&self.line);
-        let out = ears(&mut child);
+        let out = Ears::on(&mut child);
         let milliseconds = u64::try_from(longest.as_millis()).unwrap();
         let random = &mut self.random;
         let mut pause =
@@ -119,24 +88,24 @@ impl<'a> Trial<'a> {
         }
         child.wait().unwrap();
         self.kills += 1;
-        self.texts.push(said(&out));
+        self.texts.push(out.said());
     }
 
     /// A last monitor that may finish; then both the monitors and the broker have said what is expected.
     fn end(&mut self, expected: &BTreeMap<String, String>, longest: Duration) {
         let mut last = self.plant.spawn(&self.line);
-        let out = ears(&mut last);
+        let out = Ears::on(&mut last);
         let is_complete = || {
-            let all: Vec<String> = self.texts.iter().cloned().chain([said(&out)]).collect();
+            let all: Vec<String> = self.texts.iter().cloned().chain([out.said()]).collect();
             let told = union(&[self.heard.lines("/alarm")]);
             (union(&all).len(), told.len()) == (expected.len(), expected.len())
         };
         // It may be complete before it has begun to listen, to signals too.
-        assert!(wait(longest, || said(&out).contains("\"kind\":\"connected\"")));
+        assert!(wait(longest, || out.said().contains("\"kind\":\"connected\"")));
         wait(longest, is_complete);
         Command::new("kill").arg(last.id().to_string()).status().unwrap();
         assert!(last.wait().unwrap().success(), "it ends well when it is asked to");
-        self.texts.push(said(&out));
+        self.texts.push(out.said());
         assert_eq!(&union(&self.texts), expected);
         let told = self.heard.lines("/alarm");
         assert_eq!(&union(std::slice::from_ref(&told)), expected, "what the broker was told");

@@ -117,9 +117,12 @@ impl Plant {
     /// Runs a command with this on its standard input.
     pub fn run(&self, line: &str, stdin: &str) -> Output {
         let mut child = self.command(line).spawn().unwrap();
-        // A command that stops early does not read all of it.
-        let _ = child.stdin.take().unwrap().write_all(stdin.as_bytes());
-        child.wait_with_output().unwrap()
+        let mut pipe = child.stdin.take().unwrap();
+        std::thread::scope(|scope| {
+            // Beside the reading: an answer may be longer than a pipe. A command that stops early does not read all.
+            scope.spawn(move || drop(pipe.write_all(stdin.as_bytes())));
+            child.wait_with_output().unwrap()
+        })
     }
 
     pub fn spawn(&self, line: &str) -> Child {
