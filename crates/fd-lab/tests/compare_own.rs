@@ -4,7 +4,8 @@
 
 use std::{fs, path::Path};
 
-use fd_lab::compare::{CompareConfig, Comparison};
+use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
+use fdiag::spec::ModelSource;
 
 /// A tank with an outflow; the model has another one than the plant.
 const TANK: &str = r#"
@@ -89,6 +90,54 @@ fn large_faults_are_found_and_small_ones_are_not() {
     let mut again = Comparison::run(&config, None, &()).unwrap();
     again.overall.iter_mut().zip(&comparison.overall).for_each(|(a, b)| a.cost_ns = b.cost_ns);
     assert_eq!(again, comparison);
+}
+
+#[test]
+fn a_comparison_does_not_go_on_with_another_model_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let journal = directory.path().join("progress.jsonl");
+    let mut config = config();
+    let own = config.scenarios[0].own.as_mut().unwrap();
+    // Both files as files; the model is also that of a filter, whose file counts as well.
+    for (name, source) in [("model.toml", &mut own.model), ("plant.toml", &mut own.plant)] {
+        let ModelSource::Text { text } = source else { panic!("a file") };
+        fs::write(directory.path().join(name), text).unwrap();
+        *source = ModelSource::File(name.into());
+    }
+    let filter = r#"{ kind = "extended", model = "filter.toml", process_noise = 1e-3 }"#;
+    fs::copy(directory.path().join("model.toml"), directory.path().join("filter.toml")).unwrap();
+    let filter = toml::from_str::<CompareConfig>(&format!(
+        "generators = [{{ name = \"filter\", spec = {filter} }}]"
+    ));
+    config.generators.append(&mut filter.unwrap().generators);
+    config.begin_in(directory.path());
+
+    let run = || Comparison::run(&config, Some(&journal), &());
+    let begun = run().unwrap();
+    // Finished engines count as long as the files are the same.
+    let lines = || fs::read_to_string(&journal).unwrap().lines().count();
+    let finished = lines();
+    assert_eq!(run().unwrap().scenarios, begun.scenarios);
+    assert_eq!(lines(), finished);
+    for name in ["model.toml", "plant.toml", "filter.toml"] {
+        let path = directory.path().join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.replace("value = 0.2,", "value = 0.21,")).unwrap();
+        let error = run().unwrap_err();
+        assert!(
+            matches!(&error, CompareError::ChangedFile { file, .. } if *file == path),
+            "{error}"
+        );
+        assert!(error.to_string().contains("--restart"), "{error}");
+        assert_eq!(lines(), finished, "nothing is written");
+        fs::write(&path, text).unwrap();
+    }
+    // Begun anew, it takes the file as it is.
+    let path = directory.path().join("plant.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("value = 0.2,", "value = 0.21,")).unwrap();
+    begin_anew(&journal).unwrap();
+    assert_ne!(run().unwrap().scenarios, begun.scenarios);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Every choice of a comparison.
 
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 
 use fd_compensate::decide::Debouncing;
 use fd_core::Limits;
@@ -247,6 +247,15 @@ impl CompareConfig {
         self.generators.iter_mut().for_each(|generator| generator.spec.begin_in(folder));
         let own = self.scenarios.iter_mut().filter_map(|scenario| scenario.own.as_mut());
         own.for_each(|own| own.begin_in(folder));
+    }
+
+    /// The model files that it names, each once.
+    pub(super) fn model_files(&self) -> BTreeSet<&Path> {
+        let generators = self.generators.iter().filter_map(|generator| generator.spec.model_file());
+        let own = self.scenarios.iter().filter_map(|scenario| scenario.own.as_ref());
+        generators
+            .chain(own.flat_map(|own| own.model.file().into_iter().chain(own.plant.file())))
+            .collect()
     }
 
     /// # Errors

@@ -43,6 +43,25 @@ pub enum CompareError {
         /// The file of finished engines.
         journal: PathBuf,
     },
+    /// A model file has changed since the engines in the directory were finished.
+    #[error(
+        "{} has changed since {} was begun; bring the file back, choose another directory or begin anew \
+         with --restart", file.display(), journal.display()
+    )]
+    ChangedFile {
+        /// The file of finished engines.
+        journal: PathBuf,
+        /// The model file.
+        file: PathBuf,
+    },
+    /// A model file cannot be read.
+    #[error("{}: {source}", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the file system said.
+        source: std::io::Error,
+    },
     /// No engine of a scenario could be run.
     #[error("scenario `{scenario}`: {error}")]
     Scenario {

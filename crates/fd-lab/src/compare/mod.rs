@@ -14,6 +14,7 @@ mod engines;
 mod error;
 mod family;
 mod fault;
+mod file_hash;
 mod isolate;
 mod markdown;
 mod overall;

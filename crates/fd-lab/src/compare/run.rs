@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     config::CompareConfig,
     error::CompareError,
+    file_hash::{FileHash, file_hashes, first_changed},
     overall::overall,
     result::{Comparison, REPORT_VERSION, ScenarioResult, factors},
     scene::Scene,
@@ -23,11 +24,20 @@ use crate::{
 #[serde(rename_all = "kebab-case")]
 enum Line {
     /// What is being compared; the first line.
+    Begun(Box<Begun>),
+    /// The first line as it once was, without the model files.
     Config(Box<CompareConfig>),
     /// An engine that sets thresholds.
     Thresholds(Unit),
     /// An engine that results are taken from.
     Test(Unit),
+}
+
+/// What the finished engines belong to.
+#[derive(Serialize, Deserialize)]
+struct Begun {
+    config: CompareConfig,
+    files: Vec<FileHash>,
 }
 
 /// Forgets the finished engines in a journal; none is no mistake.
@@ -42,8 +52,8 @@ pub fn begin_anew(journal: &Path) -> Result<(), CompareError> {
 impl Comparison {
     /// Runs a comparison on the threads of the current rayon pool.
     ///
-    /// With a journal, engines that were finished by an earlier call with the same configuration are
-    /// not run again. The result, but for the costs, does not depend on the number of threads nor on
+    /// With a journal, engines that were finished by an earlier call with the same configuration and the
+    /// same contents of its model files are not run again; with others it is refused. The result, but for the costs, does not depend on the number of threads nor on
     /// interruptions.
     ///
     /// # Errors
@@ -61,12 +71,13 @@ impl Comparison {
             .collect::<Result<_, _>>()?;
         // Held to the end: two runs must not finish the same engines into the same file.
         let held = journal.map(Journal::open).transpose()?;
-        let (known_thresholds, known_tests) = known(config, journal)?;
+        let files = if held.is_some() { file_hashes(config)? } else { Vec::new() };
+        let (known_thresholds, known_tests) = known(config, &files, journal)?;
         let journal = held;
         if let Some(journal) = &journal
             && known_thresholds.is_none()
         {
-            journal.append(&Line::Config(Box::new(config.clone())))?;
+            journal.append(&Line::Begun(Box::new(Begun { config: config.clone(), files })))?;
         }
         let known_thresholds = known_thresholds.unwrap_or_default();
         let engines = config.engines;
@@ -116,12 +127,20 @@ impl Comparison {
 type Known = (Option<Vec<Unit>>, Vec<Unit>);
 
 /// Engines that were finished before; no thresholds at all means that nothing was begun.
-fn known(config: &CompareConfig, journal: Option<&Path>) -> Result<Known, CompareError> {
+fn known(
+    config: &CompareConfig,
+    files: &[FileHash],
+    journal: Option<&Path>,
+) -> Result<Known, CompareError> {
     let Some(path) = journal else { return Ok((None, Vec::new())) };
     let mut lines = read::<Line>(path)?.into_iter();
     match lines.next() {
         None => return Ok((None, Vec::new())),
-        Some(Line::Config(begun)) if *begun == *config => {}
+        Some(Line::Begun(begun)) if begun.config == *config => {
+            if let Some(file) = first_changed(&begun.files, files) {
+                return Err(CompareError::ChangedFile { journal: path.to_owned(), file });
+            }
+        }
         Some(_) => return Err(CompareError::OtherRun { journal: path.to_owned() }),
     }
     let (mut thresholds, mut tests) = (Vec::new(), Vec::new());
@@ -129,7 +148,9 @@ fn known(config: &CompareConfig, journal: Option<&Path>) -> Result<Known, Compar
         match line {
             Line::Thresholds(unit) => thresholds.push(unit),
             Line::Test(unit) => tests.push(unit),
-            Line::Config(_) => return Err(CompareError::OtherRun { journal: path.to_owned() }),
+            Line::Begun(_) | Line::Config(_) => {
+                return Err(CompareError::OtherRun { journal: path.to_owned() });
+            }
         }
     }
     Ok((Some(thresholds), tests))

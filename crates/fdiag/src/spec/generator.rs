@@ -353,6 +353,18 @@ impl GeneratorSpec {
         }
     }
 
+    /// The file of the nonlinear model, if there is one.
+    #[must_use]
+    pub fn model_file(&self) -> Option<&Path> {
+        match self {
+            Self::Extended { model, .. }
+            | Self::Unscented { model, .. }
+            | Self::Particle { model, .. }
+            | Self::Patched { model, .. } => model.file(),
+            _ => None,
+        }
+    }
+
     /// The generators that have a nonlinear model of their own.
     fn nonlinear(
         &self,

@@ -69,6 +69,15 @@ impl ModelSource {
         }
     }
 
+    /// The file, unless the text stands in the spec.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Text { .. } => None,
+        }
+    }
+
     fn name(&self) -> String {
         match self {
             Self::File(path) => path.display().to_string(),
