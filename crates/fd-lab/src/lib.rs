@@ -26,6 +26,7 @@ pub mod blind;
 pub mod compare;
 pub mod engine;
 pub mod engine_gap;
+mod hex;
 pub mod journal;
 mod watcher;
 

@@ -9,6 +9,7 @@
 use sha2::{Digest, Sha256};
 
 use super::error::BlindError;
+use crate::hex::to_hex;
 
 /// Length of a key and of a nonce.
 pub(super) const LENGTH: usize = 32;
@@ -93,11 +94,6 @@ impl SealKey {
         let text = bytes.get(LENGTH..).ok_or_else(broken)?;
         String::from_utf8(text.to_vec()).map_err(|_| broken())
     }
-}
-
-fn to_hex(bytes: &[u8]) -> String {
-    let digit = |half: u8| char::from_digit(u32::from(half), 16).unwrap_or('0');
-    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
 fn from_hex(text: &str) -> Option<Vec<u8>> {

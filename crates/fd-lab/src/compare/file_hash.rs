@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::{config::CompareConfig, error::CompareError};
+use crate::hex::to_hex;
 
 /// A model file and the SHA-256 of its contents, in hexadecimal digits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,7 +26,7 @@ pub(super) fn file_hashes(config: &CompareConfig) -> Result<Vec<FileHash>, Compa
 fn hash(file: &Path) -> Result<FileHash, CompareError> {
     let bytes =
         fs::read(file).map_err(|source| CompareError::File { file: file.to_owned(), source })?;
-    let sha256 = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = to_hex(&Sha256::digest(bytes));
     Ok(FileHash { file: file.to_owned(), sha256 })
 }
 
