@@ -35,19 +35,18 @@ impl Effect for ConstantLoad {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
+            let load = |law| {
+                let unit = &at.site.unit;
+                sketch(law).strength("c", "constant", unit, at.force(), [-10.0, 10.0])
+            };
             vec![
-                sketch("constant")
-                    .strength("c", "constant", &at.site.unit, at.force(), [-10.0, 10.0])
-                    .force("constant_load", "c")
-                    .starts([[0.1]]),
-                sketch("applied-late")
-                    .strength("c", "constant", &at.site.unit, at.force(), [-10.0, 10.0])
+                load("constant").force("constant_load", "c").starts([[0.1]]),
+                load("applied-late")
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
                     .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
                     .in_another_run(InAnotherRun::GoesOn)
                     .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
-                sketch("put-on-slowly")
-                    .strength("c", "constant", &at.site.unit, at.force(), [-10.0, 10.0])
+                load("put-on-slowly")
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
                     .shape("lasts", "lasts", "s", scales.duration, [0.0, 1.0], 0.0)
                     .force(

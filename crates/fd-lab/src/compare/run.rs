@@ -53,8 +53,8 @@ impl Comparison {
     /// Runs a comparison on the threads of the current rayon pool.
     ///
     /// With a journal, engines that were finished by an earlier call with the same configuration and the
-    /// same contents of its model files are not run again; with others it is refused. The result, but for the costs, does not depend on the number of threads nor on
-    /// interruptions.
+    /// same contents of its model files are not run again; with others it is refused. The result, but for
+    /// the costs, does not depend on the number of threads nor on interruptions.
     ///
     /// # Errors
     ///

@@ -77,10 +77,14 @@ pub(super) fn doubt(others: &mut Probabilities, causes: &mut [Cause], pairs: &mu
     }
 }
 
+/// Whether held-out logs surely show what was added.
+fn is_shown(held_out: &HeldOut) -> bool {
+    held_out.closed_of_refit.is_some_and(|closed| 0.0 < closed.interval[0])
+}
+
 /// All strengths of a cause are within their errors. One that held-out logs clearly show is there all the same: it only
 /// cannot be told from its other parameters.
 fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
-    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|closed| 0.0 < closed.interval[0]);
     if held_out.iter().any(is_shown) {
         return None;
     }
@@ -99,7 +103,6 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
     // model that stands still: the rest is where a held-out log begins, or what only that one shows.
     let gaps = answer.explanation.gap.iter().zip(noise.floors);
     let is_explained = gaps.into_iter().all(|(gap, floor)| *gap < AT_THE_FLOOR * floor);
-    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|c| 0.0 < c.interval[0]);
     if is_explained && !held_out.is_empty() && held_out.iter().all(is_shown) {
         return Vec::new();
     }
@@ -138,7 +141,6 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
 
 /// A curve or a path that no held-out log shows.
 fn not_shown(claim: Claim<'_>) -> Option<Objection> {
-    let is_shown = |h: &HeldOut| h.closed_of_refit.is_some_and(|c| 0.0 < c.interval[0]);
     let Claim { follows, held_out, .. } = claim;
     let is_tested = held_out.iter().any(|h| h.closed_of_refit.is_some());
     (follows && is_tested && !held_out.iter().any(is_shown)).then_some(Objection::NotShown)

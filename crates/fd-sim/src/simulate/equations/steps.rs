@@ -99,7 +99,7 @@ impl<V: Value> Engine<V> {
             let mut of = |place: usize, x: &[V]| {
                 let fraction = 0.5 * place as f64;
                 fill(workspace, (t + fraction * h, self.is_first), x, &self.u, &self.held);
-                hold_back(system, workspace, &self.courses, place);
+                move_delayed(system, workspace, &self.courses, place);
                 interpolate(system, workspace, &self.u, &self.u_next, at + fraction);
                 let mut value = [V::constant(0.0)];
                 system.delays[i].run(workspace, &mut value);
@@ -119,7 +119,7 @@ impl<V: Value> Engine<V> {
         fill(&mut self.rates, (t, self.is_first), &self.x, &self.u, &self.held);
         for (stage, place) in [0, 1, 1, 2].into_iter().enumerate() {
             let fraction = 0.5 * place as f64;
-            hold_back(system, &mut self.rates, &self.courses, place);
+            move_delayed(system, &mut self.rates, &self.courses, place);
             interpolate(system, &mut self.rates, &self.u, &self.u_next, at + fraction);
             if stage != 0 {
                 let length = V::constant(fraction * h);
@@ -201,7 +201,7 @@ fn fill<V: Value>(
 
 /// Moves the delayed values on to the start, the middle or the end of a step: to a `place` in their courses.
 #[inline(always)]
-fn hold_back<V: Value>(
+fn move_delayed<V: Value>(
     system: &System,
     workspace: &mut Workspace<V>,
     courses: &[Course<V>],

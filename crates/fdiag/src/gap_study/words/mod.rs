@@ -9,6 +9,7 @@ mod next_steps;
 mod numbers;
 mod objection;
 mod regions;
+mod sized_outputs;
 mod slow_noise;
 mod steps;
 mod units;
