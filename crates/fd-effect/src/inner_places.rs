@@ -1,5 +1,7 @@
 //! Signals inside a model as places for effects.
 
+use std::sync::Arc;
+
 use fd_sim::{
     equation::{Binary, Expr, Unary},
     model::{Definition, Draft, Law, Model},
@@ -65,17 +67,17 @@ fn with_named_terms(expr: &Expr, is_term: bool, name: &mut dyn FnMut(&Expr) -> E
     match expr {
         Expr::Binary(op @ (Binary::Add | Binary::Sub), a, b) => {
             let (a, b) = (with_named_terms(a, true, name), with_named_terms(b, true, name));
-            Expr::Binary(*op, Box::new(a), Box::new(b))
+            Expr::Binary(*op, Arc::new(a), Arc::new(b))
         }
         Expr::Unary(Unary::Neg, inner) => {
-            Expr::Unary(Unary::Neg, Box::new(with_named_terms(inner, is_term, name)))
+            Expr::Unary(Unary::Neg, Arc::new(with_named_terms(inner, is_term, name)))
         }
         Expr::Binary(op @ (Binary::Mul | Binary::Div), a, b) if is_sum(a) || is_sum(b) => {
             let part = |part: &Expr, name: &mut dyn FnMut(&Expr) -> Expr| {
                 if is_sum(part) { with_named_terms(part, false, name) } else { part.clone() }
             };
             let (a, b) = (part(a, name), part(b, name));
-            Expr::Binary(*op, Box::new(a), Box::new(b))
+            Expr::Binary(*op, Arc::new(a), Arc::new(b))
         }
         Expr::Number(_) | Expr::Name(_) => expr.clone(),
         _ if is_term => name(expr),

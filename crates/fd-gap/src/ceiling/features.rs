@@ -1,6 +1,11 @@
 //! A small nonlinear difference equation: random features, ridge regression.
 
-use faer::{Mat, Side, prelude::Solve};
+use faer::{
+    Accum, Mat, Par, Side,
+    linalg::matmul::triangular::{self, BlockStructure},
+    prelude::Solve,
+};
+use fd_numeric::wide::dot;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -13,30 +18,49 @@ const OFFSETS: f64 = 0.6;
 /// Largest prediction, in largest residuals of the training.
 const LARGEST: f64 = 2.0;
 
+/// Rows of regressors that are multiplied at a time.
+const BLOCK: usize = 256;
+
 /// Signals of a log, column by column: drivers, and the residual of one output.
 #[derive(Clone, Debug)]
-pub(super) struct Example {
-    pub(super) drivers: Vec<Vec<f64>>,
+pub(super) struct Example<'a> {
+    pub(super) drivers: &'a [Vec<f64>],
     /// NaN where it is not known.
     pub(super) residual: Vec<f64>,
 }
 
-/// `r(k) = w·φ(x(k)) + c·x(k) + c₀` with `x(k)` lagged drivers and `na` past values of `r`, all
-/// standardised, and `φ` random hyperbolic tangents (Huang, Zhu & Siew 2006).
+/// Random features of lagged drivers `x(k)` and `na` past values of `r`, all standardised.
 #[derive(Clone, Debug)]
-pub(super) struct Network {
+struct Features {
     na: usize,
     /// Mean and inverse spread of each regressor.
     scaling: Vec<[f64; 2]>,
     /// Weights and offset of each feature.
     hidden: Vec<Vec<f64>>,
+}
+
+/// One-step predictions of a residual by features, before a ridge is chosen.
+#[derive(Clone, Debug)]
+pub(super) struct Regression {
+    features: Features,
+    /// Scalar products of the features with each other, and with the residual.
+    gram: Mat<f64>,
+    right: Mat<f64>,
+    rows: f64,
+    largest: f64,
+}
+
+/// `r(k) = w·φ(x(k)) + c·x(k) + c₀` with `φ` random hyperbolic tangents (Huang, Zhu & Siew 2006).
+#[derive(Clone, Debug)]
+pub(super) struct Network {
+    features: Features,
     weights: Vec<f64>,
     largest: f64,
 }
 
-impl Network {
-    /// Fits one-step predictions with a ridge; `None` without data.
-    pub(super) fn fit(examples: &[Example], na: usize, ridge: f64, seed: u64) -> Option<Self> {
+impl Regression {
+    /// The normal equations of examples; `None` without data.
+    pub(super) fn new(examples: &[Example<'_>], na: usize, seed: u64) -> Option<Self> {
         let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
         for example in examples {
             for (k, r) in example.residual.iter().enumerate() {
@@ -46,7 +70,7 @@ impl Network {
                 else {
                     continue;
                 };
-                rows.push((regressor(&example.drivers, k, &past), *r));
+                rows.push((regressor(example.drivers, k, &past), *r));
             }
         }
         let n = rows.len() as f64;
@@ -66,47 +90,65 @@ impl Network {
         let sizes: Vec<f64> = std::iter::repeat_n(size, width).chain([OFFSETS]).collect();
         let hidden: Vec<Vec<f64>> =
             (0..FEATURES).map(|_| sizes.iter().map(|size| draw(*size)).collect()).collect();
-        let largest = rows.iter().map(|(_, r)| r.abs()).fold(0.0, f64::max);
-        let mut network =
-            Self { na, scaling, hidden, weights: Vec::new(), largest: LARGEST * largest };
+        let features = Features { na, scaling, hidden };
         let m = FEATURES + width + 1;
         let mut gram = Mat::<f64>::zeros(m, m);
         let mut right = Mat::<f64>::zeros(m, 1);
-        for (x, r) in &rows {
-            let phi = network.features(x);
-            for i in 0..m {
-                right[(i, 0)] += phi[i] * r;
-                for j in 0..=i {
-                    gram[(i, j)] += phi[i] * phi[j];
-                }
+        for rows in rows.chunks(BLOCK) {
+            let phi: Vec<Vec<f64>> = rows.iter().map(|(x, _)| features.of(x)).collect();
+            for (phi, (_, r)) in phi.iter().zip(rows) {
+                phi.iter().enumerate().for_each(|(i, phi)| right[(i, 0)] += phi * r);
             }
+            let phi = Mat::from_fn(m, rows.len(), |i, k| phi[k][i]);
+            triangular::matmul(
+                gram.as_mut(),
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                phi.as_ref(),
+                BlockStructure::Rectangular,
+                phi.transpose(),
+                BlockStructure::Rectangular,
+                1.0,
+                Par::Seq,
+            );
         }
-        for i in 0..m {
-            gram[(i, i)] += ridge * n;
-        }
-        let solution = gram.llt(Side::Lower).ok()?.solve(&right);
-        network.weights = (0..m).map(|i| solution[(i, 0)]).collect();
-        Some(network)
+        let largest = LARGEST * rows.iter().map(|(_, r)| r.abs()).fold(0.0, f64::max);
+        Some(Self { features, gram, right, rows: n, largest })
     }
 
-    fn features(&self, x: &[f64]) -> Vec<f64> {
+    /// The fit with a ridge; `None` where that is not enough.
+    pub(super) fn with_ridge(&self, ridge: f64) -> Option<Network> {
+        let mut gram = self.gram.clone();
+        for i in 0..gram.nrows() {
+            gram[(i, i)] += ridge * self.rows;
+        }
+        let solution = gram.llt(Side::Lower).ok()?.solve(&self.right);
+        let weights = (0..gram.nrows()).map(|i| solution[(i, 0)]).collect();
+        Some(Network { features: self.features.clone(), weights, largest: self.largest })
+    }
+}
+
+impl Features {
+    /// Features, the standardised regressor, and one.
+    fn of(&self, x: &[f64]) -> Vec<f64> {
         let scaled: Vec<f64> =
             x.iter().zip(&self.scaling).map(|(x, [mean, scale])| (x - mean) * scale).collect();
         let hidden = self.hidden.iter().map(|w| {
-            let sum: f64 = w.iter().zip(&scaled).map(|(w, x)| w * x).sum();
-            (sum + w.last().copied().unwrap_or(0.0)).tanh()
+            let (offset, w) = w.split_last().unwrap_or((&0.0, &[]));
+            (dot(&scaled, w) + offset).tanh()
         });
         hidden.chain(scaled.iter().copied()).chain([1.0]).collect()
     }
+}
 
+impl Network {
     /// The residual in free run from rest.
     pub(super) fn run(&self, drivers: &[Vec<f64>]) -> Vec<f64> {
         let samples = drivers.first().map_or(0, Vec::len);
-        let mut past = vec![0.0; self.na];
+        let mut past = vec![0.0; self.features.na];
         let step = |k: usize| {
-            let phi = self.features(&regressor(drivers, k, &past));
-            let value: f64 = phi.iter().zip(&self.weights).map(|(p, w)| p * w).sum();
-            let value = value.clamp(-self.largest, self.largest);
+            let phi = self.features.of(&regressor(drivers, k, &past));
+            let value = dot(&phi, &self.weights).clamp(-self.largest, self.largest);
             if !past.is_empty() {
                 past.rotate_right(1);
                 past[0] = value;

@@ -19,8 +19,9 @@ use fd_ident::{
 };
 use fd_model::{Channel, Record};
 use fd_sim::simulate::Simulator;
+use rayon::prelude::*;
 
-use self::features::{Example, Network};
+use self::features::{Example, Network, Regression};
 pub use self::result::{Ceiling, Compensation};
 use crate::{
     diagnose::{Case, Diagnosis, Monitor, Settings, Stage},
@@ -34,9 +35,9 @@ const LINEAR: [[usize; 2]; 7] = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [0, 20]
 const REFINED: [[usize; 2]; 4] = [[1, 2], [2, 3], [3, 4], [4, 5]];
 /// Rounds of the refinement.
 const ROUNDS: usize = 10;
-/// Feedback and ridge of the nonlinear one.
-const NONLINEAR: [(usize, f64); 6] =
-    [(0, 1e-1), (0, 1e-2), (0, 1e-4), (2, 1e-1), (2, 1e-2), (2, 1e-4)];
+/// Past residuals and ridges of the nonlinear one.
+const FEEDBACKS: [usize; 2] = [0, 2];
+const RIDGES: [f64; 3] = [1e-1, 1e-2, 1e-4];
 /// Radius that unstable poles are moved to.
 const RADIUS: f64 = 0.98;
 
@@ -106,7 +107,8 @@ pub fn ceiling(
     let (Some(training), Some(held_out)) = (training, held_out) else { return Ok(None) };
     let outputs = nominal.outputs();
     let floor = diagnosis.floor.iter().map(|f| f * f).sum::<f64>() / outputs.len() as f64;
-    let score = |orders: [usize; 2], bias: &dyn Fn(&Trained, usize) -> Option<Vec<f64>>| {
+    let score = |orders: [usize; 2],
+                 bias: &(dyn Fn(&Trained, usize) -> Option<Vec<f64>> + Sync)| {
         let errors = |compensated: bool| -> Option<Vec<Vec<Vec<f64>>>> {
             let of_output = |c: usize| {
                 let of_log = |log: &Trained| {
@@ -116,7 +118,7 @@ pub fn ceiling(
                 };
                 held_out.iter().map(of_log).collect()
             };
-            Some((0..outputs.len()).map(of_output).collect())
+            Some((0..outputs.len()).into_par_iter().map(of_output).collect())
         };
         let (before, after) = (errors(false)?, errors(true)?);
         let physical = gap_per_output(&after).into_iter().zip(&diagnosis.sigma);
@@ -237,13 +239,13 @@ fn linear(
     ny: usize,
     ts: fd_model::SampleTime,
 ) -> Option<([usize; 2], Vec<ArxModel>)> {
-    let fit = |kind: Kind, residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
+    let fit = |kind: Kind, residual: &(dyn Fn(&Trained, usize) -> Vec<f64> + Sync)| {
         let of_output = |c: usize| {
             let records: Option<Vec<Record>> =
                 training.iter().map(|log| record(log, residual(log, c), ts)).collect();
             fit_linear(&records?, kind)
         };
-        (0..ny).map(of_output).collect::<Option<Vec<ArxModel>>>()
+        (0..ny).into_par_iter().map(of_output).collect::<Option<Vec<ArxModel>>>()
     };
     let loss = |models: &[ArxModel], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let mut sums = [0.0; 2];
@@ -274,29 +276,43 @@ fn linear(
 /// A nonlinear equation per output, with the feedback and ridge that forecast the last third of the
 /// training best.
 fn nonlinear(training: &[Trained], ny: usize, seed: u64) -> Option<(usize, Vec<Network>)> {
-    let fit = |(na, ridge): (usize, f64), residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
-        let of_output = |c: usize| {
-            let example =
-                |log: &Trained| Example { drivers: drivers(log), residual: residual(log, c) };
-            Network::fit(&training.iter().map(example).collect::<Vec<_>>(), na, ridge, seed)
+    let drivers: Vec<Vec<Vec<f64>>> = training.iter().map(drivers).collect();
+    let regression = |na: usize, c: usize, residual: &dyn Fn(&[f64]) -> Vec<f64>| {
+        let pairs = training.iter().zip(&drivers);
+        let examples: Vec<Example<'_>> = pairs
+            .map(|(log, drivers)| Example { drivers, residual: residual(&log.residual[c]) })
+            .collect();
+        Regression::new(&examples, na, seed)
+    };
+    let errors = |network: &Network, c: usize| {
+        let of_log = |(log, drivers): (&Trained, &Vec<Vec<f64>>)| {
+            mean_square(&part(&log.residual[c], false), &network.run(drivers))
         };
-        (0..ny).map(of_output).collect::<Option<Vec<Network>>>()
+        let all = training.iter().zip(&drivers).map(of_log);
+        all.fold([0.0; 2], |[sum, n], [more, samples]| [sum + more, n + samples])
     };
-    let loss = |kind: (usize, f64)| -> Option<f64> {
-        let networks = fit(kind, &|log, c| part(&log.residual[c], true))?;
-        let mut sums = [0.0; 2];
-        for log in training {
-            for (c, network) in networks.iter().enumerate() {
-                let bias = network.run(&drivers(log));
-                let [sum, n] = mean_square(&part(&log.residual[c], false), &bias);
-                sums = [sums[0] + sum, sums[1] + n];
+    // Per output and ridge, for one feedback.
+    let losses = |na: usize| -> Vec<(f64, (usize, f64))> {
+        let of_output = |c: usize| -> Option<Vec<Option<[f64; 2]>>> {
+            let regression = regression(na, c, &|residual| part(residual, true))?;
+            Some(RIDGES.map(|ridge| Some(errors(&regression.with_ridge(ridge)?, c))).to_vec())
+        };
+        let outputs: Vec<_> = (0..ny).into_par_iter().map(of_output).collect();
+        let of_ridge = |(i, ridge): (usize, &f64)| {
+            let mut total = [0.0; 2];
+            for output in &outputs {
+                let [sum, n] = output.as_ref()?[i]?;
+                total = [total[0] + sum, total[1] + n];
             }
-        }
-        Some(sums[0] / sums[1]).filter(|loss| loss.is_finite())
+            Some((total[0] / total[1], (na, *ridge))).filter(|(loss, _)| loss.is_finite())
+        };
+        RIDGES.iter().enumerate().filter_map(of_ridge).collect()
     };
-    let scored = NONLINEAR.into_iter().filter_map(|kind| Some((loss(kind)?, kind)));
-    let (_, kind) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((kind.0, fit(kind, &|log, c| log.residual[c].clone())?))
+    let (_, (na, ridge)) =
+        FEEDBACKS.into_iter().flat_map(losses).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let whole = |c: usize| regression(na, c, &<[f64]>::to_vec)?.with_ridge(ridge);
+    let networks: Option<Vec<Network>> = (0..ny).into_par_iter().map(whole).collect();
+    Some((na, networks?))
 }
 
 fn words(ceiling: &Ceiling) -> String {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::likelihood::Likelihood;
-use crate::fit::{Arrow, LeastSquares, Minimum, Problem};
+use crate::fit::{LeastSquares, Minimum, Problem};
 
 /// `ln 10⁶`: a strength is anything within six decades, each as likely as the other.
 pub const DECADES: f64 = 13.8;
@@ -28,7 +28,7 @@ pub fn evidence(
     let scale = f64::sqrt(scales.iter().map(|s| s * s).sum::<f64>() / scales.len() as f64);
     let weight = 1.0 / scale;
     let layout = problem.layout();
-    let mut equations = Arrow::new(layout, &at.slopes, &at.r, problem.prior(), &at.z, weight);
+    let mut equations = at.equations(problem, weight);
     let first = layout.shared - problem.effects().len();
     for i in 0..at.z.len() {
         let [low, high] = problem.bounds()[i];

@@ -23,15 +23,8 @@ pub(crate) struct Arrow {
 }
 
 impl Arrow {
-    /// Assembles the equations, with residuals and slopes multiplied by `weight`.
-    pub(crate) fn new(
-        layout: &Layout,
-        slopes: &Columns,
-        r: &[f64],
-        prior: &[[f64; 2]],
-        z: &[f64],
-        weight: f64,
-    ) -> Self {
+    /// `JᵀJ` and `Jᵀr`.
+    pub(crate) fn of_slopes(layout: &Layout, slopes: &Columns, r: &[f64]) -> Self {
         let (ns, no, segments) = (layout.shared, layout.own, layout.segments.len());
         let mut arrow = Self {
             shared: ns,
@@ -42,7 +35,7 @@ impl Arrow {
             arms: vec![0.0; segments * no * ns],
             gradient: vec![0.0; layout.unknowns()],
         };
-        let (square, known) = (weight * weight, slopes.known());
+        let known = slopes.known();
         for (s, rows) in layout.segments.iter().enumerate() {
             let columns: Vec<&[f64]> = slopes.iter().map(|slope| &slope[rows.clone()]).collect();
             for (i, slope) in columns.iter().enumerate().take(ns + no) {
@@ -52,14 +45,13 @@ impl Arrow {
                 let new = (0..=i).filter(is_new).map(|j| columns[j]);
                 let others: Vec<&[f64]> = new.chain([&r[rows.clone()]]).collect();
                 let mut products = dots(slope, &others);
-                arrow.gradient[place] += square * products.pop().unwrap_or(0.0);
+                arrow.gradient[place] += products.pop().unwrap_or(0.0);
                 let mut new = products.into_iter();
                 for j in 0..=i {
                     let product = match (known[i], known[j]) {
                         (Some(i), Some(j)) => slopes.product(s, i, j),
                         _ => new.next().unwrap_or(0.0),
                     };
-                    let product = square * product;
                     if i < ns {
                         arrow.corner[i * ns + j] += product;
                     } else if j < ns {
@@ -70,11 +62,18 @@ impl Arrow {
                 }
             }
         }
-        for (i, [mean, precision]) in prior.iter().enumerate() {
-            *arrow.diagonal_mut(i) += precision;
-            arrow.gradient[i] += precision * (z[i] - mean);
-        }
         arrow
+    }
+
+    /// Residuals and slopes multiplied by `weight`, and the prior at `z` added.
+    pub(crate) fn with_prior(mut self, prior: &[[f64; 2]], z: &[f64], weight: f64) -> Self {
+        let parts = [&mut self.corner, &mut self.blocks, &mut self.arms, &mut self.gradient];
+        parts.into_iter().flatten().for_each(|value| *value *= weight * weight);
+        for (i, [mean, precision]) in prior.iter().enumerate() {
+            *self.diagonal_mut(i) += precision;
+            self.gradient[i] += precision * (z[i] - mean);
+        }
+        self
     }
 
     /// A diagonal entry of `H`.

@@ -1,6 +1,6 @@
 //! Levenberg's and Marquardt's method in a box.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use fd_numeric::dot;
 
@@ -66,6 +66,9 @@ const LOWEST_DAMPING: f64 = 1e-9;
 /// Part of the way to the edge of the box that counts as being there.
 const EDGE: f64 = 1e-9;
 
+/// Residuals of so many rows and outputs are not kept with every candidate, of which there are thousands.
+const LONG: usize = 10_000;
+
 /// A place in the space of the unknowns, with what is known there.
 #[derive(Clone, Debug)]
 pub struct Minimum {
@@ -75,10 +78,13 @@ pub struct Minimum {
     pub cost: f64,
     /// The part of the prior.
     pub prior_cost: f64,
-    /// Residuals.
+    /// Residuals. None where they are so long that simulating them again is better than to keep them.
     pub r: Vec<f64>,
-    /// Slopes, column by column, at this place; frozen ones at the place where they were computed.
+    /// Slopes, column by column, at this place; frozen ones at the place where they were computed. None where only
+    /// their scalar products were kept.
     pub slopes: Columns,
+    /// These products.
+    products: Option<Arc<Arrow>>,
     /// Whether the search ended because it could not get lower.
     pub converged: bool,
 }
@@ -88,6 +94,38 @@ impl Minimum {
     pub(crate) fn shared(mut self, problem: &dyn LeastSquares) -> Self {
         self.slopes = std::mem::take(&mut self.slopes).multiplied(problem.layout());
         self
+    }
+
+    /// The same without slopes, of which there are many, but with their scalar products, which is all that evidence
+    /// and standard errors need; and without residuals that are long.
+    pub(crate) fn condensed(mut self, problem: &dyn LeastSquares) -> Self {
+        if self.products.is_none() {
+            self.products = Some(Arc::new(self.products_of_slopes(problem.layout())));
+            self.slopes = Columns::default();
+            if LONG < self.r.len() {
+                self.r = Vec::new();
+            }
+        }
+        self
+    }
+
+    /// The same with slopes, which are computed again if they were not kept; `None` where that fails.
+    pub(crate) fn with_slopes(&self, problem: &mut dyn LeastSquares) -> Option<Self> {
+        match self.products {
+            None => Some(self.clone()),
+            Some(_) => minimise(problem, &self.z, None, Search { iterations: 0, ..Search::PLAIN }),
+        }
+    }
+
+    /// Normal equations at this place, with residuals and slopes multiplied by `weight`.
+    pub(crate) fn equations(&self, problem: &dyn LeastSquares, weight: f64) -> Arrow {
+        let known = self.products.as_deref().cloned();
+        let products = known.unwrap_or_else(|| self.products_of_slopes(problem.layout()));
+        products.with_prior(problem.prior(), &self.z, weight)
+    }
+
+    fn products_of_slopes(&self, layout: &Layout) -> Arrow {
+        Arrow::of_slopes(layout, &self.slopes, &self.r)
     }
 }
 
@@ -194,7 +232,7 @@ impl Setting {
     fn linear_equations(&self, at: &Minimum) -> Arrow {
         let Self { layout, bounds, prior, search } = self;
         let Minimum { z, r, slopes, .. } = at;
-        let mut equations = Arrow::new(layout, slopes, r, prior, z, 1.0);
+        let mut equations = Arrow::of_slopes(layout, slopes, r).with_prior(prior, z, 1.0);
         for (i, [low, high]) in bounds.iter().enumerate() {
             let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
             let is_held = search.own_only && i < layout.shared
@@ -247,7 +285,8 @@ impl<'a> Descent<'a> {
         let all = setting.layout.shared + setting.layout.own;
         let mut slopes = known.cloned().unwrap_or_else(|| Columns::new(vec![vec![0.0; rows]; all]));
         slopes.splice(columns, there.slopes);
-        let at = Minimum { z, cost, prior_cost, r: there.r, slopes, converged: false };
+        let (r, converged, products) = (there.r, false, None);
+        let at = Minimum { z, cost, prior_cost, r, slopes, products, converged };
         Self { setting, at, damping: DAMPING, equations: None, iterations: 0 }
     }
 

@@ -26,7 +26,7 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::{arrow::Arrow, cholesky::Cholesky, levenberg::promised};
+pub(crate) use self::{cholesky::Cholesky, levenberg::promised};
 pub use self::{
     columns::Columns,
     error::FitError,

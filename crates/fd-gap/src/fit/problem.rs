@@ -6,6 +6,7 @@ mod slopes;
 use std::sync::Arc;
 
 use fd_sim::simulate::{Outcome, Run, Simulator};
+use rayon::prelude::*;
 
 use super::{
     error::FitError,
@@ -15,6 +16,9 @@ use super::{
     variable::Variable,
     weights::Weights,
 };
+
+/// Places that are simulated side by side.
+const AT_A_TIME: usize = 16;
 
 /// Who simulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -244,6 +248,17 @@ impl Problem {
         if by == By::Simulator && !self.is_stood_in {
             self.simulations += places.len();
         }
+        if places.len() <= AT_A_TIME || self.stand_in.is_some() {
+            return self.compare_side_by_side(by, places);
+        }
+        // Each thread with a simulator of its own.
+        let chunks = places.par_chunks(AT_A_TIME);
+        let compared =
+            chunks.map_init(|| self.clone(), |own, few| own.compare_side_by_side(by, few));
+        compared.flatten().collect()
+    }
+
+    fn compare_side_by_side(&mut self, by: By, places: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
         let ny = self.weights.sigma.len();
         let mut y = vec![vec![0.0; self.longest * ny]; places.len()];
         let mut all = vec![Some(vec![0.0; self.layout.residuals()]); places.len()];
@@ -323,14 +338,7 @@ impl Problem {
     /// times as large as the weights say.
     #[must_use]
     pub fn standard_errors(&self, at: &Minimum, scale: f64) -> Option<Vec<f64>> {
-        let equations = super::arrow::Arrow::new(
-            &self.layout,
-            &at.slopes,
-            &at.r,
-            &self.prior,
-            &at.z,
-            1.0 / scale,
-        );
+        let equations = at.equations(self, 1.0 / scale);
         let factor = equations.factor()?;
         let first = self.plan.shared.len();
         let deviation = |(i, v): (usize, &Variable)| v.scale * factor.variance(first + i).sqrt();

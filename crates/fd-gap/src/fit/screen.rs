@@ -3,7 +3,7 @@
 use fd_numeric::wide::{dot, dots};
 
 use super::{
-    arrow::{Arrow, Factor},
+    arrow::Factor,
     layout::{Layout, LeastSquares},
     levenberg::Minimum,
 };
@@ -37,9 +37,8 @@ impl<'a> Projection<'a> {
     #[must_use]
     pub fn new(problem: &dyn LeastSquares, minimum: &'a Minimum) -> Option<Self> {
         let layout = problem.layout().clone();
-        let Minimum { z, r, slopes, .. } = minimum;
-        let mut equations = Arrow::new(&layout, slopes, r, problem.prior(), z, 1.0);
-        for i in 0..z.len() {
+        let mut equations = minimum.equations(problem, 1.0);
+        for i in 0..minimum.z.len() {
             if *equations.diagonal_mut(i) <= 0.0 {
                 equations.fix(i);
             }

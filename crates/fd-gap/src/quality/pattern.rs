@@ -1,6 +1,7 @@
 //! Can a few functions of known signals still predict a residual?
 
-use fd_numeric::dot;
+use fd_numeric::wide::dot;
+use rayon::prelude::*;
 
 use super::Autoregression;
 
@@ -52,17 +53,17 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
     if n < 50.0 {
         return 0.0;
     }
-    let mut functions = functions(residual, signals);
-    let mut columns: Vec<Vec<f64>> = Vec::with_capacity(functions.len());
-    for function in &mut functions {
-        let column = whitened(&colour, residual, function);
-        columns.extend(normalised(column));
-    }
+    let mut columns: Vec<Vec<f64>> = functions(residual, signals)
+        .into_par_iter()
+        .filter_map(|function| normalised(whitened(&colour, residual, &function)))
+        .collect();
     let price = 0.5 * n.ln() + (columns.len().max(1) as f64).ln();
     let (mut best, mut total) = (0.0_f64, 0.0);
     for _ in 0..MOST {
         let power = dot(&left, &left);
-        let correlations = columns.iter().map(|c| dot(c, &left).powi(2) / power);
+        let correlations: Vec<f64> =
+            columns.par_iter().map(|c| dot(c, &left).powi(2) / power).collect();
+        let correlations = correlations.into_iter();
         let Some((at, share)) =
             correlations.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, s)| 0.0 < *s)
         else {
@@ -74,7 +75,7 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
         let used = columns.swap_remove(at);
         remove(&used, &mut left);
         columns = columns
-            .into_iter()
+            .into_par_iter()
             .filter_map(|mut column| {
                 remove(&used, &mut column);
                 // Less is the same function again.

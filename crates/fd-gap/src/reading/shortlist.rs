@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use fd_effect::Candidate;
+use rayon::prelude::*;
 
 use super::{
     hypotheses::{Hypothesis, hypotheses},
@@ -30,7 +31,6 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
         Some(as_read.misfit(simulated, Look::Rough)?.rough())
     };
     let limit = rough(&nominal).unwrap_or(f64::INFINITY);
-    let mut looked: Vec<(f64, &Hypothesis)> = Vec::new();
     let delayed = delayed(case);
     let is_other = |h: &&Hypothesis| match &h.mistake {
         Mistake::Parameter { .. } => false,
@@ -38,11 +38,13 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
         Mistake::Clock { channel, late } => !delayed.contains(&(channel.clone(), 0 < *late)),
         _ => true,
     };
-    for hypothesis in all.iter().filter(is_other) {
-        if let Some(rough) = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake) {
-            looked.push((rough, hypothesis));
-        }
-    }
+    let others = all.par_iter().filter(is_other);
+    let mut looked: Vec<(f64, &Hypothesis)> = others
+        .filter_map(|hypothesis| {
+            let rough = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake)?;
+            Some((rough, hypothesis))
+        })
+        .collect();
     looked.extend(parameters(&mut as_read, &all));
     looked.retain(|(rough, _)| *rough <= limit);
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,6 +1,7 @@
 //! From a first look to a mistake that is worth a diagnosis, and from that to a reading.
 
 use fd_model::Record;
+use rayon::prelude::*;
 
 use super::{
     cut_off::cut_off,
@@ -118,12 +119,13 @@ impl Explained {
         horizon: Horizon,
     ) -> Result<Option<Suspicion>, FitError> {
         let Self { known, refit, price, .. } = self;
-        let mut fits = Vec::new();
-        for hypothesis in shortlist(case)? {
-            if let Some(misfit) = fit(case, horizon, &hypothesis.mistake) {
-                fits.push((hypothesis, misfit));
-            }
-        }
+        let hypotheses = shortlist(case)?.into_par_iter();
+        let fits: Vec<(Hypothesis, Misfit)> = hypotheses
+            .filter_map(|hypothesis| {
+                let misfit = fit(case, horizon, &hypothesis.mistake)?;
+                Some((hypothesis, misfit))
+            })
+            .collect();
         let mut best: Option<(Hypothesis, Misfit)> = None;
         for fit in &fits {
             if best.as_ref().is_none_or(|best| 0.0 < beats(fit, best)) {

@@ -186,7 +186,7 @@ fn errors_at_a_minimum_are_those_of_a_simulation() {
         // An innovation is rounded, and what is rounded lives on for 1/(1 - 0.9) samples.
         for (weights, tolerance) in [(&white, 0.0), (&coloured, 20.0 * f64::EPSILON)] {
             let mut null = null_fit(&plan, &simulator, weights).unwrap();
-            let found = null.problem.errors_at(&null.minimum);
+            let found = null.problem.errors_at(&null.minimum).unwrap();
             let expected = null.problem.errors(&null.minimum.z).unwrap();
             let sizes = expected.iter().flatten().flatten().map(|e| e.abs());
             let largest = sizes.fold(0.0, f64::max);

@@ -74,7 +74,7 @@ fn fitted(log: &Record, effects: Vec<Variable>) -> (Problem, Minimum, Likelihood
     let start = vec![0.0; problem.layout().unknowns()];
     let exact = Search { iterations: 60, absolute: 0.0, relative: 1e-15, ..Search::PLAIN };
     let minimum = minimise(&mut problem, &start, None, exact).unwrap();
-    let errors = problem.errors_at(&minimum);
+    let errors = problem.errors_at(&minimum).unwrap();
     let likelihood = likelihood(&errors, &[NoisePrior::white(0.15)]);
     (problem, minimum, likelihood)
 }

@@ -1,8 +1,8 @@
 //! The expression tree.
 
-use std::ops;
+use std::{ops, sync::Arc};
 
-/// An expression whose value is a number.
+/// An expression whose value is a number. Copies share their parts.
 ///
 /// ```
 /// use fd_sim::equation::Expr;
@@ -19,28 +19,28 @@ pub enum Expr {
     /// A parameter, state, input, definition or built-in constant.
     Name(String),
     /// A function of one argument, or a change of sign.
-    Unary(Unary, Box<Expr>),
+    Unary(Unary, Arc<Expr>),
     /// An operator or a function of two arguments.
-    Binary(Binary, Box<Expr>, Box<Expr>),
+    Binary(Binary, Arc<Expr>, Arc<Expr>),
     /// `clamp(x, low, high) = min(max(x, low), high)`.
-    Clamp(Box<[Expr; 3]>),
+    Clamp(Arc<[Expr; 3]>),
     /// `if(condition, value, otherwise)`.
-    If(Box<Cond>, Box<Expr>, Box<Expr>),
+    If(Arc<Cond>, Arc<Expr>, Arc<Expr>),
     /// The value or slope of a table of the model file.
-    Lookup(Lookup, String, Box<Expr>),
+    Lookup(Lookup, String, Arc<Expr>),
 }
 
 /// An expression that is true or false.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cond {
     /// Two numbers compared.
-    Compare(Comparison, Box<Expr>, Box<Expr>),
+    Compare(Comparison, Arc<Expr>, Arc<Expr>),
     /// Both hold.
-    And(Box<Cond>, Box<Cond>),
+    And(Arc<Cond>, Arc<Cond>),
     /// At least one holds.
-    Or(Box<Cond>, Box<Cond>),
+    Or(Arc<Cond>, Arc<Cond>),
     /// It does not hold.
-    Not(Box<Cond>),
+    Not(Arc<Cond>),
 }
 
 /// Functions of one argument.
@@ -182,7 +182,7 @@ impl Expr {
     /// ```
     #[must_use]
     pub fn unary(function: Unary, argument: Self) -> Self {
-        Self::Unary(function, Box::new(argument))
+        Self::Unary(function, Arc::new(argument))
     }
 
     /// An operator or function of two arguments.
@@ -194,7 +194,7 @@ impl Expr {
     /// ```
     #[must_use]
     pub fn binary(operator: Binary, left: Self, right: Self) -> Self {
-        Self::Binary(operator, Box::new(left), Box::new(right))
+        Self::Binary(operator, Arc::new(left), Arc::new(right))
     }
 
     /// `clamp(x, low, high)`.
@@ -206,7 +206,7 @@ impl Expr {
     /// ```
     #[must_use]
     pub fn clamp(x: Self, low: Self, high: Self) -> Self {
-        Self::Clamp(Box::new([x, low, high]))
+        Self::Clamp(Arc::new([x, low, high]))
     }
 
     /// `if(condition, value, otherwise)`.
@@ -219,7 +219,7 @@ impl Expr {
     /// ```
     #[must_use]
     pub fn choice(condition: Cond, value: Self, otherwise: Self) -> Self {
-        Self::If(Box::new(condition), Box::new(value), Box::new(otherwise))
+        Self::If(Arc::new(condition), Arc::new(value), Arc::new(otherwise))
     }
 }
 
@@ -233,7 +233,7 @@ impl Cond {
     /// ```
     #[must_use]
     pub fn compare(comparison: Comparison, left: Expr, right: Expr) -> Self {
-        Self::Compare(comparison, Box::new(left), Box::new(right))
+        Self::Compare(comparison, Arc::new(left), Arc::new(right))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Tokens to a tree: a Pratt parser that also checks numbers against conditions. What is begun and not finished lies on
 //! a stack of its own, so that nesting costs nothing of the thread's.
 
+use std::sync::Arc;
+
 use std::str::FromStr;
 
 use super::{
@@ -171,7 +173,7 @@ impl Parser<'_> {
                 node = match what {
                     Open::Infix(infix, left) => self.join(&infix, left, node)?,
                     Open::Not(at) => {
-                        let value = Value::Truth(Cond::Not(Box::new(self.truth(node)?)));
+                        let value = Value::Truth(Cond::Not(Arc::new(self.truth(node)?)));
                         self.node(value, at.start..end, depth)?
                     }
                     Open::Minus(at) => {
@@ -230,10 +232,10 @@ impl Parser<'_> {
                 Value::Truth(Cond::compare(*comparison, self.number(left)?, self.number(right)?))
             }
             Infix::And => {
-                Value::Truth(Cond::And(Box::new(self.truth(left)?), Box::new(self.truth(right)?)))
+                Value::Truth(Cond::And(Arc::new(self.truth(left)?), Arc::new(self.truth(right)?)))
             }
             Infix::Or => {
-                Value::Truth(Cond::Or(Box::new(self.truth(left)?), Box::new(self.truth(right)?)))
+                Value::Truth(Cond::Or(Arc::new(self.truth(left)?), Arc::new(self.truth(right)?)))
             }
         };
         self.node(value, span, depth + 1)
@@ -336,14 +338,14 @@ impl Parser<'_> {
                     let expected = "the name of a table";
                     return Err(self.error(span, SyntaxProblem::Expected { expected, found }));
                 };
-                Ok(Expr::Lookup(Lookup::Slope, table, Box::new(self.number(x)?)))
+                Ok(Expr::Lookup(Lookup::Slope, table, Arc::new(self.number(x)?)))
             }
             _ if RESERVED.contains(&name) => {
                 Err(self.error(at.clone(), SyntaxProblem::Reserved(name.to_owned())))
             }
             _ => {
                 let [x] = self.arguments(name, at, arguments)?;
-                Ok(Expr::Lookup(Lookup::Value, name.to_owned(), Box::new(self.number(x)?)))
+                Ok(Expr::Lookup(Lookup::Value, name.to_owned(), Arc::new(self.number(x)?)))
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Simplification that keeps the value.
 
+use std::sync::Arc;
+
 use super::expr::{Binary, Cond, Expr, Unary};
 
 impl Expr {
@@ -24,10 +26,10 @@ impl Expr {
             Self::Unary(function, x) => folded(Self::unary(*function, x.simplify())),
             Self::Binary(operator, a, b) => binary(*operator, a.simplify(), b.simplify()),
             Self::Clamp(arguments) => {
-                folded(Self::Clamp(Box::new(arguments.each_ref().map(Self::simplify))))
+                folded(Self::Clamp(Arc::new(arguments.each_ref().map(Self::simplify))))
             }
             Self::Lookup(kind, table, x) => {
-                Self::Lookup(*kind, table.clone(), Box::new(x.simplify()))
+                Self::Lookup(*kind, table.clone(), Arc::new(x.simplify()))
             }
             Self::If(condition, value, otherwise) => {
                 let condition = condition.map(&Self::simplify);
@@ -76,7 +78,7 @@ fn folded(expr: Expr) -> Expr {
 fn negated(x: Expr) -> Expr {
     match x {
         Expr::Number(value) => Expr::Number(-value),
-        Expr::Unary(Unary::Neg, inner) => *inner,
+        Expr::Unary(Unary::Neg, inner) => Arc::unwrap_or_clone(inner),
         other => -other,
     }
 }
@@ -93,17 +95,19 @@ fn binary(operator: Binary, a: Expr, b: Expr) -> Expr {
         Binary::Mul if a.is(1.0) => b,
         Binary::Mul if a.is(-1.0) => negated(b),
         Binary::Add => match b {
-            Expr::Unary(Unary::Neg, b) => a - *b,
+            Expr::Unary(Unary::Neg, b) => a - Arc::unwrap_or_clone(b),
             b => folded(a + b),
         },
         Binary::Sub => match b {
-            Expr::Unary(Unary::Neg, b) => a + *b,
+            Expr::Unary(Unary::Neg, b) => a + Arc::unwrap_or_clone(b),
             b => folded(a - b),
         },
         Binary::Mul => match (a, b) {
-            (Expr::Unary(Unary::Neg, a), Expr::Unary(Unary::Neg, b)) => *a * *b,
-            (Expr::Unary(Unary::Neg, a), b) => -(*a * b),
-            (a, Expr::Unary(Unary::Neg, b)) => -(a * *b),
+            (Expr::Unary(Unary::Neg, a), Expr::Unary(Unary::Neg, b)) => {
+                Arc::unwrap_or_clone(a) * Arc::unwrap_or_clone(b)
+            }
+            (Expr::Unary(Unary::Neg, a), b) => -(Arc::unwrap_or_clone(a) * b),
+            (a, Expr::Unary(Unary::Neg, b)) => -(a * Arc::unwrap_or_clone(b)),
             (a, b) => folded(a * b),
         },
         _ => folded(Expr::binary(operator, a, b)),

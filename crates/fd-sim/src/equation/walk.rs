@@ -1,5 +1,7 @@
 //! Walks over a tree: names, replacement, depth.
 
+use std::sync::Arc;
+
 use super::{
     definitions::Size,
     expr::{Cond, Expr},
@@ -91,7 +93,7 @@ impl Expr {
             Self::Name(name) => renamed(name).map(Self::Name),
             Self::Lookup(kind, table, x) => {
                 let table = renamed(table)?;
-                Some(Self::Lookup(*kind, table, Box::new(x.rename(from, to))))
+                Some(Self::Lookup(*kind, table, Arc::new(x.rename(from, to))))
             }
             _ => None,
         })
@@ -131,28 +133,48 @@ impl Expr {
         }
     }
 
-    /// Rebuilds the tree; a node for which `replace` answers is replaced whole.
+    /// The tree with every node for which `replace` answers replaced; the rest is shared.
     fn map(&self, replace: &impl Fn(&Self) -> Option<Self>) -> Self {
-        if let Some(replaced) = replace(self) {
-            return replaced;
-        }
-        match self {
-            Self::Number(_) | Self::Name(_) => self.clone(),
-            Self::Unary(function, x) => Self::unary(*function, x.map(replace)),
-            Self::Lookup(kind, table, x) => {
-                Self::Lookup(*kind, table.clone(), Box::new(x.map(replace)))
-            }
-            Self::Binary(operator, a, b) => Self::binary(*operator, a.map(replace), b.map(replace)),
-            Self::Clamp(arguments) => {
-                Self::Clamp(Box::new(arguments.each_ref().map(|x| x.map(replace))))
-            }
-            Self::If(condition, value, otherwise) => Self::choice(
-                condition.map(&|x| x.map(replace)),
-                value.map(replace),
-                otherwise.map(replace),
-            ),
-        }
+        self.changed(replace).unwrap_or_else(|| self.clone())
     }
+
+    /// The same; `None` where no node is replaced.
+    fn changed(&self, replace: &impl Fn(&Self) -> Option<Self>) -> Option<Self> {
+        if let Some(replaced) = replace(self) {
+            return Some(replaced);
+        }
+        let change = |x: &Arc<Self>| x.changed(replace).map(Arc::new);
+        Some(match self {
+            Self::Number(_) | Self::Name(_) => return None,
+            Self::Unary(function, x) => Self::Unary(*function, change(x)?),
+            Self::Lookup(kind, table, x) => Self::Lookup(*kind, table.clone(), change(x)?),
+            Self::Binary(operator, a, b) => {
+                let [a, b] = any([a, b], [change(a), change(b)])?;
+                Self::Binary(*operator, a, b)
+            }
+            Self::Clamp(arguments) => {
+                let found = arguments.each_ref().map(|x| x.changed(replace));
+                Self::Clamp(Arc::new(any(arguments.each_ref(), found)?))
+            }
+            Self::If(condition, value, otherwise) => {
+                let found = condition.changed(&|x| x.changed(replace)).map(Arc::new);
+                let branches = any([value, otherwise], [change(value), change(otherwise)]);
+                if found.is_none() && branches.is_none() {
+                    return None;
+                }
+                let [value, otherwise] =
+                    branches.unwrap_or_else(|| [Arc::clone(value), Arc::clone(otherwise)]);
+                Self::If(found.unwrap_or_else(|| Arc::clone(condition)), value, otherwise)
+            }
+        })
+    }
+}
+
+/// What was found, and what was there where nothing was; `None` where nothing was found at all.
+fn any<T: Clone, const N: usize>(there: [&T; N], mut found: [Option<T>; N]) -> Option<[T; N]> {
+    let is_any = found.iter().any(Option::is_some);
+    let either = |i: usize| found[i].take().unwrap_or_else(|| there[i].clone());
+    is_any.then(|| std::array::from_fn(either))
 }
 
 impl Cond {
@@ -171,14 +193,24 @@ impl Cond {
         }
     }
 
-    /// Rebuilds the condition with every compared expression replaced.
+    /// The condition with every compared expression replaced.
     pub(super) fn map(&self, replace: &dyn Fn(&Expr) -> Expr) -> Self {
-        match self {
-            Self::Compare(comparison, a, b) => Self::compare(*comparison, replace(a), replace(b)),
-            Self::And(a, b) => Self::And(Box::new(a.map(replace)), Box::new(b.map(replace))),
-            Self::Or(a, b) => Self::Or(Box::new(a.map(replace)), Box::new(b.map(replace))),
-            Self::Not(a) => Self::Not(Box::new(a.map(replace))),
-        }
+        self.changed(&|x| Some(replace(x))).unwrap_or_else(|| self.clone())
+    }
+
+    /// The condition with those compared expressions replaced for which `replace` answers; `None` where there are none.
+    fn changed(&self, replace: &dyn Fn(&Expr) -> Option<Expr>) -> Option<Self> {
+        let change = |condition: &Arc<Self>| condition.changed(replace).map(Arc::new);
+        let both = |a, b| any([a, b], [change(a), change(b)]);
+        Some(match self {
+            Self::Compare(comparison, a, b) => {
+                let [a, b] = any([a, b], [a, b].map(|x| replace(x).map(Arc::new)))?;
+                Self::Compare(*comparison, a, b)
+            }
+            Self::And(a, b) => both(a, b).map(|[a, b]| Self::And(a, b))?,
+            Self::Or(a, b) => both(a, b).map(|[a, b]| Self::Or(a, b))?,
+            Self::Not(a) => Self::Not(change(a)?),
+        })
     }
 
     fn size_with(&self, of_name: &dyn Fn(&str) -> Option<Size>) -> Size {

@@ -5,14 +5,46 @@ use std::collections::HashSet;
 use super::draft::{Controller, Definition, Delay, Draft, Output, Site, State};
 use crate::equation::Expr;
 
+/// All names of a draft, as references of one kind or the other.
+macro_rules! every_name {
+    ($draft:ident, $iter:ident $(, $mutable:tt)?) => {{
+        let mut all: Vec<&$($mutable)? String> = Vec::new();
+        all.extend($draft.parameters.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.inputs.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.states.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.outputs.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.definitions.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.delays.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.tables.$iter().map(|entry| &$($mutable)? entry.name));
+        for site in &$($mutable)? $draft.sites {
+            all.push(&$($mutable)? site.name);
+            all.extend(site.enters.$iter().map(|(state, _)| state));
+        }
+        if let Some(controller) = &$($mutable)? $draft.controller {
+            all.extend(controller.references.$iter().map(|entry| &$($mutable)? entry.name));
+            all.extend(controller.states.$iter().map(|entry| &$($mutable)? entry.name));
+            all.extend(controller.definitions.$iter().map(|entry| &$($mutable)? entry.name));
+            all.extend(controller.signals.$iter().map(|entry| &$($mutable)? entry.input));
+        }
+        all
+    }};
+}
+
+/// `wish`, or `wish_2`, `wish_3`, …, whichever is not taken.
+fn first_free(wish: &str, is_taken: impl Fn(&String) -> bool) -> String {
+    let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
+    let mut all = std::iter::once(wish.to_owned()).chain(numbered);
+    all.find(|name| !is_taken(name)).unwrap_or_default()
+}
+
 /// Names that a model does not have, given out once each.
 pub(crate) struct FreshNames {
     taken: HashSet<String>,
 }
 
 impl FreshNames {
-    pub(crate) fn of(mut draft: Draft) -> Self {
-        Self { taken: draft.names_mut().into_iter().map(std::mem::take).collect() }
+    pub(crate) fn of(draft: &Draft) -> Self {
+        Self { taken: draft.names().into_iter().cloned().collect() }
     }
 
     /// These are taken as well.
@@ -23,9 +55,7 @@ impl FreshNames {
 
     /// `wish`, or `wish_2`, `wish_3`, …
     pub(crate) fn take(&mut self, wish: &str) -> String {
-        let numbered = (2..).map(|n: usize| format!("{wish}_{n}"));
-        let mut all = std::iter::once(wish.to_owned()).chain(numbered);
-        let name = all.find(|name| !self.taken.contains(name)).unwrap_or_default();
+        let name = first_free(wish, |name| self.taken.contains(name));
         self.taken.insert(name.clone());
         name
     }
@@ -68,30 +98,22 @@ impl Draft {
     /// A name that nothing in the model has: `wish`, or `wish_2`, `wish_3`, …
     #[must_use]
     pub fn fresh_name(&self, wish: &str) -> String {
-        FreshNames::of(self.clone()).take(wish)
+        self.fresh_name_besides(&Self::default(), wish)
+    }
+
+    /// The same, that another model does not have either.
+    pub(crate) fn fresh_name_besides(&self, other: &Self, wish: &str) -> String {
+        let taken: HashSet<&String> = self.names().into_iter().chain(other.names()).collect();
+        first_free(wish, |name| taken.contains(name))
     }
 
     /// Every name, where it is declared or stands as a key.
+    fn names(&self) -> Vec<&String> {
+        every_name!(self, iter)
+    }
+
     fn names_mut(&mut self) -> Vec<&mut String> {
-        let mut all: Vec<&mut String> = Vec::new();
-        all.extend(self.parameters.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.inputs.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.states.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.outputs.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.definitions.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.delays.iter_mut().map(|entry| &mut entry.name));
-        all.extend(self.tables.iter_mut().map(|entry| &mut entry.name));
-        for site in &mut self.sites {
-            all.push(&mut site.name);
-            all.extend(site.enters.iter_mut().map(|(state, _)| state));
-        }
-        if let Some(controller) = &mut self.controller {
-            all.extend(controller.references.iter_mut().map(|entry| &mut entry.name));
-            all.extend(controller.states.iter_mut().map(|entry| &mut entry.name));
-            all.extend(controller.definitions.iter_mut().map(|entry| &mut entry.name));
-            all.extend(controller.signals.iter_mut().map(|entry| &mut entry.input));
-        }
-        all
+        every_name!(self, iter_mut, mut)
     }
 }
 

@@ -48,9 +48,7 @@ impl Patch {
     /// A name that neither the model nor the patch has, `wish` if that is free.
     #[must_use]
     pub fn fresh_name(&self, wish: &str) -> String {
-        let mut all = self.draft.clone();
-        append(&mut all, self.added.clone());
-        all.fresh_name(wish)
+        self.draft.fresh_name_besides(&self.added, wish)
     }
 
     /// Adds a parameter, after those of the model.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::ForceScale;
 use crate::{
     equation::{Definitions, Expr, MAX_DEPTH, Size, Slopes},
-    model::{Definition, Draft, FreshNames, Law, Model, Site},
+    model::{Definition, FreshNames, Law, Model, Site},
 };
 
 /// Largest expression that definitions are written out in. What is larger goes through the names of
@@ -25,7 +25,7 @@ pub(super) struct SiteProbe {
 
 impl SiteProbe {
     pub(super) fn of_all(model: &Model) -> Vec<Self> {
-        let mut names = FreshNames::of(Draft::clone(model));
+        let mut names = FreshNames::of(model);
         model.sites.iter().map(|site| Self::of(model, site, &mut names)).collect()
     }
 
@@ -110,7 +110,7 @@ impl ForceScale {
         let own = self.helpers.iter().map(|helper| (helper.name.as_str(), &helper.value));
         let all = Definitions::new(pairs(model).chain(own));
         let known = self.helpers.iter().map(|helper| helper.name.clone());
-        let mut names = FreshNames::of(Draft::clone(model)).besides(known);
+        let mut names = FreshNames::of(model).besides(known);
         let mut unforced: HashMap<&str, String> = HashMap::new();
         let mut helpers = Vec::new();
         let replace = |unforced: &HashMap<&str, String>, expr: &Expr| {
@@ -184,11 +184,11 @@ mod tests {
     fn written_out_and_through_names_are_the_same_numbers() {
         let model: Model = SWING.parse().unwrap();
         let site = &model.sites[0];
-        let written = SiteProbe::of(&model, site, &mut FreshNames::of(Draft::clone(&model)));
+        let written = SiteProbe::of(&model, site, &mut FreshNames::of(&model));
         assert!(written.helpers.is_empty());
         let moved = site.velocity.clone().unwrap();
         let (acceleration, compliance, helpers) =
-            through_names(&model, site, &moved, &mut FreshNames::of(Draft::clone(&model)));
+            through_names(&model, site, &moved, &mut FreshNames::of(&model));
         assert!(!helpers.is_empty());
         for (short, named) in
             [(&written.acceleration, &acceleration), (&written.compliance, &compliance)]

@@ -65,7 +65,7 @@ fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, at: &Minimum)
     let simulator = nominal.patched(other, ts).ok()?;
     let (plan, weights) = (problem.plan().clone(), problem.weights().clone());
     let mut finer = Problem::new(plan, simulator, problem.effects().to_vec(), weights).ok()?;
-    let (mut a, b) = (problem.errors_at(at), finer.errors(&at.z)?);
+    let (mut a, b) = (problem.clone().errors_at(at)?, finer.errors(&at.z)?);
     for (a, b) in a.iter_mut().flatten().flatten().zip(b.iter().flatten().flatten()) {
         *a -= b;
     }

@@ -181,8 +181,13 @@ impl<'a> Trial<'a> {
     fn keep(&mut self, minimum: Option<Minimum>) {
         let Some(minimum) = minimum else { return };
         if self.best.as_ref().is_none_or(|best| minimum.cost < best.cost) {
-            self.best = Some(minimum);
+            self.best = Some(self.lean(minimum));
         }
+    }
+
+    /// Without its slopes, unless runs are so dear that these must not be computed again.
+    fn lean(&self, minimum: Minimum) -> Minimum {
+        if self.problem.is_dear() { minimum } else { minimum.condensed(&self.problem) }
     }
 
     /// Fits everything, to the end. The effect can be absent, so that the result is never worse
@@ -193,7 +198,7 @@ impl<'a> Trial<'a> {
             // From the same place, so never worse, and with all slopes.
             let search = self.patient(FULL);
             let minimum = minimise(&mut self.problem, &best.z, None, search);
-            self.best = minimum.or(Some(best));
+            self.best = minimum.map(|minimum| self.lean(minimum)).or(Some(best));
         }
         self.fall_back(null);
     }

@@ -82,11 +82,12 @@ fn beside(
 ) -> Result<Vec<FittedPair>, FitError> {
     let Searched { null, lines, .. } = &singles.searched;
     let Case { nominal, suspects, .. } = context.case;
-    let Some(minimum) = first.best.clone() else { return Ok(Vec::new()) };
     // The first cause is one more nuisance.
     let plan: Plan = null.problem.plan().with_parameters(first.problem.effects());
     let (simulator, weights) = (first.problem.simulator(), first.problem.weights());
-    let problem = Problem::new(Arc::new(plan), simulator.boxed(), vec![], weights.clone())?;
+    let mut problem = Problem::new(Arc::new(plan), simulator.boxed(), vec![], weights.clone())?;
+    let minimum = first.best.as_ref().and_then(|best| best.with_slopes(&mut problem));
+    let Some(minimum) = minimum else { return Ok(Vec::new()) };
     let base = NullFit { minimum: minimum.shared(&problem), problem };
     let projection = Projection::new(&base.problem, &base.minimum).ok_or(FitError::Diverged)?;
     let candidates: Vec<Candidate> = suspects

@@ -131,7 +131,7 @@ pub(in crate::diagnose) fn weigh_law<'a>(
     reference: &Reference,
 ) -> WeighedLaw<'a> {
     let weight = trial.best.clone().and_then(|best| {
-        let errors = trial.problem.errors_at(&best);
+        let errors = trial.problem.errors_at(&best)?;
         let likelihood = likelihood(&errors, &reference.noise);
         let scale = likelihood.scale.iter().copied().fold(0.0, f64::max);
         let found = evidence(&trial.problem, &best, &likelihood, &[&trial.strengths])?;

@@ -20,11 +20,14 @@ impl Problem {
         r.iter().all(|value| value.is_finite()).then(|| self.signals(&raw))
     }
 
-    /// As [`errors`](Self::errors) at a minimum of this problem with these weights, from the
-    /// residuals that are known there: without a simulation, and the same but for rounding (to the
-    /// bit where the noise is white).
+    /// As [`errors`](Self::errors) at a minimum of this problem with these weights. From the residuals that are known
+    /// there, if they were kept: without a simulation, and the same but for rounding (to the bit where the noise is
+    /// white).
     #[must_use]
-    pub fn errors_at(&self, at: &Minimum) -> Vec<Vec<Vec<f64>>> {
+    pub fn errors_at(&mut self, at: &Minimum) -> Option<Vec<Vec<Vec<f64>>>> {
+        if at.r.is_empty() {
+            return self.errors(&at.z);
+        }
         let mut raw = vec![0.0; at.r.len()];
         for (rows, Segment { log, from, to }) in
             self.layout.segments.iter().zip(&self.plan.segments)
@@ -40,7 +43,7 @@ impl Problem {
                 colour.restore(&at.r[rows], error);
             }
         }
-        self.signals(&raw)
+        Some(self.signals(&raw))
     }
 
     /// Residuals as signals: per output, one per segment.
