@@ -69,12 +69,18 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize, const DIREC
         error = m.mul_add(phi[i], theta[i], error);
     }
     error = m.sub(error, target);
+    let [fours, twos] = if N < MANY { [0, 0] } else { [n - n % TOGETHER, n - n % 2] };
+    for first in (0..fours).step_by(TOGETHER) {
+        transposed_times::<T, M, N, TOGETHER>(m, first, u, phi, &mut f);
+    }
+    for first in (fours..twos).step_by(2) {
+        transposed_times::<T, M, N, 2>(m, first, u, phi, &mut f);
+    }
+    for first in twos..n {
+        transposed_times::<T, M, N, 1>(m, first, u, phi, &mut f);
+    }
     let mut energy = zero;
     for j in 0..n {
-        f[j] = phi[j];
-        for i in 0..j {
-            f[j] = m.mul_add(u[j][i], phi[i], f[j]);
-        }
         v[j] = m.mul(d[j], f[j]);
         energy = m.mul_add(v[j], f[j], energy);
     }
@@ -153,24 +159,107 @@ pub(super) fn update<T: LaneScalar, M: Registers<T>, const N: usize, const DIREC
         error = m.mul(share, error);
     }
 
-    let minus_one = m.splat(-T::one());
-    let mut before = noise;
-    let mut minus_inverse = noise;
-    for j in 0..n {
-        let g = v[j];
-        let a = m.mul_add(f[j], g, before);
-        let factor = m.mul(f[j], minus_inverse);
-        minus_inverse = m.div(minus_one, a);
-        d[j] = m.mul(m.mul(d[j], minus_scale), m.mul(before, minus_inverse));
-        for i in 0..j {
-            let old = u[j][i];
-            u[j][i] = m.mul_add(factor, v[i], old);
-            v[i] = m.mul_add(old, g, v[i]);
-        }
-        before = a;
+    let mut sums = Sums { before: noise, minus_inverse: noise };
+    for first in (0..fours).step_by(TOGETHER) {
+        columns::<T, M, N, TOGETHER>(m, first, minus_scale, &mut sums, u, d, &f, &mut v);
     }
-    let gain = m.mul(error, minus_inverse);
+    for first in (fours..twos).step_by(2) {
+        columns::<T, M, N, 2>(m, first, minus_scale, &mut sums, u, d, &f, &mut v);
+    }
+    for first in twos..n {
+        columns::<T, M, N, 1>(m, first, minus_scale, &mut sums, u, d, &f, &mut v);
+    }
+    let gain = m.mul(error, sums.minus_inverse);
     for i in 0..n {
         theta[i] = m.mul_add(v[i], gain, theta[i]);
     }
+}
+
+/// Columns that are gone through together where there are as many: several sums at once hide the latency of an
+/// addition, and a number that all of them need is loaded once.
+const TOGETHER: usize = 4;
+/// Fewer parameters than these fit into the registers, column by column.
+const MANY: usize = 8;
+
+/// `K` elements of `f = Uᵀφ`.
+#[inline(always)]
+fn transposed_times<T: LaneScalar, M: Registers<T>, const N: usize, const K: usize>(
+    m: M,
+    first: usize,
+    u: &[[M::Reg; N]; N],
+    phi: &[M::Reg; N],
+    f: &mut [M::Reg; N],
+) {
+    let mut sums = [phi[first]; K];
+    sums.copy_from_slice(&phi[first..first + K]);
+    for i in 0..first {
+        for k in 0..K {
+            sums[k] = m.mul_add(u[first + k][i], phi[i], sums[k]);
+        }
+    }
+    for i in 0..K {
+        for k in i + 1..K {
+            sums[k] = m.mul_add(u[first + k][first + i], phi[first + i], sums[k]);
+        }
+    }
+    f[first..first + K].copy_from_slice(&sums);
+}
+
+/// What goes from column to column.
+struct Sums<R> {
+    /// `a` of the column before.
+    before: R,
+    /// `−1/a`.
+    minus_inverse: R,
+}
+
+/// Column by column, `K` of them: `u_j += factor_j v`, and then `v += g_j u_j` with the `u_j` there was. What a column
+/// is multiplied with does not depend on the columns before it.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "registers, by name")]
+fn columns<T: LaneScalar, M: Registers<T>, const N: usize, const K: usize>(
+    m: M,
+    first: usize,
+    minus_scale: M::Reg,
+    sums: &mut Sums<M::Reg>,
+    u: &mut [[M::Reg; N]; N],
+    d: &mut [M::Reg; N],
+    f: &[M::Reg; N],
+    v: &mut [M::Reg; N],
+) {
+    let minus_one = m.splat(-T::one());
+    let (mut g, mut factors) = ([minus_one; K], [minus_one; K]);
+    for k in 0..K {
+        let j = first + k;
+        g[k] = v[j];
+        let a = m.mul_add(f[j], g[k], sums.before);
+        factors[k] = m.mul(f[j], sums.minus_inverse);
+        sums.minus_inverse = m.div(minus_one, a);
+        d[j] = m.mul(m.mul(d[j], minus_scale), m.mul(sums.before, sums.minus_inverse));
+        sums.before = a;
+    }
+    for i in 0..first {
+        let mut sum = v[i];
+        for k in 0..K {
+            step::<T, M>(m, [factors[k], g[k]], &mut u[first + k][i], &mut sum);
+        }
+        v[i] = sum;
+    }
+    for k in 1..K {
+        for i in first..first + k {
+            step::<T, M>(m, [factors[k], g[k]], &mut u[first + k][i], &mut v[i]);
+        }
+    }
+}
+
+#[inline(always)]
+fn step<T: LaneScalar, M: Registers<T>>(
+    m: M,
+    [factor, g]: [M::Reg; 2],
+    u: &mut M::Reg,
+    v: &mut M::Reg,
+) {
+    let old = *u;
+    *u = m.mul_add(factor, *v, old);
+    *v = m.mul_add(old, g, *v);
 }

@@ -122,7 +122,8 @@ impl<T: LaneScalar> Pass<'_, T> {
             9 => self.of_size::<9>(machine),
             10 => self.of_size::<10>(machine),
             11..=16 => self.of_size::<16>(machine),
-            17..=32 => self.of_size::<32>(machine),
+            17..=20 => self.of_size::<20>(machine),
+            21..=32 => self.of_size::<32>(machine),
             _ => self.of_size::<{ Layout::LARGEST }>(machine),
         }
     }

@@ -3,22 +3,23 @@
 mod command;
 mod finalists;
 mod screen;
+mod screened;
 pub(super) mod searched;
 mod step_size;
 pub(super) mod trial;
+
+use std::collections::HashMap;
 
 use rayon::prelude::*;
 
 pub(super) use self::{command::Command, finalists::finish};
 use self::{
+    screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
-    trial::{Trial, promises_less},
+    trial::{Trial, is_in, promises_less},
 };
-use super::{
-    candidates::is_same_cause, context::Context, monitor::Stage, prepare::Prepared,
-    result::NotTested,
-};
+use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
 use crate::{
     fit::{FitError, NullFit, Projection},
     quality::spectral_peaks,
@@ -47,7 +48,8 @@ pub(super) fn search<'a>(
     let lines = lines(&null)?;
     let commands = Command::all(nominal, &model, &null, candidates);
     monitor.begin(Stage::Screen, candidates.len());
-    let tried: Vec<Result<Trial<'a>, NotTested>> = candidates
+    let is_many = MANY < candidates.len();
+    let tried: Vec<Result<Screened<'a>, NotTested>> = candidates
         .par_iter()
         .enumerate()
         .map(|(index, candidate)| {
@@ -61,58 +63,54 @@ pub(super) fn search<'a>(
             let screened = tried.map(|mut trial| {
                 let command = Command::of_candidate(&commands, candidate);
                 trial.screen(&null, &projection, &lines, command);
-                trial
+                Screened::of(trial, is_many)
             });
             monitor.advance();
             screened
         })
         .collect();
-    let (mut trials, mut not_tested) = (Vec::new(), Vec::new());
+    let (mut screened, mut not_tested) = (Vec::new(), Vec::new());
     for outcome in tried {
+        match outcome {
+            Ok(candidate) => screened.push(candidate),
+            Err(reason) => not_tested.push(reason),
+        }
+    }
+    let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
+    let of_many = if is_many { PROMISE_OF_MANY } else { 0.0 };
+    let least_promise = settings.least_promise.max(of_many);
+    monitor.begin(Stage::Fit, screened.len());
+    let fitted = case.suspects.fitted();
+    let promises = promises(&screened);
+    let fits: Vec<Result<Trial<'a>, NotTested>> = screened
+        .into_par_iter()
+        .zip(promises)
+        .map(|(screened, promise)| {
+            let Screened { candidate, index, .. } = screened;
+            let refuse = |reason: &str| NotTested::of(candidate, reason.to_owned());
+            if 0 < index && monitor.is_stopped() {
+                return Err(NotTested::of(candidate, stopped()));
+            }
+            let is_known = fitted.is_some_and(|fitted| is_in(candidate, fitted));
+            if !is_known && promises_less(promise, least_promise, most) {
+                monitor.advance();
+                return Err(refuse("others promise far more"));
+            }
+            let again = |candidate| Trial::new(nominal, candidate, index, &null);
+            let mut trial = screened.trial(again).map_err(|e| refuse(&e.to_string()))?;
+            trial.short_fits(&null, most);
+            monitor.advance();
+            if trial.best.is_some() { Ok(trial) } else { Err(refuse("its simulation diverges")) }
+        })
+        .collect();
+    let mut trials = Vec::new();
+    for outcome in fits {
         match outcome {
             Ok(trial) => trials.push(trial),
             Err(reason) => not_tested.push(reason),
         }
     }
-    let most = trials.iter().map(Trial::gain).fold(0.0, f64::max);
-    let of_many = if MANY < candidates.len() { PROMISE_OF_MANY } else { 0.0 };
-    let least_promise = settings.least_promise.max(of_many);
-    monitor.begin(Stage::Fit, trials.len());
-    let fitted = case.suspects.fitted();
-    let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| trial.is_in(fitted));
-    let causes = promises(&trials);
-    let is_faint = |trial: &Trial<'_>| {
-        let promise = causes.iter().find(|(index, _)| *index == trial.index);
-        promise.is_some_and(|(_, gain)| promises_less(*gain, least_promise, most))
-    };
-    let late: Vec<usize> = trials
-        .par_iter_mut()
-        .filter_map(|trial| {
-            if 0 < trial.index && monitor.is_stopped() {
-                return Some(trial.index);
-            }
-            if !is_known(trial) && is_faint(trial) {
-                monitor.advance();
-                return None;
-            }
-            trial.short_fits(&null, most);
-            monitor.advance();
-            None
-        })
-        .collect();
-    trials.retain(|trial| {
-        if trial.best.is_none() {
-            let reason = if late.contains(&trial.index) {
-                stopped()
-            } else if is_faint(trial) {
-                "others promise far more".to_owned()
-            } else {
-                "its simulation diverges".to_owned()
-            };
-            not_tested.push(NotTested::of(trial.candidate, reason));
-        }
-        trial.best.is_some()
-    });
+    let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| is_in(trial.candidate, fitted));
     if let Some(fitted) = fitted {
         trials.par_iter_mut().filter(|trial| is_known(trial)).for_each(|trial| {
             trial.start_as_in(&null, fitted);
@@ -135,13 +133,14 @@ pub(super) fn search<'a>(
     )
 }
 
-/// The index of each candidate with what the best law of its cause could explain: laws are started from one another.
-fn promises(trials: &[Trial<'_>]) -> Vec<(usize, f64)> {
-    let of_cause = |trial: &Trial<'_>| {
-        let laws = trials.iter().filter(|other| is_same_cause(other.candidate, trial.candidate));
-        (trial.index, laws.map(Trial::gain).fold(0.0, f64::max))
-    };
-    trials.iter().map(of_cause).collect()
+/// What the best law of the cause of each candidate could explain: laws are started from one another.
+fn promises(screened: &[Screened<'_>]) -> Vec<f64> {
+    let mut best = HashMap::new();
+    for one in screened {
+        let gain = best.entry(one.candidate.identity()).or_insert(0.0_f64);
+        *gain = gain.max(one.gain());
+    }
+    screened.iter().map(|one| best[&one.candidate.identity()]).collect()
 }
 
 /// Why a candidate was not tried.

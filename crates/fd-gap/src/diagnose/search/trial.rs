@@ -47,6 +47,12 @@ pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {
     gain < share * most && gain < most - FAR_BELOW
 }
 
+/// Whether a model has all parameters of a candidate.
+pub(super) fn is_in(candidate: &Candidate, model: &Model) -> bool {
+    let has = |own: &EffectParameter| model.parameters.iter().any(|p| p.name == own.name);
+    candidate.parameters.iter().all(has)
+}
+
 /// A start of a fit.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct ScoredStart {
@@ -288,13 +294,7 @@ impl<'a> Trial<'a> {
         OUT_OF_REACH * best < lowest && best + FAR_BELOW < lowest
     }
 
-    /// Whether a model has all its parameters.
-    pub(super) fn is_in(&self, model: &Model) -> bool {
-        let has = |own: &EffectParameter| model.parameters.iter().any(|p| p.name == own.name);
-        self.candidate.parameters.iter().all(has)
-    }
-
-    /// The same from a model that was fitted before: from its own values there, if that has them, or from those that it
+    /// A short fit from a model that was fitted before: from its own values there, if that has them, or from those that it
     /// has found, with what the nuisances are there.
     pub(super) fn start_as_in(&mut self, null: &NullFit, fitted: &Model) -> bool {
         let value = |name: &str| fitted.parameter(name).map(|p| p.value);
