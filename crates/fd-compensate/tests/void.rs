@@ -19,6 +19,8 @@ const RUNS: usize = 20;
 const LENGTH: usize = 600;
 /// Stated probability of an alarm in a run.
 const STATED: f64 = 0.05;
+/// Plants that a step is tried on.
+const PLANTS: u32 = 60;
 
 /// A residual that a wrong model leaves: what the input leaves behind a lag, and noise.
 struct Plant {
@@ -89,9 +91,8 @@ fn thresholds(plant: &mut Plant) -> (AdaptiveThreshold<f64>, Magnitude<f64>) {
 #[test]
 fn after_a_step_beyond_the_logs_the_rate_is_kept_or_said_to_be_void() {
     let (mut stated, mut any, mut constant_alarms) = (0, 0, 0);
-    const PLANTS: u64 = 60;
     for seed in 0..PLANTS {
-        let mut plant = Plant::new(9_000 + seed);
+        let mut plant = Plant::new(9_000 + u64::from(seed));
         let (mut detector, mut constant) = thresholds(&mut plant);
         (plant.level, plant.lagged) = (0.0, 0.0);
         let (mut alarms, mut alarms_stated, mut alarms_constant) = (false, false, false);
@@ -118,7 +119,7 @@ fn after_a_step_beyond_the_logs_the_rate_is_kept_or_said_to_be_void() {
     // Two lengths at 5 % each: 6 of 60 expected, standard deviation 2.3.
     assert!(stated <= 15, "{stated}");
     assert!(any <= 15, "the bound goes on in proportion, as the bias does: {any}");
-    assert_eq!(constant_alarms, PLANTS as u32, "or else the step shows nothing");
+    assert_eq!(constant_alarms, PLANTS, "or else the step shows nothing");
 }
 
 /// Without any motion of the input a fault is found as early as with the constant threshold: there the bound is the
