@@ -40,8 +40,9 @@
 //! **Assumptions.** Filters start in the steady state of the first input. The ensemble spans the
 //! uncertainty, or the healthy logs span the inputs to come.
 //!
-//! **Not to be used** where the bias can be learned and subtracted: the bound is an order of magnitude
-//! wider than the noise, and a fault that hides under it stays hidden.
+//! **Not to be used** in place of learning and subtracting the bias where that can be done: the bound is an order of
+//! magnitude wider than the noise, and a fault that hides under it stays hidden. Behind the compensation it bounds
+//! what the learned bias model leaves after a step, which is little and soon over.
 
 mod bank;
 mod ensemble;
