@@ -32,6 +32,10 @@ pub enum EventKind {
     OperatingPointLeft,
     /// The input is back in the range that the bias was learned in.
     OperatingPointRegained,
+    /// The inputs went beyond anything that the threshold was set on: it states no rate of false alarms.
+    ThresholdVoid,
+    /// The inputs are back where the threshold was set: it states its rate again.
+    ThresholdValid,
     /// The plant itself has changed: what is left of the residual follows the inputs.
     CharacteristicsChanged,
     /// Training would start again if nobody had to be asked.
@@ -58,6 +62,8 @@ impl fmt::Display for EventKind {
             Self::HardFaultWhileTraining => "hard fault while training",
             Self::OperatingPointLeft => "operating point left the trained range",
             Self::OperatingPointRegained => "operating point back in the trained range",
+            Self::ThresholdVoid => "inputs beyond what the threshold was set on: it states no rate",
+            Self::ThresholdValid => "inputs back where the threshold was set: it states its rate",
             Self::CharacteristicsChanged => "characteristics of the plant changed",
             Self::RetrainingWanted => "training again is wanted",
             Self::RetrainingWithdrawn => "training again is not wanted any more",

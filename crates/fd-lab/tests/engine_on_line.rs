@@ -18,6 +18,15 @@ fn on_line_the_switch_opens_and_faults_are_no_changes() {
     assert!(line.fault_free_ratio.median > 5.0, "{:?}", line.fault_free_ratio);
     assert!(line.incipient_mistaken.hits <= 1, "{:?}", line.incipient_mistaken);
     assert!(line.healthy_changed.hits <= 1, "{:?}", line.healthy_changed);
+    // 5 % of 12 are 0.6; four or more come by chance in one study of 500.
+    assert!(line.healthy_alarm.hits <= 3, "{:?}", line.healthy_alarm);
+    assert!(line.jumps_stated.hits <= 3, "{:?}", line.jumps_stated);
+    // The jumps are beyond what the threshold was set on, and said to be.
+    assert!(line.jumps_void > 0.01 && line.jumps_void < 0.2, "{}", line.jumps_void);
+    assert!(line.healthy_void < line.jumps_void, "{}", line.healthy_void);
+    // Raised for the seconds after a step, it finds what a constant one finds.
+    assert!(line.faults.iter().all(|(found, _)| found.hits + 1 >= found.of), "{:?}", line.faults);
+    assert!(line.faults[0].1.median < 10.0, "{:?}", line.faults[0]);
     assert!(line.drift_seen.hits * 2 > line.drift_seen.of, "{:?}", line.drift_seen);
     // Learned again, less is left than with the bias of the plant that was.
     assert!(

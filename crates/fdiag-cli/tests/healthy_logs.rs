@@ -21,18 +21,22 @@ use support::{
 };
 
 fn study(healthy: &Record, later: &Record) -> LogStudy {
+    let detector = DetectorSpec::Maximum { margin: 0.5 };
+    study_with(PipelineSpec { detector, ..PipelineSpec::default() }, healthy, later)
+}
+
+fn study_with(spec: PipelineSpec, healthy: &Record, later: &Record) -> LogStudy {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     std::fs::write(file("model.toml"), MODEL).unwrap();
     write_log(file("healthy.csv"), healthy).unwrap();
     write_log(file("later.csv"), later).unwrap();
-    let detector = DetectorSpec::Maximum { margin: 0.5 };
     let request = Request {
         model: file("model.toml"),
         healthy: vec![file("healthy.csv")],
         logs: vec![file("later.csv")],
         columns: None,
-        spec: PipelineSpec { detector, ..PipelineSpec::default() },
+        spec,
         share_to_learn: 0.7,
         limits: Limits::default(),
     };
@@ -104,4 +108,20 @@ fn a_threshold_outside_the_trained_range_is_void() {
     assert!(study.logs[0].void.is_none());
     let words = study.headline();
     assert!(words.contains("later.csv: from ") && words.contains("states no rate"), "{words}");
+}
+
+/// Too short for the operating point, which looks at levels; a threshold that follows the input has seen no such jump.
+#[test]
+fn a_threshold_is_void_while_the_input_moves_as_in_no_healthy_log() {
+    let mut u = input(2000, 4);
+    u[1000..1003].iter_mut().for_each(|u| *u += 3.0);
+    let text = "calibration = { beyond = \"extrapolate\" }\n[detector]\nkind = \"adaptive-threshold\"\n\
+                corners = 3\nslowest_samples = 50\nmemory_samples = 20\nvoid_margin = 1.0\n\
+                false_alarms = { kind = \"per-sample\", rate = 0.01 }\n";
+    let study = study_with(toml::from_str(text).unwrap(), &log(&input(2000, 0), 0), &log(&u, 4));
+    let void = study.logs[1].void.as_ref().unwrap();
+    assert_eq!(void.reason, VoidReason::InputMotion);
+    assert!((99.9..100.3).contains(&void.since_s), "{void:?}");
+    assert!((0.002..0.1).contains(&void.share), "{void:?}");
+    assert!(study.headline().contains("move as in no healthy log"), "{}", study.headline());
 }

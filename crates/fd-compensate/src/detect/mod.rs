@@ -81,7 +81,7 @@ pub fn every_detector<T: fd_core::Scalar>(
     let bands = Bands::new(&[0.1], 9.0)?;
     let per_channel = healthy.nu() * bands.count();
     let gains: Vec<f64> = peaks.iter().flat_map(|peak| vec![0.1 * peak; per_channel]).collect();
-    let bound = InputBound::new(bands, healthy.nu(), &peaks, &gains)?;
+    let bound = InputBound::new(bands, healthy.nu(), &peaks, &gains)?.known_on(healthy, 0.1)?;
     let follows = |evaluation| AdaptiveThreshold::new(&bound, evaluation, 0.9);
     Ok(vec![
         ("largest magnitude", Box::new(Magnitude::above_fault_free_maximum(r, 0.05)?)),

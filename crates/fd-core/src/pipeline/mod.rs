@@ -11,7 +11,8 @@ use crate::{
     sink::Sink,
     snapshot::StateVisitor,
     stage::{
-        Compensation, Compensator, DecisionRule, Detector, Evidence, ResidualGenerator, Stage,
+        Compensation, Compensator, DecisionRule, Detector, Evidence, Phase, ResidualGenerator,
+        Stage,
     },
 };
 
@@ -162,6 +163,7 @@ pub struct Pipeline<T, S> {
     k: u64,
     held: u64,
     alarmed: bool,
+    void: bool,
 }
 
 /// A [`Pipeline`] whose stages were chosen at run time.
@@ -210,6 +212,7 @@ where
             k: 0,
             held: 0,
             alarmed: false,
+            void: false,
         })
     }
 
@@ -270,6 +273,12 @@ where
         let decision = rule.decide(Evidence { k, phase, verdict, r_star: &self.compensated });
 
         happened.iter().for_each(|kind| events.push(kind));
+        // While the bias is learned no threshold applies.
+        let void = phase == Phase::Compensating && detector.is_void();
+        if void != self.void {
+            self.void = void;
+            events.push(if void { EventKind::ThresholdVoid } else { EventKind::ThresholdValid });
+        }
         if decision.is_fault() != self.alarmed {
             self.alarmed = decision.is_fault();
             let kind = if self.alarmed { EventKind::AlarmRaised } else { EventKind::AlarmCleared };
@@ -327,15 +336,19 @@ where
         self.k = 0;
         self.held = 0;
         self.alarmed = false;
+        self.void = false;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         visitor.reals("pipeline u", &mut self.u);
         visitor.reals("pipeline y", &mut self.y);
-        let mut counts = [self.k, self.held, u64::from(self.alarmed)];
+        // Two flags in one count: snapshots keep the layout that they had before the second.
+        let flags = u64::from(self.alarmed) | u64::from(self.void) << 1;
+        let mut counts = [self.k, self.held, flags];
         visitor.counts("pipeline k, held, alarmed", &mut counts);
         [self.k, self.held] = [counts[0], counts[1]];
-        self.alarmed = counts[2] != 0;
+        self.alarmed = counts[2] & 1 != 0;
+        self.void = counts[2] & 2 != 0;
         self.stages.generator.visit_state(visitor);
         self.stages.compensator.visit_state(visitor);
         self.stages.detector.visit_state(visitor);

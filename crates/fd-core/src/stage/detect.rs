@@ -130,6 +130,14 @@ pub trait Detector<T: Scalar = f64>: Stage<T> {
 
     /// Consumes the residual of one sample, next to the input of the same sample.
     fn update(&mut self, u: &[T], r: &[T]) -> Verdict<T>;
+
+    /// Whether, at the last sample, the inputs were beyond anything that the threshold was set on, so that it
+    /// states no rate of false alarms. Verdicts go on; the pipeline tells when this begins and ends by the events
+    /// [`ThresholdVoid`](crate::EventKind::ThresholdVoid) and [`ThresholdValid`](crate::EventKind::ThresholdValid).
+    /// Detectors that do not look at the inputs cannot know, and say no.
+    fn is_void(&self) -> bool {
+        false
+    }
 }
 
 /// A test statistic and the threshold that it is compared with.

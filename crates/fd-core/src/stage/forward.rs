@@ -71,6 +71,7 @@ forward! { Detector {
     fn nu(&self) -> Option<usize> { (**self).nu() }
     fn residual_len(&self) -> usize { (**self).residual_len() }
     fn update(&mut self, u: &[T], r: &[T]) -> Verdict<T> { (**self).update(u, r) }
+    fn is_void(&self) -> bool { (**self).is_void() }
 }}
 
 forward! { DecisionRule {

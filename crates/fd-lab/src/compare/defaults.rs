@@ -190,6 +190,7 @@ pub(super) fn detectors() -> Vec<Detector> {
         corners: 4,
         slowest_samples: 100.0,
         memory_samples: 50.0,
+        void_margin: 0.1,
         false_alarms: rare,
     };
     let detector = |name: &str, spec| Detector { name: name.to_owned(), spec };

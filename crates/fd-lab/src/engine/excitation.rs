@@ -118,6 +118,55 @@ impl FreshRun {
         sampled(channels, self.duration_s, ts, |t, channel| draws[channel].at(t))
     }
 
+    /// One input of any length on every channel, without jumps but for the steps of a run: every `duration_s` a
+    /// step and other tones, as in a run drawn anew, but from the level where the last ended, and the tones change
+    /// gradually. The level stays where fresh runs have it: below the sum of `level` and `step`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when there are no channels.
+    pub fn long_inputs(
+        &self,
+        channels: &[Channel],
+        ts: SampleTime,
+        samples: usize,
+        rng: &mut Xoshiro256PlusPlus,
+    ) -> Result<Inputs, ModelError> {
+        let stretch = (self.duration_s / ts.seconds()).round().max(1.0);
+        let count = whole((samples as f64 / stretch).ceil()).max(1);
+        let fade = FADE_S.min(0.5 * self.duration_s);
+        let highest = self.level.abs() + self.step.abs();
+        let draws: Vec<Vec<Draw>> = channels
+            .iter()
+            .map(|_| {
+                let mut level = None;
+                (0..count)
+                    .map(|_| {
+                        let mut draw = self.draw(rng);
+                        draw.level = level.unwrap_or(draw.level);
+                        // A step that would leave the range of fresh runs goes the other way.
+                        if (draw.level + draw.step).abs() > highest {
+                            draw.step = -draw.step;
+                        }
+                        level = Some(draw.level + draw.step);
+                        draw
+                    })
+                    .collect()
+            })
+            .collect();
+        let duration = samples as f64 * ts.seconds();
+        sampled(channels, duration, ts, |t, channel| {
+            let at = whole(t / self.duration_s).min(count - 1);
+            let (draw, since) = (&draws[channel][at], t - at as f64 * self.duration_s);
+            let mut tones = draw.tones_at(t);
+            if at > 0 && since < fade {
+                let before = draws[channel][at - 1].tones_at(t);
+                tones = before + (tones - before) * since / fade;
+            }
+            draw.level + if since >= draw.step_at { draw.step } else { 0.0 } + tones
+        })
+    }
+
     fn draw(&self, rng: &mut Xoshiro256PlusPlus) -> Draw {
         let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
         let level = sign * self.level * rng.random_range(0.5..1.5);
@@ -134,6 +183,9 @@ impl FreshRun {
     }
 }
 
+/// How long one set of tones takes to become the next, in s.
+const FADE_S: f64 = 5.0;
+
 struct Draw {
     level: f64,
     step_at: f64,
@@ -144,8 +196,11 @@ struct Draw {
 impl Draw {
     fn at(&self, t: f64) -> f64 {
         let step = if t >= self.step_at { self.step } else { 0.0 };
-        let tones: f64 = self.tones.iter().map(|(w, a, phase)| a * (w * t + phase).sin()).sum();
-        self.level + step + tones
+        self.level + step + self.tones_at(t)
+    }
+
+    fn tones_at(&self, t: f64) -> f64 {
+        self.tones.iter().map(|(w, a, phase)| a * (w * t + phase).sin()).sum()
     }
 }
 
@@ -153,14 +208,18 @@ fn geometric((low, high): (f64, f64), share: f64) -> f64 {
     low * (high / low).powf(share)
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length in samples")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
+fn whole(count: f64) -> usize {
+    count.max(0.0) as usize
+}
+
 fn sampled(
     channels: &[Channel],
     duration_s: f64,
     ts: SampleTime,
     f: impl Fn(f64, usize) -> f64,
 ) -> Result<Inputs, ModelError> {
-    let samples = (duration_s / ts.seconds()).round().max(0.0) as usize;
+    let samples = whole((duration_s / ts.seconds()).round());
     let u = (0..samples)
         .flat_map(|k| (0..channels.len()).map(move |channel| (k, channel)))
         // Every run begins at rest, so that filters and models can begin there too.

@@ -52,34 +52,45 @@ pub struct Void {
 pub enum VoidReason {
     /// The inputs left the range of the healthy logs.
     OperatingPoint,
+    /// The inputs moved in a way that the threshold was not set on: a larger jump, a faster motion, another level.
+    InputMotion,
     /// The plant was found to have changed.
     PlantChanged,
 }
 
 impl Void {
-    /// From the events of a log. Thresholds are void while the inputs are outside the range that was learned,
+    /// From the events of a log. Thresholds are void while the inputs are outside the range that was learned or
+    /// move as they did not then,
     /// and for good once the bias was learned again elsewhere or the plant has changed: they were set on what
     /// the old bias left.
     pub(super) fn of(trace: &Trace) -> Option<Self> {
-        let (mut since, mut reason) = (None, None);
+        let (mut is_outside, mut is_beyond, mut has_changed) = (false, false, false);
+        let mut reason = None;
         let mut void = vec![false; trace.len()];
         let mut events = trace.events.iter().peekable();
         for (k, void) in void.iter_mut().enumerate() {
             let at = k + trace.refused;
             while let Some(event) = events.next_if(|event| event.k <= at as u64) {
-                let why = match event.kind {
-                    EventKind::OperatingPointLeft => Some(VoidReason::OperatingPoint),
-                    EventKind::CharacteristicsChanged => Some(VoidReason::PlantChanged),
-                    _ => None,
+                let (flag, is_void, why) = match event.kind {
+                    EventKind::OperatingPointLeft => {
+                        (&mut is_outside, true, VoidReason::OperatingPoint)
+                    }
+                    EventKind::OperatingPointRegained => {
+                        (&mut is_outside, false, VoidReason::OperatingPoint)
+                    }
+                    EventKind::ThresholdVoid => (&mut is_beyond, true, VoidReason::InputMotion),
+                    EventKind::ThresholdValid => (&mut is_beyond, false, VoidReason::InputMotion),
+                    EventKind::CharacteristicsChanged => {
+                        (&mut has_changed, true, VoidReason::PlantChanged)
+                    }
+                    _ => continue,
                 };
-                if why.is_some() {
-                    since = Some(k);
-                    reason = reason.or(why);
-                } else if event.kind == EventKind::OperatingPointRegained {
-                    since = None;
+                *flag = is_void;
+                if is_void {
+                    reason = reason.or(Some(why));
                 }
             }
-            *void = since.is_some();
+            *void = is_outside || is_beyond || has_changed;
         }
         let first = void.iter().position(|void| *void)?;
         let count = void.iter().filter(|void| **void).count();
@@ -95,6 +106,7 @@ impl Void {
     pub(super) fn in_words(&self) -> String {
         let why = match self.reason {
             VoidReason::OperatingPoint => "the inputs leave the range of the healthy logs",
+            VoidReason::InputMotion => "the inputs move as in no healthy log",
             VoidReason::PlantChanged => "the plant has changed since the healthy logs",
         };
         let alarm = if self.first_alarm { ", the first alarm among them" } else { "" };

@@ -33,6 +33,10 @@ pub struct AdaptiveSpec {
     /// Memory in samples of the root mean squares.
     #[serde(default = "default_memory")]
     pub memory_samples: f64,
+    /// How far beyond the largest norms in the healthy logs, relative to them, those of the inputs may go before the
+    /// threshold is said to be void.
+    #[serde(default = "default_void_margin")]
+    pub void_margin: f64,
     /// Rate of false alarms that the factor on the bound is calibrated for.
     pub false_alarms: FalseAlarms,
 }
@@ -79,6 +83,10 @@ fn default_memory() -> f64 {
     50.0
 }
 
+fn default_void_margin() -> f64 {
+    0.1
+}
+
 fn default_quantile() -> f64 {
     LearnedBound::default().quantile
 }
@@ -101,18 +109,22 @@ const MOST_REDRAWS: u64 = 50;
 /// A bound but for what fault-free samples have to tell.
 pub(super) enum Recipe {
     /// All of it.
-    Learned(Bands, LearnedBound),
-    /// The noise alone: the rest is a matter of models.
-    Ensemble(InputBound),
+    Learned(Bands, LearnedBound, f64),
+    /// The noise alone, and which inputs there were: the rest is a matter of models.
+    Ensemble(InputBound, f64),
 }
 
 impl Recipe {
     pub(super) fn bound(&self, healthy: DrivenRows<'_>) -> Result<InputBound, DetectorError> {
         match self {
-            Self::Learned(bands, learned) => {
-                InputBound::from_fault_free(healthy, bands.clone(), learned)
+            Self::Learned(bands, learned, margin) => {
+                InputBound::from_fault_free(healthy, bands.clone(), learned)?
+                    .known_on(healthy, *margin)
             }
-            Self::Ensemble(bound) => bound.clone().with_noise(&noise_levels(healthy.residuals())?),
+            Self::Ensemble(bound, margin) => bound
+                .clone()
+                .with_noise(&noise_levels(healthy.residuals())?)?
+                .known_on(healthy, *margin),
         }
     }
 }
@@ -127,7 +139,7 @@ impl AdaptiveSpec {
         let bands = Bands::spaced(self.slowest_samples, self.corners, self.memory_samples)?;
         Ok(match self.bound {
             BoundSpec::Learned { quantile } => {
-                Recipe::Learned(bands, LearnedBound { quantile, evaluation })
+                Recipe::Learned(bands, LearnedBound { quantile, evaluation }, self.void_margin)
             }
             BoundSpec::Ensemble { models, fraction, seed } => {
                 let h_y = data.design.form()?.hy()?;
@@ -138,7 +150,8 @@ impl AdaptiveSpec {
                     })
                     .collect::<Result<Vec<_>, ModelError>>()?;
                 let noise = noise_levels(data.healthy.residuals())?;
-                Recipe::Ensemble(InputBound::over_ensemble(&transfers, bands, &noise)?)
+                let bound = InputBound::over_ensemble(&transfers, bands, &noise)?;
+                Recipe::Ensemble(bound, self.void_margin)
             }
         })
     }

@@ -129,7 +129,7 @@ pub(super) const EVERY: [&str; 14] = [
     r#"kind = "two-sample", test = "mean", window = 20, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "two-sample", test = "distribution", window = 20, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "adaptive-threshold", corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
-    r#"kind = "adaptive-threshold", bound = { kind = "ensemble", models = 8 }, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
+    r#"kind = "adaptive-threshold", bound = { kind = "ensemble", models = 8 }, memory_samples = 10, void_margin = 0.3, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
     r#"kind = "threshold-selector", bound = { kind = "learned", quantile = 0.9 }, corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
 ];
 

@@ -2,7 +2,7 @@
 
 use fd_core::{
     DynPipeline, Event, FrameError,
-    stage::{Decision, Phase},
+    stage::{Decision, Detector, Phase},
 };
 use fd_model::Record;
 
@@ -26,6 +26,8 @@ pub struct Trace {
     pub threshold: Vec<f64>,
     /// Whether a fault was reported.
     pub alarm: Vec<bool>,
+    /// Whether the inputs were beyond anything that the threshold was set on.
+    pub void: Vec<bool>,
     /// What was decided.
     pub decision: Vec<Decision<f64>>,
     /// What happened.
@@ -63,6 +65,8 @@ impl Trace {
             trace.alarm.push(step.decision.is_fault());
             trace.decision.push(step.decision);
             trace.events.extend(step.events.iter().map(|kind| Event { k: step.k, kind }));
+            let compensating = step.phase == Phase::Compensating;
+            trace.void.push(compensating && pipeline.stages().detector.is_void());
         }
         Ok(trace)
     }

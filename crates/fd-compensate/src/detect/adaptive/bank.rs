@@ -3,7 +3,10 @@
 use faer::c64;
 use fd_core::{Scalar, StateVisitor};
 
-use crate::detect::error::{DetectorError, positive};
+use crate::{
+    detect::error::{DetectorError, positive},
+    rows::DrivenRows,
+};
 
 /// Corners of the bands and the memory of their norms.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +90,20 @@ impl Bands {
             })
             .collect()
     }
+}
+
+/// The largest norm of each input in each band over all runs, those of input 0 first.
+pub(super) fn largest_norms(bands: &Bands, healthy: DrivenRows<'_>) -> Vec<f64> {
+    let mut norms = InputNorms::<f64>::new(bands, healthy.nu());
+    let mut largest = vec![0.0_f64; healthy.nu() * bands.count()];
+    for run in healthy.runs() {
+        norms.reset();
+        for k in run {
+            let now = norms.update(healthy.u(k));
+            largest.iter_mut().zip(now).for_each(|(largest, norm)| *largest = largest.max(*norm));
+        }
+    }
+    largest
 }
 
 /// The running norms `‖φ_l u_j‖`, those of input 0 first.

@@ -32,11 +32,17 @@
 //! [`calibrate_held_out`](crate::calibrate::calibrate_held_out) sets it for a stated rate of false alarms on
 //! runs with other inputs than those that the bound was learned from.
 //!
+//! [`InputBound::known_on`] tells where the bound was seen to hold: while a norm of an input is larger than in any
+//! healthy log (another level, a larger jump, a faster motion), the bound is continued in proportion, which a linear
+//! bias obeys, and the detector says that its threshold is [void](fd_core::stage::Detector::is_void): nobody has
+//! seen how often it is exceeded there.
+//!
 //! **Assumptions.** Filters start in the steady state of the first input. The ensemble spans the
 //! uncertainty, or the healthy logs span the inputs to come.
 //!
-//! **Not to be used** where the bias can be learned and subtracted: the bound is an order of magnitude
-//! wider than the noise, and a fault that hides under it stays hidden.
+//! **Not to be used** in place of learning and subtracting the bias where that can be done: the bound is an order of
+//! magnitude wider than the noise, and a fault that hides under it stays hidden. Behind the compensation it bounds
+//! what the learned bias model leaves after a step, which is little and soon over.
 
 mod bank;
 mod ensemble;
@@ -52,6 +58,7 @@ pub use self::{
 };
 
 use super::error::{DetectorError, length};
+use crate::rows::DrivenRows;
 
 /// Design of `J_i = a_i + Σ_jl b_ijl ‖φ_l u_j‖`, see the [module](self).
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +69,10 @@ pub struct InputBound {
     noise: Vec<f64>,
     /// `b`: for each residual channel, for each input, one for each band.
     gains: Vec<f64>,
+    /// Largest norm that was seen: for each input, one for each band.
+    largest: Vec<f64>,
+    /// How far beyond it holds, relative to it.
+    margin: f64,
 }
 
 impl InputBound {
@@ -92,7 +103,8 @@ impl InputBound {
             let (parameter, expected) = ("gain", "non-negative and finite");
             return Err(DetectorError::Parameter { parameter, expected, found });
         }
-        Ok(Self { bands, nu, noise: noise.to_vec(), gains: gains.to_vec() })
+        let largest = vec![f64::INFINITY; nu * bands.count()];
+        Ok(Self { bands, nu, noise: noise.to_vec(), gains: gains.to_vec(), largest, margin: 0.0 })
     }
 
     /// The same bound with another noise level of each residual channel.
@@ -101,7 +113,49 @@ impl InputBound {
     ///
     /// As [`InputBound::new`].
     pub fn with_noise(self, noise: &[f64]) -> Result<Self, DetectorError> {
-        Self::new(self.bands, self.nu, noise, &self.gains)
+        let (largest, margin) = (self.largest, self.margin);
+        Ok(Self { largest, margin, ..Self::new(self.bands, self.nu, noise, &self.gains)? })
+    }
+
+    /// The same bound, said to hold only where the norms of the inputs are not above the largest ones of these logs
+    /// by more than `margin` of them: beyond, by a level, a jump or a rate that the logs do not have, the threshold is
+    /// [void](fd_core::stage::Detector::is_void), until the norms are below half of the margin again. Without this it
+    /// is taken to hold everywhere.
+    ///
+    /// ```
+    /// use fd_compensate::{DrivenRows, SampleRows, detect::{AdaptiveThreshold, adaptive::{Bands, InputBound}}};
+    /// use fd_core::stage::Detector;
+    ///
+    /// let (u, r) = ([1.0, -1.0, 1.0], [0.1, 0.1, 0.1]);
+    /// let healthy = DrivenRows::new(SampleRows::new(1, &u)?, SampleRows::new(1, &r)?)?;
+    /// let bound = InputBound::new(Bands::new(&[], 1.0)?, 1, &[0.1], &[0.2])?.known_on(healthy, 0.1)?;
+    /// let mut detector = AdaptiveThreshold::of_magnitude(&bound, 1.0)?;
+    /// detector.update(&[1.05], &[0.0]);
+    /// assert!(!detector.is_void());
+    /// detector.update(&[-1.2], &[0.0]);
+    /// assert!(detector.is_void());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the logs have other inputs, or the margin is negative or not finite.
+    pub fn known_on(mut self, healthy: DrivenRows<'_>, margin: f64) -> Result<Self, DetectorError> {
+        super::error::length("inputs of the fault-free record", self.nu, healthy.nu())?;
+        if !(margin >= 0.0 && margin.is_finite()) {
+            let (parameter, expected) = ("margin of the inputs", "non-negative and finite");
+            return Err(DetectorError::Parameter { parameter, expected, found: margin });
+        }
+        self.largest = bank::largest_norms(&self.bands, healthy);
+        self.margin = margin;
+        Ok(self)
+    }
+
+    /// The largest norms of the inputs that were seen, those of input 0 first, and the margin beyond them;
+    /// infinite unless [told](Self::known_on).
+    #[must_use]
+    pub fn largest_norms(&self) -> (&[f64], f64) {
+        (&self.largest, self.margin)
     }
 
     /// Residual channels.

@@ -21,6 +21,10 @@ pub struct AdaptiveThreshold<T: Scalar> {
     /// Mean square of each channel over the window.
     power: Vec<T>,
     bounds: Vec<T>,
+    /// Norms beyond which nothing is known, and those below which something is again.
+    left: Vec<T>,
+    regained: Vec<T>,
+    is_void: bool,
 }
 
 impl<T: Scalar> AdaptiveThreshold<T> {
@@ -69,6 +73,10 @@ impl<T: Scalar> AdaptiveThreshold<T> {
     ) -> Result<Self, DetectorError> {
         positive("threshold", factor)?;
         let (channels, nu, count) = (bound.residual_len(), bound.nu(), bound.bands().count());
+        let (largest, margin) = bound.largest_norms();
+        let limits = |share: f64| -> Vec<T> {
+            largest.iter().map(|norm| T::from_design(norm * (1.0 + share * margin))).collect()
+        };
         Ok(Self {
             norms: InputNorms::new(bound.bands(), nu),
             noise: bound.noise().iter().map(|&a| T::from_design(a)).collect(),
@@ -79,6 +87,9 @@ impl<T: Scalar> AdaptiveThreshold<T> {
             factor: T::from_design(factor),
             power: vec![T::zero(); channels],
             bounds: vec![T::zero(); channels],
+            left: limits(1.0),
+            regained: limits(0.5),
+            is_void: false,
         })
     }
 
@@ -104,11 +115,15 @@ impl<T: Scalar> Stage<T> for AdaptiveThreshold<T> {
         self.norms.reset();
         self.power.fill(T::zero());
         self.bounds.fill(T::zero());
+        self.is_void = false;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         self.norms.visit_state(visitor);
         visitor.reals("residual powers", &mut self.power);
+        let mut void = [u64::from(self.is_void)];
+        visitor.counts("threshold void", &mut void);
+        self.is_void = void[0] != 0;
     }
 }
 
@@ -124,7 +139,10 @@ impl<T: Scalar> Detector<T> for AdaptiveThreshold<T> {
     fn update(&mut self, u: &[T], r: &[T]) -> Verdict<T> {
         let forget = self.norms.forget();
         self.bounds.copy_from_slice(&self.noise);
-        self.gains.mul_add_into(self.norms.update(u), &mut self.bounds);
+        let norms = self.norms.update(u);
+        let limits = if self.is_void { &self.regained } else { &self.left };
+        self.is_void = norms.iter().zip(limits).any(|(norm, limit)| limit < norm);
+        self.gains.mul_add_into(norms, &mut self.bounds);
         let mut statistic = T::zero();
         for ((&r, power), &bound) in r.iter().zip(&mut self.power).zip(&self.bounds) {
             *power += forget * (r * r - *power);
@@ -135,5 +153,9 @@ impl<T: Scalar> Detector<T> for AdaptiveThreshold<T> {
             statistic = statistic.max(value / bound);
         }
         Verdict { statistic, threshold: self.factor }
+    }
+
+    fn is_void(&self) -> bool {
+        self.is_void
     }
 }

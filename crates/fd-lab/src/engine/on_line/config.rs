@@ -1,9 +1,11 @@
 //! What is done on line.
 
-use fd_compensate::residual_compensation::{
-    ChangePolicy, CompensationPlan, Convergence, PlantChange,
+use fd_compensate::{
+    calibrate::{Beyond, CalibrationPlan, FalseAlarms},
+    residual_compensation::{ChangePolicy, CompensationPlan, Convergence, PlantChange},
 };
 use fd_ident::rls::RlsDesign;
+use fdiag::spec::{AdaptiveSpec, BoundSpec, DetectorSpec};
 use serde::{Deserialize, Serialize};
 
 /// What is done on line, in seconds of the run and sizes relative to the reading.
@@ -27,7 +29,13 @@ pub struct OnLineConfig {
     pub learning: RlsDesign,
     /// When the switch opens, and what is watched after that; in place of that of the pipeline.
     pub compensation: CompensationPlan,
-    /// Faults of the first sensor that begin half way through the training.
+    /// What watches after the opening, in place of that of the pipeline. The default follows the input, and is set for
+    /// an alarm with 5 % probability in the 240 s of `after_s`.
+    pub detector: DetectorSpec,
+    /// How its threshold is found, in place of that of the pipeline. Twenty runs cannot show so low a rate: the default
+    /// extrapolates.
+    pub calibration: CalibrationPlan,
+    /// Faults of the first sensor that begin half way through the training, and in another run after the opening.
     pub faults: Vec<TrainingFault>,
     /// Healthy time between the opening and what comes then.
     pub lead_s: f64,
@@ -65,6 +73,18 @@ impl Default for OnLineConfig {
                     ..PlantChange::default()
                 },
                 ..CompensationPlan::default()
+            },
+            detector: DetectorSpec::AdaptiveThreshold(AdaptiveSpec {
+                bound: BoundSpec::default(),
+                corners: 3,
+                slowest_samples: 100.0,
+                memory_samples: 20.0,
+                void_margin: 0.1,
+                false_alarms: FalseAlarms::PerRun { probability: 0.05, samples: 4800 },
+            }),
+            calibration: CalibrationPlan {
+                beyond: Beyond::Extrapolate,
+                ..CalibrationPlan::default()
             },
             faults: vec![fault(0.005, 10.0), fault(0.05, 0.0), fault(0.5, 0.0)],
             lead_s: 60.0,

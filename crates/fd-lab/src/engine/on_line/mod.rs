@@ -6,7 +6,9 @@
 //!                    └ a fault sets in half way
 //! ```
 //!
-//! The input is one fresh run after the other without a stop between them. Only linear engines: their drift is
+//! The input is that of a fresh run that goes on and on: steps and tones, the level where the last step left it. In
+//! one case of its own fresh runs are joined as they are after the lead: the level then jumps further than in any run
+//! that the threshold was set on. Only linear engines: their drift is
 //! a way from one perturbed engine to another.
 
 mod config;

@@ -19,31 +19,39 @@ const DRAWS: usize = 100;
 pub(super) type Way = Vec<(usize, Reality)>;
 
 impl Benchmark {
-    /// Fresh runs one after the other, with noise.
+    /// A long input without jumps but the steps of a fresh run, with noise.
     pub(super) fn draw_long(
         &self,
         case: &mut Case,
         samples: usize,
     ) -> Result<Draw, EngineStudyError> {
-        let (channels, ts) = (self.inputs(), self.ts());
-        let mut u: Vec<f64> = Vec::new();
-        while u.len() < samples * channels.len() {
-            let run = self.config().fresh.inputs(channels, ts, &mut case.rng)?;
-            let values = run.values();
-            if u.is_empty() || values.len() < 2 * channels.len() {
-                u.extend_from_slice(values);
-            } else {
-                // A run begins with a sample at rest, which would be a spike here.
-                let (_, rest) = values.split_at(channels.len());
-                u.extend_from_slice(rest);
-            }
-            if values.is_empty() {
+        let fresh = &self.config().fresh;
+        let inputs = fresh.long_inputs(self.inputs(), self.ts(), samples, &mut case.rng)?;
+        Ok(Draw { inputs, output_noise: self.noise(&mut case.rng) })
+    }
+
+    /// The same input up to a sample, and from there on fresh runs one after the other: where two are joined, level
+    /// and tones jump further than within any of them.
+    pub(super) fn with_jumps(
+        &self,
+        case: &mut Case,
+        draw: &Draw,
+        from: usize,
+    ) -> Result<Draw, EngineStudyError> {
+        let (inputs, nu) = (&draw.inputs, self.inputs().len());
+        let mut u = inputs.values()[..from.min(inputs.len()) * nu].to_vec();
+        while u.len() < inputs.len() * nu {
+            let run = self.config().fresh.inputs(self.inputs(), self.ts(), &mut case.rng)?;
+            // A run begins with a sample at rest, which would be a spike here.
+            let rest = run.values().get(nu..).unwrap_or_default();
+            if rest.is_empty() {
                 return Err(EngineStudyError::None { setting: "fresh.duration_s" });
             }
+            u.extend_from_slice(rest);
         }
-        u.truncate(samples * channels.len());
-        let inputs = Inputs::new(channels.to_vec(), u, samples, ts)?;
-        Ok(Draw { inputs, output_noise: self.noise(&mut case.rng) })
+        u.truncate(inputs.len() * nu);
+        let inputs = Inputs::new(self.inputs().to_vec(), u, inputs.len(), inputs.ts())?;
+        Ok(Draw { inputs, output_noise: draw.output_noise.clone() })
     }
 
     /// The first samples of a long run.

@@ -74,7 +74,14 @@ impl Study {
                 range(&said.shown),
             ]);
         }
-        vec![table, faults]
+        let mut after = Table::new(
+            "The same faults, beginning after the opening",
+            &["fault", "alarm [%]", "delay [s]"],
+        );
+        for (fault, (found, delay)) in self.config.on_line.faults.iter().zip(&line.faults) {
+            after.push([name(fault), share(found), range(delay)]);
+        }
+        vec![table, faults, after]
     }
 
     fn on_line_rows(&self, line: &OnLineSummary) -> Vec<(String, String)> {
@@ -100,6 +107,19 @@ impl Study {
         let rest = [
             ("healthy: said to have changed [%]".to_owned(), share(&line.healthy_changed)),
             ("healthy: alarm [%]".to_owned(), share(&line.healthy_alarm)),
+            (
+                "healthy: threshold said to be void [% of time]".to_owned(),
+                tenths(line.healthy_void),
+            ),
+            ("healthy, input jumps: alarm [%]".to_owned(), share(&line.jumps_alarm)),
+            (
+                "healthy, input jumps: alarm with the threshold not void [%]".to_owned(),
+                share(&line.jumps_stated),
+            ),
+            (
+                "healthy, input jumps: threshold said to be void [% of time]".to_owned(),
+                tenths(line.jumps_void),
+            ),
             (
                 format!("incipient fault of {size}: taken for a change of the plant [%]"),
                 share(&line.incipient_mistaken),
@@ -128,6 +148,10 @@ fn name(fault: &TrainingFault) -> String {
     } else {
         format!("{size}, abrupt")
     }
+}
+
+fn tenths(share: f64) -> String {
+    format!("{:.1}", 100.0 * share)
 }
 
 fn share(share: &Share) -> String {

@@ -29,6 +29,18 @@ pub struct OnLineSummary {
     pub healthy_changed: Share,
     /// Healthy engines with an alarm after the opening.
     pub healthy_alarm: Share,
+    /// The same, of alarms while the threshold was not said to be void.
+    pub healthy_stated: Share,
+    /// Mean share of the time for which it was.
+    pub healthy_void: f64,
+    /// Healthy engines with an alarm when the input jumped further than the threshold was set on.
+    pub jumps_alarm: Share,
+    /// The same, of alarms while the threshold was not said to be void.
+    pub jumps_stated: Share,
+    /// Mean share of the time for which it was.
+    pub jumps_void: f64,
+    /// One entry per fault that began after the opening: an alarm, and its delay in s.
+    pub faults: Vec<(Share, Range)>,
     /// Engines with an incipient fault that were said to have changed before there was an alarm.
     pub incipient_mistaken: Share,
     /// Engines with an incipient fault and an alarm.
@@ -92,6 +104,17 @@ impl OnLineSummary {
             in_training: faults.collect(),
             healthy_changed: share(&|o| o.healthy.changed_s.is_some()),
             healthy_alarm: share(&|o| o.healthy.alarm_s.is_some()),
+            healthy_stated: share(&|o| o.healthy.stated_alarm_s.is_some()),
+            healthy_void: mean(&|o| o.healthy.void),
+            jumps_alarm: share(&|o| o.jumps.alarm_s.is_some()),
+            jumps_stated: share(&|o| o.jumps.stated_alarm_s.is_some()),
+            jumps_void: mean(&|o| o.jumps.void),
+            faults: (0..first.faults.len())
+                .map(|i| {
+                    let alarms = || open.iter().map(|o| o.faults[i].alarm_s);
+                    (shared(alarms().map(|s| s.is_some())), Range::of(alarms().flatten()))
+                })
+                .collect(),
             incipient_mistaken: share(&|o| before(o.incipient.changed_s, o.incipient.alarm_s)),
             incipient_found: share(&|o| o.incipient.alarm_s.is_some()),
             incipient_delay_s: Range::of(open.iter().filter_map(|o| o.incipient.alarm_s)),

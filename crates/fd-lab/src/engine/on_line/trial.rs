@@ -41,6 +41,12 @@ pub struct Opened {
     pub in_training: Vec<InTraining>,
     /// The engine stays as it is.
     pub healthy: Afterwards,
+    /// The same with an input that jumps further than the threshold was set on.
+    #[serde(default)]
+    pub jumps: Afterwards,
+    /// One entry per fault of the training, when it begins after the opening.
+    #[serde(default)]
+    pub faults: Vec<Afterwards>,
     /// The incipient fault of the benchmark begins.
     pub incipient: Afterwards,
     /// The engine becomes another one.
@@ -62,12 +68,18 @@ pub struct InTraining {
 }
 
 /// What was said after the opening, from the sample on in which something begins, or would.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Afterwards {
     /// Time in s until the plant was said to have changed.
     pub changed_s: Option<f64>,
     /// Time in s until the first alarm.
     pub alarm_s: Option<f64>,
+    /// Time in s until the first alarm while the threshold was not said to be void.
+    #[serde(default)]
+    pub stated_alarm_s: Option<f64>,
+    /// Share of the samples for which the threshold was said to be void.
+    #[serde(default)]
+    pub void: f64,
 }
 
 /// What became of an engine that drifted.
@@ -113,6 +125,8 @@ impl Benchmark {
         let training = self.run(&case.training, &Self::shorter(&whole, longest)?, &[])?;
         let mut spec = PipelineSpec {
             compensation: config.compensation.clone(),
+            detector: config.detector.clone(),
+            calibration: config.calibration.clone(),
             ..self.config().pipeline.clone()
         };
         spec.bias.learning = LearningSpec::Recursive(config.learning);
@@ -170,11 +184,14 @@ impl Benchmark {
             smallest.push(watch.find(&tests.compensated, &phi, size, tests.start)?.smallest);
         }
         let healthy = self.run(&case.training, draw, &[])?;
-        let (mut in_training, mut incipient) = (Vec::new(), None);
+        let (mut in_training, mut faults, mut incipient) = (Vec::new(), Vec::new(), None);
         if let Some(&channel) = channels.first() {
             let phi = self.unit_fault_response(trained, channel)?.0;
             for fault in &self.config().on_line.faults {
                 in_training.push(line.in_training(&healthy, channel, *fault, &phi)?);
+                let faulty = with_fault(&healthy, channel, *fault, line.begins);
+                let trace = line_trace(&mut line.pipeline, &faulty)?;
+                faults.push(line.afterwards(&trace));
             }
             let fault = TrainingFault { size, rise_s: self.config().faults.rise_s };
             let faulty = with_fault(&healthy, channel, fault, line.begins);
@@ -183,6 +200,9 @@ impl Benchmark {
         }
         let trace = line_trace(&mut line.pipeline, &healthy)?;
         let said = line.afterwards(&trace);
+        let jumpy = self.with_jumps(case, draw, line.begins)?;
+        let trace = line_trace(&mut line.pipeline, &self.run(&case.training, &jumpy, &[])?)?;
+        let jumps = line.afterwards(&trace);
         let length = self.samples(self.config().on_line.drift_s);
         let drift = match self.way(case, line.begins, length)? {
             None => None,
@@ -195,6 +215,8 @@ impl Benchmark {
             smallest,
             in_training,
             healthy: said,
+            jumps,
+            faults,
             incipient: incipient.unwrap_or(said),
             drift,
         })
@@ -237,9 +259,14 @@ impl Line<'_> {
             let k = usize::try_from(event.k).ok()?;
             (event.kind == EventKind::CharacteristicsChanged && k >= self.begins).then_some(k)
         });
+        let after = self.begins..trace.len();
+        let stated = after.clone().find(|&k| trace.alarm[k] && !trace.void[k]);
+        let void = after.clone().filter(|&k| trace.void[k]).count();
         Afterwards {
             changed_s: changed.map(since),
             alarm_s: trace.first_alarm(self.begins).map(since),
+            stated_alarm_s: stated.map(since),
+            void: void as f64 / after.len().max(1) as f64,
         }
     }
 
