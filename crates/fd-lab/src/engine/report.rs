@@ -66,7 +66,7 @@ impl Study {
             .faults
             .iter()
             .filter(|fault| fault.fair_ratio.median.is_finite())
-            .map(|fault| format!("{} times for {}", figure(fault.fair_ratio.median), fault.sensor))
+            .map(|fault| format!("{:.2} times for {}", fault.fair_ratio.median, fault.sensor))
             .collect();
         if ratios.is_empty() {
             return String::new();
