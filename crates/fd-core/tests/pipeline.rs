@@ -2,45 +2,17 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod altered;
+mod smallest;
 
 use fd_core::{
     BuildError, EventKind, Frame, FrameError, IoDims, MissingSamples, Pipeline, Snapshot,
     SnapshotError, Stages, StateVisitor,
-    stage::{
-        Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
-        Verdict,
-    },
+    stage::{Detector, ResidualGenerator, Stage, Uncompensated, Verdict},
     testing::{memory, nonsense},
 };
 use proptest::prelude::*;
 
-/// `r = y − a·(previous y) − u`: the smallest generator with a memory.
-#[derive(Clone, Debug)]
-struct Lag {
-    previous: f64,
-}
-
-impl Stage for Lag {
-    fn reset(&mut self) {
-        self.previous = 0.0;
-    }
-    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
-        visitor.reals("previous", std::slice::from_mut(&mut self.previous));
-    }
-}
-
-impl ResidualGenerator for Lag {
-    fn io(&self) -> IoDims {
-        IoDims { nu: 1, ny: 1 }
-    }
-    fn residual_len(&self) -> usize {
-        1
-    }
-    fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
-        r[0] = frame.y()[0] - 0.5 * self.previous - frame.u()[0];
-        self.previous = frame.y()[0];
-    }
-}
+use smallest::{AlarmIsFault, Lag};
 
 /// Sum of `|r|`, so that the past matters.
 #[derive(Clone, Debug)]
@@ -65,27 +37,6 @@ impl Detector for Sum {
     fn update(&mut self, _u: &[f64], r: &[f64]) -> Verdict<f64> {
         self.sum = 0.9 * self.sum + r[0].abs();
         Verdict { statistic: self.sum, threshold: 1.0 }
-    }
-}
-
-#[derive(Clone, Debug)]
-struct AlarmIsFault;
-
-impl Stage for AlarmIsFault {
-    fn reset(&mut self) {}
-    fn visit_state(&mut self, _: &mut dyn StateVisitor<f64>) {}
-}
-
-impl DecisionRule for AlarmIsFault {
-    fn residual_len(&self) -> usize {
-        1
-    }
-    fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
-        if evidence.verdict.alarm() {
-            Decision::Fault(Fault::since(evidence.k))
-        } else {
-            Decision::Nominal
-        }
     }
 }
 

@@ -1,54 +1,14 @@
 //! A detector that knows where its threshold states no rate, within a pipeline.
 #![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
+mod smallest;
+
 use fd_core::{
-    EventKind, Frame, IoDims, Pipeline, Snapshot, Stages, StateVisitor,
-    stage::{
-        Decision, DecisionRule, Detector, Evidence, Fault, ResidualGenerator, Stage, Uncompensated,
-        Verdict,
-    },
+    EventKind, Pipeline, Snapshot, Stages, StateVisitor,
+    stage::{Detector, Stage, Uncompensated, Verdict},
 };
 
-/// The output as the residual.
-#[derive(Clone, Debug)]
-struct Output;
-
-/// Every alarm is a fault.
-#[derive(Clone, Debug)]
-struct AtOnce;
-
-macro_rules! without_memory { ($($stage:ty)*) => { $(
-    impl Stage for $stage {
-        fn reset(&mut self) {}
-        fn visit_state(&mut self, _: &mut dyn StateVisitor<f64>) {}
-    }
-)* } }
-without_memory!(Output AtOnce);
-
-impl ResidualGenerator for Output {
-    fn io(&self) -> IoDims {
-        IoDims { nu: 1, ny: 1 }
-    }
-    fn residual_len(&self) -> usize {
-        1
-    }
-    fn step(&mut self, frame: Frame<'_, f64>, r: &mut [f64]) {
-        r[0] = frame.y()[0];
-    }
-}
-
-impl DecisionRule for AtOnce {
-    fn residual_len(&self) -> usize {
-        1
-    }
-    fn decide(&mut self, evidence: Evidence<'_, f64>) -> Decision<f64> {
-        if evidence.verdict.alarm() {
-            Decision::Fault(Fault::since(evidence.k))
-        } else {
-            Decision::Nominal
-        }
-    }
-}
+use smallest::{AlarmIsFault, Lag};
 
 /// Void while the input is above one.
 #[derive(Clone, Debug)]
@@ -83,10 +43,10 @@ impl Detector for Knows {
 fn a_void_threshold_is_told_by_events() {
     let new = || {
         Pipeline::new(Stages {
-            generator: Output,
+            generator: Lag { previous: 0.0 },
             compensator: Uncompensated::new(1),
             detector: Box::new(Knows { u: 0.0 }) as Box<dyn Detector>,
-            rule: AtOnce,
+            rule: AlarmIsFault,
         })
         .unwrap()
     };

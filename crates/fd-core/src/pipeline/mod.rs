@@ -228,6 +228,12 @@ where
         &self.stages
     }
 
+    /// Whether, at the last sample, the threshold was said to be void: while compensating, and where the
+    /// [detector](Detector::is_void) says so.
+    pub fn is_void(&self) -> bool {
+        self.void
+    }
+
     /// Lets the compensator train again from the next sample; false where there is nothing to train.
     pub fn retrain(&mut self) -> bool {
         self.stages.compensator.retrain()

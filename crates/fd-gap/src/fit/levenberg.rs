@@ -100,8 +100,8 @@ impl Minimum {
     /// and standard errors need; and without residuals that are long.
     pub(crate) fn condensed(mut self, problem: &dyn LeastSquares) -> Self {
         if self.products.is_none() {
-            self.products = Some(Arc::new(self.products_of_slopes(problem.layout())));
-            self.slopes = Columns::default();
+            let slopes = std::mem::take(&mut self.slopes);
+            self.products = Some(Arc::new(Arrow::of_slopes(problem.layout(), &slopes, &self.r)));
             if LONG < self.r.len() {
                 self.r = Vec::new();
             }
@@ -119,13 +119,13 @@ impl Minimum {
 
     /// Normal equations at this place, with residuals and slopes multiplied by `weight`.
     pub(crate) fn equations(&self, problem: &dyn LeastSquares, weight: f64) -> Arrow {
-        let known = self.products.as_deref().cloned();
-        let products = known.unwrap_or_else(|| self.products_of_slopes(problem.layout()));
-        products.with_prior(problem.prior(), &self.z, weight)
+        self.equations_in(problem.layout(), problem.prior(), weight)
     }
 
-    fn products_of_slopes(&self, layout: &Layout) -> Arrow {
-        Arrow::of_slopes(layout, &self.slopes, &self.r)
+    fn equations_in(&self, layout: &Layout, prior: &[[f64; 2]], weight: f64) -> Arrow {
+        let known = self.products.as_deref().cloned();
+        let products = known.unwrap_or_else(|| Arrow::of_slopes(layout, &self.slopes, &self.r));
+        products.with_prior(prior, &self.z, weight)
     }
 }
 
@@ -231,8 +231,8 @@ impl Setting {
     /// Normal equations at a place, with held unknowns taken out.
     fn linear_equations(&self, at: &Minimum) -> Arrow {
         let Self { layout, bounds, prior, search } = self;
-        let Minimum { z, r, slopes, .. } = at;
-        let mut equations = Arrow::of_slopes(layout, slopes, r).with_prior(prior, z, 1.0);
+        let z = &at.z;
+        let mut equations = at.equations_in(layout, prior, 1.0);
         for (i, [low, high]) in bounds.iter().enumerate() {
             let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
             let is_held = search.own_only && i < layout.shared

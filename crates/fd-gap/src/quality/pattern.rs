@@ -63,9 +63,11 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
         let power = dot(&left, &left);
         let correlations: Vec<f64> =
             columns.par_iter().map(|c| dot(c, &left).powi(2) / power).collect();
-        let correlations = correlations.into_iter();
-        let Some((at, share)) =
-            correlations.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, s)| 0.0 < *s)
+        let Some((at, share)) = correlations
+            .into_iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, s)| 0.0 < *s)
         else {
             break;
         };

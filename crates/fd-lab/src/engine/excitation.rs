@@ -163,7 +163,7 @@ impl FreshRun {
                 let before = draws[channel][at - 1].tones_at(t);
                 tones = before + (tones - before) * since / fade;
             }
-            draw.level + if since >= draw.step_at { draw.step } else { 0.0 } + tones
+            draw.level_at(since) + tones
         })
     }
 
@@ -195,8 +195,11 @@ struct Draw {
 
 impl Draw {
     fn at(&self, t: f64) -> f64 {
-        let step = if t >= self.step_at { self.step } else { 0.0 };
-        self.level + step + self.tones_at(t)
+        self.level_at(t) + self.tones_at(t)
+    }
+
+    fn level_at(&self, t: f64) -> f64 {
+        self.level + if t >= self.step_at { self.step } else { 0.0 }
     }
 
     fn tones_at(&self, t: f64) -> f64 {

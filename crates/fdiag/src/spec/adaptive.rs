@@ -106,26 +106,31 @@ fn default_seed() -> u64 {
 /// Draws that turn out unstable, per model wanted, before the search is given up.
 const MOST_REDRAWS: u64 = 50;
 
-/// A bound but for what fault-free samples have to tell.
-pub(super) enum Recipe {
+/// A bound but for what fault-free samples have to tell: which inputs there were, and more.
+pub(super) struct Recipe {
+    source: Source,
+    void_margin: f64,
+}
+
+/// What else they tell.
+enum Source {
     /// All of it.
-    Learned(Bands, LearnedBound, f64),
-    /// The noise alone, and which inputs there were: the rest is a matter of models.
-    Ensemble(InputBound, f64),
+    Learned(Bands, LearnedBound),
+    /// The noise alone: the rest is a matter of models.
+    Ensemble(InputBound),
 }
 
 impl Recipe {
     pub(super) fn bound(&self, healthy: DrivenRows<'_>) -> Result<InputBound, DetectorError> {
-        match self {
-            Self::Learned(bands, learned, margin) => {
+        let bound = match &self.source {
+            Source::Learned(bands, learned) => {
                 InputBound::from_fault_free(healthy, bands.clone(), learned)?
-                    .known_on(healthy, *margin)
             }
-            Self::Ensemble(bound, margin) => bound
-                .clone()
-                .with_noise(&noise_levels(healthy.residuals())?)?
-                .known_on(healthy, *margin),
-        }
+            Source::Ensemble(bound) => {
+                bound.clone().with_noise(&noise_levels(healthy.residuals())?)?
+            }
+        };
+        bound.known_on(healthy, self.void_margin)
     }
 }
 
@@ -137,9 +142,9 @@ impl AdaptiveSpec {
         evaluation: Evaluation,
     ) -> Result<Recipe, DetectorSpecError> {
         let bands = Bands::spaced(self.slowest_samples, self.corners, self.memory_samples)?;
-        Ok(match self.bound {
+        let source = match self.bound {
             BoundSpec::Learned { quantile } => {
-                Recipe::Learned(bands, LearnedBound { quantile, evaluation }, self.void_margin)
+                Source::Learned(bands, LearnedBound { quantile, evaluation })
             }
             BoundSpec::Ensemble { models, fraction, seed } => {
                 let h_y = data.design.form()?.hy()?;
@@ -150,10 +155,10 @@ impl AdaptiveSpec {
                     })
                     .collect::<Result<Vec<_>, ModelError>>()?;
                 let noise = noise_levels(data.healthy.residuals())?;
-                let bound = InputBound::over_ensemble(&transfers, bands, &noise)?;
-                Recipe::Ensemble(bound, self.void_margin)
+                Source::Ensemble(InputBound::over_ensemble(&transfers, bands, &noise)?)
             }
-        })
+        };
+        Ok(Recipe { source, void_margin: self.void_margin })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use fd_core::{
     DynPipeline, Event, FrameError,
-    stage::{Decision, Detector, Phase},
+    stage::{Decision, Phase},
 };
 use fd_model::Record;
 
@@ -65,8 +65,7 @@ impl Trace {
             trace.alarm.push(step.decision.is_fault());
             trace.decision.push(step.decision);
             trace.events.extend(step.events.iter().map(|kind| Event { k: step.k, kind }));
-            let compensating = step.phase == Phase::Compensating;
-            trace.void.push(compensating && pipeline.stages().detector.is_void());
+            trace.void.push(pipeline.is_void());
         }
         Ok(trace)
     }

@@ -141,7 +141,7 @@ impl InputBound {
     ///
     /// Returns an error when the logs have other inputs, or the margin is negative or not finite.
     pub fn known_on(mut self, healthy: DrivenRows<'_>, margin: f64) -> Result<Self, DetectorError> {
-        super::error::length("inputs of the fault-free record", self.nu, healthy.nu())?;
+        length("inputs of the fault-free record", self.nu, healthy.nu())?;
         if !(margin >= 0.0 && margin.is_finite()) {
             let (parameter, expected) = ("margin of the inputs", "non-negative and finite");
             return Err(DetectorError::Parameter { parameter, expected, found: margin });

@@ -69,13 +69,8 @@ pub(super) fn search<'a>(
             screened
         })
         .collect();
-    let (mut screened, mut not_tested) = (Vec::new(), Vec::new());
-    for outcome in tried {
-        match outcome {
-            Ok(candidate) => screened.push(candidate),
-            Err(reason) => not_tested.push(reason),
-        }
-    }
+    let mut not_tested = Vec::new();
+    let screened = tested(tried, &mut not_tested);
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
     let of_many = if is_many { PROMISE_OF_MANY } else { 0.0 };
     let least_promise = settings.least_promise.max(of_many);
@@ -87,29 +82,24 @@ pub(super) fn search<'a>(
         .zip(promises)
         .map(|(screened, promise)| {
             let Screened { candidate, index, .. } = screened;
-            let refuse = |reason: &str| NotTested::of(candidate, reason.to_owned());
+            let refuse = |reason: String| NotTested::of(candidate, reason);
             if 0 < index && monitor.is_stopped() {
-                return Err(NotTested::of(candidate, stopped()));
+                return Err(refuse(stopped()));
             }
             let is_known = fitted.is_some_and(|fitted| is_in(candidate, fitted));
             if !is_known && promises_less(promise, least_promise, most) {
                 monitor.advance();
-                return Err(refuse("others promise far more"));
+                return Err(refuse("others promise far more".to_owned()));
             }
             let again = |candidate| Trial::new(nominal, candidate, index, &null);
-            let mut trial = screened.trial(again).map_err(|e| refuse(&e.to_string()))?;
+            let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
             trial.short_fits(&null, most);
             monitor.advance();
-            if trial.best.is_some() { Ok(trial) } else { Err(refuse("its simulation diverges")) }
+            let diverges = || refuse("its simulation diverges".to_owned());
+            if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }
         })
         .collect();
-    let mut trials = Vec::new();
-    for outcome in fits {
-        match outcome {
-            Ok(trial) => trials.push(trial),
-            Err(reason) => not_tested.push(reason),
-        }
-    }
+    let mut trials = tested(fits, &mut not_tested);
     let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| is_in(trial.candidate, fitted));
     if let Some(fitted) = fitted {
         trials.par_iter_mut().filter(|trial| is_known(trial)).for_each(|trial| {
@@ -131,6 +121,12 @@ pub(super) fn search<'a>(
         nominal,
         Searched { model, null, noise, trials, not_tested, is_coloured, lines },
     )
+}
+
+/// What was tested; why the rest was not goes to the others of that kind.
+fn tested<T>(outcomes: Vec<Result<T, NotTested>>, not_tested: &mut Vec<NotTested>) -> Vec<T> {
+    let keep = |outcome: Result<T, _>| outcome.map_err(|reason| not_tested.push(reason)).ok();
+    outcomes.into_iter().filter_map(keep).collect()
 }
 
 /// What the best law of the cause of each candidate could explain: laws are started from one another.

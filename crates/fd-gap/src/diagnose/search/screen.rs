@@ -92,7 +92,7 @@ impl Trial<'_> {
 
     /// What the best start could explain.
     pub(in crate::diagnose) fn gain(&self) -> f64 {
-        self.scored.first().map_or(0.0, |start| start.score.gain)
+        ScoredStart::gain_of(&self.scored)
     }
 
     /// Amplitudes that keep all strengths within their bounds.

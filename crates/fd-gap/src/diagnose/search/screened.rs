@@ -27,7 +27,7 @@ impl<'a> Screened<'a> {
 
     /// What the best start could explain.
     pub(super) fn gain(&self) -> f64 {
-        self.scored.first().map_or(0.0, |start| start.score.gain)
+        ScoredStart::gain_of(&self.scored)
     }
 
     /// The trial again, which is made anew if it was not kept.

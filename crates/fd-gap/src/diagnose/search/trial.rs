@@ -62,6 +62,13 @@ pub(in crate::diagnose) struct ScoredStart {
     pub(super) score: Score,
 }
 
+impl ScoredStart {
+    /// What the first of several, the best, could explain.
+    pub(super) fn gain_of(scored: &[Self]) -> f64 {
+        scored.first().map_or(0.0, |start| start.score.gain)
+    }
+}
+
 /// A candidate on its way: screened, fitted a little, fitted to the end. It is at work within the
 /// functions that own it, and rests once it is part of a step.
 #[derive(Debug)]

@@ -189,20 +189,14 @@ impl Benchmark {
             let phi = self.unit_fault_response(trained, channel)?.0;
             for fault in &self.config().on_line.faults {
                 in_training.push(line.in_training(&healthy, channel, *fault, &phi)?);
-                let faulty = with_fault(&healthy, channel, *fault, line.begins);
-                let trace = line_trace(&mut line.pipeline, &faulty)?;
-                faults.push(line.afterwards(&trace));
+                faults.push(line.after(&with_fault(&healthy, channel, *fault, line.begins))?);
             }
             let fault = TrainingFault { size, rise_s: self.config().faults.rise_s };
-            let faulty = with_fault(&healthy, channel, fault, line.begins);
-            let trace = line_trace(&mut line.pipeline, &faulty)?;
-            incipient = Some(line.afterwards(&trace));
+            incipient = Some(line.after(&with_fault(&healthy, channel, fault, line.begins))?);
         }
-        let trace = line_trace(&mut line.pipeline, &healthy)?;
-        let said = line.afterwards(&trace);
+        let said = line.after(&healthy)?;
         let jumpy = self.with_jumps(case, draw, line.begins)?;
-        let trace = line_trace(&mut line.pipeline, &self.run(&case.training, &jumpy, &[])?)?;
-        let jumps = line.afterwards(&trace);
+        let jumps = line.after(&self.run(&case.training, &jumpy, &[])?)?;
         let length = self.samples(self.config().on_line.drift_s);
         let drift = match self.way(case, line.begins, length)? {
             None => None,
@@ -250,6 +244,12 @@ impl Line<'_> {
         }
         let reported_s = reported.map(|k| (k - begins) as f64 * self.ts);
         Ok(InTraining { reported_s, opened: opened.is_some(), alarm, shown })
+    }
+
+    /// What is said of a run from the sample on in which something begins.
+    fn after(&mut self, record: &Record) -> Result<Afterwards, EngineStudyError> {
+        let trace = line_trace(&mut self.pipeline, record)?;
+        Ok(self.afterwards(&trace))
     }
 
     /// What was said from the sample on in which something begins.
