@@ -16,6 +16,7 @@ import argparse
 import json
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -112,20 +113,22 @@ def engines(options: argparse.Namespace) -> None:
 
 
 def main() -> None:
+    # What is after `--` is for `fdiag blind run`, wherever the options before it stand.
+    end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     every = argparse.ArgumentParser(add_help=False)
     every.add_argument("--binary", default="fdiag", help="the command line `fdiag`")
     every.add_argument("--folder", help="where the answers of jobs are kept")
     every.add_argument("--ray", action="store_true", help="as tasks of Ray, instead of one after the other here")
     what = asked.add_subparsers(dest="what", required=True)
-    of_blind = what.add_parser("blind", parents=[every])
+    of_blind = what.add_parser("blind", parents=[every], epilog="after `--`: options of `fdiag blind run`")
     of_blind.add_argument("cases", help="what `fdiag blind make` has made")
-    of_blind.add_argument("options", nargs="*", help="after `--`: options of `fdiag blind run`")
     of_engine = what.add_parser("engine", parents=[every])
     of_engine.add_argument("--engines", type=int, default=20)
     of_engine.add_argument("--first", type=int, default=1, help="number of the first engine")
     of_engine.add_argument("--out", help="a file for the figures of every engine, as JSON")
-    options = asked.parse_args()
+    options = asked.parse_args(sys.argv[1:end])
+    options.options = sys.argv[end + 1 :]
     (blind if options.what == "blind" else engines)(options)
 
 

@@ -54,7 +54,8 @@ def rollout(
 
     `parameters` and `x0` are dicts of numbers by name, `u` an array `[samples, inputs]`, `y` one of
     `[samples, outputs]`. With ports the function is `(parameters, x0, u, f)`, `f` an array `[samples, ports]`.
-    Effects of which the force depends on the motion cannot be tried on whole runs; the report lists them.
+    A force that depends on the motion, as friction does, takes two runs where the plant is linear and more where it is
+    not: until the forces are those that follow from the outputs.
 
     `native_effects` are effects that the function has in itself, at rest, as of `Steps`.
 

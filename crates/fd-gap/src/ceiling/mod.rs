@@ -18,7 +18,7 @@ use fd_ident::{
     refine::Sriv,
 };
 use fd_model::{Channel, Record};
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Outcome, Simulator, walk};
 use rayon::prelude::*;
 
 use self::features::{Example, Network, Regression};
@@ -162,15 +162,15 @@ fn prepare(
     let mut all = Vec::new();
     for (l, log) in logs.into_iter().enumerate() {
         let mut simulated: Vec<Vec<f64>> = vec![Vec::new(); x0.len() + log.ny];
-        let mut y = vec![0.0; log.ny];
-        refit.start(&theta, &x0, log.first as u64);
-        for k in 0..log.samples {
-            let (states, outputs) = simulated.split_at_mut(x0.len());
-            states.iter_mut().zip(refit.state()).for_each(|(column, x)| column.push(*x));
-            refit.step(log.input(k), log.input(k + 1), &[], &mut y);
-            outputs.iter_mut().zip(&y).for_each(|(column, y)| column.push(*y));
+        let (states, outputs) = simulated.split_at_mut(x0.len());
+        let note =
+            |_, now: &[f64]| states.iter_mut().zip(now).for_each(|(column, x)| column.push(*x));
+        let mut y = vec![0.0; log.samples * log.ny];
+        let end = walk(refit, &theta, &x0, log.first as u64, &log.u, &mut y, note);
+        for y in y.chunks_exact(log.ny) {
+            outputs.iter_mut().zip(y).for_each(|(column, y)| column.push(*y));
         }
-        if simulated.iter().flatten().any(|v| !v.is_finite()) {
+        if end != Outcome::Complete || simulated.iter().flatten().any(|v| !v.is_finite()) {
             return Ok(None);
         }
         let residual = errors.iter().map(|e| e[l].iter().map(|v| -v).collect()).collect();

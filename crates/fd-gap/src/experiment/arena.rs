@@ -6,7 +6,7 @@ use fd_model::SampleTime;
 use fd_sim::{
     equation::Expr,
     model::{Hold, Model, Output},
-    simulate::{Outcome, Simulator},
+    simulate::{Outcome, Simulator, walk},
 };
 
 use super::{result::Sensor, rival::Contender};
@@ -124,20 +124,10 @@ impl<'a> Arena<'a> {
             restarts: Vec::new(),
         };
         let mut states = Vec::with_capacity(samples * x0.len());
-        self.leader.start(&theta, x0, 0);
-        if self.leader.state().is_empty() {
-            // Steps would show no more than a whole run does, and may each be one.
-            let outcome = self.leader.simulate(&theta, x0, &log.u, &mut log.y);
-            return (outcome == Outcome::Complete).then_some(Predicted { log, states });
-        }
-        for k in 0..samples {
-            states.extend_from_slice(self.leader.state());
-            let mut row = vec![0.0; ny];
-            self.leader.step(log.input(k), log.input(k + 1), &[], &mut row);
-            if row.iter().any(|value| !value.is_finite()) {
-                return None;
-            }
-            log.y[k * ny..(k + 1) * ny].copy_from_slice(&row);
+        let note = |_, now: &[f64]| states.extend_from_slice(now);
+        let outcome = walk(&mut *self.leader, &theta, x0, 0, &log.u, &mut log.y, note);
+        if outcome != Outcome::Complete {
+            return None;
         }
         Some(Predicted { log, states })
     }

@@ -1,7 +1,7 @@
 //! What is fitted to what: logs, segments, and the unknowns of the nominal model.
 
 use fd_model::Record;
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Outcome, Simulator, walk};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -98,7 +98,6 @@ impl Plan {
         let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
         let initial = simulator.initial().to_vec();
         let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
-        let mut y = vec![0.0; simulator.outputs().len()];
         let mut starts: Vec<Vec<f64>> = Vec::new();
         let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; x0.len()];
         for (l, log) in self.logs.iter().enumerate() {
@@ -106,30 +105,31 @@ impl Plan {
                 Horizon::FreeRun => log.samples,
                 Horizon::Windows { samples } => samples.max(2),
             };
-            simulator.start(&theta, &x0, 0);
             let mut begun = 0;
-            for k in 0..log.samples {
+            let segments = &mut self.segments;
+            let note = |k: usize, x: &[f64]| {
                 if log.restarts.contains(&k) {
                     begun = k;
                 }
                 let until = log.restarts.iter().find(|restart| k < **restart);
                 let left = until.copied().unwrap_or(log.samples) - k;
                 // A last window that is shorter than half a window joins the one before.
-                let is_start = (k - begun) % length == 0 && (k == begun || length / 2 <= left);
+                let is_start =
+                    (k - begun).is_multiple_of(length) && (k == begun || length / 2 <= left);
                 if is_start {
-                    if let Some(last) = self.segments.last_mut().filter(|last| last.log == l) {
+                    if let Some(last) = segments.last_mut().filter(|last| last.log == l) {
                         last.to = k;
                     }
-                    self.segments.push(Segment { log: l, from: k, to: log.samples });
-                    starts.push(simulator.state().to_vec());
+                    segments.push(Segment { log: l, from: k, to: log.samples });
+                    starts.push(x.to_vec());
                 }
-                for (range, x) in range.iter_mut().zip(simulator.state()) {
+                for (range, x) in range.iter_mut().zip(x) {
                     *range = [range[0].min(*x), range[1].max(*x)];
                 }
-                simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
-                if y.iter().any(|value| !value.is_finite()) {
-                    return Err(FitError::Diverged);
-                }
+            };
+            let mut y = vec![0.0; log.samples * log.ny];
+            if walk(&mut *simulator, &theta, &x0, 0, &log.u, &mut y, note) != Outcome::Complete {
+                return Err(FitError::Diverged);
             }
         }
         let logs = &self.logs;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Outcome, Simulator, walk};
 
 use crate::{
     diagnose::{Case, Diagnosis, Start},
@@ -85,27 +85,21 @@ impl Bench {
             self.logs.iter().map(|log| vec![f64::NAN; log.samples * width]).collect()
         };
         let (mut outputs, mut states) = (fresh(ny), fresh(nx));
-        let (mut now, mut next) = (vec![0.0; places.len()], vec![0.0; places.len()]);
         for (segment, start) in self.segments.iter().zip(starts) {
             let log = &self.logs[segment.log];
-            let write = |k: usize, row: &mut [f64]| {
-                let k = k.min(log.samples - 1);
-                let added = extra.get(segment.log).map_or(0.0, |extra| extra[k]);
-                for (value, place) in row.iter_mut().zip(&places) {
-                    *value = place.map_or(added, |i| log.input(k)[i]);
-                }
+            let value = |k: usize, place: &Option<usize>| match place {
+                Some(i) => log.input(k)[*i],
+                None => extra.get(segment.log).map_or(0.0, |extra| extra[k]),
             };
-            simulator.start(theta, &start.state, segment.from as u64);
-            write(segment.from, &mut now);
-            for k in segment.from..segment.to {
-                write(k + 1, &mut next);
-                states[segment.log][k * nx..(k + 1) * nx].copy_from_slice(simulator.state());
-                let y = &mut outputs[segment.log][k * ny..(k + 1) * ny];
-                simulator.step(&now, &next, &[], y);
-                if y.iter().any(|value| !value.is_finite()) {
-                    return None;
-                }
-                std::mem::swap(&mut now, &mut next);
+            let rows = segment.from..(segment.to + 1).min(log.samples);
+            let u: Vec<f64> =
+                rows.flat_map(|k| places.iter().map(move |place| value(k, place))).collect();
+            let y = &mut outputs[segment.log][segment.from * ny..segment.to * ny];
+            let x = &mut states[segment.log][segment.from * nx..segment.to * nx];
+            let note = |k: usize, now: &[f64]| x[k * nx..(k + 1) * nx].copy_from_slice(now);
+            let first = segment.from as u64;
+            if walk(simulator, theta, &start.state, first, &u, y, note) != Outcome::Complete {
+                return None;
             }
         }
         Some((outputs, states))

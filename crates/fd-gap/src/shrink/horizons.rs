@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use fd_numeric::upper_median;
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Outcome, Simulator, walk};
 
 use crate::fit::{Horizon, Log};
 
@@ -44,13 +44,11 @@ pub fn dominant_time_constant(
     let mut simulator = simulator.boxed();
     let mut y = vec![0.0; simulator.outputs().len()];
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(log.samples);
-    simulator.start(theta, x0, 0);
-    for k in 0..log.samples {
-        states.push(simulator.state().to_vec());
-        simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
-        if y.iter().any(|value| !value.is_finite()) {
-            return None;
-        }
+    let (mut all, note) = (vec![0.0; log.samples * log.ny], |_, x: &[f64]| states.push(x.to_vec()));
+    if walk(&mut *simulator, theta, x0, 0, &log.u, &mut all, note) != Outcome::Complete
+        || !simulator.makes_steps()
+    {
+        return None;
     }
     let ranges: Vec<f64> = (0..x0.len())
         .map(|i| {

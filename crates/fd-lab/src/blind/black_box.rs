@@ -18,6 +18,8 @@ pub(super) enum Sight {
     States,
     /// Outputs alone, in single precision.
     Outputs,
+    /// The same in whole runs only.
+    Runs,
 }
 
 /// What starts copies of a plant.
@@ -50,7 +52,7 @@ impl Instance for Plant {
         if !self.simulator.measure(u, y) {
             return Err(Lost::Refused);
         }
-        if self.sight == Sight::Outputs {
+        if self.sight != Sight::States {
             for y in y {
                 *y = single(*y);
             }
@@ -63,7 +65,7 @@ impl Instance for Plant {
         self.simulator.step(u, u, f, y);
         match self.sight {
             Sight::States => x.copy_from_slice(self.simulator.state()),
-            Sight::Outputs => y.iter_mut().for_each(|y| *y = single(*y)),
+            Sight::Outputs | Sight::Runs => y.iter_mut().for_each(|y| *y = single(*y)),
         }
         Ok(())
     }
@@ -106,7 +108,13 @@ impl BlackBox {
             initial: plant.initial().to_vec(),
             ports: plant.ports().to_vec(),
             motion: motion.collect(),
-            powers: Powers { measure, states: sight == Sight::States, ..Powers::default() },
+            powers: Powers {
+                measure: measure && sight != Sight::Runs,
+                states: sight == Sight::States,
+                step: sight != Sight::Runs,
+                rollout: sight == Sight::Runs,
+                ..Powers::default()
+            },
         };
         let simulator = OutsideSimulator::new(
             contract,

@@ -37,6 +37,8 @@ pub enum Variant {
     FewRuns,
     /// The same where nothing of the plant can be seen but its outputs, in single precision.
     FewRunsOfOutputs,
+    /// The same where it makes whole runs only.
+    FewWholeRuns,
 }
 
 /// The model, and that with the controller in it.
@@ -67,6 +69,7 @@ impl Variant {
             Self::BlackBox => "_black_box",
             Self::FewRuns => "_few_runs",
             Self::FewRunsOfOutputs => "_few_runs_of_outputs",
+            Self::FewWholeRuns => "_few_whole_runs",
         }
     }
 

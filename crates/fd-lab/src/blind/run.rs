@@ -70,6 +70,7 @@ fn answer_of(case: &Case, manner: &Manner<'_>) -> Result<Answer, BlindError> {
         Variant::BlackBox => black_box(How::Thorough)?,
         Variant::FewRuns => black_box(How::Sparing(Sight::States))?,
         Variant::FewRunsOfOutputs => black_box(How::Sparing(Sight::Outputs))?,
+        Variant::FewWholeRuns => black_box(How::Sparing(Sight::Runs))?,
         _ => answer(&case.name, &model, train, held_out, &settings, method)?,
     };
     if manner.with_baselines {

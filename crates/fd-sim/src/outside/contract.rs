@@ -319,9 +319,7 @@ impl Stated {
                     return Err(wrong(place, format!("ports.{}", e.name), expected, found));
                 }
             }
-            // A force that depends on the motion needs steps.
-            let motion = Motion { position: e.position.clone(), velocity: e.velocity.clone() };
-            Ok(if powers.step { motion } else { Motion::default() })
+            Ok(Motion { position: e.position.clone(), velocity: e.velocity.clone() })
         });
         if let Some(e) = self.outputs.iter().find(|e| e.noise.is_some_and(|n| !is_fine(n))) {
             let found = e.noise.unwrap_or_default();

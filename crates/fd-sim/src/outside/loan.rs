@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, MutexGuard, OnceLock},
+    sync::{Arc, Mutex, MutexGuard, OnceLock},
     time::Instant,
 };
 
@@ -17,6 +17,7 @@ use super::{
     source::{Instance, Lost, Source},
     tally::Tally,
 };
+use crate::simulate::DifferenceEquation;
 
 /// So many deaths at the same parameters are a divergence there.
 const MOST_DEATHS: u32 = 3;
@@ -39,6 +40,8 @@ pub(super) struct Shared {
     pub(super) spread: OnceLock<Spread>,
     /// Inputs that were gone through before.
     pub(super) tapes: Tapes,
+    /// How outputs change with inputs and forces, where somebody has told.
+    pub(super) responses: Mutex<Option<Arc<[DifferenceEquation]>>>,
     /// Deaths by parameters and initial states; and whether all is given up.
     pub(super) fate: Mutex<Fate>,
 }

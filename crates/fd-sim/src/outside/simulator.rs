@@ -5,6 +5,8 @@ mod host;
 mod lanes;
 mod repeat;
 mod replay;
+mod settle;
+mod work;
 
 use std::sync::{Arc, OnceLock};
 
@@ -18,16 +20,17 @@ use super::{
     error::OutsideError,
     grain::Grain,
     loan::{Fate, Loan, Shared, Work},
+    lock::open,
     memory::{Memory, Past},
     pool::Pool,
-    source::{Instance, Lost, Source, Start},
+    source::{Lost, Source, Start},
     tally::{Counts, Tally},
 };
 use crate::{
     model::Parameter,
     simulate::{
-        Driven, Initial, NativeEffect, Outcome, Port, Run, Shell, SimulateError, Simulator, Tape,
-        as_tapes,
+        DifferenceEquation, Driven, Initial, NativeEffect, Outcome, Port, Run, Shell,
+        SimulateError, Simulator, Tape, as_tapes,
     },
 };
 
@@ -99,6 +102,7 @@ impl OutsideSimulator {
             grain: Grain::default(),
             spread: OnceLock::new(),
             tapes: Tapes::default(),
+            responses: None.into(),
             fate: Fate::default().into(),
         };
         shared.pool.fill(first);
@@ -165,64 +169,6 @@ impl OutsideSimulator {
     #[must_use]
     pub fn trouble(&self) -> Option<OutsideError> {
         self.shared.tally.trouble()
-    }
-
-    /// Lets a simulator that is where this copy is do something.
-    fn work(
-        &mut self,
-        mut act: impl FnMut(&mut dyn Instance, &mut [f64]) -> Result<usize, Lost>,
-    ) -> Work {
-        let Self { shared, loan, theta, x0, first, tape, samples, x, was_made, .. } = self;
-        let (theta, x0, first, samples) = (&*theta, &*x0, *first, *samples);
-        let (ny, width) = (shared.contract.outputs.len(), tape.len() / samples.max(1));
-        loan.work(shared, self.origin, |instance, reached| {
-            let start = Start { theta, x0, first };
-            let mut from = reached.take().unwrap_or(usize::MAX);
-            if samples < from {
-                let counter = if *was_made { &shared.tally.repeated } else { &shared.tally.made };
-                Tally::add(counter, 1);
-                *was_made = true;
-                from = 0;
-                if shared.contract.powers.rollout && 0 < samples {
-                    let mut y = vec![0.0; samples * ny];
-                    instance.rollout(start, tape, samples, &mut y, x)?;
-                    from = samples;
-                } else {
-                    instance.reset(start)?;
-                }
-                Tally::add(&shared.tally.steps, from as u64);
-            }
-            let mut y = vec![0.0; if from < samples { ny } else { 0 }];
-            for k in from..samples {
-                instance.step(&tape[k * width..(k + 1) * width], &mut y, x)?;
-            }
-            let more = act(instance, x)?;
-            Tally::add(&shared.tally.steps, (samples - from + more) as u64);
-            *reached = Some(samples + more);
-            Ok(())
-        })
-    }
-
-    /// Inputs and forces of a sample as one row.
-    fn note_row(&mut self, u: &[f64], f: &[f64]) {
-        self.row.clear();
-        self.row.extend_from_slice(u);
-        self.row.extend_from_slice(f);
-        // No forces are none at any port.
-        self.row.resize(u.len() + self.shared.contract.ports.len(), 0.0);
-    }
-
-    /// The outputs of this sample, moving on, by whatever the simulator can do.
-    fn advance(&mut self, y: &mut [f64]) -> Work {
-        let row = std::mem::take(&mut self.row);
-        let work = if self.shared.contract.powers.step {
-            self.work(|instance, x| instance.step(&row, y, x).map(|()| 1))
-        } else {
-            self.step_whole(&row, y);
-            Work::Done
-        };
-        self.row = row;
-        work
     }
 }
 
@@ -302,7 +248,8 @@ impl Simulator for OutsideSimulator {
     }
 
     fn measure(&mut self, u: &[f64], y: &mut [f64]) -> bool {
-        if !self.shared.contract.powers.measure {
+        let powers = self.shared.contract.powers;
+        if powers.step && !powers.measure {
             return false;
         }
         if self.has_diverged {
@@ -311,7 +258,14 @@ impl Simulator for OutsideSimulator {
         }
         let past = self.past.with(MEASURED).and(u);
         if !self.shared.recall(past, [y, &mut []]) {
-            let work = self.work(|instance, _| instance.measure(u, y).map(|()| 0));
+            let work = if powers.step {
+                self.work(|instance, _| instance.measure(u, y).map(|()| 0))
+            } else {
+                // A whole run up to here, without forces now.
+                self.note_row(u, &[]);
+                self.foreseen.follow(self.samples, &self.row);
+                self.advance(y)
+            };
             if work != Work::Done {
                 y.fill(f64::NAN);
             }
@@ -362,10 +316,20 @@ impl Simulator for OutsideSimulator {
         lanes::lock_step(self, first, lanes);
     }
 
-    /// What it says, or what its outputs look like; where it does not repeat itself, what differs.
+    fn makes_steps(&self) -> bool {
+        self.shared.contract.powers.step
+    }
+
+    fn foretell(&self, responses: &Arc<[DifferenceEquation]>) {
+        *open(&self.shared.responses) = Some(Arc::clone(responses));
+    }
+
+    /// What it says, or what its outputs look like; where it does not repeat itself, what differs; where runs have to
+    /// settle, how far.
     fn precision(&self) -> f64 {
         let Shared { contract, grain, .. } = &*self.shared;
         let said = contract.powers.precision.unwrap_or_else(|| grain.precision());
+        let said = if contract.powers.step { said } else { said.max(settle::SETTLED) };
         self.measured_spread().map_or(said, |spread| said.max(spread.relative))
     }
 

@@ -38,8 +38,27 @@ pub trait Driven: Send {
         None
     }
 
+    /// What drove the last run that was like this one, where that is remembered.
+    fn remembered(&self) -> Option<&Settled> {
+        None
+    }
+
+    /// Remembers what drives this run.
+    fn remember(&mut self, _settled: Settled) {}
+
     /// Takes the outputs of a whole run, made with [`equations`](Self::equations).
     fn take_all(&mut self, _y: &[f64]) {}
+}
+
+/// What drives a run of a simulator that makes whole runs only, found by several of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    /// Inputs of the simulator, row by row.
+    pub u: Vec<f64>,
+    /// Forces at its ports, row by row.
+    pub f: Vec<f64>,
+    /// Largest ratio of the changes that one whole run made and the one before it; 1 where only one was needed.
+    pub rate: f64,
 }
 
 /// A run of a simulator in equations of a shell.

@@ -19,13 +19,15 @@
 //!
 //! Runs whose forces depend on what they show cannot be made in one go. [`Simulator::lock_step`] makes several of them
 //! step by step beside each other, each driven by a [`Driven`]: a simulator that steps many lanes in one call then gets
-//! one call per step, with the equations of the shells before and after it.
+//! one call per step, with the equations of the shells before and after it. One that makes whole runs only is asked for a
+//! few of them until what drives it is what follows from its outputs ([`Simulator::foretell`]).
 //!
 //! A simulation that diverges is neither an error nor a panic: it is NaN from then on, and
 //! [`Outcome::Diverged`] says since when.
 
 mod black_box;
 mod delay_line;
+mod difference_equation;
 mod equations;
 mod error;
 mod flat;
@@ -43,15 +45,17 @@ mod shell;
 mod simulator;
 mod state_map;
 mod timing;
+mod walk;
 
 pub use self::{
     black_box::BlackBox,
+    difference_equation::{Changes, DifferenceEquation},
     equations::EquationSimulator,
     error::SimulateError,
     follower::Follower,
     limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
-    lock_step::{Around, Driven},
+    lock_step::{Around, Driven, Settled},
     logged_loop::LoggedLoop,
     native::NativeEffect,
     nominal::Nominal,
@@ -59,5 +63,6 @@ pub use self::{
     shell::{Shell, ShellSimulator},
     simulator::{Initial, Port, Simulator},
     state_map::StateMap,
+    walk::walk,
 };
 pub(crate) use self::{lock_step::lane_by_lane, run::as_tapes};

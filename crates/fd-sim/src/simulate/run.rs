@@ -102,6 +102,24 @@ pub(super) fn one_by_one<S: Simulator + ?Sized>(
     }
 }
 
+/// Steps through tapes, one after the other.
+pub(super) fn step_through<S: Simulator + ?Sized>(
+    simulator: &mut S,
+    first: u64,
+    tapes: &mut [Tape<'_>],
+) {
+    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
+    let ny = simulator.outputs().len();
+    for Tape { run, u, f } in tapes {
+        simulator.start(run.theta, run.x0, first);
+        run.make(ny, |k, y| {
+            let (u, f) = (&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
+            simulator.step(u, u, f, y);
+        });
+        simulator.rest();
+    }
+}
+
 /// Runs through the same inputs, `u` row by row, as tapes without forces; `replay` makes these.
 pub(crate) fn as_tapes<S: Simulator>(
     simulator: &mut S,

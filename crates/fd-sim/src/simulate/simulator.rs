@@ -1,13 +1,14 @@
 //! The contract of a simulator.
 
-use std::fmt::Debug;
+use std::{fmt::Debug, sync::Arc};
 
 use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
+use super::difference_equation::DifferenceEquation;
 use super::lock_step::{Driven, lane_by_lane};
 use super::native::NativeEffect;
-use super::run::{Outcome, Run, Tape, drive, one_by_one};
+use super::run::{Outcome, Run, Tape, drive, one_by_one, step_through};
 use crate::model::Parameter;
 
 /// A deterministic model of a plant that can be run from any initial state, with any parameters.
@@ -296,15 +297,7 @@ pub trait Simulator: Debug + Send + Sync {
     ///
     /// May panic when the numbers of values are wrong.
     fn replay(&mut self, first: u64, tapes: &mut [Tape<'_>]) {
-        let (nu, nf, ny) = (self.inputs().len(), self.ports().len(), self.outputs().len());
-        for Tape { run, u, f } in tapes {
-            self.start(run.theta, run.x0, first);
-            run.make(ny, |k, y| {
-                let (u, f) = (&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
-                self.step(u, u, f, y);
-            });
-            self.rest();
-        }
+        step_through(self, first, tapes);
     }
 
     /// Makes several runs from sample number `first` on, each driven by what it shows, step by step. Results are to the
@@ -318,6 +311,17 @@ pub trait Simulator: Debug + Send + Sync {
     fn lock_step(&mut self, first: u64, lanes: &mut [Box<dyn Driven + '_>]) {
         lane_by_lane(self, first, lanes);
     }
+
+    /// Whether it can be stepped. One that makes whole runs only takes one for each step that is not foreseen.
+    fn makes_steps(&self) -> bool {
+        true
+    }
+
+    /// Tells it how its outputs change with inputs and forces, roughly: one equation per output, inputs before forces.
+    ///
+    /// One that makes whole runs only needs few of them then for a run of which the forces depend on its outputs.
+    /// Others need not listen, and do not by default.
+    fn foretell(&self, _responses: &Arc<[DifferenceEquation]>) {}
 
     /// Announces that the run is over, so that its resources (a process, a licence) are free for others. The
     /// next call, if any, is [`start`](Self::start). Calling this is optional: it only saves time.

@@ -6,7 +6,8 @@
 
 use faer::{Mat, linalg::solvers::SolveLstsq};
 
-use super::{respond::pulse, responses::Equation};
+use super::respond::pulse;
+use crate::simulate::DifferenceEquation;
 
 /// Orders that are tried.
 const ORDERS: [usize; 6] = [1, 2, 3, 4, 6, 8];
@@ -32,7 +33,7 @@ pub(super) struct Data<'a> {
 
 impl Data<'_> {
     /// The equation of each output.
-    pub(super) fn equations(&self) -> Vec<Equation> {
+    pub(super) fn equations(&self) -> Vec<DifferenceEquation> {
         (0..self.ny).map(|output| self.equation(output)).collect()
     }
 
@@ -48,14 +49,15 @@ impl Data<'_> {
         k.map_or(0.0, |k| response.change[(begin + k) * self.ny + output])
     }
 
-    fn equation(&self, output: usize) -> Equation {
+    fn equation(&self, output: usize) -> DifferenceEquation {
         let squares: f64 = self
             .responses
             .iter()
             .flat_map(|r| r.change.iter().skip(output).step_by(self.ny))
             .map(|y| y * y)
             .sum();
-        let still = Equation { a: vec![0.0], b: vec![vec![0.0; 2]; self.responses.len()] };
+        let still =
+            DifferenceEquation { a: vec![0.0], b: vec![vec![0.0; 2]; self.responses.len()] };
         if squares == 0.0 {
             return still;
         }
@@ -71,7 +73,7 @@ impl Data<'_> {
     }
 
     /// The equation of an order, by least squares.
-    fn of_order(&self, output: usize, order: usize, squares: f64) -> Option<Equation> {
+    fn of_order(&self, output: usize, order: usize, squares: f64) -> Option<DifferenceEquation> {
         let driven = self.responses.len();
         let columns = order + driven * (order + 1);
         let rows = driven * self.replays().map(|replay| replay.len()).sum::<usize>();
@@ -103,12 +105,12 @@ impl Data<'_> {
         let found: Vec<f64> = (0..columns).map(|i| found[(i, 0)]).collect();
         let b = found[order..].chunks_exact(order + 1).zip(self.responses);
         let b = b.map(|(b, r)| b.iter().map(|b| b * scale / r.size).collect()).collect();
-        let equation = Equation { a: found[..order].to_vec(), b };
+        let equation = DifferenceEquation { a: found[..order].to_vec(), b };
         found.iter().all(|value| value.is_finite()).then_some(equation)
     }
 
     /// What a simulation of an equation leaves of the responses, as a sum of squares.
-    fn left(&self, equation: &Equation, output: usize) -> f64 {
+    fn left(&self, equation: &DifferenceEquation, output: usize) -> f64 {
         let (order, driven) = (equation.a.len(), self.responses.len());
         let mut squares = 0.0;
         for (j, response) in self.responses.iter().enumerate() {

@@ -16,6 +16,9 @@ pub(super) fn linearise(
     forces: &[f64],
     theta: &[f64],
 ) -> Option<Slopes> {
+    if !simulator.makes_steps() {
+        return None;
+    }
     let mut simulator = simulator.boxed();
     let nu = simulator.inputs().len();
     let nx = simulator.initial().len();

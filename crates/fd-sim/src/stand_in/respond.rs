@@ -1,12 +1,14 @@
 //! From whole runs of a simulator to its responses.
 
+use std::sync::Arc;
+
 use super::{
     difference::{Data, Response},
     nudge::{nudge, part},
     replay::Replay,
     responses::Known,
 };
-use crate::simulate::{Outcome, Run, Simulator, Tape};
+use crate::simulate::{DifferenceEquation, Outcome, Run, Simulator, Tape};
 
 /// How far inputs and forces are moved, as a part of their size: enough to be seen in seven digits.
 const MOVED: f64 = 0.05;
@@ -78,6 +80,8 @@ pub(super) fn respond(
     let runs = runs.map(|(moved, step)| slope(moved, *step)).collect();
     let ny = simulator.outputs().len();
     let equations = Data { responses: &responses, begins: &begins, ny }.equations();
+    let equations: Arc<[DifferenceEquation]> = equations.into();
+    simulator.foretell(&equations);
     Some(Known { theta, x0, u, f, y, begins, runs, equations })
 }
 

@@ -33,7 +33,8 @@ fn runs_steps_forces_and_states_are_the_bits_of_the_plant() {
         }
         let mut y = [[0.0; 2]; 2];
         let measures = process.measure(&[0.5], &mut y[0]);
-        assert_eq!(measures, manner.is_empty());
+        // What makes whole runs only makes one up to there.
+        assert_eq!(measures, manner != "steps");
         if measures {
             plant.measure(&[0.5], &mut y[1]);
             assert_eq!(y[0], y[1]);

@@ -7,6 +7,7 @@ mod bad;
 mod good;
 mod lanes;
 mod lost;
+mod settle;
 
 use std::time::Duration;
 

@@ -172,6 +172,8 @@ enum Form {
     FewRuns,
     /// The same where nothing of the plant can be seen but its outputs, in single precision
     FewRunsOfOutputs,
+    /// The same where the plant makes whole runs only
+    FewWholeRuns,
 }
 
 impl Form {
@@ -183,6 +185,7 @@ impl Form {
             Self::BlackBox => Variant::BlackBox,
             Self::FewRuns => Variant::FewRuns,
             Self::FewRunsOfOutputs => Variant::FewRunsOfOutputs,
+            Self::FewWholeRuns => Variant::FewWholeRuns,
         }
     }
 }

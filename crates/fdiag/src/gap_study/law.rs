@@ -12,7 +12,7 @@ use fd_model::SampleTime;
 use fd_sim::{
     equation::Expr,
     model::{Model, Output},
-    simulate::Nominal,
+    simulate::{Nominal, Run},
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -215,16 +215,16 @@ fn signals(
     let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
     let mut all: Vec<Vec<[f64; 2]>> = vec![Vec::new(); logs.len()];
     let starts = &diagnosis.best.starts;
-    let mut y = vec![0.0; ny + 2];
     for (i, start) in starts.iter().enumerate() {
         let log = &logs[start.log];
         let next = starts.get(i + 1).filter(|next| next.log == start.log);
         let to = next.map_or(log.samples(), |next| next.from);
-        simulator.start(&theta, &start.state, start.from as u64);
-        for k in start.from..to {
-            simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
-            all[start.log].push([y[ny], y[ny + 1]]);
-        }
+        let rows = start.from..(to + 1).min(log.samples());
+        let u: Vec<f64> = rows.flat_map(|k| log.input(k).to_vec()).collect();
+        let mut y = vec![0.0; (to - start.from) * (ny + 2)];
+        let mut runs = [Run::new(&theta, &start.state, &mut y)];
+        simulator.simulate_many(start.from as u64, &u, &mut runs);
+        all[start.log].extend(y.chunks_exact(ny + 2).map(|y| [y[ny], y[ny + 1]]));
     }
     Some(all)
 }

@@ -1,6 +1,6 @@
 //! How long a simulator remembers its initial state, along the inputs of a log.
 
-use fd_sim::simulate::Simulator;
+use fd_sim::simulate::{Simulator, walk};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ impl Memory {
         let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
         let (nx, ny) = (x0.len(), simulator.outputs().len());
         let mut base = vec![0.0; samples * ny];
-        let range = ranges(&mut *simulator, &theta, &x0, u, samples, &mut base);
+        let range = ranges(&mut *simulator, &theta, &x0, u, &mut base);
         let scale: Vec<f64> = (0..ny).map(|c| spread(base.iter().skip(c).step_by(ny))).collect();
         let mut memory = Self { seconds: None, forgets: true, slowest: None, runs_away: false };
         let mut y = vec![0.0; samples * ny];
@@ -78,19 +78,15 @@ fn ranges(
     theta: &[f64],
     x0: &[f64],
     u: &[f64],
-    samples: usize,
     y: &mut [f64],
 ) -> Vec<f64> {
-    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
     let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; x0.len()];
-    simulator.start(theta, x0, 0);
-    for (k, row) in y.chunks_exact_mut(ny).enumerate() {
-        let sample = |k: usize| &u[k * nu..(k + 1) * nu];
-        for (ends, x) in ends.iter_mut().zip(simulator.state()) {
+    // A run that diverges is NaN from there on.
+    let _ = walk(simulator, theta, x0, 0, u, y, |_, x| {
+        for (ends, x) in ends.iter_mut().zip(x) {
             *ends = [ends[0].min(*x), ends[1].max(*x)];
         }
-        simulator.step(sample(k), sample((k + 1).min(samples - 1)), &[], row);
-    }
+    });
     ends.iter().map(|[low, high]| (high - low).max(0.0)).collect()
 }
 

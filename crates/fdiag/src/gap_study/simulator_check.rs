@@ -203,8 +203,8 @@ impl SimulatorCheck {
             self.say(Grade::Doubt, "stated powers", text);
         }
         if !powers.step {
-            let text = "it makes whole runs only: no force can depend on the motion, and friction, springs and \
-                        stops are not tried";
+            let text = "it makes whole runs only: one with friction, a spring or a stop takes two runs where the \
+                        plant is linear, and up to ten or more where it is not";
             self.say(Grade::Doubt, "steps", text);
         }
     }

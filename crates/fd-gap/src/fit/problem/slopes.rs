@@ -21,10 +21,11 @@ const SMOOTH: f64 = 1e-12;
 
 impl Problem {
     /// The step of a difference: forward, unless that leaves the box.
-    fn step(&self, z: &[f64], column: usize) -> f64 {
+    fn step(&self, by: By, z: &[f64], column: usize) -> f64 {
         let is_effect = (self.plan.shared.len()..self.layout.shared).contains(&column);
         let size = if is_effect { EFFECT_STEP } else { NUISANCE_STEP };
-        let precision = self.simulator.precision();
+        let stand_in = self.stand_in.as_ref().filter(|_| by == By::StandIn || self.is_stood_in);
+        let precision = stand_in.unwrap_or(&self.simulator).precision();
         let rough = (OF_ROOT * precision.sqrt()).min(LARGEST_STEP);
         let size = if precision < SMOOTH { size } else { size.max(rough) };
         let is_inside = |i: usize| z[i] + size <= self.bounds[i][1];
@@ -47,7 +48,7 @@ impl Problem {
         columns: Range<usize>,
     ) -> Vec<Option<Linearization>> {
         let steps: Vec<Vec<f64>> =
-            places.iter().map(|z| columns.clone().map(|c| self.step(z, c)).collect()).collect();
+            places.iter().map(|z| columns.clone().map(|c| self.step(by, z, c)).collect()).collect();
         let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
         for (z, steps) in places.iter().zip(&steps) {
             batch.push(z.clone());

@@ -52,6 +52,17 @@ impl Tapes {
         known.push(KnownTape { first, rows: rows.to_vec() });
     }
 
+    /// What comes after the rows of a run so far in a known one that has begun like it: that run is remembered, where its
+    /// parameters are the same.
+    fn rest(&self, first: u64, rows: &[f64]) -> Option<Vec<f64>> {
+        open(&self.0).iter().rev().find_map(|tape| {
+            let begins_so = |so_far: &[f64]| tape.first == first && is_same(so_far, rows);
+            let so_far = tape.rows.get(..rows.len())?;
+            (begins_so(so_far) && rows.len() < tape.rows.len())
+                .then(|| tape.rows[rows.len()..].to_vec())
+        })
+    }
+
     /// At most so many rows that may come after a row at a sample: with the inputs, of which there are `nu`, of the
     /// latest run that had the same there, and with the forces as they are now.
     fn after(&self, sample: u64, row: &[f64], nu: usize, most: usize) -> Option<Vec<f64>> {
@@ -105,13 +116,14 @@ impl OutsideSimulator {
             return;
         }
         // States would be those at the end of the longer run.
+        let tape = [&self.tape[..], row].concat();
         let next = if self.x.is_empty() {
-            let nu = self.shared.contract.inputs.len();
-            self.shared.tapes.after(self.first + k as u64, row, nu, AHEAD.max(k))
+            let (nu, tapes) = (self.shared.contract.inputs.len(), &self.shared.tapes);
+            let rest = tapes.rest(self.first, &tape);
+            rest.or_else(|| tapes.after(self.first + k as u64, row, nu, AHEAD.max(k)))
         } else {
             None
         };
-        let tape = [&self.tape[..], row].concat();
         if let Some(next) = next {
             let samples = k + 1 + next.len() / row.len().max(1);
             let mut all = vec![0.0; samples * ny];
@@ -241,6 +253,9 @@ mod tests {
                 .map(|(a, b)| a - b)
                 .collect::<Vec<_>>()
         };
+        // As in a run that is known, to the end.
+        let found = counted(&mut || steps(&mut simulator, 0, None, 0.0));
+        assert_eq!(found, [0, 0]);
         // Ahead by 16, and then by as much as was made: 17, 34, 68 ... 800.
         let found = counted(&mut || steps(&mut simulator, 0, None, 0.5));
         assert!(found[0] <= 8 && found[1] <= 3 * N, "{found:?}");

@@ -7,11 +7,13 @@ use super::{
     super::{
         contract::Contract,
         loan::{Shared, Work},
+        lock::open,
         memory::Past,
         source::{Instance, Lost, Start},
         tally::Tally,
     },
     OutsideSimulator,
+    settle::settle,
 };
 use crate::{
     simulate::{Around, Driven, Run, Simulator, lane_by_lane},
@@ -23,11 +25,16 @@ type Lanes<'a> = [Box<dyn Driven + 'a>];
 /// Makes the runs of all lanes.
 pub(super) fn lock_step(simulator: &mut OutsideSimulator, first: u64, lanes: &mut Lanes<'_>) {
     let shared = Arc::clone(&simulator.shared);
+    let powers = shared.contract.powers;
+    let responses = if powers.step { None } else { open(&shared.responses).clone() };
+    if let Some(responses) = responses {
+        settle(&shared, &responses, first, lanes);
+        return;
+    }
     if shared.source.takes_equations() && lanes.iter().all(|lane| lane.equations().is_some()) {
         in_equations(&shared, lanes);
         return;
     }
-    let powers = shared.contract.powers;
     let width = if powers.step { powers.lanes.max(1) } else { 1 };
     // As many groups as there are instances, each no wider than one takes.
     let workers = shared.pool.workers();

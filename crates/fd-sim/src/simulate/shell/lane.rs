@@ -5,7 +5,7 @@ use fd_model::SampleTime;
 use super::around::Around;
 use crate::{
     model::Model,
-    simulate::{self, Driven, Outcome, Run, run::rows},
+    simulate::{self, Driven, Outcome, Run, Settled, run::rows},
 };
 
 /// What all lanes have in common.
@@ -32,13 +32,21 @@ pub(super) struct ShellLane<'r, 'a> {
     ts: SampleTime,
     /// Outputs between two samples.
     between: Vec<f64>,
+    /// What drove the last run like this one, and then this one.
+    settled: &'r mut Option<Settled>,
 }
 
 impl<'r, 'a> ShellLane<'r, 'a> {
-    pub(super) fn new(shell: Shelled<'r>, run: &'r mut Run<'a>, u: &'r [f64], begin: u64) -> Self {
+    pub(super) fn new(
+        shell: Shelled<'r>,
+        run: &'r mut Run<'a>,
+        u: &'r [f64],
+        begin: u64,
+        settled: &'r mut Option<Settled>,
+    ) -> Self {
         let Shelled { around, steps, model, ts } = shell;
         let between = vec![0.0; around.raw.len()];
-        Self { around: around.clone(), run, u, steps, begin, model, ts, between }
+        Self { around: around.clone(), run, u, steps, begin, model, ts, between, settled }
     }
 
     fn samples(&self) -> usize {
@@ -107,6 +115,14 @@ impl Driven for ShellLane<'_, '_> {
             u: self.u,
             samples: self.samples(),
         })
+    }
+
+    fn remembered(&self) -> Option<&Settled> {
+        self.settled.as_ref()
+    }
+
+    fn remember(&mut self, settled: Settled) {
+        *self.settled = Some(settled);
     }
 
     fn take_all(&mut self, y: &[f64]) {
