@@ -118,3 +118,22 @@ def test_steps_through_a_log_do_not_cost_a_run_each() -> None:
     assert result.causes[0].name in ("input-gain@u", "sensor-scale@y")
     # A run for each of 400 steps, even once, would be 200 logs' worth beyond this.
     assert result.work is not None and sum(calls) < 500 * n, (len(calls), sum(calls) / n)
+
+
+def test_friction_is_found_with_a_few_whole_runs(short: dict[str, np.ndarray]) -> None:
+    """A force that depends on the motion, on a function that makes whole runs."""
+    said = {**SAID, "ports": {"rail": {"unit": "N", "velocity": "speed"}}}
+
+    @fdiag.rollout(**said)
+    def pushed(p: dict[str, float], x0: dict[str, float], u: np.ndarray, f: np.ndarray) -> np.ndarray:
+        decay = np.exp(-p["d"] / p["m"] * 0.01)
+        y, v = np.empty(len(u)), x0["v"]
+        for k, force in enumerate(u[:, 0] + f[:, 0]):
+            aim = force / p["d"]
+            y[k], v = v, aim + (v - aim) * decay
+        return y[:, None]
+
+    only = ["coulomb-friction", "viscous-friction", "input-gain", "constant-load"]
+    answer = fdiag.gap(pushed, short, only=only, most=1)
+    assert answer.causes[0].label == "coulomb-friction" and answer.causes[0].probability > 0.9
+    assert answer.work is not None and answer.work.made < 200, answer.work
