@@ -15,6 +15,7 @@ mod arrow;
 mod cholesky;
 mod columns;
 mod error;
+mod hidden_states;
 mod holes;
 mod layout;
 mod levenberg;

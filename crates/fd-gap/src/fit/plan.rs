@@ -5,7 +5,7 @@ use fd_sim::simulate::{Outcome, Simulator, walk};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{error::FitError, log::Log, variable::Variable};
+use super::{error::FitError, hidden_states, log::Log, variable::Variable};
 
 /// How long a simulation runs without seeing the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -100,6 +100,7 @@ impl Plan {
         let x0: Vec<f64> = initial.iter().map(|state| state.value).collect();
         let mut starts: Vec<Vec<f64>> = Vec::new();
         let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; x0.len()];
+        let mut first = Vec::new();
         for (l, log) in self.logs.iter().enumerate() {
             let length = match horizon {
                 Horizon::FreeRun => log.samples,
@@ -131,6 +132,9 @@ impl Plan {
             if walk(&mut *simulator, &theta, &x0, 0, &log.u, &mut y, note) != Outcome::Complete {
                 return Err(FitError::Diverged);
             }
+            if l == 0 {
+                first = y;
+            }
         }
         let logs = &self.logs;
         let is_free = |segment: &Segment| 0 < segment.from || logs[segment.log].is_in_motion;
@@ -138,11 +142,20 @@ impl Plan {
         let free: Vec<usize> = (0..initial.len())
             .filter(|&i| is_any_free || Variable::initial(&initial[i]).is_some())
             .collect();
+        let widths: Vec<f64> = range.iter().map(|[low, high]| high - low).collect();
+        let is_hidden = is_any_free && widths.iter().all(|width| *width == 0.0);
+        let reach = if is_hidden {
+            let known: Vec<_> =
+                initial.iter().map(|state| (state.value, state.tolerance)).collect();
+            hidden_states::scales(&mut *simulator, &theta, &known, &logs[0], &first)
+        } else {
+            vec![None; initial.len()]
+        };
         self.own_names = free.iter().map(|&i| initial[i].channel.name.clone()).collect();
         for (segment, start) in self.segments.iter().zip(&starts) {
             let own = free.iter().map(|&i| {
                 let state = &initial[i];
-                let width = range[i][1] - range[i][0];
+                let width = reach[i].unwrap_or(widths[i]);
                 let smallest = (1e-3 * start[i].abs()).max(1e-6);
                 let scale = width.max(state.tolerance.unwrap_or(0.0)).max(smallest);
                 let (name, unit) = (&state.channel.name, &state.channel.unit);

@@ -7,7 +7,7 @@ use fd_gap::{
     diagnose::{Case, Diagnosis, Settings, Verdict},
     few_runs::{Effort, with_few_runs},
 };
-use fd_model::SampleTime;
+use fd_model::{Record, SampleTime};
 use fd_sim::simulate::Nominal;
 
 use super::pendulum::{Cause, Pendulum, TS, log, shell_of};
@@ -17,19 +17,23 @@ const SAMPLES: usize = 600;
 const FEW: f64 = 600.0;
 
 fn run(pendulum: Pendulum, cause: Cause, effort: Effort) -> (Diagnosis, f64) {
+    run_on(pendulum, cause, log(cause, SAMPLES, 11), effort)
+}
+
+fn run_on(pendulum: Pendulum, cause: Cause, record: Record, effort: Effort) -> (Diagnosis, f64) {
     let (steps, own) = (pendulum.steps(), pendulum.ts);
     let shell = shell_of(pendulum);
-    let record = log(cause, SAMPLES, 11);
     let ts = SampleTime::new(TS).unwrap();
     let u: Vec<f64> = record.samples().flat_map(|(u, _)| u.to_vec()).collect();
-    let scales = shell.scales(ts, &u, SAMPLES).unwrap();
+    let samples = record.len();
+    let scales = shell.scales(ts, &u, samples).unwrap();
     let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();
     let suspects = EverySite::new(library(), shell.model(), scales);
     let logs = [record];
     let case = Case { nominal: &shell, suspects: &suspects, logs: &logs, held_out: &[] };
     let few = with_few_runs(&shell, &forces, &case, &Settings::default(), effort, &());
     let few = few.unwrap().unwrap();
-    let runs = steps.load(Ordering::Relaxed) as f64 * own / TS / SAMPLES as f64;
+    let runs = steps.load(Ordering::Relaxed) as f64 * own / TS / samples as f64;
     let (foretold, made_of) = (few.explains, few.runs);
     println!(
         "{cause:?}: {:?}, {runs:.0} runs, {foretold:.4} foretold by {made_of}",
@@ -82,6 +86,21 @@ fn dry_friction_through_the_port() {
 #[test]
 fn wrong_inertia() {
     assert_named(TS, Cause::Inertia(0.3), "parameter-error", "J", 0.3, 0.3);
+}
+
+/// Where it begins is free then, also where nothing shows how far the states move.
+#[test]
+fn dead_zone_in_a_log_that_begins_in_motion() {
+    let cause = Cause::DeadZone(0.15);
+    let record = log(cause, SAMPLES + 150, 11).slice(150, SAMPLES + 150).as_its_own_run();
+    for pendulum in [Pendulum::new(TS), Pendulum::new(TS).in_the_dark()] {
+        let (diagnosis, _) = run_on(pendulum, cause, record.clone(), Effort::default());
+        let first = &diagnosis.causes[0];
+        let (label, site) = (first.label, first.site.name());
+        assert_eq!((label, site), ("input-dead-zone", Some("motor_torque")));
+        let found = &first.parameters[0];
+        assert!((found.value - 0.15).abs() < 3.0 * found.standard_error, "{found:?}");
+    }
 }
 
 #[test]

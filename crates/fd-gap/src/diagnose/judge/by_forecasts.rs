@@ -82,7 +82,13 @@ fn in_windows_where_lost<'a>(
     if !is_free || !is_lost(&weighed.singles.searched.null) {
         return Ok(weighed);
     }
-    let searched = search(prepare(&context.case, windows)?, context)?;
+    let prepared = match prepare(&context.case, windows) {
+        Ok(prepared) => prepared,
+        // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
+        Err(FitError::Diverged) => return Ok(weighed),
+        Err(error) => return Err(error),
+    };
+    let searched = search(prepared, context)?;
     Ok(Weighed::of(weigh_singles(searched, context)?, Vec::new(), settings))
 }
 
