@@ -10,7 +10,7 @@
 //! Numbers are separated by spaces: 41 measurements, then 11 manipulated variables, every 3 min.
 //!
 //! ```text
-//! cargo run --release -p fdiag --example tennessee_standard -- FOLDER
+//! cargo run -p fdiag --example tennessee_standard -- FOLDER
 //! ```
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
