@@ -1,7 +1,7 @@
 //! Published detection rates on the data set d00 .. d21, in per cent of the samples after the fault began.
 //!
-//! None of them was read in a print of the first hand only: each source is a text that can be read freely.
-//! `docs/results/tennessee.md` says which and where two of them differ.
+//! Each was read in a text that anyone can read, which is not always the paper itself:
+//! `docs/results/tennessee.md` says which, and what is known of the conditions.
 
 /// One published column; faults that it does not have are not numbers.
 pub(crate) struct Published {
@@ -87,6 +87,6 @@ pub(crate) const VARIATE_KERNELS: Published = Published {
     false_alarms: 2.53,
 };
 
-/// Diallo et al. (2025), J. Process Control 152, table 1: false alarms on d00_te of PCA with 11 components by
+/// Diallo et al. (2025), J. Process Control 152, table 1: false alarms on `d00_te` of PCA with 11 components by
 /// parallel analysis, limits by formula: level, T², SPE.
 pub(crate) const DIALLO: [(f64, f64, f64); 2] = [(0.99, 1.67, 7.08), (0.95, 7.60, 20.10)];

@@ -124,7 +124,7 @@ fn false_alarms(train: &Record, healthy: &Record) -> Outcome<()> {
     Ok(())
 }
 
-/// Every statistic by itself, above the limit that 1 % of the samples of d00_te exceed.
+/// Every statistic by itself, above the limit that 1 % of the samples of `d00_te` exceed.
 fn each(train: &Record, runs: &[Record]) -> Outcome<()> {
     let train = std::slice::from_ref(train);
     let mut columns = Vec::new();
