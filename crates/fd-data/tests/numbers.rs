@@ -33,6 +33,34 @@ fn parallel_analysis_counts_the_factors() {
     }
 }
 
+/// Five channels of one factor among fifteen that share nothing. A component of noise may be found in one of twenty
+/// logs, and the random numbers behind the rule decide only where an eigenvalue is on the edge of it.
+#[test]
+fn parallel_analysis_leaves_noise_out() {
+    let (mut more, mut moved) = (0, 0);
+    for seed in 0..40 {
+        let mut source = Source::new(500 + seed);
+        let y = (0..200).flat_map(|_| {
+            let factor = source.normal();
+            (0..20)
+                .map(|i| if i < 5 { factor } else { 0.0 } + source.normal())
+                .collect::<Vec<f64>>()
+        });
+        let log = record(0, 20, vec![], y.collect());
+        let count = |seed: u64| {
+            let components = Components::Parallel { draws: 10, seed };
+            let design = PcaDesign { components, ..PcaDesign::default() };
+            design.learn(std::slice::from_ref(&log)).unwrap().monitor().components()
+        };
+        let found: Vec<usize> = (0..5).map(count).collect();
+        more += u32::from(found[0] > 1);
+        moved += u32::from(found.iter().any(|&count| count != found[0]));
+    }
+    // Two of forty are to be expected; with the mean of the draws for a limit there were 12.
+    assert!(more <= 6, "{more} of 40 logs with more than the one factor");
+    assert!(moved <= 10, "{moved} of 40 logs whose number moves with the seed");
+}
+
 /// Independent Gaussian samples exceed the limits of 99 % in one of a hundred, and calibrated ones do so too.
 #[test]
 fn limits_keep_their_rate() {

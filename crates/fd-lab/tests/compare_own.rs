@@ -86,6 +86,12 @@ fn large_faults_are_found_and_small_ones_are_not() {
     }
     let page = comparison.markdown("fdiag compare");
     assert!(page.contains("leak abrupt [m^2] | sensor offset [m] |"), "{page}");
+    assert!(!page.contains("Left out"), "{page}");
+    // Half of the engines behind the numbers is not what the reader would think.
+    let mut halved = comparison.clone();
+    halved.scenarios[0].entries[0].failed_engines = 1;
+    let page = halved.markdown("fdiag compare");
+    assert!(page.contains("Left out: 1 of the 2 engines that were to be counted"), "{page}");
     // The same numbers whatever else runs beside.
     let mut again = Comparison::run(&config, None, &()).unwrap();
     again.overall.iter_mut().zip(&comparison.overall).for_each(|(a, b)| a.cost_ns = b.cost_ns);

@@ -4,8 +4,8 @@
 //!   prediction error is `P̃ P̃ᵀ w`.
 //! * **Source.** Jackson and Mudholkar (1979); windows of `lags + 1` samples (dynamic PCA) by Ku, Storer and
 //!   Georgakis (1995), and so is their choice of lags.
-//! * **How many components** is [`Components`]: parallel analysis (Horn 1965), which keeps those that stand above
-//!   what independent channels would show in as many samples, a percentage of the variance, or a number.
+//! * **How many components** is [`Components`]: parallel analysis (Horn 1965, Glorfeld 1995), which keeps those that stand
+//!   above what independent channels would show in as many samples, a percentage of the variance, or a number.
 //! * **Assumptions.** One operating point; relations between channels that are nearly linear there. Samples need
 //!   not be independent for the components, but the limits by formula assume it.
 //! * **Do not use** it where a few inputs drive the plant far: what they explain is taken for what is normal, and a

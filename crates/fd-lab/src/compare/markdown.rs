@@ -55,9 +55,12 @@ impl Comparison {
             section(
                 &format!("## {}", markdown_text(&scenario.name)),
                 &format!(
-                    "{}. Smallest fault with its interval; the best {BEST} of {} entries.",
+                    "{}. Smallest fault with its interval; the best {BEST} of {} entries.{}",
                     markdown_text(&scenario.about),
                     scenario.entries.len(),
+                    scenario
+                        .left_out(self.config.engines.test)
+                        .map_or_else(String::new, |s| format!(" {s}")),
                 ),
                 &scenario.best(),
             );

@@ -126,7 +126,7 @@ impl Comparison {
         page.table(self.by_part());
         page.table(self.by_scenario());
         for scenario in &self.scenarios {
-            scenario.section(&mut page)?;
+            scenario.section(&mut page, self.config.engines.test)?;
         }
         Ok(page)
     }
@@ -188,10 +188,27 @@ impl ScenarioResult {
         table
     }
 
-    fn section(&self, page: &mut Page) -> Result<(), PictureError> {
+    /// On how many of the test engines entries are not counted, because the plant ran away or there was nothing to
+    /// build; none where all are.
+    pub(super) fn left_out(&self, engines: u64) -> Option<String> {
+        let counts = || self.entries.iter().map(|entry| entry.failed_engines);
+        let (least, most) = (counts().min()?, counts().max()?);
+        let range = if least == most { format!("{most}") } else { format!("{least} to {most}") };
+        (most > 0).then(|| {
+            format!(
+                "Left out: {range} of the {engines} engines that were to be counted, by entry, on which the plant ran \
+                 away or the entry could not be built. Shares and intervals are of the others."
+            )
+        })
+    }
+
+    fn section(&self, page: &mut Page, engines: u64) -> Result<(), PictureError> {
         page.heading(self.name.clone());
         if !self.about.is_empty() {
             page.text(self.about.clone());
+        }
+        if let Some(left_out) = self.left_out(engines) {
+            page.text(left_out);
         }
         page.table(self.table(SHOWN));
         let mut chosen: Vec<&EntryResult> = Vec::new();
