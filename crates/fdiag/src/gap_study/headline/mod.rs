@@ -5,6 +5,7 @@ use fd_gap::{
     ceiling::Ceiling,
     diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
     locate::Spectrum,
+    quality::Defect,
 };
 use fd_model::{duration, figure};
 
@@ -31,7 +32,7 @@ const SHOWN: f64 = 0.05;
 
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
-    let answer = answer(report);
+    let answer = answer(report) + &left_out(report);
     let answer = match report.time_limit {
         _ if report.stopped.is_empty() => answer,
         Some(limit) => {
@@ -44,6 +45,24 @@ pub(super) fn headline(report: &Report) -> String {
         "The log reads as if {} ({}); with that corrected: {answer}",
         reading.statement,
         p(reading.probability)
+    )
+}
+
+/// Outputs that stand still in a log, of which the answer says nothing.
+fn left_out(report: &Report) -> String {
+    let is_output = |channel: &str| report.inputs.outputs.iter().any(|o| o.name == channel);
+    let is_constant = |f: &&LogFinding| f.defect == LogDefect::Channel(Defect::Constant);
+    let still = report.findings.iter().filter(is_constant).map(|finding| &finding.channel);
+    let mut still: Vec<String> =
+        still.filter(|channel| is_output(channel)).map(|channel| format!("`{channel}`")).collect();
+    still.dedup();
+    if still.is_empty() || report.spoiled().is_some() {
+        return String::new();
+    }
+    let (does, was) = if still.len() == 1 { ("does", "was") } else { ("do", "were") };
+    let still = list(&still, "and");
+    format!(
+        " {still} {does} not change in the log and {was} left out: stuck, or logged too coarsely?"
     )
 }
 

@@ -6,10 +6,10 @@ use fd_gap::{
     diagnose::{Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, Regime},
     fit::Horizon,
     locate::{Band, Location},
-    quality::{Defect, Severity},
+    quality::Severity,
     shrink::Closed,
 };
-use fd_sim::model::Model;
+use fd_sim::model::{Model, Output};
 
 use super::*;
 use crate::gap_study::{Inputs, Memory, Pace, REPORT_VERSION, Request, StudySettings, Timing};
@@ -295,4 +295,23 @@ fn a_log_that_is_read_wrongly_is_said_first() {
     let said = headline(&Report { reading: Some(reading), ..report(Verdict::NoGap) });
     let begin = "The log reads as if `y` had the other sign (p = 0.97); with that corrected: ";
     assert_eq!(said, format!("{begin}{plain}"));
+}
+
+#[test]
+fn an_output_that_stands_still_is_said_to_be_left_out() {
+    let mut still = report(Verdict::NoGap);
+    let plain = headline(&still);
+    let second = Output { name: "z".into(), ..still.inputs.outputs[0].clone() };
+    still.inputs.outputs.push(second);
+    still.findings = vec![LogFinding {
+        severity: Severity::Warning,
+        file: "run.csv".into(),
+        channel: "z".into(),
+        defect: LogDefect::Channel(Defect::Constant),
+    }];
+    let said = " `z` does not change in the log and was left out: stuck, or logged too coarsely?";
+    assert_eq!(headline(&still), plain + said);
+    // An input that is constant is no sensor.
+    still.findings[0].channel = "u".into();
+    assert!(!headline(&still).contains("left out"));
 }
