@@ -10,8 +10,9 @@ const NUDGE: f64 = 1e-2;
 const LITTLE: f64 = 1e-3;
 /// … and by more than so many ranges, less far.
 const MUCH: f64 = 10.0;
-/// Factor to the next try, and how many there are.
+/// Factor to the next try …
 const FACTOR: f64 = 30.0;
+/// … of so many.
 const TRIES: usize = 5;
 
 /// By how much each initial state has to be moved for some output to move by its range in the run through a log, of

@@ -19,6 +19,11 @@ const SAMPLES: usize = 600;
 /// The drive under its speed controller, logged with a noise that the controller sees if
 /// `is_in_loop`.
 fn record(truth: &Model, colour: f64, is_in_loop: bool, seed: u64) -> Record {
+    record_with(truth, colour, is_in_loop, seed, 1.0)
+}
+
+/// The same with so much of the noise in the command, which is logged as the third output.
+fn record_with(truth: &Model, colour: f64, is_in_loop: bool, seed: u64, of_command: f64) -> Record {
     let nominal = example("dc_drive_closed_loop");
     let ny = nominal.outputs.len();
     let noise: Vec<Vec<f64>> = (0..ny)
@@ -29,7 +34,8 @@ fn record(truth: &Model, colour: f64, is_in_loop: bool, seed: u64) -> Record {
             } else {
                 ArNoise::new(vec![colour], sigma, seed).values(SAMPLES)
             };
-            noise.unwrap()
+            let part = if c == 2 { of_command } else { 1.0 };
+            noise.unwrap().into_iter().map(|e| part * e).collect()
         })
         .collect();
     let model = if is_in_loop { with_noise(truth) } else { truth.clone() };
@@ -123,6 +129,17 @@ fn noise_that_goes_round_the_loop_is_no_effect() {
     let truth = example("dc_drive_closed_loop");
     for (colour, seed) in [(0.0, 11), (0.8, 21), (0.8, 31)] {
         let found = diagnosis(&[record(&truth, colour, true, seed)]);
+        assert!(found.is_logged_loop, "{seed}");
+        assert!(0.5 < found.no_gap, "{seed} {}", found.no_gap);
+    }
+}
+
+/// A command that is logged as it was given is exactly what the controller makes of the log: no noise is less than that.
+#[test]
+fn an_exact_command_is_no_reason_to_close_the_loop() {
+    let truth = example("dc_drive_closed_loop");
+    for seed in [51, 61] {
+        let found = diagnosis(&[record_with(&truth, 0.0, true, seed, 0.0)]);
         assert!(found.is_logged_loop, "{seed}");
         assert!(0.5 < found.no_gap, "{seed} {}", found.no_gap);
     }
