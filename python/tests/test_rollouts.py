@@ -136,4 +136,5 @@ def test_friction_is_found_with_a_few_whole_runs(short: dict[str, np.ndarray]) -
     only = ["coulomb-friction", "viscous-friction", "input-gain", "constant-load"]
     answer = fdiag.gap(pushed, short, only=only, most=1)
     assert answer.causes[0].label == "coulomb-friction" and answer.causes[0].probability > 0.9
-    assert answer.work is not None and answer.work.made < 200, answer.work
+    # Many of them are of a part of the log, as those that settle where a forecast begins.
+    assert answer.work is not None and answer.work.steps < 150 * 400, answer.work
