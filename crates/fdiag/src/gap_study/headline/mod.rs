@@ -50,12 +50,12 @@ pub(super) fn headline(report: &Report) -> String {
 
 /// Outputs that stand still in a log, of which the answer says nothing.
 fn left_out(report: &Report) -> String {
-    let is_output = |channel: &str| report.inputs.outputs.iter().any(|o| o.name == channel);
-    let is_constant = |f: &&LogFinding| f.defect == LogDefect::Channel(Defect::Constant);
-    let still = report.findings.iter().filter(is_constant).map(|finding| &finding.channel);
-    let mut still: Vec<String> =
-        still.filter(|channel| is_output(channel)).map(|channel| format!("`{channel}`")).collect();
-    still.dedup();
+    let constant = LogDefect::Channel(Defect::Constant);
+    let is_still =
+        |name: &String| report.findings.iter().any(|f| f.channel == *name && f.defect == constant);
+    let names = report.inputs.outputs.iter().map(|output| &output.name);
+    let still: Vec<String> =
+        names.filter(|name| is_still(name)).map(|name| format!("`{name}`")).collect();
     if still.is_empty() || report.spoiled().is_some() {
         return String::new();
     }
