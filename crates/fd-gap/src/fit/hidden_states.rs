@@ -36,6 +36,9 @@ pub(super) fn scales(
     let mut found = vec![None; x0.len()];
     let mut open: Vec<usize> = (0..x0.len()).collect();
     for _ in 0..TRIES {
+        if open.is_empty() {
+            break;
+        }
         let moved = |&i: &usize| {
             let mut moved = x0.clone();
             moved[i] += steps[i];
@@ -61,9 +64,6 @@ pub(super) fn scales(
             }
         }
         open = again;
-        if open.is_empty() {
-            break;
-        }
     }
     found
 }

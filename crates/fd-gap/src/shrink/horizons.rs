@@ -41,13 +41,15 @@ pub fn dominant_time_constant(
     x0: &[f64],
     log: &Log,
 ) -> Option<f64> {
+    // What makes whole runs only cannot be asked where it goes from a state.
+    if !simulator.makes_steps() {
+        return None;
+    }
     let mut simulator = simulator.boxed();
     let mut y = vec![0.0; simulator.outputs().len()];
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(log.samples);
     let (mut all, note) = (vec![0.0; log.samples * log.ny], |_, x: &[f64]| states.push(x.to_vec()));
-    if walk(&mut *simulator, theta, x0, 0, &log.u, &mut all, note) != Outcome::Complete
-        || !simulator.makes_steps()
-    {
+    if walk(&mut *simulator, theta, x0, 0, &log.u, &mut all, note) != Outcome::Complete {
         return None;
     }
     let ranges: Vec<f64> = (0..x0.len())

@@ -55,11 +55,11 @@ impl Tapes {
     /// What comes after the rows of a run so far in a known one that has begun like it: that run is remembered, where its
     /// parameters are the same.
     fn rest(&self, first: u64, rows: &[f64]) -> Option<Vec<f64>> {
-        open(&self.0).iter().rev().find_map(|tape| {
-            let begins_so = |so_far: &[f64]| tape.first == first && is_same(so_far, rows);
-            let so_far = tape.rows.get(..rows.len())?;
-            (begins_so(so_far) && rows.len() < tape.rows.len())
-                .then(|| tape.rows[rows.len()..].to_vec())
+        let known = open(&self.0);
+        let mut same = known.iter().rev().filter(|tape| tape.first == first);
+        same.find_map(|tape| {
+            let (so_far, rest) = tape.rows.split_at_checked(rows.len())?;
+            (is_same(so_far, rows) && !rest.is_empty()).then(|| rest.to_vec())
         })
     }
 

@@ -80,10 +80,9 @@ pub(super) fn settle(
             // From what drove a run like this one, or as if nothing depended on outputs.
             let known = driven.remembered().filter(|known| known.f.len() == steps * nf).cloned();
             let known_rate = known.as_ref().map(|known| known.rate);
-            let plain = || (0..steps).flat_map(|k| driven.input(k).to_vec()).collect();
             let (u, f) = match known {
                 Some(known) => (known.u, known.f),
-                None => (plain(), vec![0.0; steps * nf]),
+                None => (inputs(&**driven), vec![0.0; steps * nf]),
             };
             Open { lane, theta, x0, u, f, y, changed: None, known_rate, rate: None }
         })
@@ -128,9 +127,7 @@ impl Open {
         let [nu, nf, ny] = [&self.u, &self.f, &self.y].map(|rows| rows.len() / steps);
         let settled = settled(&self.y, ny, precision);
         // Behind a divergence, all that is known of the plant is how it is driven from outside.
-        let mut f = vec![0.0; self.f.len()];
-        let mut u: Vec<f64> = Vec::with_capacity(self.u.len());
-        (0..lane.steps()).for_each(|k| u.extend_from_slice(lane.input(k)));
+        let (mut u, mut f) = (inputs(lane), vec![0.0; self.f.len()]);
         let (mut w, mut y) = (vec![0.0; nu + nf], vec![0.0; ny]);
         let (mut change, mut is_same, mut is_whole) = (0.0_f64, true, true);
         lane.begin();
@@ -185,6 +182,11 @@ impl Open {
         }
         Passed::Otherwise { u, f, change: if is_whole { change } else { f64::INFINITY }, rate }
     }
+}
+
+/// The inputs that a lane gets from outside, row by row.
+fn inputs(lane: &dyn Driven) -> Vec<f64> {
+    (0..lane.steps()).flat_map(|k| lane.input(k)).copied().collect()
 }
 
 /// By how much each column may still change.
