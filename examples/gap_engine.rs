@@ -1,11 +1,13 @@
 //! One withheld cause in the nonlinear engine, against the linear and the nominal simulator: the
-//! tables of `docs/results/gap-engine.md`. All four, or those that are named: `linear-weak`,
-//! `linear-strong`, `nonlinear-weak`, `nonlinear-strong`.
+//! tables of `docs/results/gap-engine.md`. All six, or those that are named: `linear-weak`,
+//! `linear-strong`, `nonlinear-weak`, `nonlinear-strong`, `few-runs-weak`, `few-runs-strong`.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints")]
 
 use std::{collections::BTreeMap, error::Error, time::Instant};
 
-use fd_lab::engine_gap::{Answer, EngineCause, diagnose_engine, engine_log};
+use fd_lab::engine_gap::{
+    Answer, EngineCause, diagnose_engine, diagnose_with_few_runs, engine_log,
+};
 use fdiag::{
     engine_plant::{EngineKnowledge, engine_effects, simulator},
     jetengine::engine17::HealthParameter,
@@ -14,17 +16,37 @@ use fdiag::{
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    for is_linear in [true, false] {
+    for manner in [Manner::Linear, Manner::Nonlinear, Manner::FewRuns] {
         for is_strong in [false, true] {
-            let simulator = if is_linear { "linear" } else { "nonlinear" };
-            let name = format!("{simulator}-{}", if is_strong { "strong" } else { "weak" });
+            let name = format!("{}-{}", manner.name(), if is_strong { "strong" } else { "weak" });
             if wanted.is_empty() || wanted.contains(&name) {
                 println!("\n{name}\n");
-                table(is_linear, is_strong)?;
+                table(manner, is_strong)?;
             }
         }
     }
     Ok(())
+}
+
+/// The simulator, and how it is asked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Manner {
+    /// The linear engine.
+    Linear,
+    /// The nonlinear one.
+    Nonlinear,
+    /// The same as a black box with few runs.
+    FewRuns,
+}
+
+impl Manner {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Nonlinear => "nonlinear",
+            Self::FewRuns => "few-runs",
+        }
+    }
 }
 
 /// What is withheld, weak and strong.
@@ -50,7 +72,7 @@ fn causes() -> [[EngineCause; 2]; 14] {
 }
 
 /// One part of the table: 16 s of an engine of which the modules are known exactly.
-fn table(is_linear: bool, is_strong: bool) -> Result<(), Box<dyn Error>> {
+fn table(manner: Manner, is_strong: bool) -> Result<(), Box<dyn Error>> {
     let begin = Instant::now();
     // Samples every 40 ms, simulated in steps of 6.7 ms.
     let known = EngineKnowledge {
@@ -67,7 +89,7 @@ fn table(is_linear: bool, is_strong: bool) -> Result<(), Box<dyn Error>> {
     for (i, pair) in causes().into_iter().enumerate() {
         let cause = pair[usize::from(is_strong)];
         let seed = 100 + 2 * i as u64 + u64::from(is_strong);
-        let answer = row(&known, is_linear, cause, seed)?;
+        let answer = row(&known, manner, cause, seed)?;
         *counts.entry(format!("{answer:?}")).or_default() += 1;
     }
     println!("{counts:?} in {:.0?}", begin.elapsed());
@@ -77,16 +99,24 @@ fn table(is_linear: bool, is_strong: bool) -> Result<(), Box<dyn Error>> {
 /// One row.
 fn row(
     known: &EngineKnowledge,
-    is_linear: bool,
+    manner: Manner,
     cause: EngineCause,
     seed: u64,
 ) -> Result<Answer, Box<dyn Error>> {
     let log = engine_log(known, cause, 400, seed)?;
-    let nominal = simulator(known, is_linear)?;
     let begin = Instant::now();
-    let diagnosis = diagnose_engine(&*nominal, engine_effects(), &log)?;
+    let (diagnosis, runs) = if manner == Manner::FewRuns {
+        let found = diagnose_with_few_runs(known, engine_effects(), &log)?;
+        let few = found.ok_or("the engine cannot be linearised along the log")?;
+        (few.diagnosis, few.runs)
+    } else {
+        let nominal = simulator(known, manner == Manner::Linear)?;
+        let diagnosis = diagnose_engine(&*nominal, engine_effects(), &log)?;
+        let runs = diagnosis.simulations as f64;
+        (diagnosis, runs)
+    };
     let answer = Answer::of(&diagnosis, cause);
-    let kind = if is_linear { "linear" } else { "nonlinear" };
+    let kind = manner.name();
     let first = &diagnosis.causes[0];
     let strength = &first.parameters[0];
     println!(
@@ -105,12 +135,7 @@ fn row(
         worst(&diagnosis.best.gap),
         diagnosis.tied.len(),
     );
-    eprintln!(
-        "    {} simulations, {} causes, {:.1?}",
-        diagnosis.simulations,
-        diagnosis.causes.len(),
-        begin.elapsed()
-    );
+    eprintln!("    {runs:.0} runs, {} causes, {:.1?}", diagnosis.causes.len(), begin.elapsed());
     Ok(answer)
 }
 

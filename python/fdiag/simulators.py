@@ -228,6 +228,9 @@ class Steps(Simulator):
     `native_effects` are effects that the object has in itself, at rest, each a `Native` by the name of its parameter,
     which `reset` gets with the others.
 
+    With `resets=False` an object makes one run: `reset` is called once, and the function makes another object for
+    the next run.
+
     The same run must give the same numbers. Outputs that are not finite, and an `ArithmeticError`, are a run that
     diverges. After a `ConnectionError` another object makes the run again, three times at the most; any other exception
     ends the diagnosis and arrives with its traceback. More than one worker needs a
@@ -247,6 +250,7 @@ class Steps(Simulator):
         native_effects: Entries = None,
         name: str | None = None,
         workers: int = 1,
+        resets: bool = True,
     ):
         is_object = hasattr(simulator, "step") and not isinstance(simulator, type)
         factory = (lambda: simulator) if is_object else simulator
@@ -257,6 +261,8 @@ class Steps(Simulator):
             )
         if is_object and workers != 1:
             raise InputError("workers: expected 1 for a single object, or a function that makes objects")
+        if is_object and not resets:
+            raise InputError("resets: expected a function that makes objects, of which each makes one run, found an object")
         probe = simulator if is_object else factory()
         for method in ("reset", "step"):
             if not callable(getattr(probe, method, None)):
@@ -268,6 +274,7 @@ class Steps(Simulator):
             raise InputError("ports: expected a method `step(u, f)`, found one that takes no forces")
         powers = {
             "step": True,
+            "resets": bool(resets),
             "measure": callable(getattr(probe, "measure", None)),
             "states": callable(getattr(probe, "state", None)) and bool(rooms["states"]),
         }

@@ -86,6 +86,31 @@ def test_a_run_is_made_again_where_a_connection_is_lost(short: dict[str, np.ndar
     assert result.causes[0].name == "coulomb-friction@rail"
 
 
+def test_an_object_that_makes_one_run_is_made_for_each(short: dict[str, np.ndarray]) -> None:
+    made = 0
+
+    class Once(Cart):
+        def __init__(self) -> None:
+            nonlocal made
+            made += 1
+            self.is_used = False
+
+        def reset(self, parameters: dict[str, float], x0: dict[str, float]) -> None:
+            assert not self.is_used, "a second run"
+            self.is_used = True
+            super().reset(parameters, x0)
+
+    said = {k: getattr(Cart, k) for k in ("inputs", "outputs", "parameters", "initial", "ports")}
+    once = fdiag.Steps(Once, sample_time=0.01, resets=False, **said)
+    result = fdiag.gap(once, short, only=["coulomb-friction"], most=1)
+    again = fdiag.gap(fdiag.Steps(Cart(), sample_time=0.01, **said), short, only=["coulomb-friction"], most=1)
+    assert result.headline == again.headline
+    work = result.work
+    assert work is not None and 10 < work.made <= made
+    with pytest.raises(fdiag.InputError, match="resets: expected a function"):
+        fdiag.Steps(Cart(), sample_time=0.01, resets=False, **said)
+
+
 def test_a_program_gives_the_answer_of_the_object(short: dict[str, np.ndarray]) -> None:
     command = [sys.executable, str(ROOT / "examples" / "process" / "cart.py")]
     process = fdiag.Process(command, parameters={"m": {"tolerance": 0.03}})

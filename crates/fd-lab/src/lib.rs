@@ -22,6 +22,7 @@
 //! # Ok::<(), fd_lab::engine::EngineStudyError>(())
 //! ```
 
+mod black_box;
 pub mod blind;
 pub mod compare;
 pub mod engine;

@@ -15,25 +15,16 @@ use super::{
 };
 use crate::{
     evidence::{NoisePrior, likelihood},
-    fit::{FitError, Log, Plan, Problem},
+    fit::{FitError, Horizon, Log, Plan, Problem},
 };
 
 /// Noise of any size and colour.
 const ANY: NoisePrior = NoisePrior { centre: 0.0, spread: 1e3, is_coloured: true, step: None };
 
-/// What is added to errors, in sigma, so that their noise is some.
-const EXACT: f64 = 1e-3;
-
 /// Change of an initial state, in its size or its unit, of which the growth is looked at …
 const NUDGE: f64 = 1e-6;
 /// … and growth from the first to the last quarter of a log of what runs away: two integrators in a row grow by 16.
 const RUNS_AWAY: f64 = 100.0;
-
-/// A sign by chance, the same in every run: a multiplicative hash (Knuth).
-fn sign(k: usize) -> f64 {
-    let hash = (k as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    if hash >> 63 == 0 { 1.0 } else { -1.0 }
-}
 
 /// The loop as it is diagnosed: closed, or with the controller on logged outputs.
 #[derive(Debug)]
@@ -56,8 +47,8 @@ impl<'a> Feedback<'a> {
         let horizon = settings.horizon;
         let logged = if settings.without.logged_loops { None } else { Logged::of(case) };
         let logged = logged.filter(|logged| {
-            let open = prepare(&logged.case(case), horizon).ok().and_then(|p| log_likelihood(&p));
-            let closed = prepare(case, horizon).ok().and_then(|p| log_likelihood(&p));
+            let open = null_likelihood(&logged.case(case), horizon);
+            let closed = null_likelihood(case, horizon);
             open.is_some_and(|open| closed.is_none_or(|closed| closed < open))
         });
         Self { logged }
@@ -137,16 +128,49 @@ fn runs_away(nominal: &dyn Nominal, record: &Record) -> bool {
     })
 }
 
+/// Log-likelihood of what the model leaves of the logs without any effect, its nuisances fitted, as noise of any size and
+/// colour. Nominal simulators of one model that have other inputs can be compared by it: with a controller that sees what
+/// was logged, or that sees what is simulated. `None` where the model cannot be fitted, or diverges.
+///
+/// ```
+/// use fd_effect::Candidate;
+/// use fd_gap::{diagnose::{Case, null_likelihood}, fit::Horizon};
+/// use fd_model::{Channel, Record};
+/// use fd_sim::model::Model;
+///
+/// let lag = |time: &str| format!(r#"
+/// version = 1
+/// kind = "equations"
+/// name = "lag"
+/// sample_time = 0.1
+/// inputs = {{ u = {{ unit = "V" }} }}
+/// outputs = {{ y = {{ unit = "V", value = "x" }} }}
+/// states = {{ x = {{ unit = "V", initial = 0.0, derivative = "(u - x)/{time}" }} }}
+/// "#).parse::<Model>();
+/// let (u, y) = ([Channel::new("u", "V")], [Channel::new("y", "V")]);
+/// let row = |k: u32| {
+///     let noise = 0.01 * f64::from(k * 7919 % 13).sin();
+///     ([1.0], [1.0 - (-0.1 * f64::from(k)).exp() + noise])
+/// };
+/// let (right, wrong) = (lag("1")?, lag("2")?);
+/// let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..100).map(row), right.sample_time()?)?;
+/// let none: Vec<Candidate> = Vec::new();
+/// let of = |nominal| {
+///     let case = Case { nominal, suspects: &none, logs: std::slice::from_ref(&log), held_out: &[] };
+///     null_likelihood(&case, Horizon::FreeRun)
+/// };
+/// assert!(of(&wrong) < of(&right));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn null_likelihood(case: &Case<'_>, horizon: Horizon) -> Option<f64> {
+    prepare(case, horizon).ok().and_then(|prepared| log_likelihood(&prepared))
+}
+
 /// Of what a fit leaves, in physical units, as noise of any size and colour.
 fn log_likelihood(Prepared { null, .. }: &Prepared) -> Option<f64> {
     let mut problem = null.problem.clone();
-    let mut errors = problem.errors(&null.minimum.z)?;
-    // A logged command is exactly what the controller makes of logged outputs: nothing is less than nothing.
-    for signal in errors.iter_mut().flatten() {
-        for (k, error) in signal.iter_mut().enumerate() {
-            *error += EXACT * sign(k);
-        }
-    }
+    let errors = problem.errors(&null.minimum.z)?;
     let found = likelihood(&errors, &vec![ANY; errors.len()]);
     let scale = |(signals, sigma): (&Vec<Vec<f64>>, &f64)| {
         signals.iter().flatten().filter(|e| e.is_finite()).count() as f64 * sigma.ln()

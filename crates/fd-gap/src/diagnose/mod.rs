@@ -162,6 +162,7 @@ pub(crate) use self::{
 };
 pub use self::{
     case::Case,
+    feedback::null_likelihood,
     monitor::{Monitor, Stage},
     objection::Objection,
     result::{

@@ -1,12 +1,17 @@
 //! Likelihood of simulation errors, with the noise as an unknown.
 
-use std::f64::consts::PI;
+use std::{borrow::Cow, f64::consts::PI};
 
 use crate::quality::{Autoregression, interval_log_likelihood};
 
 /// Least noise before rounding, in steps of the grid: values at the edge of a cell are no evidence against a
 /// simulation that is off by its own standard error.
 const SOFT: f64 = 0.15;
+
+/// Least noise of a signal, in sigma: what a logged controller has computed is exact, and its rounding says nothing …
+const EXACT: f64 = 1e-3;
+/// … and errors up to which it matters.
+const NEARLY_EXACT: f64 = 0.1;
 
 /// What is known of the noise of an output before the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +109,7 @@ pub struct Likelihood {
 pub fn likelihood(errors: &[Vec<Vec<f64>>], noise: &[NoisePrior]) -> Likelihood {
     let mut sum = Likelihood { log: 0.0, scale: Vec::new(), colour: Vec::new() };
     for (signals, prior) in errors.iter().zip(noise) {
+        let signals = &*with_some_noise(signals);
         let cells = prior.step.map(|step| of_cells(signals, prior, step));
         let filtered = (cells.is_none() || prior.is_coloured).then(|| of_filter(signals, prior));
         // Rounding hides a colour or does not.
@@ -116,6 +122,24 @@ pub fn likelihood(errors: &[Vec<Vec<f64>>], noise: &[NoisePrior]) -> Likelihood 
         sum.colour.push(one.colour);
     }
     sum
+}
+
+/// Errors with the least noise that there is, the same for all simulations of a signal.
+fn with_some_noise(signals: &[Vec<f64>]) -> Cow<'_, [Vec<f64>]> {
+    let size = fd_numeric::rms(signals.iter().flatten().copied().filter(|e| e.is_finite()));
+    if NEARLY_EXACT < size {
+        return Cow::Borrowed(signals);
+    }
+    let dithered = |signal: &Vec<f64>| -> Vec<f64> {
+        signal.iter().enumerate().map(|(k, error)| error + EXACT * sign(k)).collect()
+    };
+    Cow::Owned(signals.iter().map(dithered).collect())
+}
+
+/// A sign by chance, the same in every run: a multiplicative hash (Knuth).
+fn sign(k: usize) -> f64 {
+    let hash = (k as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    if hash >> 63 == 0 { 1.0 } else { -1.0 }
 }
 
 /// The likelihood of one output.

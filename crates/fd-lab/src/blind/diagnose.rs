@@ -14,15 +14,18 @@ use fd_gap::{
     road::{Road, road},
 };
 use fd_model::Record;
-use fd_sim::{model::Model, simulate::Nominal};
+use fd_sim::{
+    model::Model,
+    simulate::{EquationSimulator, Nominal},
+};
 use fdiag::gap_study::follow;
 
 use super::{
     answer::{Answer, Named, Reading, Share, Together, UNCLEAR},
-    black_box::{BlackBox, Sight},
     error::BlindError,
     feature::{Feature, Method},
 };
+use crate::black_box::{BlackBox, Sight};
 
 /// Causes that are kept in an answer.
 const KEPT: usize = 20;
@@ -116,8 +119,10 @@ pub(super) fn as_black_box(
         Manner::Thorough => Sight::States,
         Manner::Sparing(sight) => sight,
     };
-    let black_box = BlackBox::of(&with_default_sites(model), ts, sight)?;
-    let shell = &black_box.shell;
+    let model = with_default_sites(model);
+    let plant = EquationSimulator::<f64>::with_ports(&model, ts)?;
+    let black_box = BlackBox::of_equations(&model, plant, sight)?;
+    let shell = &black_box.shell()?;
     let (samples, u) = (train.len(), inputs(train));
     let scales = shell.scales(ts, &u, samples)?;
     let forces: Vec<f64> = scales.sites.iter().map(|site| site.force).collect();

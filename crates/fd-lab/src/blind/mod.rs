@@ -8,7 +8,6 @@
 
 mod answer;
 mod baselines;
-mod black_box;
 mod conditions;
 mod controller;
 mod cost;

@@ -10,14 +10,13 @@ use rayon::prelude::*;
 use super::{
     answer::{Answer, read_answers},
     baselines,
-    black_box::Sight,
     diagnose::{Manner as How, answer, as_black_box},
     error::BlindError,
     feature::{Feature, Method},
     files::{Case, Variant, answers},
     make::{CASES, COMMITMENT},
 };
-use crate::{Watcher, journal::Journal};
+use crate::{Watcher, black_box::Sight, journal::Journal};
 
 /// How cases are diagnosed.
 #[derive(Clone, Copy)]

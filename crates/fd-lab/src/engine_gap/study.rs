@@ -1,12 +1,16 @@
 //! One withheld cause, two simulators that lack it: which of them names it?
 
 use fd_effect::{Effect, EverySite};
-use fd_gap::diagnose::{Case, Cause, Diagnosis, Settings, Verdict, diagnose};
+use fd_gap::{
+    diagnose::{Case, Cause, Diagnosis, Settings, Verdict, diagnose},
+    few_runs::{Effort, FewRuns, with_few_runs},
+};
 use fd_model::Record;
-use fd_sim::simulate::Nominal;
-use fdiag::engine_plant::EnginePlantError;
+use fd_sim::simulate::{Nominal, SimulateError};
+use fdiag::engine_plant::{ENGINE_KIND, EngineKnowledge, EngineSimulator, engine_noise};
 
-use super::EngineCause;
+use super::{EngineCause, EngineGapError};
+use crate::black_box::{BlackBox, Sight};
 
 /// Diagnoses a log with a list of effects.
 ///
@@ -17,13 +21,55 @@ pub fn diagnose_engine(
     nominal: &dyn Nominal,
     effects: Vec<Box<dyn Effect>>,
     log: &Record,
-) -> Result<Diagnosis, EnginePlantError> {
-    let u: Vec<f64> = log.samples().flat_map(|(u, _)| u.to_vec()).collect();
-    let scales = nominal.scales(log.ts(), &u, log.len())?;
-    let suspects = EverySite::new(effects, nominal.model(), scales);
+) -> Result<Diagnosis, EngineGapError> {
+    let suspects = suspects(nominal, effects, log)?;
     let logs = std::slice::from_ref(log);
     let case = Case { nominal, suspects: &suspects, logs, held_out: &[] };
     Ok(diagnose(&case, &Settings::default(), &())?)
+}
+
+/// A diagnosis of the nonlinear engine as a black box, and what it has cost.
+#[derive(Clone, Debug)]
+pub struct FewRunsOfEngine {
+    /// What the engine says of the causes that its linear stand-in proposes.
+    pub diagnosis: Diagnosis,
+    /// Runs of the engine through the log.
+    pub runs: f64,
+}
+
+/// The same with few runs of the nonlinear engine, which shows its states and steps. `None` where its stand-in foretells
+/// too little.
+///
+/// # Errors
+///
+/// As [`diagnose_engine`].
+pub fn diagnose_with_few_runs(
+    known: &EngineKnowledge,
+    effects: Vec<Box<dyn Effect>>,
+    log: &Record,
+) -> Result<Option<FewRunsOfEngine>, EngineGapError> {
+    let engine = Box::new(EngineSimulator::new(known)?);
+    let (noise, motion) = (engine_noise(known)?, Vec::new());
+    let black_box = BlackBox::of(ENGINE_KIND, engine, noise, motion, Sight::States)?;
+    let shell = black_box.shell()?;
+    let suspects = suspects(&shell, effects, log)?;
+    let logs = std::slice::from_ref(log);
+    let case = Case { nominal: &shell, suspects: &suspects, logs, held_out: &[] };
+    let few = with_few_runs(&shell, &[], &case, &Settings::default(), Effort::default(), &())?;
+    Ok(few.map(|FewRuns { diagnosis, .. }| FewRunsOfEngine {
+        diagnosis,
+        runs: black_box.runs(log.len()),
+    }))
+}
+
+fn suspects<'a>(
+    nominal: &'a dyn Nominal,
+    effects: Vec<Box<dyn Effect>>,
+    log: &Record,
+) -> Result<EverySite<'a>, SimulateError> {
+    let u: Vec<f64> = log.samples().flat_map(|(u, _)| u.to_vec()).collect();
+    let scales = nominal.scales(log.ts(), &u, log.len())?;
+    Ok(EverySite::new(effects, nominal.model(), scales))
 }
 
 /// How right an answer is.

@@ -30,11 +30,11 @@ const STARTS: usize = 2;
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) contract: Contract,
-    pub(super) source: Box<dyn Source>,
+    pub(super) source: Arc<dyn Source>,
     pub(super) pool: Pool,
     /// What was simulated before; none where everything is to be simulated.
     pub(super) memory: Option<Memory>,
-    pub(super) tally: Tally,
+    pub(super) tally: Arc<Tally>,
     pub(super) grain: Grain,
     /// By how much equal runs differ; none where they do not, or nobody has looked.
     pub(super) spread: OnceLock<Spread>,

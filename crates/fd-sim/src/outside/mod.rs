@@ -15,6 +15,7 @@
 
 mod check;
 mod contract;
+mod disposable;
 mod drive;
 mod error;
 mod file;

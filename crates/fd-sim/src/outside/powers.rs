@@ -11,6 +11,8 @@ use super::{contract::wrong, error::OutsideError};
 pub struct Powers {
     /// It can be asked for one step after another.
     pub step: bool,
+    /// It can begin another run after one; otherwise each run is made by a simulator that was started for it.
+    pub resets: bool,
     /// It can be asked for a whole run in one call.
     pub rollout: bool,
     /// It can show the outputs of a sample without moving on.
@@ -26,11 +28,12 @@ pub struct Powers {
 }
 
 impl Default for Powers {
-    /// One that steps, and does the same twice.
+    /// One that steps, begins again, and does the same twice.
     fn default() -> Self {
         let (rollout, measure, states) = (false, false, false);
         let (precision, deterministic, lanes) = (None, true, 1);
-        Self { step: true, rollout, measure, states, precision, deterministic, lanes }
+        let (step, resets) = (true, true);
+        Self { step, resets, rollout, measure, states, precision, deterministic, lanes }
     }
 }
 

@@ -17,6 +17,7 @@ pub(super) use self::foresight::Tapes;
 pub use self::repeat::Spread;
 use super::{
     contract::Contract,
+    disposable::Disposables,
     error::OutsideError,
     grain::Grain,
     loan::{Fate, Loan, Shared, Work},
@@ -85,17 +86,20 @@ impl OutsideSimulator {
     ) -> Result<Self, OutsideError> {
         let theta: Vec<f64> = contract.parameters.iter().map(|p| p.value).collect();
         let x0: Vec<f64> = contract.initial.iter().map(|state| state.value).collect();
+        let (tally, mut source): (_, Arc<dyn Source>) = (Arc::<Tally>::default(), Arc::new(source));
+        if !contract.powers.resets {
+            source = Arc::new(Disposables { source, tally: Arc::clone(&tally) });
+        }
         let mut first = source.open()?;
         match first.reset(Start { theta: &theta, x0: &x0, first: 0 }) {
             // What the nominal parameters do is for whoever asks for a run to find.
             Ok(()) | Err(Lost::Refused) => {}
             Err(Lost::Gone(error) | Lost::Broken(error)) => return Err(*error),
         }
-        let tally = Tally::default();
         Tally::add(&tally.started, 1);
         let shared = Shared {
             contract,
-            source: Box::new(source),
+            source,
             pool: Pool::new(workers),
             memory: Some(Memory::default()),
             tally,

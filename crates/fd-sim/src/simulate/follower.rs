@@ -20,11 +20,11 @@ use faer::{Mat, Scale, prelude::Solve};
 
 use super::{
     Nominal, OperatingPoint, Outcome, SimulateError, Simulator, linearize,
-    logged_outputs::with_logged_outputs,
+    logged_outputs::{see_logged, with_logged_outputs},
 };
 use crate::{
     equation::Expr,
-    model::{Controller, Input, Law, Model, ModelError, Reference, Signal},
+    model::{Input, Law, Model, ModelError, Signal},
     scales::{ForceScale, ReplayScales, SignalScale},
 };
 
@@ -32,6 +32,9 @@ use crate::{
 const DISTURBANCE: f64 = 1e-3;
 /// The same where so little does not hold a plant that is far from linear, one after the other.
 const STRONGER: [f64; 3] = [1e-2, 1e-1, 1.0];
+
+/// Relative difference of two times that are meant to be equal.
+const ROUNDING: f64 = 1e-6;
 
 /// A model whose simulation is corrected by logged outputs.
 ///
@@ -51,8 +54,8 @@ pub struct Follower<'a> {
 
 impl<'a> Follower<'a> {
     /// Designs the gain for samples `ts` apart, outputs with this `noise` (standard deviations, in their units)
-    /// and inputs `u` (mean and size of each). `None` for a model that has a controller, states with update laws or
-    /// delays, and where no gain can hold it.
+    /// and inputs `u` of the plant (mean and size of each). A controller sees the logged outputs. `None` for a model with a
+    /// controller that does not act at each sample, states with update laws or delays, and where no gain can hold it.
     ///
     /// ```
     /// use fd_sim::{model::Model, simulate::{Follower, Nominal}};
@@ -194,14 +197,12 @@ impl<'a> Follower<'a> {
         disturbance: f64,
     ) -> Option<Self> {
         let model = nominal.model();
-        if model.controller.is_some() {
-            return None;
-        }
+        let plant = plant(model, ts)?;
         let at = OperatingPoint {
             u: u.iter().map(|[mean, _]| *mean).collect(),
-            ..OperatingPoint::initial(model)
+            ..OperatingPoint::initial(&plant)
         };
-        let linear = linearize(model, &at).ok()?;
+        let linear = linearize(&plant, &at).ok()?;
         let (gain, innovations) = design(&linear, ts, noise, u, disturbance)?;
         let mut draft = model.clone().into_draft();
         for (output, size) in draft.outputs.iter_mut().zip(innovations) {
@@ -226,11 +227,9 @@ impl<'a> Follower<'a> {
     /// The model with its corrections: a sampled controller of inputs that are added to the derivatives.
     fn corrected(&self, model: &Model, ts: SampleTime) -> Result<Model, ModelError> {
         let mut draft = model.clone().into_draft();
-        let units = model.outputs.iter().map(|output| output.unit.clone());
-        let references = self.logged.iter().zip(units);
-        let references =
-            references.map(|((_, name), unit)| Reference { name: name.clone(), unit }).collect();
-        let mut signals = Vec::new();
+        let mut controller = draft.controller.take().unwrap_or_default();
+        see_logged(&mut controller, model, &self.logged);
+        controller.sample_time = Some(ts.seconds());
         for (i, state) in self.states.iter().enumerate() {
             let Some(at) = draft.states.iter().position(|known| known.name == *state) else {
                 continue;
@@ -246,11 +245,9 @@ impl<'a> Follower<'a> {
             if let Law::Derivative(derivative) = &mut draft.states[at].law {
                 *derivative = derivative.clone() + Expr::name(&name);
             }
-            signals.push(Signal { input: name, value });
+            controller.signals.push(Signal { input: name, value });
         }
-        let sample_time = Some(ts.seconds());
-        draft.controller =
-            Some(Controller { sample_time, references, signals, ..Controller::default() });
+        draft.controller = Some(controller);
         Model::try_from(draft)
     }
 }
@@ -262,6 +259,10 @@ impl Nominal for Follower<'_> {
 
     fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
         self.nominal.patched(&self.corrected(model, ts)?, ts)
+    }
+
+    fn sees_the_log(&self) -> bool {
+        true
     }
 
     /// Sizes of the signals along the log, `u` with the logged outputs: those of a free run mean nothing.
@@ -305,6 +306,18 @@ impl Nominal for Follower<'_> {
         let inputs = followed.inputs.into_iter().take(self.model.inputs.len()).collect();
         Ok(ReplayScales { inputs, sites: sites.collect(), ..followed })
     }
+}
+
+/// A model without its controller, which is to see the logged outputs; `None` where that acts between samples, or not at
+/// each of them.
+fn plant(model: &Model, ts: SampleTime) -> Option<Model> {
+    let mut draft = model.clone().into_draft();
+    let Some(controller) = draft.controller.take() else { return Some(model.clone()) };
+    let samples = controller.sample_time? / ts.seconds();
+    if ROUNDING < (samples - 1.0).abs() {
+        return None;
+    }
+    Model::try_from(draft).ok()
 }
 
 /// Corrections of the derivatives, and the standard deviations of the innovations.

@@ -17,9 +17,13 @@
 
 use fd_model::{Record, SampleTime};
 
-use super::{Nominal, SimulateError, Simulator, logged_outputs::with_logged_outputs};
+use super::{
+    EquationSimulator, Nominal, Outcome, SimulateError, Simulator,
+    logged_outputs::{see_logged, with_logged_outputs},
+};
 use crate::{
-    model::{Model, ModelError, Reference},
+    equation::Expr,
+    model::{Law, Model, ModelError, Output},
     scales::ReplayScales,
 };
 
@@ -67,9 +71,12 @@ pub struct LoggedLoop<'a> {
 
 impl<'a> LoggedLoop<'a> {
     /// The same loop on logged outputs; `None` when it has no controller that acts at samples of
-    /// the log and uses an output. What a controller sees between samples is in no log.
+    /// the log and uses an output, or is on logged outputs already. What a controller sees between samples is in no log.
     #[must_use]
     pub fn of(nominal: &'a dyn Nominal, ts: SampleTime) -> Option<Self> {
+        if nominal.sees_the_log() {
+            return None;
+        }
         let mut draft = nominal.model().clone().into_draft();
         let samples = draft.controller.as_ref()?.sample_time? / ts.seconds();
         let is_whole = 0.5 < samples && (samples - samples.round()).abs() < ROUNDING * samples;
@@ -97,20 +104,63 @@ impl<'a> LoggedLoop<'a> {
     /// The model with its controller on logged outputs.
     fn opened(&self, model: &Model) -> Result<Model, ModelError> {
         let mut draft = model.clone().into_draft();
-        let unit_of = |name: &String| {
-            let output = model.outputs.iter().find(|output| output.name == *name);
-            output.map_or_else(|| "1".to_owned(), |output| output.unit.clone())
-        };
         if let Some(controller) = &mut draft.controller {
-            for (output, name) in &self.replaced {
-                let unit = unit_of(output);
-                controller.references.push(Reference { name: name.clone(), unit });
-                for expr in controller.expressions_mut() {
-                    *expr = expr.rename(output, name);
-                }
-            }
+            see_logged(controller, model, &self.replaced);
         }
         Model::try_from(draft)
+    }
+
+    /// What the controller makes of a log: the inputs of the plant in the order of the model, row by row, whatever the plant
+    /// does with them. `u` are the inputs of the [simulator](Nominal::simulator) row by row, samples `ts` apart. `None` where
+    /// it makes no numbers.
+    ///
+    /// ```
+    /// use fd_model::SampleTime;
+    /// use fd_sim::{model::Model, simulate::LoggedLoop};
+    ///
+    /// let model: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "tank"
+    /// sample_time = 0.1
+    /// inputs = { u = { unit = "m/s" } }
+    /// outputs = { y = { unit = "m", value = "h" } }
+    /// states = { h = { unit = "m", initial = 0.0, derivative = "u + h" } }
+    /// [controller]
+    /// sample_time = 0.1
+    /// references = { r = { unit = "m" } }
+    /// signals = { u = "2*(r - y)" }
+    /// "#.parse()?;
+    /// let ts = SampleTime::new(0.1)?;
+    /// let logged = LoggedLoop::of(&model, ts).ok_or("a sampled controller that uses an output")?;
+    /// assert_eq!(logged.commands(&[1.0, 0.2].repeat(3), ts), Some(vec![1.6; 3]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn commands(&self, u: &[f64], ts: SampleTime) -> Option<Vec<f64>> {
+        let mut draft = self.opened(self.nominal.model()).ok()?.into_draft();
+        for state in &mut draft.states {
+            let at_rest = match &state.law {
+                Law::Derivative(_) => Law::Derivative(Expr::from(0.0)),
+                Law::Update(_) => Law::Update(Expr::name(&state.name)),
+            };
+            state.law = at_rest;
+        }
+        let names = draft.inputs.iter().map(|i| draft.fresh_name(&format!("{}_shown", i.name)));
+        let shown = names.zip(&draft.inputs).map(|(name, input)| Output {
+            value: Expr::name(&input.name),
+            name,
+            unit: input.unit.clone(),
+            noise: None,
+        });
+        draft.outputs = shown.collect();
+        let frozen = Model::try_from(draft).ok()?;
+        let mut simulator = EquationSimulator::<f64>::at(&frozen, ts).ok()?;
+        let samples = u.len() / Simulator::inputs(&simulator).len().max(1);
+        let (theta, x0) = (frozen.nominal(), frozen.initial());
+        let mut shown = vec![0.0; samples * frozen.outputs.len()];
+        let outcome = Simulator::simulate(&mut simulator, &theta, &x0, u, &mut shown);
+        (outcome == Outcome::Complete).then_some(shown)
     }
 }
 
@@ -121,6 +171,10 @@ impl Nominal for LoggedLoop<'_> {
 
     fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
         self.nominal.patched(&self.opened(model)?, ts)
+    }
+
+    fn sees_the_log(&self) -> bool {
+        true
     }
 
     fn scales(

@@ -1,6 +1,8 @@
-//! Logged outputs among the inputs of a record.
+//! Logged outputs among the inputs of a record, and a controller that sees these.
 
 use fd_model::{Channel, ModelError, Record};
+
+use crate::model::{Controller, Model, Reference};
 
 /// A record with logged outputs among its inputs, under names of their own (`logged`: name of the output, name of
 /// the input), interpolated where they are missing. Outputs that it does not have are left out.
@@ -20,6 +22,19 @@ pub(super) fn with_logged_outputs(
     let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
     let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
     Ok(new.at_the_place_of(record))
+}
+
+/// Lets the controller of a model see `logged` outputs (name of the output, name of a reference in its place) where it saw
+/// those of the simulation.
+pub(super) fn see_logged(controller: &mut Controller, model: &Model, logged: &[(String, String)]) {
+    for (output, name) in logged {
+        let known = model.outputs.iter().find(|known| known.name == *output);
+        let unit = known.map_or_else(|| "1".to_owned(), |output| output.unit.clone());
+        controller.references.push(Reference { name: name.clone(), unit });
+        for expr in controller.expressions_mut() {
+            *expr = expr.rename(output, name);
+        }
+    }
 }
 
 /// Missing values on straight lines between their neighbours; the ends are held, and a signal

@@ -74,6 +74,11 @@ pub trait Nominal: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether logged outputs are among its inputs, and no simulated one goes back to a controller.
+    fn sees_the_log(&self) -> bool {
+        false
+    }
+
     /// Sizes of all signals of the model in a simulation without any effect.
     ///
     /// # Errors

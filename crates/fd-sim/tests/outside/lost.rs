@@ -36,6 +36,34 @@ fn a_process_that_dies_once_is_started_again_and_the_run_repeated() {
     }
 }
 
+/// What it shows depends on how many runs it has begun.
+#[test]
+fn a_process_that_cannot_begin_again_is_started_for_each_run() {
+    for cannot_reset in [false, true] {
+        let process = process(&["leftover"]);
+        let mut contract = process.contract().unwrap();
+        contract.powers.resets = !cannot_reset;
+        let mut process = OutsideSimulator::new(contract, process, 1).unwrap();
+        let mut shown = Vec::new();
+        for k in 0..4 {
+            // Parameters that no run had before.
+            let theta = [1.5 + 0.1 * f64::from(k), 0.8, 6.0];
+            shown.push(with(&mut process, &theta).0[0] - with(&mut inside(), &theta).0[0]);
+        }
+        let by_steps = pushed(&mut process, 0.2)[0] - pushed(&mut inside(), 0.2)[0];
+        shown.push(by_steps);
+        let started = process.counts().started;
+        if cannot_reset {
+            // The one that is started to see whether it can be has begun a run as well.
+            assert_eq!(started, 6);
+            assert!(shown.iter().all(|offset| (offset - 1e-3).abs() < 1e-12), "{shown:?}");
+        } else {
+            assert_eq!(started, 1);
+            assert!(shown.windows(2).all(|pair| pair[0] < pair[1]), "{shown:?}");
+        }
+    }
+}
+
 #[test]
 fn three_deaths_at_the_same_parameters_are_a_divergence_there_and_nowhere_else() {
     let mut process = outside(&["die-when-light", "30"]);

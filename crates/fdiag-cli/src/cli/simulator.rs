@@ -141,6 +141,7 @@ fn describe(contract: &Contract) -> String {
     let powers = contract.powers;
     let can = [
         (powers.step, "step by step"),
+        (!powers.resets, "a start for each run"),
         (powers.rollout, "whole runs in one call"),
         (powers.measure, "outputs before a step"),
         (powers.states, "shows its states"),

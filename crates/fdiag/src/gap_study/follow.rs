@@ -1,13 +1,15 @@
 //! Plants that run away from any start are followed along their logs.
 
+use fd_effect::Candidate;
 use fd_gap::{
-    fit::{FitError, Log},
+    diagnose::{Case, null_likelihood},
+    fit::{FitError, Horizon, Log},
     quality::{grid_step, robust_third_difference_floor},
 };
 use fd_model::Record;
 use fd_sim::{
     model::Model,
-    simulate::{Follower, Nominal, OperatingPoint, linearize},
+    simulate::{Follower, LoggedLoop, Nominal, OperatingPoint, linearize},
 };
 
 use super::memory::Memory;
@@ -18,8 +20,9 @@ const EXACT: f64 = 1e-6;
 const FALLS_OVER: f64 = 100.0;
 
 /// The simulator of a model that runs away from its start, corrected by what was logged; `None` for one that does
-/// not, or that cannot be held so (one with a controller, a delay or states with update laws). Noise that the
-/// model does not state is that of third differences.
+/// not, or that cannot be held so (one with a delay, states with update laws, or a controller that acts between samples).
+/// A controller of the model sees what was logged, if that explains the log better than a closed loop that knows
+/// nothing of it. Noise that the model does not state is that of third differences.
 ///
 /// ```
 /// use fd_model::{Channel, Record};
@@ -49,21 +52,8 @@ pub fn follow<'a>(
     records: &[Record],
 ) -> Result<Option<Follower<'a>>, FitError> {
     let longest = records.iter().max_by_key(|record| record.len()).ok_or(FitError::NoLog)?;
-    let simulator = nominal.simulator(longest.ts())?;
-    let log = Log::new(longest, &*simulator, 1)?;
-    let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
-    let width = simulator.inputs().len();
-    let inputs = (0..width).map(|i| {
-        let values: Vec<f64> = u.iter().skip(i).step_by(width).copied().collect();
-        let n = values.len().max(1) as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        [mean, fd_numeric::rms(values.iter().map(|v| v - mean))]
-    });
-    let inputs: Vec<[f64; 2]> = inputs.collect();
-    let seconds = log.samples() as f64 * longest.ts().seconds();
-    if !falls_over(nominal.model(), &inputs, seconds)
-        && !Memory::of(&*simulator, &u, log.samples()).runs_away
-    {
+    let Some(plant) = Plant::of(nominal, longest)? else { return Ok(None) };
+    if !plant.runs_away() {
         return Ok(None);
     }
     let noise = nominal.model().outputs.iter().map(|output| {
@@ -71,7 +61,76 @@ pub fn follow<'a>(
         let signal: Vec<f64> = column.map_or_else(Vec::new, |c| longest.output(c).collect());
         noise(&signal, output.noise)
     });
-    Ok(Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &inputs))
+    let follower = Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &plant.inputs);
+    Ok(follower.filter(|follower| !plant.is_in_a_loop || is_better(follower, nominal, records)))
+}
+
+/// A plant with what drove it along a log, without the controller that a model may have.
+struct Plant {
+    model: Model,
+    /// Mean and size of each input.
+    inputs: Vec<[f64; 2]>,
+    memory: Memory,
+    seconds: f64,
+    is_in_a_loop: bool,
+}
+
+impl Plant {
+    /// Whoever holds the plant sees the log: a controller of the model does, if it acts at samples. `None` where that makes
+    /// no commands of it.
+    fn of(nominal: &dyn Nominal, record: &Record) -> Result<Option<Self>, FitError> {
+        let ts = record.ts();
+        let looped = LoggedLoop::of(nominal, ts);
+        let (simulator, seen) = match &looped {
+            Some(looped) => (looped.simulator(ts)?, looped.record(record).ok()),
+            None => (nominal.simulator(ts)?, Some(record.clone())),
+        };
+        let Some(seen) = seen else { return Ok(None) };
+        let log = Log::new(&seen, &*simulator, 1)?;
+        let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
+        let model = nominal.model();
+        let (model, commands) = match &looped {
+            Some(looped) => {
+                let mut draft = model.clone().into_draft();
+                draft.controller = None;
+                let plant = Model::try_from(draft).ok();
+                let Some(both) = plant.zip(looped.commands(&u, ts)) else { return Ok(None) };
+                both
+            }
+            None => (model.clone(), u.clone()),
+        };
+        let width = model.external_inputs().len();
+        let inputs = (0..width).map(|i| {
+            let values = commands.iter().skip(i).step_by(width).copied();
+            let n = log.samples().max(1) as f64;
+            let mean = values.clone().sum::<f64>() / n;
+            [mean, fd_numeric::rms(values.map(|v| v - mean))]
+        });
+        Ok(Some(Self {
+            inputs: inputs.collect(),
+            model,
+            memory: Memory::of(&*simulator, &u, log.samples()),
+            seconds: log.samples() as f64 * ts.seconds(),
+            is_in_a_loop: looped.is_some(),
+        }))
+    }
+
+    fn runs_away(&self) -> bool {
+        self.memory.runs_away || falls_over(&self.model, &self.inputs, self.seconds)
+    }
+}
+
+/// Whether a controller that saw what was logged explains the logs better than one that saw what a model shows.
+fn is_better(follower: &Follower<'_>, closed: &dyn Nominal, records: &[Record]) -> bool {
+    let followed: Result<Vec<Record>, _> = records.iter().map(|log| follower.record(log)).collect();
+    let Ok(followed) = followed else { return false };
+    let suspects: &Vec<Candidate> = &Vec::new();
+    let likelihood = |nominal: &dyn Nominal, logs: &[Record]| {
+        let case = Case { nominal, suspects, logs, held_out: &[] };
+        null_likelihood(&case, Horizon::FreeRun)
+    };
+    let open = likelihood(follower, &followed);
+    open.is_some_and(|open| likelihood(closed, records).is_none_or(|closed| closed < open))
 }
 
 /// Noise of a signal: as stated, or that of third differences; at least that of rounding to the steps that it is logged in.
@@ -101,7 +160,7 @@ fn falls_over(model: &Model, inputs: &[[f64; 2]], seconds: f64) -> bool {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 mod tests {
-    use fd_model::Channel;
+    use fd_model::{Channel, signal::WhiteNoise};
 
     use super::*;
 
@@ -200,6 +259,62 @@ mod tests {
         let inputs: Vec<f64> = (0..800).flat_map(|k| followed.u(k).to_vec()).collect();
         let scales = follower.scales(ts, &inputs, 800).unwrap();
         assert!(scales.outputs[0].peak() < 2.0, "{:?}", scales.outputs);
+    }
+
+    /// A pole with its controller in the model, which acts on what its sensor shows: with noise in it, or before noise is
+    /// added to the log.
+    #[test]
+    fn a_controller_of_a_plant_that_falls_over_sees_the_log_where_it_did() {
+        let model: Model = r#"
+            version = 1
+            kind = "equations"
+            name = "pole"
+            sample_time = 0.02
+            inputs = { u = { unit = "1/s^2" } }
+            outputs = { y = { unit = "rad", value = "q", noise = 0.002 } }
+            [states]
+            q = { unit = "rad", initial = 0.0, derivative = "w" }
+            w = { unit = "rad/s", initial = 0.0, derivative = "9*sin(q) - 0.3*w + u" }
+            [controller]
+            sample_time = 0.02
+            references = { r = { unit = "rad" } }
+            states = { before = { unit = "rad", initial = 0.0, update = "y" } }
+            signals = { u = "40*(r - y) - 6*(y - before)/0.02" }
+            "#
+        .parse()
+        .unwrap();
+        let ts = model.sample_time().unwrap();
+        let (r, y) = ([Channel::new("r", "rad")], [Channel::new("y", "rad")]);
+        let noise = WhiteNoise::new(0.002, 3).values(600).unwrap();
+        for is_in_loop in [true, false] {
+            let (mut q, mut w, mut before) = (0.0_f64, 0.0_f64, 0.0);
+            let row = |k: usize| {
+                let r = 0.1 * (0.5 * k as f64 * 0.02).sin().signum();
+                let shown = q + noise[k];
+                let seen = if is_in_loop { shown } else { q };
+                let u = 40.0 * (r - seen) - 6.0 * (seen - before) / 0.02;
+                before = seen;
+                // A hundred Euler steps; the largest rate is 7/s.
+                for _ in 0..100 {
+                    (q, w) = (q + 2e-4 * w, w + 2e-4 * (9.0 * q.sin() - 0.3 * w + u));
+                }
+                ([r], [shown])
+            };
+            let rows: Vec<([f64; 1], [f64; 1])> = (0..600).map(row).collect();
+            let log = Record::from_rows(r.to_vec(), y.to_vec(), rows, ts).unwrap();
+            let follower = follow(&model, std::slice::from_ref(&log)).unwrap();
+            assert_eq!(follower.is_some(), is_in_loop);
+            let Some(follower) = follower else { continue };
+            // What is left is the noise of the sensor and a little of the filter.
+            let seen = follower.record(&log).unwrap();
+            let mut simulator = follower.simulator(ts).unwrap();
+            let u: Vec<f64> = (0..600).flat_map(|k| seen.u(k).to_vec()).collect();
+            let mut simulated = vec![0.0; 600];
+            simulator.simulate(&[], &model.initial(), &u, &mut simulated);
+            let errors = simulated.iter().zip(log.output(0)).skip(100).map(|(s, y)| s - y);
+            let left = fd_numeric::rms(errors);
+            assert!((0.0018..0.0045).contains(&left), "{left}");
+        }
     }
 
     #[test]

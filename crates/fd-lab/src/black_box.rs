@@ -1,19 +1,16 @@
-//! Plants of which a diagnosis knows only that they step.
+//! Simulators of which a diagnosis knows only that they step, or make whole runs.
 
-use fd_model::SampleTime;
 use fd_sim::{
     model::Model,
     outside::{
         Contract, Instance, Lost, Motion, OutsideError, OutsideSimulator, Powers, Source, Start,
     },
-    simulate::{EquationSimulator, Shell, Simulator},
+    simulate::{EquationSimulator, Shell, SimulateError, Simulator},
 };
 
-use super::error::BlindError;
-
-/// How much of a plant can be seen.
+/// How much of a simulator can be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sight {
+pub(crate) enum Sight {
     /// Outputs and states, as they are.
     States,
     /// Outputs alone, in single precision.
@@ -22,27 +19,27 @@ pub(super) enum Sight {
     Runs,
 }
 
-/// What starts copies of a plant.
+/// What starts copies of a simulator.
 #[derive(Clone, Debug)]
-struct Plant {
+struct Copies {
     simulator: Box<dyn Simulator>,
     sight: Sight,
 }
 
-impl Source for Plant {
+impl Source for Copies {
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
         Ok(Box::new(self.clone()))
     }
 }
 
-impl Plant {
+impl Copies {
     /// Inputs and forces of a row.
     fn split<'a>(&self, row: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         row.split_at(self.simulator.inputs().len())
     }
 }
 
-impl Instance for Plant {
+impl Instance for Copies {
     fn reset(&mut self, start: Start<'_>) -> Result<(), Lost> {
         self.simulator.start(start.theta, start.x0, start.first);
         Ok(())
@@ -77,18 +74,18 @@ fn single(value: f64) -> f64 {
     f64::from(value as f32)
 }
 
-/// A plant as a black box in its shell. It tells what a force at a port moves where that is one of its outputs.
-pub(super) struct BlackBox {
-    pub(super) shell: Shell,
+/// A simulator as a black box.
+pub(crate) struct BlackBox {
     simulator: OutsideSimulator,
 }
 
 impl BlackBox {
-    pub(super) fn of(model: &Model, ts: SampleTime, sight: Sight) -> Result<Self, BlindError> {
-        let plant = EquationSimulator::<f64>::with_ports(model, ts)?;
-        // With delays or a sampled controller it cannot be looked at before it moves on.
-        let mut still = vec![0.0; plant.outputs().len()];
-        let measure = plant.boxed().measure(&vec![0.0; plant.inputs().len()], &mut still);
+    /// The `plant` of a model, with its ports. It tells what a force at a port moves where that is one of its outputs.
+    pub(crate) fn of_equations(
+        model: &Model,
+        plant: EquationSimulator,
+        sight: Sight,
+    ) -> Result<Self, OutsideError> {
         let motion = model.sites.iter().map(|site| {
             let [position, velocity] = [&site.position, &site.velocity].map(|moved| {
                 let is_it = |value| moved.as_ref().is_some_and(|moved| moved == value);
@@ -97,17 +94,32 @@ impl BlackBox {
             });
             Motion { position, velocity }
         });
+        let noise = model.outputs.iter().map(|output| output.noise).collect();
+        Self::of(&model.name, Box::new(plant), noise, motion.collect(), sight)
+    }
+
+    /// Any simulator, with the noise of its outputs and what the forces at its ports move.
+    pub(crate) fn of(
+        name: &str,
+        simulator: Box<dyn Simulator>,
+        noise: Vec<Option<f64>>,
+        motion: Vec<Motion>,
+        sight: Sight,
+    ) -> Result<Self, OutsideError> {
+        // With delays or a sampled controller it cannot be looked at before it moves on.
+        let mut still = vec![0.0; simulator.outputs().len()];
+        let measure = simulator.boxed().measure(&vec![0.0; simulator.inputs().len()], &mut still);
         let contract = Contract {
             natives: Vec::new(),
-            name: model.name.clone(),
-            ts,
-            inputs: plant.inputs().to_vec(),
-            outputs: plant.outputs().to_vec(),
-            noise: model.outputs.iter().map(|output| output.noise).collect(),
-            parameters: plant.parameters().to_vec(),
-            initial: plant.initial().to_vec(),
-            ports: plant.ports().to_vec(),
-            motion: motion.collect(),
+            name: name.to_owned(),
+            ts: simulator.ts(),
+            inputs: simulator.inputs().to_vec(),
+            outputs: simulator.outputs().to_vec(),
+            noise,
+            parameters: simulator.parameters().to_vec(),
+            initial: simulator.initial().to_vec(),
+            ports: simulator.ports().to_vec(),
+            motion,
             powers: Powers {
                 measure: measure && sight != Sight::Runs,
                 states: sight == Sight::States,
@@ -116,17 +128,22 @@ impl BlackBox {
                 ..Powers::default()
             },
         };
-        let simulator = OutsideSimulator::new(
-            contract,
-            Plant { simulator: plant.boxed(), sight },
-            rayon::current_num_threads(),
-        )?;
-        let shell = simulator.shell()?;
-        Ok(Self { shell, simulator })
+        let workers = rayon::current_num_threads();
+        let simulator = OutsideSimulator::new(contract, Copies { simulator, sight }, workers)?;
+        Ok(Self { simulator })
+    }
+
+    /// It in its shell.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when a value of the simulator is out of order.
+    pub(crate) fn shell(&self) -> Result<Shell, SimulateError> {
+        self.simulator.shell()
     }
 
     /// Runs through `samples` that were made so far.
-    pub(super) fn runs(&self, samples: usize) -> f64 {
+    pub(crate) fn runs(&self, samples: usize) -> f64 {
         self.simulator.counts().steps as f64 / samples.max(1) as f64
     }
 }
