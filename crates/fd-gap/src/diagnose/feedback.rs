@@ -10,6 +10,7 @@ use fd_sim::{
 
 use super::{
     case::Case,
+    commanded::commanded,
     prepare::{Prepared, prepare},
     settings::Settings,
 };
@@ -38,6 +39,8 @@ struct Logged<'a> {
     nominal: LoggedLoop<'a>,
     logs: Vec<Record>,
     held_out: Vec<Record>,
+    /// The same as they came, without what the controller makes of them.
+    plain: [Vec<Record>; 2],
 }
 
 impl<'a> Feedback<'a> {
@@ -47,6 +50,10 @@ impl<'a> Feedback<'a> {
         let horizon = settings.horizon;
         let logged = if settings.without.logged_loops { None } else { Logged::of(case) };
         let logged = logged.filter(|logged| {
+            // Commands that follow from what was logged show that the controller saw that.
+            if !logged.nominal.commanded().is_empty() {
+                return true;
+            }
             let open = null_likelihood(&logged.case(case), horizon);
             let closed = null_likelihood(case, horizon);
             open.is_some_and(|open| closed.is_none_or(|closed| closed < open))
@@ -57,6 +64,12 @@ impl<'a> Feedback<'a> {
     /// What is diagnosed.
     pub(super) fn case<'b>(&'b self, case: &Case<'b>) -> Case<'b> {
         self.logged.as_ref().map_or(*case, |logged| logged.case(case))
+    }
+
+    /// The case as it came, without what the controller makes of the log.
+    pub(super) fn plain<'b>(&'b self, case: &Case<'b>) -> Case<'b> {
+        let plain = self.logged.as_ref().map(|logged| &logged.plain);
+        plain.map_or(*case, |[logs, held_out]| Case { logs, held_out, ..*case })
     }
 
     /// Whether the controller acts on logged outputs.
@@ -86,6 +99,8 @@ impl<'a> Feedback<'a> {
 impl<'a> Logged<'a> {
     fn of(case: &Case<'a>) -> Option<Self> {
         let nominal = LoggedLoop::of(case.nominal, case.logs.first()?.ts())?;
+        let commanded = commanded(&nominal, case.logs);
+        let nominal = nominal.with_commanded(&commanded);
         let all = |records: &[Record]| -> Option<Vec<Record>> {
             records.iter().map(|record| nominal.record(record).ok()).collect()
         };
@@ -93,11 +108,15 @@ impl<'a> Logged<'a> {
         if runs_away(&nominal, logs.first()?) {
             return None;
         }
-        Some(Self { nominal, logs, held_out })
+        let plain = |records: &[Record]| -> Option<Vec<Record>> {
+            records.iter().map(|record| nominal.without_commanded(record).ok()).collect()
+        };
+        let plain = [plain(case.logs)?, plain(case.held_out)?];
+        Some(Self { nominal, logs, held_out, plain })
     }
 
     fn case<'b>(&'b self, case: &Case<'b>) -> Case<'b> {
-        let Self { nominal, logs, held_out } = self;
+        let Self { nominal, logs, held_out, .. } = self;
         Case { nominal, suspects: case.suspects, logs, held_out }
     }
 }

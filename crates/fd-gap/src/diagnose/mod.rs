@@ -131,6 +131,7 @@
 mod accidents;
 mod candidates;
 mod case;
+mod commanded;
 mod context;
 mod feedback;
 mod judge;
@@ -162,6 +163,7 @@ pub(crate) use self::{
 };
 pub use self::{
     case::Case,
+    commanded::commanded,
     feedback::null_likelihood,
     monitor::{Monitor, Stage},
     objection::Objection,
@@ -254,7 +256,7 @@ pub(crate) fn told(
     let Some(Accidents { findings, logs }) = accidents else {
         let in_motion = judged.singles.base.plan().logs.iter().any(|log| log.is_in_motion);
         let beginning = if in_motion { Beginning::InMotion } else { Beginning::AsStated };
-        let diagnosis = report(judged, case, &feedback, &context)?;
+        let diagnosis = report(judged, &feedback.plain(case), &feedback, &context)?;
         return Ok(Told { diagnosis, is_doubted, beginning });
     };
     let before = report::simulations(&judged);

@@ -37,6 +37,8 @@ pub enum Defect {
     },
     /// The channel does not change.
     Constant,
+    /// The controller of the model makes the output of the other columns: it says nothing of the plant.
+    Commanded,
     /// The output moves by no more than its noise.
     NotExcited,
     /// Samples are missing.
@@ -123,9 +125,10 @@ impl Defect {
     #[must_use]
     pub fn severity(&self) -> Severity {
         match self {
-            Self::Quantised { .. } | Self::Missing { .. } | Self::Elsewhere { .. } => {
-                Severity::Note
-            }
+            Self::Quantised { .. }
+            | Self::Missing { .. }
+            | Self::Elsewhere { .. }
+            | Self::Commanded => Severity::Note,
             Self::Clipped { .. }
             | Self::WrongSample { .. }
             | Self::NotHeldOut
@@ -155,6 +158,11 @@ impl fmt::Display for Defect {
                 write!(f, "{:.0} % of the values are exactly {at}", 100.0 * share)
             }
             Self::Constant => write!(f, "the channel does not change"),
+            Self::Commanded => write!(
+                f,
+                "the controller of the model computes this output from the other columns: it says nothing of the \
+                 plant, and is left out"
+            ),
             Self::NotExcited => {
                 write!(
                     f,

@@ -95,6 +95,12 @@ impl Misfit {
         self.columns.iter().map(of).sum()
     }
 
+    /// The same about zero, for mistakes that move nothing but the mean.
+    pub(super) fn rough_about_zero(&self) -> f64 {
+        let of = |c: &ColumnMisfit| (c.rms.max(c.floor) * c.scale).ln();
+        self.columns.iter().map(of).sum()
+    }
+
     /// By how much the logged numbers are likelier (natural logarithm) than with another misfit.
     pub(super) fn advantage(&self, over: &Self) -> f64 {
         self.columns.iter().zip(&over.columns).map(|(own, other)| own.advantage(other)).sum()

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{
     hypotheses::{Hypothesis, hypotheses},
-    misfit::Look,
+    misfit::{Look, Misfit},
     mistake::Mistake,
     trial::Trial,
 };
@@ -31,9 +31,10 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
         Some(as_read.misfit(simulated, Look::Rough)?.rough())
     };
     let limit = rough(&nominal).unwrap_or(f64::INFINITY);
+    let zeros = zeros(case, &as_read, nominal.as_deref(), &all);
     let delayed = delayed(case);
     let is_other = |h: &&Hypothesis| match &h.mistake {
-        Mistake::Parameter { .. } => false,
+        Mistake::Parameter { .. } | Mistake::Zero { .. } => false,
         // What a delay can be is one.
         Mistake::Clock { channel, late } => !delayed.contains(&(channel.clone(), 0 < *late)),
         _ => true,
@@ -41,8 +42,8 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
     let others = all.par_iter().filter(is_other);
     let mut looked: Vec<(f64, &Hypothesis)> = others
         .filter_map(|hypothesis| {
-            let rough = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake)?;
-            Some((rough, hypothesis))
+            let misfit = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake)?;
+            Some((misfit.rough(), hypothesis))
         })
         .collect();
     looked.extend(parameters(&mut as_read, &all));
@@ -59,7 +60,29 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
     let unknowns =
         simulator.initial().len() + simulator.parameters().iter().filter(uncertain).count();
     let longest = if LARGE < unknowns { FEWEST } else { LONGEST };
-    Ok(looked.into_iter().take(longest).map(|(_, hypothesis)| hypothesis.clone()).collect())
+    let looked = looked.into_iter().map(|(_, hypothesis)| hypothesis);
+    Ok(zeros.into_iter().chain(looked).take(longest).cloned().collect())
+}
+
+/// Other zeros that bring a log nearer to what is simulated, the best first.
+fn zeros<'h>(
+    case: &Case<'_>,
+    as_read: &Trial<'_>,
+    nominal: Option<&[Vec<f64>]>,
+    all: &'h [Hypothesis],
+) -> Vec<&'h Hypothesis> {
+    let read = nominal.and_then(|simulated| as_read.misfit(simulated, Look::Rough));
+    let Some(limit) = read.map(|misfit| misfit.rough_about_zero()) else { return Vec::new() };
+    let all = all.par_iter().filter(|h| matches!(h.mistake, Mistake::Zero { .. }));
+    let mut found: Vec<(f64, &Hypothesis)> = all
+        .filter_map(|hypothesis| {
+            let misfit = look(case, as_read, nominal, &hypothesis.mistake)?;
+            Some((misfit.rough_about_zero(), hypothesis))
+        })
+        .filter(|(misfit, _)| *misfit < limit)
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|(_, hypothesis)| hypothesis).collect()
 }
 
 /// Channels that a delay among the suspects can shift as a clock would, each with whether they would be logged late: an
@@ -83,7 +106,7 @@ fn look(
     as_read: &Trial<'_>,
     nominal: Option<&[Vec<f64>]>,
     mistake: &Mistake,
-) -> Option<f64> {
+) -> Option<Misfit> {
     let simulator = as_read.simulator();
     let is_input = |name: &str| simulator.inputs().iter().any(|input| input.name == name);
     let inputs = mistake.channels().into_iter().filter(|name| is_input(name)).count();
@@ -118,7 +141,7 @@ fn look(
         };
         nominal?.iter().map(rows).collect::<Option<Vec<_>>>()?
     };
-    Some(trial.misfit(&simulated, Look::Rough)?.rough())
+    trial.misfit(&simulated, Look::Rough)
 }
 
 /// All mistakes in parameters, simulated side by side.

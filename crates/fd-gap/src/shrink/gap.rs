@@ -56,18 +56,24 @@ const BETWEEN_RUNS: f64 = 2.0;
 
 impl Closed {
     /// The same share with an interval for other runs of the kind: a bootstrap within one run does
-    /// not see how runs differ.
+    /// not see how runs differ. No cause closes more than all of a gap: a share above 1 shows that the floor is too high by
+    /// about so much, which the interval then reaches to on the other side of 1.
     ///
     /// ```
     /// use fd_gap::shrink::Closed;
     ///
     /// let closed = Closed { fraction: 0.75, interval: [0.5, 1.0], block: 5 };
     /// assert_eq!(closed.between_runs().interval, [0.25, 1.25]);
+    /// let more_than_all = Closed { fraction: 1.125, interval: [1.0625, 1.1875], block: 5 };
+    /// assert_eq!(more_than_all.between_runs().interval, [0.875, 1.25]);
     /// ```
     #[must_use]
     pub fn between_runs(self) -> Self {
         let widened = |end: f64| self.fraction + BETWEEN_RUNS * (end - self.fraction);
-        Self { interval: self.interval.map(widened), ..self }
+        let [low, high] = self.interval.map(widened);
+        let beyond = (self.fraction - 1.0).max(0.0);
+        let low = if 0.0 < beyond { low.min(1.0 - beyond) } else { low };
+        Self { interval: [low, high], ..self }
     }
 }
 

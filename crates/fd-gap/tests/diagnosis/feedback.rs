@@ -1,6 +1,9 @@
 //! A controller in the loop sees the noise of the sensors, and the diagnosis knows it.
 use fd_effect::{EverySite, library};
-use fd_gap::diagnose::{Case, Diagnosis, Settings, diagnose};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, diagnose},
+    quality::{Defect, Finding},
+};
 use fd_model::{
     Record,
     signal::{ArNoise, WhiteNoise},
@@ -142,7 +145,28 @@ fn an_exact_command_is_no_reason_to_close_the_loop() {
         let found = diagnosis(&[record_with(&truth, 0.0, true, seed, 0.0)]);
         assert!(found.is_logged_loop, "{seed}");
         assert!(0.5 < found.no_gap, "{seed} {}", found.no_gap);
+        let of_controller = |finding: &&Finding| finding.defect == Defect::Commanded;
+        let told: Vec<&str> =
+            found.findings.iter().filter(of_controller).map(|f| f.channel.as_str()).collect();
+        assert_eq!(told, [truth.outputs[2].name.as_str()], "{seed}");
+        assert!(found.best.gap.iter().all(|gap| gap.is_finite()), "{:?}", found.best.gap);
     }
+}
+
+/// Rounding of a file that goes through an integrator is a drift of the command, and no effect.
+#[test]
+fn a_command_of_rounded_outputs_has_no_effect_of_its_own() {
+    let log = record_with(&example("dc_drive_closed_loop"), 0.0, true, 71, 0.0);
+    let digits = |value: f64| -> f64 { format!("{value:.4e}").parse().unwrap() };
+    let rows = (0..log.len()).map(|k| {
+        let row = |values: &[f64]| values.iter().copied().map(digits).collect::<Vec<_>>();
+        (row(log.u(k)), row(log.y(k)))
+    });
+    let (inputs, outputs) = (log.inputs().to_vec(), log.outputs().to_vec());
+    let rounded = Record::from_rows(inputs, outputs, rows, log.ts()).unwrap();
+    let found = diagnosis(&[rounded]);
+    assert!(found.is_logged_loop);
+    assert!(0.5 < found.no_gap, "{}", found.no_gap);
 }
 
 #[test]

@@ -10,6 +10,7 @@
 mod another_run;
 mod bad_input;
 mod bench_cases;
+mod bent;
 mod calibrate;
 mod diagnose;
 mod evidence;

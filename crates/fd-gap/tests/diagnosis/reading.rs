@@ -262,3 +262,37 @@ fn a_sign_that_changes_nothing_is_no_mistake() {
     assert!(reading(&model, &log).is_none());
     assert_eq!(at_a_glance(&model, &log), None);
 }
+
+/// A furnace of which one sensor is in degrees Celsius under a header that says kelvin. A bias of -273 K explains the
+/// log as well, but no honest sensor has it.
+#[test]
+fn degrees_celsius_under_a_header_of_kelvin() {
+    let model: Model = r#"
+version = 1
+kind = "equations"
+name = "furnace"
+sample_time = 5.0
+[parameters]
+k = { unit = "W/K", value = 40.0, tolerance = 0.05 }
+[inputs]
+power = { unit = "W" }
+[states]
+element = { unit = "K", initial = 294.0, derivative = "(power - k*(element - charge))/8000" }
+charge = { unit = "K", initial = 294.0, derivative = "(k*(element - charge) - 12*(charge - 294))/40000" }
+[outputs]
+T_element = { unit = "K", value = "element", noise = 1.0 }
+T_charge = { unit = "K", value = "charge", noise = 0.5 }
+"#
+    .parse()
+    .unwrap();
+    let log = record(&model, reality(3000.0), 8);
+    for (offset, is_told) in [(-273.15, true), (-40.0, false)] {
+        let log = changed(&log, |_, _, y| y[1] += offset);
+        let zero = Mistake::Zero { channel: "T_charge".to_owned(), offset: -273.15 };
+        if is_told {
+            assert_told(&model, &log, &zero);
+        } else {
+            assert!(reading(&model, &log).is_none());
+        }
+    }
+}

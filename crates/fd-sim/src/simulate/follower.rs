@@ -50,6 +50,8 @@ pub struct Follower<'a> {
     gain: Mat<f64>,
     /// Names of the outputs and of the inputs that bring their logged values.
     logged: Vec<(String, String)>,
+    /// Outputs that a controller makes of the log.
+    commanded: Vec<String>,
 }
 
 impl<'a> Follower<'a> {
@@ -163,6 +165,7 @@ impl<'a> Follower<'a> {
             states: self.states.clone(),
             gain: self.gain.clone(),
             logged: self.logged.clone(),
+            commanded: self.commanded.clone(),
         }
     }
 
@@ -212,7 +215,7 @@ impl<'a> Follower<'a> {
         let logged = draft.outputs.iter().map(|o| (o.name.clone(), fresh(&o.name))).collect();
         let states = draft.states.iter().map(|state| state.name.clone()).collect();
         let model = Model::try_from(draft).ok()?;
-        Some(Self { nominal, model, states, gain, logged })
+        Some(Self { nominal, model, states, gain, logged, commanded: Vec::new() })
     }
 
     /// A record with the logged outputs among its inputs, interpolated where they are missing.
@@ -221,7 +224,14 @@ impl<'a> Follower<'a> {
     ///
     /// Never for a record of this model, which has values for all its channels.
     pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
-        with_logged_outputs(record, &self.logged)
+        with_logged_outputs(record, &self.logged, &self.commanded)
+    }
+
+    /// The same where a controller makes these outputs of the log, as commands are: they say nothing of the plant, and
+    /// are not measured in a [`record`](Self::record).
+    #[must_use]
+    pub fn with_commanded(self, commanded: &[String]) -> Self {
+        Self { commanded: commanded.to_vec(), ..self }
     }
 
     /// The model with its corrections: a sampled controller of inputs that are added to the derivatives.
@@ -263,6 +273,10 @@ impl Nominal for Follower<'_> {
 
     fn sees_the_log(&self) -> bool {
         true
+    }
+
+    fn commanded(&self) -> &[String] {
+        &self.commanded
     }
 
     /// Sizes of the signals along the log, `u` with the logged outputs: those of a free run mean nothing.

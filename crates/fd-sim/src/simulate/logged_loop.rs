@@ -67,6 +67,17 @@ pub struct LoggedLoop<'a> {
     nominal: &'a dyn Nominal,
     /// Names of the outputs that the controller uses, and of the references in their place.
     replaced: Vec<(String, String)>,
+    /// Outputs that the controller makes of the log.
+    commanded: Vec<String>,
+}
+
+/// What a controller on a log does, whatever the plant makes of it: rows of a sample after each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Commands {
+    /// Inputs of the plant, in the order of the model.
+    pub inputs: Vec<f64>,
+    /// Outputs of a plant whose states do not move: right for those that show nothing but inputs.
+    pub outputs: Vec<f64>,
 }
 
 impl<'a> LoggedLoop<'a> {
@@ -88,7 +99,11 @@ impl<'a> LoggedLoop<'a> {
         };
         let wish = |name: &String| draft.fresh_name(&format!("{name}_logged"));
         let replaced: Vec<_> = seen.iter().map(|name| (name.clone(), wish(name))).collect();
-        (is_whole && !replaced.is_empty()).then_some(Self { nominal, replaced })
+        (is_whole && !replaced.is_empty()).then_some(Self {
+            nominal,
+            replaced,
+            commanded: Vec::new(),
+        })
     }
 
     /// A record with the logged outputs among its inputs, interpolated where they are missing.
@@ -98,7 +113,23 @@ impl<'a> LoggedLoop<'a> {
     ///
     /// Never for a record, which has values for all its channels.
     pub fn record(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
-        with_logged_outputs(record, &self.replaced)
+        with_logged_outputs(record, &self.replaced, &self.commanded)
+    }
+
+    /// The same where the controller makes these outputs of the log, as commands are: they say nothing of the plant, and
+    /// are not measured in a [`record`](Self::record).
+    #[must_use]
+    pub fn with_commanded(self, commanded: &[String]) -> Self {
+        Self { commanded: commanded.to_vec(), ..self }
+    }
+
+    /// A record as it came, in which what the controller makes of the log is not measured.
+    ///
+    /// # Errors
+    ///
+    /// Never for a record, which has values for all its channels.
+    pub fn without_commanded(&self, record: &Record) -> Result<Record, fd_model::ModelError> {
+        with_logged_outputs(record, &[], &self.commanded)
     }
 
     /// The model with its controller on logged outputs.
@@ -110,8 +141,7 @@ impl<'a> LoggedLoop<'a> {
         Model::try_from(draft)
     }
 
-    /// What the controller makes of a log: the inputs of the plant in the order of the model, row by row, whatever the plant
-    /// does with them. `u` are the inputs of the [simulator](Nominal::simulator) row by row, samples `ts` apart. `None` where
+    /// What the controller makes of a log, whatever the plant does with it. `u` are the inputs of the [simulator](Nominal::simulator) row by row, samples `ts` apart. `None` where
     /// it makes no numbers.
     ///
     /// ```
@@ -133,11 +163,12 @@ impl<'a> LoggedLoop<'a> {
     /// "#.parse()?;
     /// let ts = SampleTime::new(0.1)?;
     /// let logged = LoggedLoop::of(&model, ts).ok_or("a sampled controller that uses an output")?;
-    /// assert_eq!(logged.commands(&[1.0, 0.2].repeat(3), ts), Some(vec![1.6; 3]));
+    /// let commanded = logged.commands(&[1.0, 0.2].repeat(3), ts).ok_or("numbers")?;
+    /// assert_eq!(commanded.inputs, [1.6; 3]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn commands(&self, u: &[f64], ts: SampleTime) -> Option<Vec<f64>> {
+    pub fn commands(&self, u: &[f64], ts: SampleTime) -> Option<Commands> {
         let mut draft = self.opened(self.nominal.model()).ok()?.into_draft();
         for state in &mut draft.states {
             let at_rest = match &state.law {
@@ -153,14 +184,21 @@ impl<'a> LoggedLoop<'a> {
             unit: input.unit.clone(),
             noise: None,
         });
-        draft.outputs = shown.collect();
+        let shown: Vec<Output> = shown.collect();
+        let nu = shown.len();
+        draft.outputs.splice(0..0, shown);
         let frozen = Model::try_from(draft).ok()?;
         let mut simulator = EquationSimulator::<f64>::at(&frozen, ts).ok()?;
         let samples = u.len() / Simulator::inputs(&simulator).len().max(1);
         let (theta, x0) = (frozen.nominal(), frozen.initial());
-        let mut shown = vec![0.0; samples * frozen.outputs.len()];
+        let width = frozen.outputs.len();
+        let mut shown = vec![0.0; samples * width];
         let outcome = Simulator::simulate(&mut simulator, &theta, &x0, u, &mut shown);
-        (outcome == Outcome::Complete).then_some(shown)
+        let part = |part: std::ops::Range<usize>| -> Vec<f64> {
+            shown.chunks_exact(width).flat_map(|row| row[part.clone()].to_vec()).collect()
+        };
+        (outcome == Outcome::Complete)
+            .then(|| Commands { inputs: part(0..nu), outputs: part(nu..width) })
     }
 }
 
@@ -175,6 +213,10 @@ impl Nominal for LoggedLoop<'_> {
 
     fn sees_the_log(&self) -> bool {
         true
+    }
+
+    fn commanded(&self) -> &[String] {
+        &self.commanded
     }
 
     fn scales(

@@ -5,10 +5,12 @@ use fd_model::{Channel, ModelError, Record};
 use crate::model::{Controller, Model, Reference};
 
 /// A record with logged outputs among its inputs, under names of their own (`logged`: name of the output, name of
-/// the input), interpolated where they are missing. Outputs that it does not have are left out.
+/// the input), interpolated where they are missing. Outputs that it does not have are left out; those that are `commanded`
+/// follow from the log and are not known any more.
 pub(super) fn with_logged_outputs(
     record: &Record,
     logged: &[(String, String)],
+    commanded: &[String],
 ) -> Result<Record, ModelError> {
     let places = logged.iter().filter_map(|(output, name)| {
         let place = record.output_index(output)?;
@@ -19,7 +21,11 @@ pub(super) fn with_logged_outputs(
     let inputs = [record.inputs(), &channels].concat();
     let row = |k: usize| [record.u(k).to_vec(), columns.iter().map(|c| c[k]).collect()].concat();
     let u: Vec<f64> = (0..record.len()).flat_map(row).collect();
-    let y: Vec<f64> = (0..record.len()).flat_map(|k| record.y(k).to_vec()).collect();
+    let is_commanded: Vec<bool> =
+        record.outputs().iter().map(|c| commanded.contains(&c.name)).collect();
+    let seen = |(value, is_commanded): (&f64, &bool)| if *is_commanded { f64::NAN } else { *value };
+    let row = |k: usize| record.y(k).iter().zip(&is_commanded).map(seen);
+    let y: Vec<f64> = (0..record.len()).flat_map(row).collect();
     let new = Record::new(inputs, record.outputs().to_vec(), u, y, record.ts())?;
     Ok(new.at_the_place_of(record))
 }

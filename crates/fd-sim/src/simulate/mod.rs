@@ -56,7 +56,7 @@ pub use self::{
     limits::check_limits,
     linearize::{OperatingPoint, linearize, linearize_discrete},
     lock_step::{Around, Driven, Settled},
-    logged_loop::LoggedLoop,
+    logged_loop::{Commands, LoggedLoop},
     native::NativeEffect,
     nominal::Nominal,
     run::{Outcome, Run, Tape},

@@ -79,6 +79,11 @@ pub trait Nominal: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// Names of outputs that follow from what was logged, as the commands of a controller that sees the log do.
+    fn commanded(&self) -> &[String] {
+        &[]
+    }
+
     /// Sizes of all signals of the model in a simulation without any effect.
     ///
     /// # Errors

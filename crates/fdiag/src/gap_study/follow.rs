@@ -2,7 +2,7 @@
 
 use fd_effect::Candidate;
 use fd_gap::{
-    diagnose::{Case, null_likelihood},
+    diagnose::{Case, commanded, null_likelihood},
     fit::{FitError, Horizon, Log},
     quality::{grid_step, robust_third_difference_floor},
 };
@@ -62,7 +62,11 @@ pub fn follow<'a>(
         noise(&signal, output.noise)
     });
     let follower = Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &plant.inputs);
-    Ok(follower.filter(|follower| !plant.is_in_a_loop || is_better(follower, nominal, records)))
+    let Some(looped) = LoggedLoop::of(nominal, longest.ts()) else { return Ok(follower) };
+    // Commands that follow from what was logged show that the controller saw that.
+    let commanded = commanded(&looped, records);
+    let follower = follower.map(|follower| follower.with_commanded(&commanded));
+    Ok(follower.filter(|follower| !commanded.is_empty() || is_better(follower, nominal, records)))
 }
 
 /// A plant with what drove it along a log, without the controller that a model may have.
@@ -72,7 +76,6 @@ struct Plant {
     inputs: Vec<[f64; 2]>,
     memory: Memory,
     seconds: f64,
-    is_in_a_loop: bool,
 }
 
 impl Plant {
@@ -94,7 +97,9 @@ impl Plant {
                 let mut draft = model.clone().into_draft();
                 draft.controller = None;
                 let plant = Model::try_from(draft).ok();
-                let Some(both) = plant.zip(looped.commands(&u, ts)) else { return Ok(None) };
+                let Some(both) = plant.zip(looped.commands(&u, ts).map(|c| c.inputs)) else {
+                    return Ok(None);
+                };
                 both
             }
             None => (model.clone(), u.clone()),
@@ -111,7 +116,6 @@ impl Plant {
             model,
             memory: Memory::of(&*simulator, &u, log.samples()),
             seconds: log.samples() as f64 * ts.seconds(),
-            is_in_a_loop: looped.is_some(),
         }))
     }
 

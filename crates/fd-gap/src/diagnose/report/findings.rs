@@ -55,6 +55,15 @@ pub(super) fn elsewhere(plan: &Plan, starts: &[Start], initial: &[Initial]) -> V
     of_log.collect()
 }
 
+/// Outputs that a controller makes of a log.
+pub(super) fn of_controller(log: usize, commanded: &[String]) -> impl Iterator<Item = Finding> {
+    commanded.iter().map(move |name| Finding {
+        log,
+        channel: name.clone(),
+        defect: Defect::Commanded,
+    })
+}
+
 /// A log that ends before the plant has forgotten where it started.
 fn short(simulator: &dyn Simulator, log: &Log, number: usize) -> Option<Finding> {
     let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();

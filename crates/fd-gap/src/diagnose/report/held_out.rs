@@ -59,8 +59,10 @@ pub(super) fn held_out_gaps(
         let Ok([Some(before), Some(refit), Some(after)]) = <[_; 3]>::try_from(forecasts) else {
             continue;
         };
-        let squares = floors.iter().map(|floor| floor * floor);
-        let floor = f64::sqrt(squares.sum::<f64>() / floors.len() as f64);
+        // An output that nobody has measured has no part in the gap.
+        let is_measured = |of: &Vec<Vec<f64>>| of.iter().flatten().any(|error| error.is_finite());
+        let measured = floors.iter().zip(&after).filter(|(_, of)| is_measured(of));
+        let floor = fd_numeric::rms(measured.map(|(floor, _)| *floor));
         let physical = |gaps: &[f64]| -> Vec<f64> {
             gaps.iter().zip(sigma).map(|(gap, sigma)| gap * sigma).collect()
         };

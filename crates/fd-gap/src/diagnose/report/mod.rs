@@ -9,7 +9,7 @@ use fd_effect::Candidate;
 use fd_sim::model::Model;
 
 use self::{
-    findings::{elsewhere, findings},
+    findings::{elsewhere, findings, of_controller},
     held_out::{Noise, held_out_gaps},
     objections::{Claim, doubt, objections},
     reported_floor::{around_the_loop, reported_floor},
@@ -85,6 +85,9 @@ pub(super) fn report(
     around_the_loop(&mut floor, &answer.explanation.gap, &best.gap);
     let mut findings =
         findings(case.logs, &nominal, model.external_inputs().len(), &noise.stated, &refit.errors)?;
+    let commanded = context.case.nominal.commanded();
+    findings.retain(|finding| !commanded.contains(&finding.channel));
+    findings.extend((1..=case.logs.len()).flat_map(|log| of_controller(log, commanded)));
     findings.extend(elsewhere(nominal.plan(), &best.starts, nominal.simulator().initial()));
     let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
     let values = match &fit {

@@ -2,6 +2,7 @@
 
 mod command;
 mod finalists;
+mod from_nominal;
 mod screen;
 mod screened;
 pub(super) mod searched;

@@ -123,6 +123,7 @@ impl<'a> Trial<'a> {
     pub(in crate::diagnose) fn short_fits(&mut self, null: &NullFit, most: f64) {
         if !self.problem.begins_on_stand_in() {
             self.fit_starts(null, most);
+            self.fit_from_nominal(null);
             if self.best.is_none() {
                 self.fall_back(null);
             }
@@ -191,7 +192,7 @@ impl<'a> Trial<'a> {
         if self.problem.is_dear() { search.of_dear_runs() } else { search }
     }
 
-    fn keep(&mut self, minimum: Option<Minimum>) {
+    pub(super) fn keep(&mut self, minimum: Option<Minimum>) {
         let Some(minimum) = minimum else { return };
         if self.best.as_ref().is_none_or(|best| minimum.cost < best.cost) {
             self.best = Some(self.lean(minimum));
