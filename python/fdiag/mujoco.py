@@ -159,7 +159,8 @@ class MuJoCo(Simulator):
         self._source = scene
         self._model = model
         self._parts = [*paths, *(part for part, _ in natives)]
-        self._dormant = {f"{entry['label']}@{entry['place']}": part for part, entry in natives}
+        # What they are called, and where they rest.
+        self._dormant = {f"{entry['label']}@{entry['place']}": (part, float(entry["value"])) for part, entry in natives}
 
     def _written(
         self, values: list[float], causes: Iterable[Cause], path: str | os.PathLike[str]

@@ -98,7 +98,7 @@ EDITS = (
     Edit(TENDON, 'stiffness="20"', 'stiffness="20" frictionloss=".4"', "coulomb-friction@band", 0.4),
     Edit(GEARED, '"0 1"', '"0 1.15"', "coupling-ratio@mesh", 1.15),
     Edit(GEARED, '"0 1"', '".03 1"', "coupling-offset@mesh", 0.03),
-    Edit(GEARED, 'polycoef', 'solref=".05 1" polycoef', "coupling-softness@mesh", 2.5),
+    Edit(GEARED, 'polycoef', 'solref=".2 1" polycoef', "coupling-softness@mesh", 10.0),
 )
 
 
@@ -132,7 +132,7 @@ def name(edit: Edit) -> str:
 
 @pytest.mark.parametrize("edit", EDITS, ids=name)
 def test_a_value_is_an_edit_of_the_scene(edit: Edit) -> None:
-    u, part = commands(200, 1), scene(edit.scene)._dormant[edit.cause]
+    u, (part, _) = commands(200, 1), scene(edit.scene)._dormant[edit.cause]
     pristine, model = (mujoco.MjModel.from_xml_string(edit.scene) for _ in range(2))
     part.set(model, edit.value, pristine)
     mujoco.mj_setConst(model, mujoco.MjData(model))
@@ -143,12 +143,25 @@ def test_a_value_is_an_edit_of_the_scene(edit: Edit) -> None:
 
 
 @pytest.mark.parametrize("edit", EDITS, ids=name)
-def test_an_edit_of_the_scene_is_named(edit: Edit, tmp_path: Path) -> None:
+def test_a_value_is_written_as_mjcf(edit: Edit, tmp_path: Path) -> None:
+    u, simulator = commands(200, 1), scene(edit.scene)
+    values = [edit.value if cause == edit.cause else rest for cause, (_, rest) in simulator._dormant.items()]
+    written = simulator._written(values, [], tmp_path / "edited.xml")
+    assert written.numbers
+    told = run(mujoco.MjModel.from_xml_path(str(written.path)), u)
+    real, nominal = (run(mujoco.MjModel.from_xml_string(text), u) for text in (edit.reality, edit.scene))
+    # A text has six digits, and a contact makes more of the next one.
+    assert np.abs(told - real).max() < 0.01 * np.abs(nominal - real).max()
+
+
+@pytest.mark.parametrize("edit", EDITS, ids=name)
+def test_an_edit_of_the_scene_is_named(edit: Edit) -> None:
     u = commands(300, 2)
     y = run(mujoco.MjModel.from_xml_string(edit.reality), u)
     y = y + np.random.default_rng(3).standard_normal((300, 2)) * list(NOISE.values())
     log = {"time": 0.01 * np.arange(300), "u": u, "angle": y[:, 0], "rate": y[:, 1]}
     result = fdiag.gap(scene(edit.scene), log, exclude=["map"], most=1)
     assert result.verdict in ("cause", "tied"), result.headline
-    found = next((cause for cause in result.causes if cause.is_tied and cause.name == edit.cause), result.causes[0])
-    assert found.name == edit.cause, result.headline
+    # Of two bodies that touch each other, none can be told to be the soft one.
+    named = [cause for cause in result.causes if cause.is_tied] if result.verdict == "tied" else result.causes[:1]
+    assert edit.cause in [cause.name for cause in named], result.headline
