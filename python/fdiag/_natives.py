@@ -75,7 +75,13 @@ def effects(
         *_of_tendons(model),
         *_of_equalities(model),
     ]
-    found = [(part, entry) for part, entry in found if not _fields(part) & set(known)]
+    # A tendon may have the name of a joint.
+    first = {(entry["label"], entry["place"]): i for i, (_, entry) in reversed([*enumerate(found)])}
+    found = [
+        (part, entry)
+        for i, (part, entry) in enumerate(found)
+        if first[entry["label"], entry["place"]] == i and not _fields(part) & set(known)
+    ]
     if wanted == "all":
         return found
     names = [wanted] if isinstance(wanted, str) else [str(name) for name in wanted]
@@ -206,7 +212,7 @@ def _of_actuators(model: Any, inputs: Iterable[str]) -> Iterable[Native]:
             return Path("actuator", name, field, i, "1")
 
         if is_affine and (of_position or of_velocity):
-            # What a servo does depends on the motion: its gear, and a limit of its force, are no gain or limit of the command.
+            # What a servo does depends on the motion: its gear and a limit of its force are none of the command.
             yield from _of_servo(model, name, index)
         if is_affine and of_position:
             yield _scaled("servo-gain", name, (path("gainprm", 0), path("biasprm", 1)))

@@ -56,10 +56,11 @@ PUSHED = """
 """
 TENDON = TEXT.format(
     bodies=TWO,
-    more='<tendon><fixed name="band" stiffness="20"><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed></tendon>'
-    + PUSHED,
+    more='<tendon><fixed name="band" stiffness="20"><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed>'
+    "</tendon>" + PUSHED,
 )
-GEARED = TEXT.format(bodies=TWO, more='<equality><joint name="mesh" joint1="a" joint2="b" polycoef="0 1"/></equality>' + PUSHED)
+MESH = '<equality><joint name="mesh" joint1="a" joint2="b" polycoef="0 1"/></equality>'
+GEARED = TEXT.format(bodies=TWO, more=MESH + PUSHED)
 NOISE = {"angle": 0.001, "rate": 0.004}
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 
 import fdiag
 import fdiag.ray
+import spreads
 from conftest import FEW, QUICK, Cart
 from fdiag import jobs
 
@@ -94,10 +94,6 @@ class Mortal(Cart):
         return super().step(u, f)
 
 
-def report(result: fdiag.Result) -> dict[str, Any]:
-    return {key: value for key, value in result.to_dict().items() if key != "timing"}
-
-
 def test_one_diagnosis_by_two_actors_of_which_one_is_killed(short: dict[str, np.ndarray], tmp_path: Path) -> None:
     settings: dict[str, Any] = {"only": ["coulomb-friction", "viscous-friction", "input-delay"], "most": 1}
     here = fdiag.gap(Cart(), short, **settings)
@@ -106,7 +102,7 @@ def test_one_diagnosis_by_two_actors_of_which_one_is_killed(short: dict[str, np.
     there = fdiag.gap(spread, short, **settings)
     assert mark.exists() and there.work is not None and here.work is not None
     assert (there.work.deaths, there.work.lost, here.work.deaths) == (1, 0, 0)
-    assert report(there) == report(here) and there.causes[0].name == "coulomb-friction@rail"
+    assert spreads.report(there) == spreads.report(here) and there.causes[0].name == "coulomb-friction@rail"
     # The actors are still there, and what was found is a simulator that they run.
     u = short["force [N]"]
     assert np.array_equal(there.patched().simulate(u), here.patched().simulate(u))
@@ -133,85 +129,12 @@ def test_whole_runs_by_actors() -> None:
     log = {"time": 0.1 * np.arange(300), "u": u, "y": y}
     settings: dict[str, Any] = {"noise": {"y": 0.01}, "only": ["input-delay", "input-gain", "sensor-delay"], "most": 1}
     here, there = (fdiag.gap(s, log, **settings) for s in (whole_runs(), fdiag.ray.Spread(whole_runs, actors=2)))
-    assert report(there) == report(here) and here.causes[0].label in ("input-delay", "sensor-delay")
+    assert spreads.report(there) == spreads.report(here) and here.causes[0].label in ("input-delay", "sensor-delay")
 
 
-def told(make: Any, u: np.ndarray, y: np.ndarray, settings: dict[str, Any]) -> Any:
-    """The diagnosis of a log, here and by two actors."""
-    here, names = make(), list(settings["noise"])
-    y = y + np.random.default_rng(20261126).standard_normal(y.shape) * list(settings["noise"].values())
-    named = {channel.name: u for channel in here.inputs}
-    log = {"time": here.sample_time * np.arange(len(u)), **named, **dict(zip(names, y.T))}
-    found = fdiag.gap(make(), log, most=1, threads=2, **settings)
-    spread = fdiag.ray.Spread(make, actors=2)
-    there = fdiag.gap(spread, log, most=1, threads=2, **settings)
-    assert report(there) == report(found)
-    # What was found is a simulator that actors run, and so is what it was found with.
-    assert np.array_equal(there.patched().simulate(u), found.patched().simulate(u), equal_nan=True)
-    assert np.array_equal(spread.simulate(u), here.simulate(u), equal_nan=True)
-    return there
-
-
-def held(samples: int, size: float, each: int = 10) -> np.ndarray:
-    return np.repeat(np.random.default_rng(8).uniform(-size, size, samples // each + 1), each)[:samples]
-
-
-def late(u: np.ndarray) -> np.ndarray:
-    """A command that comes three samples late."""
-    return np.concatenate([np.full(3, u[0]), u[:-3]])
-
-
-def test_a_scene_by_actors() -> None:
-    pytest.importorskip("mujoco")
-    import test_native
-
-    u = held(300, 1.5)
-    settings: dict[str, Any] = {"noise": {"angle": 0.002, "rate": 0.01}, "exclude": ["map"]}
-    real = test_native.run(test_native.PENDULUM.replace('damping=".08"', 'damping=".08" frictionloss=".1"'), u)
-    result = told(test_native.scene, u, real, settings)
-    assert (result.causes[0].name, result.causes[0].law) == ("coulomb-friction@pivot", "native"), result.headline
-
-
-def test_a_program_by_actors() -> None:
-    program = str(Path(__file__).resolve().parents[2] / "examples" / "process" / "cart.py")
-    settings: dict[str, Any] = {"noise": {"speed": 0.004}, "only": FEW}
-    def make() -> fdiag.Process:
-        return fdiag.Process([sys.executable, program])
-
-    u = held(300, 3.0)
-    told(make, u, make().simulate(late(u), {"d": 1.6}), settings)
-
-
-def test_an_fmu_by_actors(mass: Path) -> None:
-    def make() -> fdiag.Fmu:
-        return fdiag.Fmu(
-            mass,
-            inputs=["force"],
-            outputs={"place": fdiag.Output("m", 0.001), "speed": fdiag.Output("m/s", 0.002)},
-            uncertain={"d": 0.1, "k": 0.05},
-            ports={"push": fdiag.Port("N", "place", "speed")},
-            sample_time=0.02,
-        )
-
-    settings: dict[str, Any] = {"noise": {"place": 0.001, "speed": 0.002}, "only": FEW}
-    u = held(300, 3.0)
-    told(make, u, make().simulate(late(u), {"d": 0.9}), settings)
-
-
-@pytest.mark.parametrize("many", [False, True])
-def test_an_environment_by_actors(many: bool) -> None:
-    gym = pytest.importorskip("gymnasium")
-    import test_gymnasium
-
-    def make() -> fdiag.Gymnasium:
-        env = gym.vector.SyncVectorEnv([test_gymnasium.Sled] * 4) if many else test_gymnasium.Sled()
-        return fdiag.Gymnasium(env, **test_gymnasium.SAID, initial={"x0": 0.0, "v0": 0.0})
-
-    only = ["input-delay", "input-gain", "sensor-bias", "input-lag"]
-    settings: dict[str, Any] = {"noise": {"x": 0.002, "v": 0.005}, "only": only}
-    u = held(300, 4.0)
-    result = told(make, u, make().simulate(late(u), {"mass": 1.05}), settings)
-    assert result.causes[0].name == "input-delay@force", result.headline
+@pytest.mark.parametrize("kind", spreads.KINDS)
+def test_each_kind_of_simulator_by_actors(kind: str, request: pytest.FixtureRequest) -> None:
+    spreads.is_the_same(kind, request)
 
 
 class Broken(Cart):
