@@ -191,6 +191,19 @@ def slow(seconds: float = 0.1) -> fdiag.Rollout:
     return waits
 
 
+def wide(seconds: float = 0.1) -> fdiag.Rollout:
+    """The same with many parameters: a filter of so many coefficients."""
+    taps = {f"b{i}": fdiag.Uncertain(float(0.2 * 0.9**i), 0.05) for i in range(24)}
+
+    @fdiag.rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters=taps)
+    def waits(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
+        time.sleep(seconds)
+        b = np.array(list(parameters.values()))
+        return np.convolve(u[:, 0], b)[: len(u), None]
+
+    return waits
+
+
 class Waiting(Lag):
     """An object whose runs take so long to begin."""
 
@@ -224,6 +237,7 @@ def wait(seconds: float) -> None:
     print("| what | actors | s | runs | s per run | gain |\n|---|---|---|---|---|---|")
     for what, make, real, ts in (
         ("whole runs", slow, slow(0.0).simulate(late).ravel(), 0.1),
+        ("whole runs, 24 parameters", wide, wide(0.0).simulate(late).ravel(), 0.1),
         ("an object that steps", waiting, waiting(0.0).simulate(late).ravel(), 0.01),
     ):
         log, answers, first = {"time": ts * np.arange(400), "u": u, "y": real + noise}, [], 0.0

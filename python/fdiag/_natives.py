@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
@@ -174,7 +175,7 @@ def _limit(place: str, limit: Limit, model: Any, least: float) -> Iterable[Nativ
     if size > 0.0:
         unit = f"1/({limit.unit})" if " " in limit.unit else f"1/{limit.unit}"
         said = {"value": 0.0, "size": size, "bounds": [0.0, _RANGE[1] * size], "unit": unit, "reciprocal": True}
-        yield limit, _entry("force-limit", place, f"{limit.kind}/{limit.name}.limit", **said)
+        yield limit, _entry("force-limit", place, re.sub(r"\W", "_", f"{limit.kind}_{limit.name}_limit", flags=re.A), **said)
 
 
 def _reserve(label: str, place: str, reserve: Reserve, model: Any) -> Iterable[Native]:

@@ -99,7 +99,7 @@ EDITS = (
     Edit(TENDON, 'stiffness="20"', 'stiffness="20" frictionloss=".4"', "coulomb-friction@band", 0.4),
     Edit(GEARED, '"0 1"', '"0 1.15"', "coupling-ratio@mesh", 1.15),
     Edit(GEARED, '"0 1"', '".03 1"', "coupling-offset@mesh", 0.03),
-    Edit(GEARED, 'polycoef', 'solref=".2 1" polycoef', "coupling-softness@mesh", 10.0),
+    Edit(GEARED, 'polycoef', 'solref="1 1" polycoef', "coupling-softness@mesh", 50.0),
 )
 
 
