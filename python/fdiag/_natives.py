@@ -46,9 +46,8 @@ _FAMILIES = {
 }
 #: What is noticed of a number that has a value, and how far it may go, relative to that.
 _SHARE, _RANGE = 0.1, (0.01, 100.0)
-#: Accelerations, in rad/s^2 or m/s^2, that a servo without a limit gives; where fits of one begin, relative to the
-#: limit that the scene has: a tenth of that to ten times as much.
-_FREE, _NEARER = 30.0, 1.25
+#: Where fits of a limit begin, as a part of the inverse of that of the scene: a tenth of this to ten times as much.
+_NEARER = 1.25
 
 Native = tuple[Part, dict[str, Any]]
 
@@ -132,7 +131,7 @@ def _of_joints(model: Any, joints: Mapping[str, int], called: Mapping[str, str])
         yield from _reserve("range-reserve", place, Reserve("joint", joint, "range", "limited", unit), model)
         if _is_on(model, "joint", joint, "actfrclimited"):
             limit = ("joint", joint, "actfrcrange", "actfrclimited", force)
-            yield from _limit(place, Limit(*limit), model, 0.0)
+            yield from _limit(place, Limit(*limit), model)
             yield from _reserve("force-reserve", place, Reserve(*limit), model)
 
 
@@ -165,17 +164,15 @@ def _is_on(model: Any, kind: str, name: str, flag: str) -> bool:
     return bool(numbers_of(model, kind, name, flag)[0])
 
 
-def _limit(place: str, limit: Limit, model: Any, least: float) -> Iterable[Native]:
-    """A limit that is nearer, or that there is none of yet: then near `least`."""
+def _limit(place: str, limit: Limit, model: Any) -> Iterable[Native]:
+    """A limit that is nearer than that of the scene."""
     reach = min(-limit.ends(model)[0], limit.ends(model)[1])
-    if reach == np.inf:
-        size = 1.0 / least if least > 0.0 else 0.0
-    else:
-        size = _NEARER / reach if reach > 0.0 else 0.0
-    if size > 0.0:
+    if 0.0 < reach < np.inf:
+        size = _NEARER / reach
+        name = re.sub(r"\W", "_", f"{limit.kind}_{limit.name}_limit", flags=re.A)
         unit = f"1/({limit.unit})" if " " in limit.unit else f"1/{limit.unit}"
         said = {"value": 0.0, "size": size, "bounds": [0.0, _RANGE[1] * size], "unit": unit, "reciprocal": True}
-        yield limit, _entry("force-limit", place, re.sub(r"\W", "_", f"{limit.kind}_{limit.name}_limit", flags=re.A), **said)
+        yield limit, _entry("force-limit", place, name, **said)
 
 
 def _reserve(label: str, place: str, reserve: Reserve, model: Any) -> Iterable[Native]:
@@ -238,9 +235,7 @@ def _of_servo(model: Any, name: str, index: int) -> Iterable[Native]:
         # The joint has one, which is the same where this is the only actuator of it.
         return
     unit = "N m" if int(model.jnt_type[joint]) == 3 else "N"
-    inertia = float(model.dof_M0[model.jnt_dofadr[joint]])
-    least = _FREE * inertia / abs(gear) if gear else 0.0
-    yield from _limit(name, Limit("actuator", name, "forcerange", "forcelimited", unit), model, least)
+    yield from _limit(name, Limit("actuator", name, "forcerange", "forcelimited", unit), model)
 
 
 def _delayed(kind: str, name: str, place: str, model: Any) -> Iterable[Native]:

@@ -61,6 +61,8 @@ TENDON = TEXT.format(
 )
 MESH = '<equality><joint name="mesh" joint1="a" joint2="b" polycoef="0 1"/></equality>'
 GEARED = TEXT.format(bodies=TWO, more=MESH + PUSHED)
+# One that is stiff hides how stiff it is.
+SOFT = GEARED.replace('polycoef="0 1"', 'solref=".4 1" polycoef="0 1"')
 NOISE = {"angle": 0.001, "rate": 0.004}
 
 
@@ -86,7 +88,6 @@ EDITS = (
     Edit(FREE, 'ctrlrange="-1 1"', 'ctrlrange="-1.3 1.3"', "command-reserve@u", 0.3),
     Edit(SERVO, '"-2 2"', '"-2.6 2.6"', "force-reserve@u", 0.3),
     Edit(SERVO, '"-2 2"', '"-1.25 1.25"', "force-limit@u", 0.8),
-    Edit(FREE, 'kv=".6"', 'kv=".6" forcerange="-1.6 1.6"', "force-limit@u", 1.0 / 1.6),
     Edit(WEAK, '"-2 2"', '"-1.25 1.25"', "force-limit@pivot", 0.8),
     Edit(WEAK, '"-2 2"', '"-2.6 2.6"', "force-reserve@pivot", 0.3),
     Edit(STOPPED, '"-25 25"', '"-30 30"', "range-reserve@pivot", 0.2),
@@ -99,7 +100,7 @@ EDITS = (
     Edit(TENDON, 'stiffness="20"', 'stiffness="20" frictionloss=".4"', "coulomb-friction@band", 0.4),
     Edit(GEARED, '"0 1"', '"0 1.15"', "coupling-ratio@mesh", 1.15),
     Edit(GEARED, '"0 1"', '".03 1"', "coupling-offset@mesh", 0.03),
-    Edit(GEARED, 'polycoef', 'solref="1 1" polycoef', "coupling-softness@mesh", 50.0),
+    Edit(SOFT, 'solref=".4 1"', 'solref="1 1"', "coupling-softness@mesh", 2.5),
 )
 
 

@@ -1,6 +1,6 @@
 //! The causes and pairs that a stand-in proposes.
 
-use fd_effect::{Candidate, EffectParameter, Kind, NATIVE, Offers, SiteRef, Suspects};
+use fd_effect::{Candidate, EffectParameter, Kind, Offers, SiteRef, Suspects};
 use fd_sim::model::Model;
 
 use super::Effort;
@@ -91,19 +91,12 @@ impl<'a> Proposals<'a> {
     }
 }
 
-/// Whether a stand-in has no idea of a candidate: a limit within the simulator, which near where it rests cuts off
-/// nothing.
-fn is_unforeseen(candidate: &Candidate) -> bool {
-    candidate.law == NATIVE && candidate.parameters.iter().any(|p| p.is_reciprocal)
-}
-
 impl Suspects for Proposals<'_> {
     fn alone(&self) -> Offers {
         let offers = self.suspects.alone().into_iter();
         let each = offers.filter_map(|offer| match offer {
             // A distribution costs no run.
             Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
-            Ok(candidate) if is_unforeseen(&candidate) => Some(Ok(candidate)),
             Ok(candidate) => {
                 let proposal = self.singles.iter().enumerate().find(|(place, proposal)| {
                     proposal.is_of_law(&candidate)
