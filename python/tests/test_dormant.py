@@ -75,6 +75,8 @@ class Edit:
     new: str
     cause: str
     value: float
+    is_clear: bool = True
+    """Whether a log of 3 s is enough for a verdict."""
 
     @property
     def reality(self) -> str:
@@ -100,7 +102,14 @@ EDITS = (
     Edit(TENDON, 'stiffness="20"', 'stiffness="20" frictionloss=".4"', "coulomb-friction@band", 0.4),
     Edit(GEARED, '"0 1"', '"0 1.15"', "coupling-ratio@mesh", 1.15),
     Edit(GEARED, '"0 1"', '".03 1"', "coupling-offset@mesh", 0.03),
-    Edit(SOFT, 'solref=".4 1"', 'solref="1 1"', "coupling-softness@mesh", 2.5),
+    Edit(SOFT, 'solref=".4 1"', 'solref="1 1"', "coupling-softness@mesh", 2.5, False),
+)
+SEEN_LATE = FREE.replace('joint="pivot"/><jointvel', 'joint="pivot" delay=".02" nsample="8"/><jointvel')
+#: Those that are not looked for in a log.
+MORE = (
+    Edit(SEEN_LATE, 'delay=".02"', 'delay=".05"', "sensor-delay@angle", 0.05),
+    Edit(LEG, 'size=".1" mass="1"', 'size=".1" mass="1" solref=".02 .2"', "contact-damping@foot", 0.2),
+    Edit(TENDON, 'stiffness="20"', 'stiffness="20" armature=".5"', "armature@band", 0.5),
 )
 
 
@@ -132,7 +141,7 @@ def name(edit: Edit) -> str:
     return f"{edit.cause}={edit.value:.3g}"
 
 
-@pytest.mark.parametrize("edit", EDITS, ids=name)
+@pytest.mark.parametrize("edit", EDITS + MORE, ids=name)
 def test_a_value_is_an_edit_of_the_scene(edit: Edit) -> None:
     u, (part, _) = commands(200, 1), scene(edit.scene)._dormant[edit.cause]
     pristine, model = (mujoco.MjModel.from_xml_string(edit.scene) for _ in range(2))
@@ -144,7 +153,7 @@ def test_a_value_is_an_edit_of_the_scene(edit: Edit) -> None:
     assert not np.allclose(run(pristine, u), real, rtol=1e-3, atol=1e-4), "nothing to be seen"
 
 
-@pytest.mark.parametrize("edit", EDITS, ids=name)
+@pytest.mark.parametrize("edit", EDITS + MORE, ids=name)
 def test_a_value_is_written_as_mjcf(edit: Edit, tmp_path: Path) -> None:
     u, simulator = commands(200, 1), scene(edit.scene)
     values = [edit.value if cause == edit.cause else rest for cause, (_, rest) in simulator._dormant.items()]
@@ -163,7 +172,7 @@ def test_an_edit_of_the_scene_is_named(edit: Edit) -> None:
     y = y + np.random.default_rng(3).standard_normal((300, 2)) * list(NOISE.values())
     log = {"time": 0.01 * np.arange(300), "u": u, "angle": y[:, 0], "rate": y[:, 1]}
     result = fdiag.gap(scene(edit.scene), log, exclude=["map"], most=1)
-    assert result.verdict in ("cause", "tied"), result.headline
+    assert result.verdict in (("cause", "tied") if edit.is_clear else ("cause", "tied", "unclear")), result.headline
     # Of two bodies that touch each other, none can be told to be the soft one.
     named = [cause for cause in result.causes if cause.is_tied] if result.verdict == "tied" else result.causes[:1]
     assert edit.cause in [cause.name for cause in named], result.headline
