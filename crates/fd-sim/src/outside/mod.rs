@@ -31,6 +31,7 @@ mod powers;
 mod process;
 mod simulator;
 mod source;
+mod sync;
 mod tally;
 
 #[cfg(feature = "fmu")]
