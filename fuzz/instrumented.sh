@@ -10,7 +10,7 @@ for argument in "$@"; do
 done
 case $name in
 fd_* | fdiag | guided | csv | csv_core | serde_json | toml | toml_parser | hdf5_reader | hdf5_core | rawzip | \
-    roxmltree | ruzstd | lz4_flex | miniz_oxide | flate2 | parquet)
+    rumqttc | roxmltree | ruzstd | lz4_flex | miniz_oxide | flate2 | parquet)
     exec "$@" --cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
         -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
         -Cllvm-args=-sanitizer-coverage-trace-compares

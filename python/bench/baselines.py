@@ -14,7 +14,7 @@ import numpy as np
 from mujoco import rollout
 
 from fdiag._natives import effects
-from fdiag._scene import Path, Scaled, parameter_path
+from fdiag._parts import Part, parameter_path
 from robots import Scene
 from withheld import Array, Truth
 
@@ -35,7 +35,7 @@ class Fit:
         size = mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         self.start = np.empty(size)
         mujoco.mj_getState(self.model, self.data, self.start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        self.parts: list[Path | Scaled] = []
+        self.parts: list[Part] = []
         self.names: list[str] = []
         self.neutral, self.size, low, high = [], [], [], []
         known = set()
@@ -48,7 +48,7 @@ class Fit:
             low.append(max(0.01 * value, value * (1.0 - 10.0 * tolerance)))
             high.append(value * (1.0 + 10.0 * tolerance))
         joints = {joint: int(self.model.joint(joint).dofadr[0]) for joint in scene.joints}
-        for part, entry in effects(self.model, joints, scene.inputs, known, "all"):
+        for part, entry in effects(self.model, joints, {j: j for j in joints}, scene.inputs, {}, known, "all"):
             self._add(part, f"{entry['label']}@{entry['place']}", entry["value"], entry["size"])
             low.append(entry["bounds"][0])
             high.append(entry["bounds"][1])
@@ -63,7 +63,7 @@ class Fit:
         self.fitted = 2 * len(u) // 3
         self.runs = 0
 
-    def _add(self, part: Path | Scaled, name: str, value: float, size: float) -> None:
+    def _add(self, part: Part, name: str, value: float, size: float) -> None:
         self.parts.append(part)
         self.names.append(name)
         self.neutral.append(value)

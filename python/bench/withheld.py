@@ -46,6 +46,11 @@ def joint_edit(joint: str, **values: float) -> Callable[[Any], None]:
 
 def mass_edit(body: str, factor: float) -> Callable[[Any], None]:
     def edit(spec: Any) -> None:
+        if spec.body(body).explicitinertial:
+            whole = spec.body(body)
+            whole.mass *= factor
+            whole.inertia, whole.fullinertia = np.array(whole.inertia) * factor, np.array(whole.fullinertia) * factor
+            return
         for geom in spec.body(body).geoms:
             # By its mass where that is stated, else by its density.
             if np.isnan(geom.mass):
@@ -74,7 +79,8 @@ def draw(scene: Scene, kind: str, random: Rng) -> Truth:
     # What the actuator does at full command.
     torque = amplitude * float(model.actuator(name).gainprm[0]) * float(model.actuator(name).gear[0])
     if scene.is_servo:
-        damping = float(-model.actuator(name).biasprm[2])
+        # That of the servo; where it has none, that of the joint.
+        damping = float(-model.actuator(name).biasprm[2]) or damping
     much = float(random.uniform(1.0, 2.0))
     if kind == "nothing":
         return Truth(set())

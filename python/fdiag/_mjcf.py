@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._scene import Path, Scaled, library
+from ._parts import Part, Path
+from ._scene import library
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -20,6 +21,15 @@ __all__ = ["WrittenScene", "write"]
 
 #: Numbers of the scene that agree to so much are those that were asked for: MJCF is a text.
 _ROUNDING = 1e-6
+#: Fields of a model that have another name in the specification of a scene.
+_NAMES = {"qpos_spring": "springref"}
+#: What says that a range holds.
+_FLAGS = {
+    "range": "limited",
+    "ctrlrange": "ctrllimited",
+    "forcerange": "forcelimited",
+    "actfrcrange": "actfrclimited",
+}
 
 
 @dataclass(frozen=True)
@@ -39,7 +49,7 @@ class WrittenScene:
 def write(
     source: Any,
     model: Any,
-    values: Mapping[Path | Scaled, float],
+    values: Mapping[Part, float],
     causes: Iterable[Cause],
     to: str | os.PathLike[str],
 ) -> WrittenScene:
@@ -51,10 +61,8 @@ def write(
     numbers: dict[str, tuple[float, float]] = {}
     wanted: list[tuple[Path, float]] = []
     for part, value in values.items():
-        paths = part.paths if isinstance(part, Scaled) else (part,)
-        for path in paths:
+        for path, after in part.numbers(model, value):
             before = float(path.array(model)[path.index])
-            after = value * before if isinstance(part, Scaled) else value
             if abs(after - before) > 1e-12 * abs(before):
                 wanted.append((path, after))
                 _set(spec, path, before, after)
@@ -89,7 +97,13 @@ def _set(spec: Any, path: Path, before: float, after: float) -> None:
         return
     element = getattr(spec, path.kind)(path.name)
     if (path.kind, path.field) != ("body", "mass"):
-        _put(element, path.field, path.index, after)
+        if path.kind == "joint" and path.unit == "rad" and spec.compiler.degree:
+            after = float(np.degrees(after))
+        _put(element, _NAMES.get(path.field, path.field), path.index, after)
+        if path.field in _FLAGS:
+            setattr(element, _FLAGS[path.field], True)
+        if path.field == "delay":
+            _between_steps(spec, element)
         return
     ratio = after / before
     if element.explicitinertial:
@@ -103,6 +117,13 @@ def _set(spec: Any, path: Path, before: float, after: float) -> None:
             geom.mass *= ratio
         else:
             geom.density *= ratio
+
+
+def _between_steps(spec: Any, element: Any) -> None:
+    """A delay that is no whole number of time steps needs values between them."""
+    steps = float(element.delay) / float(spec.option.timestep)
+    if int(element.interp) == 0 and abs(steps - round(steps)) > 1e-9:
+        element.interp = 1
 
 
 def _put(element: Any, field: str, index: int, value: float) -> None:

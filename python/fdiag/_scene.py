@@ -1,4 +1,4 @@
-"""A MuJoCo scene that is started and stepped, and the meaning of names in it."""
+"""A MuJoCo scene that is started and stepped, and the names of what it shows."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _fdiag
 from ._names import nearest
+from ._parts import Part, Ranged
 from .errors import Error, InputError
 
 Array = npt.NDArray[np.float64]
@@ -55,6 +56,8 @@ class Place:
     unit: str
     joint: str | None = None
     """The joint of which it is the position or the velocity."""
+    sensor: str | None = None
+    """The sensor that gives it, where it is none of a joint that shows it as it is."""
 
 
 #: Names of types of sensors, and units of what they give.
@@ -114,10 +117,13 @@ def _sensor(model: Any, name: str, sensor: int, number: int | None) -> Place:
         if kind == int(is_kind):
             place = _joint(model, f"outputs: `{name}`", int(model.sensor_objid[sensor]), room)
             # What a joint shows need not be computed first.
-            return place if is_plain else Place("sensordata", int(model.sensor_adr[sensor]), place.unit)
+            if is_plain:
+                return place
+            return Place("sensordata", int(model.sensor_adr[sensor]), place.unit, sensor=model.sensor(sensor).name)
     label = kinds(kind).name.removeprefix("mjSENS_")
     unit = _SENSOR_UNITS.get(label, "1")
-    return Place("sensordata", int(model.sensor_adr[sensor]) + (number or 0), unit)
+    at = int(model.sensor_adr[sensor]) + (number or 0)
+    return Place("sensordata", at, unit, sensor=model.sensor(sensor).name)
 
 
 def _delay(model: Any, sensor: int) -> float:
@@ -143,101 +149,6 @@ def input_unit(model: Any, name: str) -> str:
     return f"{unit}/s" if of_velocity else force
 
 
-#: Units of fields, of slide and hinge joints where they differ.
-_FIELD_UNITS: dict[str, str | tuple[str, str]] = {
-    "mass": "kg",
-    "inertia": "kg m^2",
-    "pos": "m",
-    "ipos": "m",
-    "timestep": "s",
-    "gravity": "m/s^2",
-    "damping": ("N s/m", "N m s/rad"),
-    "armature": ("kg", "kg m^2"),
-    "frictionloss": ("N", "N m"),
-    "stiffness": ("N/m", "N m/rad"),
-}
-_KINDS = ("joint", "body", "geom", "actuator", "sensor", "tendon", "site", "equality", "option")
-
-
-@dataclass(frozen=True)
-class Path:
-    """A number of a model."""
-
-    kind: str
-    name: str
-    field: str
-    index: int
-    unit: str
-
-    @property
-    def text(self) -> str:
-        """As it is written."""
-        return f"{self.kind}/{self.name}.{self.field}" if self.name else f"{self.kind}/{self.field}"
-
-    def array(self, model: Any) -> Array:
-        """The numbers among which it is, in the memory of the model."""
-        holder = model.opt if self.kind == "option" else getattr(model, self.kind)(self.name)
-        numbers: Array = np.atleast_1d(getattr(holder, self.field)).reshape(-1)
-        return numbers
-
-    def set(self, model: Any, value: float, pristine: Any) -> None:
-        """Writes it. The inertia of a body goes with its mass; `pristine` is the model as it came."""
-        if self.kind == "option" and np.ndim(getattr(model.opt, self.field)) == 0:
-            setattr(model.opt, self.field, value)
-            return
-        if (self.kind, self.field) == ("body", "mass"):
-            ratio = value / float(pristine.body(self.name).mass[0])
-            model.body(self.name).inertia[:] = pristine.body(self.name).inertia * ratio
-        self.array(model)[self.index] = value
-
-
-def parameter_path(model: Any, text: str) -> Path:
-    """A path such as `joint/q1.damping` or `actuator/u1.gear[0]`."""
-    found = re.fullmatch(r"(\w+)/(?:(.*)\.)?(\w+)(?:\[(\d+)\])?", text)
-    where = f"uncertain: `{text}`"
-    if not found:
-        raise InputError(f"{where}: expected a path such as `joint/q1.damping` or `actuator/u1.gear[0]`")
-    kind, name, field, number = found[1], found[2] or "", found[3], found[4]
-    if kind not in _KINDS:
-        raise InputError(f"{where}: there is no kind `{kind}`{nearest(kind, _KINDS)}")
-    if kind == "option":
-        holder = model.opt
-    else:
-        count = {"joint": "njnt", "actuator": "nu", "equality": "neq"}.get(kind, f"n{kind}")
-        names = [getattr(model, kind)(i).name for i in range(getattr(model, count))]
-        if not name or name not in names:
-            raise InputError(f"{where}: the scene has no {kind} `{name}`{nearest(name, names)}")
-        holder = getattr(model, kind)(name)
-    known = [f for f in dir(holder) if not f.startswith("_") and f not in ("id", "name")]
-    if field not in known:
-        raise InputError(f"{where}: a {kind} has no field `{field}`{nearest(field, known)}")
-    numbers = np.atleast_1d(getattr(holder, field))
-    if numbers.dtype.kind != "f":
-        raise InputError(f"{where}: expected a field of numbers, found one of `{numbers.dtype}`")
-    if number is None and numbers.size != 1:
-        size = numbers.size
-        raise InputError(f"{where}: has {size} numbers: expected one of them, such as `{text}[0]`")
-    if number is not None and not int(number) < numbers.size:
-        raise InputError(f"{where}: has {numbers.size} numbers, counted from 0")
-    unit = _FIELD_UNITS.get(field, "1")
-    if isinstance(unit, tuple):
-        is_hinge = kind == "joint" and int(holder.type[0]) == 3
-        unit = (unit[1] if is_hinge else unit[0]) if kind == "joint" else "1"
-    return Path(kind, name, field, int(number or 0), unit)
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """Numbers of a model that grow together, by a factor."""
-
-    paths: tuple[Path, ...]
-
-    def set(self, model: Any, value: float, pristine: Any) -> None:
-        """Multiplies them, as they are in the model as it came."""
-        for path in self.paths:
-            path.array(model)[path.index] = value * path.array(pristine)[path.index]
-
-
 class Scene:
     """Model and data of one worker. Samples are taken by `steps`, without code of Python."""
 
@@ -247,7 +158,7 @@ class Scene:
         substeps: int,
         controls: list[int],
         places: list[Place],
-        paths: Sequence[Path | Scaled],
+        parts: Sequence[Part],
         forces: list[int],
         states: list[tuple[int, int]],
         keyframe: int | None,
@@ -258,7 +169,8 @@ class Scene:
         self._model, self._data = model, mujoco.MjData(model)
         self._keyframe = keyframe
         # Masses first: an inertia that is itself a parameter has the last word.
-        self._paths = sorted(enumerate(paths), key=lambda p: getattr(p[1], "field", "") != "mass")
+        self._parts = sorted(enumerate(parts), key=lambda p: getattr(p[1], "field", "") != "mass")
+        self._ranges = [part for part in parts if isinstance(part, Ranged)]
         self._pristine = copy.copy(model)
         self._set: list[float] | None = None
         self._positions = np.array([p for p, _ in states], int)
@@ -294,8 +206,11 @@ class Scene:
         """Begins a run."""
         values = list(parameters.values())
         if values != self._set:
-            for i, path in self._paths:
-                path.set(self._model, values[i], self._pristine)
+            # Several parts may move the ends of one range.
+            for ranged in self._ranges:
+                ranged.clear(self._model, self._pristine)
+            for i, part in self._parts:
+                part.set(self._model, values[i], self._pristine)
             self._set = values
             # Masses and lengths have consequences that the model holds.
             self._mj_set_const(self._model, self._data)

@@ -15,9 +15,10 @@ from . import _stated
 from ._names import nearest
 from ._mjcf import WrittenScene, write
 from ._natives import effects as _effects
-from ._scene import Path as _Path
+from ._parts import Path as _Path
+from ._parts import parameter_path
 from ._scene import Place as _Place
-from ._scene import Scene, as_model, input_unit, output_place, parameter_path
+from ._scene import Scene, as_model, input_unit, output_place
 from .errors import InputError
 from .simulators import Opener, Simulator, lent
 
@@ -113,8 +114,15 @@ class MuJoCo(Simulator):
         states = _states(model, joints, initial or {}, keyframe)
         uncertain_fields = {(path.kind, path.name, path.field) for path in paths}
         of_joints = {name: joint.velocity for name, joint in joints.items()}
+        of_sensors = {entry["name"]: place.sensor for entry, place in zip(said_outputs, places) if place.sensor}
         natives = _effects(
-            model, of_joints, called, [entry["name"] for entry in said_inputs], uncertain_fields, native
+            model,
+            of_joints,
+            called,
+            [entry["name"] for entry in said_inputs],
+            of_sensors,
+            uncertain_fields,
+            native,
         )
         frame = None if keyframe is None else _keyframe(model, keyframe)
         opener = Opener(
@@ -151,7 +159,8 @@ class MuJoCo(Simulator):
         self._source = scene
         self._model = model
         self._parts = [*paths, *(part for part, _ in natives)]
-
+        # What they are called, and where they rest.
+        self._dormant = {f"{entry['label']}@{entry['place']}": (part, float(entry["value"])) for part, entry in natives}
 
     def _written(
         self, values: list[float], causes: Iterable[Cause], path: str | os.PathLike[str]

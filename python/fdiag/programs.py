@@ -51,7 +51,7 @@ class Process(Simulator):
 
 
 class Fmu(Simulator):
-    """An FMU for co-simulation (FMI 2.0).
+    """An FMU for co-simulation (FMI 2.0 or 3.0).
 
     `uncertain` maps parameters to how well they are known, relative to their start values; `ports` are inputs at
     which forces may be added. Without `inputs` and `outputs` all real ones are meant.

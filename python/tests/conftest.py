@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import platform
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +75,22 @@ class Cart:
         aim = (u[0] + f[0]) / self.d
         self.v = aim + (self.v - aim) * float(np.exp(-self.d / self.m * 0.01))
         return shown
+
+
+@pytest.fixture(scope="session")
+def mass(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An FMU that is compiled here, unpacked: a mass on a spring, of the tests of the Rust side."""
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    if compiler is None or platform.system() != "Linux" or platform.machine() != "x86_64":
+        pytest.skip("FMUs are compiled on Linux with a C compiler")
+    source = ROOT / "crates" / "fd-sim" / "tests" / "fmu"
+    folder = tmp_path_factory.mktemp("fmu") / "mass"
+    library = folder / "binaries" / "linux64" / "mass.so"
+    library.parent.mkdir(parents=True)
+    shutil.copy(source / "mass.xml", folder / "modelDescription.xml")
+    macros = ['-DVERSION="2.0"', "-DFAULT=3"]
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, *macros, source / "mass.c"], check=True)
+    return folder
 
 
 def binary() -> str | None:

@@ -14,6 +14,7 @@ import pytest
 
 import fdiag
 import fdiag.ray
+import spreads
 from conftest import FEW, QUICK, Cart
 from fdiag import jobs
 
@@ -93,10 +94,6 @@ class Mortal(Cart):
         return super().step(u, f)
 
 
-def report(result: fdiag.Result) -> dict[str, Any]:
-    return {key: value for key, value in result.to_dict().items() if key != "timing"}
-
-
 def test_one_diagnosis_by_two_actors_of_which_one_is_killed(short: dict[str, np.ndarray], tmp_path: Path) -> None:
     settings: dict[str, Any] = {"only": ["coulomb-friction", "viscous-friction", "input-delay"], "most": 1}
     here = fdiag.gap(Cart(), short, **settings)
@@ -105,7 +102,7 @@ def test_one_diagnosis_by_two_actors_of_which_one_is_killed(short: dict[str, np.
     there = fdiag.gap(spread, short, **settings)
     assert mark.exists() and there.work is not None and here.work is not None
     assert (there.work.deaths, there.work.lost, here.work.deaths) == (1, 0, 0)
-    assert report(there) == report(here) and there.causes[0].name == "coulomb-friction@rail"
+    assert spreads.report(there) == spreads.report(here) and there.causes[0].name == "coulomb-friction@rail"
     # The actors are still there, and what was found is a simulator that they run.
     u = short["force [N]"]
     assert np.array_equal(there.patched().simulate(u), here.patched().simulate(u))
@@ -132,7 +129,12 @@ def test_whole_runs_by_actors() -> None:
     log = {"time": 0.1 * np.arange(300), "u": u, "y": y}
     settings: dict[str, Any] = {"noise": {"y": 0.01}, "only": ["input-delay", "input-gain", "sensor-delay"], "most": 1}
     here, there = (fdiag.gap(s, log, **settings) for s in (whole_runs(), fdiag.ray.Spread(whole_runs, actors=2)))
-    assert report(there) == report(here) and here.causes[0].label in ("input-delay", "sensor-delay")
+    assert spreads.report(there) == spreads.report(here) and here.causes[0].label in ("input-delay", "sensor-delay")
+
+
+@pytest.mark.parametrize("kind", spreads.KINDS)
+def test_each_kind_of_simulator_by_actors(kind: str, request: pytest.FixtureRequest) -> None:
+    spreads.is_the_same(kind, request)
 
 
 class Broken(Cart):

@@ -44,6 +44,12 @@ impl Serialize for Short {
     }
 }
 
+/// A drawing with a name for those who cannot see it, and more attributes.
+pub(super) fn named(svg: &str, name: &str, more: &str) -> String {
+    let label = maud::html! { (name) }.into_string().replace('"', "&quot;");
+    svg.replacen("<svg ", &format!("<svg role=\"img\" {more}aria-label=\"{label}\" "), 1)
+}
+
 impl Picture {
     /// The drawing with its title for those who cannot see it, and what the script knows of it; names are those of
     /// the `whole` picture, of which this one may be without a legend.
@@ -54,12 +60,10 @@ impl Picture {
         height: u32,
     ) -> Result<(String, String), PictureError> {
         let (svg, axes) = self.drawn(width, height)?;
-        let label = maud::html! { (self.title) }.into_string().replace('"', "&quot;");
-        let head = format!("<svg role=\"img\" tabindex=\"0\" aria-label=\"{label}\" ");
         let json = serde_json::to_string(&whole.lively(axes));
         let data =
             json.map_err(|e| PictureError { title: self.title.clone(), reason: e.to_string() })?;
-        Ok((svg.replacen("<svg ", &head, 1), data))
+        Ok((named(&svg, &self.title, "tabindex=\"0\" "), data))
     }
 
     fn lively(&self, axes: Axes) -> Lively<'_> {
@@ -96,7 +100,7 @@ impl Picture {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Line, Page, Picture};
+    use crate::{Line, Matrix, Page, Picture};
 
     #[test]
     fn a_page_has_the_numbers_of_its_pictures() {
@@ -112,5 +116,15 @@ mod tests {
         let html = page.to_html();
         assert!(html.contains("aria-label=\"&lt;heat&gt; &amp; &quot;flow&quot;\""), "{html}");
         assert!(html.contains("[[0.0,1.0],[2.0,null],[2.0,0.333333]]"), "{html}");
+    }
+
+    #[test]
+    fn a_matrix_has_a_name_as_well() {
+        let names = || vec!["leak".to_owned()];
+        let title = "who \"sees\" whom".to_owned();
+        let matrix = Matrix { title, rows: names(), columns: names(), ..Matrix::default() };
+        let mut page = Page::new("Run 7", "All is well.");
+        page.matrix(&matrix, "").unwrap();
+        assert!(page.to_html().contains("role=\"img\" aria-label=\"who &quot;sees&quot; whom\""));
     }
 }

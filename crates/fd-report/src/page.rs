@@ -5,6 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::{
     bars::{Bars, Shares},
     inline::inline,
+    lively::named,
     matrix::Matrix,
     picture::{Picture, PictureError},
     table::Table,
@@ -107,7 +108,7 @@ impl Page {
         matrix: &Matrix,
         caption: impl Into<String>,
     ) -> Result<(), PictureError> {
-        let svg = matrix.to_svg()?;
+        let svg = named(&matrix.to_svg()?, &matrix.title, "");
         self.blocks.push(Block::Matrix { svg, caption: caption.into() });
         Ok(())
     }

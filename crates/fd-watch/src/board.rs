@@ -25,6 +25,8 @@ pub struct Health {
     pub samples: u64,
     /// Samples of units that were refused.
     pub refused: u64,
+    /// Samples dropped for their time: doubled, late, of a clock that went back or jumped.
+    pub dropped: u64,
     /// Lines that were read.
     pub lines: u64,
     /// Alarms raised since the start.
@@ -204,6 +206,8 @@ impl Board {
         add("lines_total", "counter", "Lines read.", &[("", count(health.lines))]);
         let refused = count(health.refused);
         add("refused_total", "counter", "Samples of units beyond the limit.", &[("", refused)]);
+        let dropped = "Samples doubled, late, or of a wrong clock.";
+        add("dropped_total", "counter", dropped, &[("", count(health.dropped))]);
         add("alarms_total", "counter", "Alarms raised.", &[("", count(health.alarms))]);
         add("events_total", "counter", "Events told.", &[("", count(health.events))]);
         let units = [

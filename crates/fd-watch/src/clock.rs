@@ -66,6 +66,9 @@ pub(crate) struct Clock {
     resuming: Option<u64>,
     #[serde(skip)]
     between: Vec<f64>,
+    /// Samples left out since somebody asked, those that are no surprise after a restart not counted.
+    #[serde(skip)]
+    pub(crate) dropped: u64,
 }
 
 /// Why a sample is left out.
@@ -118,6 +121,7 @@ impl Clock {
         match (&self.last, self.pending.take()) {
             (Some(last), pending) if time - last.time <= plan.longest_gap => {
                 if let Some(pending) = pending {
+                    self.dropped += 1;
                     told(Tick::Told(time, What::ClockJumped { to: pending.time }));
                 }
                 self.accept(plan, time, values, told);
@@ -136,6 +140,7 @@ impl Clock {
             }
             (_, pending) => {
                 if let Some(pending) = pending {
+                    self.dropped += 1;
                     told(Tick::Told(time, What::ClockJumped { to: pending.time }));
                 }
                 self.pending = Some(Raw { time, values: values.to_vec() });
@@ -197,6 +202,7 @@ impl Clock {
             *seen += 1;
             return;
         }
+        self.dropped += 1;
         let left = match () {
             () if doubled => Left::Doubled,
             () if newest - time <= plan.longest_gap => Left::Late,

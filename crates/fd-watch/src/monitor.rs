@@ -53,6 +53,8 @@ pub struct Counts {
     pub rows: u64,
     /// Rows of units that were refused.
     pub refused: u64,
+    /// Rows dropped for their time: doubled, late, of a clock that went back or jumped.
+    pub dropped: u64,
     /// Alarms raised.
     pub alarms: u64,
     /// Events told.
@@ -140,6 +142,7 @@ impl Monitor {
             self.dirty.push_back(index);
         }
         unit.take(&self.plan, row.time, row.values, &mut self.messages);
+        self.counts.dropped += std::mem::take(&mut unit.clock.dropped);
         self.count(before);
         Ok(())
     }

@@ -143,6 +143,8 @@ fn what_is_wrong_with_times_is_told_and_left_out() {
         let messages = take(&mut monitor, "p", &rows);
         assert_eq!(whats(&messages), told, "{name}");
         assert_eq!(promised(&messages), promised(&expected), "{name}");
+        let odd = rows.len() - good.len();
+        assert_eq!(monitor.counts().dropped, odd as u64, "{name}");
     }
 }
 

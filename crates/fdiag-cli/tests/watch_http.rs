@@ -68,6 +68,7 @@ fn whoever_looks_sees_how_it_goes() {
             .unwrap()
     };
     assert!(400.0 < value("samples_total") && 1.0 <= value("alarms_total"));
+    assert!(value("dropped_total") + value("refused_total") < 1.0, "of a stream that is well");
     assert!(0.0 <= value("lag_seconds") && 0.0 <= value("last_sample_age_seconds"));
     // The format asks for help and type before every family.
     for line in metrics.lines().filter(|line| !line.starts_with('#')) {

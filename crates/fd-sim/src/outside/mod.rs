@@ -32,6 +32,7 @@ mod powers;
 mod process;
 mod simulator;
 mod source;
+mod sync;
 mod tally;
 
 #[cfg(feature = "fmu")]

@@ -2,24 +2,21 @@
 
 use std::{
     sync::{
-        Condvar, Mutex, MutexGuard, TryLockError,
-        atomic::{
-            AtomicU64,
-            Ordering::{Acquire, Relaxed, Release},
-        },
+        TryLockError,
+        atomic::Ordering::{Acquire, Relaxed, Release},
     },
-    thread::{self, ThreadId},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
-use super::{lock::open, source::Instance};
+use super::{
+    source::Instance,
+    sync::{AtomicU64, Bell, Instant, Mutex, MutexGuard, ThreadId, current, open},
+};
 
 /// A simulator that was not asked for so long may be taken from who has it: whoever steps asks every few
 /// microseconds, and a run that is over is often just left. Who is robbed repeats its run, so this is a matter
 /// of time, not of results.
 const IDLE: Duration = Duration::from_millis(20);
-/// How long it is waited before looking again.
-const LOOK: Duration = Duration::from_millis(2);
 
 /// A few running simulators.
 #[derive(Debug)]
@@ -28,7 +25,7 @@ pub(super) struct Pool {
     /// Numbers of leases, from 1.
     leases: AtomicU64,
     /// Rung when one is given back.
-    bell: (Mutex<()>, Condvar),
+    bell: Bell,
 }
 
 /// Room for one simulator.
@@ -56,7 +53,7 @@ pub(super) struct Lease {
 
 impl Pool {
     pub(super) fn new(workers: usize) -> Self {
-        let thread = thread::current().id();
+        let thread = current().id();
         let room = || Room {
             holder: AtomicU64::new(0),
             slot: Mutex::new(Slot { instance: None, thread, used: Instant::now() }),
@@ -64,7 +61,7 @@ impl Pool {
         Self {
             slots: (0..workers.max(1)).map(|_| room()).collect(),
             leases: AtomicU64::new(0),
-            bell: (Mutex::new(()), Condvar::new()),
+            bell: Bell::default(),
         }
     }
 
@@ -95,7 +92,7 @@ impl Pool {
         }
         let mut slot = open(&room.slot);
         is_mine().then(|| {
-            (slot.thread, slot.used) = (thread::current().id(), Instant::now());
+            (slot.thread, slot.used) = (current().id(), Instant::now());
             slot
         })
     }
@@ -108,14 +105,12 @@ impl Pool {
             if let Some(slot) = self.take(number) {
                 return Lease { slot, number };
             }
-            let (lock, bell) = &self.bell;
-            // Rung or not, it looks again.
-            drop(bell.wait_timeout(open(lock), LOOK));
+            self.bell.wait();
         }
     }
 
     fn take(&self, number: u64) -> Option<usize> {
-        let me = thread::current().id();
+        let me = current().id();
         let mut best: Option<(u8, Instant, usize, MutexGuard<'_, Slot>)> = None;
         for (i, room) in self.slots.iter().enumerate() {
             let slot = match room.slot.try_lock() {
@@ -147,7 +142,10 @@ impl Pool {
         if let Some(slot) = self.slot(lease) {
             self.slots[lease.slot].holder.store(0, Release);
             drop(slot);
-            self.bell.1.notify_one();
+            self.bell.ring();
         }
     }
 }
+
+#[cfg(all(test, feature = "loom"))]
+mod tests;

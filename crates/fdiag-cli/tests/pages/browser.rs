@@ -1,4 +1,5 @@
-//! A page in headless Chromium: what is clipped, empty, too faint, and what its script complains of.
+//! A page in headless Chromium: what is clipped, empty, too faint, without a name or without life, and what its script
+//! complains of.
 
 use std::{
     fs,
@@ -59,7 +60,7 @@ impl Browser {
                 assert_eq!(found["dark"], is_dark, "{place}");
                 assert!(pictures <= found["pictures"].as_u64().unwrap(), "{place}: {found}");
                 assert!(100 < found["words"].as_u64().unwrap(), "{place}: {found}");
-                for list in ["clipped", "empty", "faint", "complaints"] {
+                for list in ["clipped", "empty", "faint", "nameless", "dead", "complaints"] {
                     assert_eq!(found[list], serde_json::json!([]), "{place}: {list}");
                 }
             }

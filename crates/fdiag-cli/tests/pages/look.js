@@ -2,7 +2,7 @@
 function look(frame) {
   const view = frame.contentWindow, page = view.document, root = page.documentElement;
   const found = { width: view.innerWidth, dark: view.matchMedia("(prefers-color-scheme: dark)").matches,
-    pictures: 0, words: page.body.innerText.length, clipped: [], empty: [], faint: [] };
+    pictures: 0, words: page.body.innerText.length, clipped: [], empty: [], faint: [], nameless: [], dead: [] };
   const name = e => e.tagName + "." + (e.getAttribute("class") || "") + " " + (e.textContent || "").trim().slice(0, 60);
   const scrolls = e => {
     for (; e && e !== page.body; e = e.parentElement)
@@ -18,6 +18,7 @@ function look(frame) {
   }
   for (const svg of page.querySelectorAll("svg")) {
     found.pictures += 1;
+    if (svg.getAttribute("role") !== "img" || !svg.getAttribute("aria-label")) found.nameless.push(name(svg));
     const frame = svg.getBoundingClientRect();
     const drawn = [...svg.querySelectorAll("path,polyline,polygon,line,circle,rect")].filter(e => {
       const box = e.getBoundingClientRect();
@@ -50,6 +51,23 @@ function look(frame) {
     const [a, b] = [light(numbers(isDrawn ? style.fill : style.color)), light(behind(isDrawn ? e.ownerSVGElement : e))];
     if ((Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 3) found.faint.push(name(e));
   }
-  for (const list of ["clipped", "empty", "faint"]) found[list] = [...new Set(found[list])].slice(0, 20);
+  // Values under the pointer and at the arrow keys, zoom by dragging, and back.
+  for (const plot of page.querySelectorAll("[data-plot]")) {
+    const svg = plot.querySelector("svg"), box = svg.getBoundingClientRect(), values = plot.querySelector(".values");
+    const send = (kind, share) => svg.dispatchEvent(new view.PointerEvent(kind, { bubbles: true, pointerType: "mouse",
+      clientX: box.left + share * box.width, clientY: box.top + box.height / 2 }));
+    const says = (works, what) => { if (!works) found.dead.push(what + ": " + name(svg)); };
+    send("pointermove", 0.5);
+    says(values && !values.hidden && /\d/.test(values.textContent), "no values");
+    send("pointerleave", 0.5);
+    says(values && values.hidden, "values stay");
+    for (const [kind, share] of [["pointerdown", 0.2], ["pointermove", 0.5], ["pointerup", 0.9]]) send(kind, share);
+    says(svg.classList.contains("zoomed") && !plot.querySelector("button").hidden, "no zoom");
+    svg.dispatchEvent(new view.KeyboardEvent("keydown", { key: "ArrowRight" }));
+    says(values && !values.hidden, "no values at keys");
+    svg.dispatchEvent(new view.KeyboardEvent("keydown", { key: "Escape" }));
+    says(!svg.classList.contains("zoomed"), "no way back");
+  }
+  for (const list of ["clipped", "empty", "faint", "nameless", "dead"]) found[list] = [...new Set(found[list])].slice(0, 20);
   return found;
 }

@@ -1,4 +1,5 @@
-//! Every page in a browser: nothing is clipped, no picture is empty, nothing is too faint to read, no script complains.
+//! Every page in a browser: nothing is clipped, no picture is empty, nothing is too faint to read, every picture has a name,
+//! shows its values and can be zoomed, and no script complains.
 //! On a desk and on a telephone, in the light and in the dark.
 #![allow(
     clippy::unwrap_used,

@@ -1,6 +1,10 @@
 //! What the loop owes to brokers: receipts for samples, and news of the journal.
 
-use std::{io::Write, sync::mpsc::Receiver, time::Duration};
+use std::{
+    io::Write,
+    sync::{atomic::Ordering, mpsc::Receiver},
+    time::Duration,
+};
 
 use fd_watch::{Event, Message, What};
 
@@ -11,8 +15,11 @@ use super::{
     watching::Watching,
 };
 
-/// Messages that are judged before their samples are put on the disk together.
+/// Messages that are judged before their samples are put on the disk together, and their alarms are told.
 const TOGETHER: usize = 1000;
+/// So many lines are enough, however few messages they are; one message may have more, and what is said of it is told
+/// in between: of lines that are none there is an event each.
+const ENOUGH: u64 = 10_000;
 /// Longest that an end waits for a broker to hear the last alarms.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -71,11 +78,18 @@ impl<W: Write> Watching<W> {
         let (oldest, rows) = (first.read, self.monitor.counts().rows);
         let (mut lines, mut next) = (0, first);
         for _ in 0..TOGETHER {
-            let Delivery { unit, payload, receipt, .. } = next;
-            lines += self.samples(unit.as_deref(), &payload)?;
-            self.brokers.owed.push(receipt);
+            let Delivery { unit, payload, receipt, room, .. } = next;
+            // Nothing is promised of those without a receipt: they shall not fill the memory when the disk is full.
+            let is_kept = receipt.is_some() || !self.cannot_save;
+            lines += self.samples(unit.as_deref(), &payload, is_kept)?;
+            if self.stop.load(Ordering::Relaxed) {
+                // It may not have been judged to its end: without a receipt it comes again.
+                return self.publish();
+            }
+            self.brokers.owed.extend(receipt);
+            drop((payload, room));
             match feed.try_recv() {
-                Ok(Chunk::Delivered(delivery)) => next = delivery,
+                Ok(Chunk::Delivered(delivery)) if lines < ENOUGH => next = delivery,
                 other => {
                     self.next = other.ok();
                     self.publish()?;
@@ -90,8 +104,13 @@ impl<W: Write> Watching<W> {
         Ok(())
     }
 
-    /// Judges the lines of a message, and notes their samples.
-    fn samples(&mut self, unit: Option<&str>, payload: &[u8]) -> Result<u64, Failure> {
+    /// Judges the lines of a message, and notes their samples if they are to be kept.
+    fn samples(
+        &mut self,
+        unit: Option<&str>,
+        payload: &[u8],
+        is_kept: bool,
+    ) -> Result<u64, Failure> {
         let mut count = 0;
         for line in payload.split(|byte| *byte == b'\n') {
             count += 1;
@@ -99,11 +118,17 @@ impl<W: Write> Watching<W> {
                 self.rows.skip_long_line(LONGEST_LINE);
             } else if self.rows.read_of(unit, line).map_err(Failure::of_input)? {
                 self.row()?;
-                if let Some(state) = &mut self.state {
+                if let Some(state) = self.state.as_mut().filter(|_| is_kept) {
                     state.keep(self.rows.row());
                 }
             }
             self.tell_faults();
+            if count % ENOUGH == 0 {
+                self.publish()?;
+                if self.stop.load(Ordering::Relaxed) {
+                    break;
+                }
+            }
         }
         Ok(count)
     }

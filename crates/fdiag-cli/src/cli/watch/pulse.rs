@@ -110,6 +110,7 @@ impl Pulse {
         Health {
             samples: counts.rows,
             refused: counts.refused,
+            dropped: counts.dropped,
             lines: self.lines,
             alarms: counts.alarms,
             events: counts.events,

@@ -1,6 +1,8 @@
 //! The targets: what is given an input, which nothing may break. `tests/fuzz` and the engine in `fuzz/`, which is guided
 //! by coverage, share them.
 
+#[cfg(feature = "mqtt")]
+mod brokers;
 mod files;
 mod monitor;
 mod texts;
@@ -39,12 +41,13 @@ impl Target {
 
 /// One list, and a test of each.
 macro_rules! targets {
-    ($($module:ident :: $target:ident),* $(,)?) => {
+    ($($(#[$only:meta])? $module:ident :: $target:ident),* $(,)?) => {
         /// All targets by the names of their functions.
         #[allow(dead_code, reason = "the ordinary tests name each, the guided engine picks from the list")]
-        pub const ALL: &[(&str, fn() -> Target)] = &[$((stringify!($target), $module::$target)),*];
+        pub const ALL: &[(&str, fn() -> Target)] = &[$($(#[$only])? (stringify!($target), $module::$target)),*];
 
-        $(#[cfg(test)]
+        $($(#[$only])?
+        #[cfg(test)]
         #[test]
         fn $target() {
             super::engine::fuzz(&$module::$target());
@@ -77,6 +80,8 @@ targets![
     monitor::streams_of_ndjson,
     monitor::streams_of_csv,
     monitor::messages_of_brokers,
+    #[cfg(feature = "mqtt")]
+    brokers::packets_of_brokers,
     monitor::memories_of_units,
     monitor::learned_rows,
     monitor::journals,

@@ -1,7 +1,10 @@
 //! Samples that a broker delivers.
 
 use std::{
-    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, SyncSender, sync_channel},
+    },
     time::Instant,
 };
 
@@ -13,6 +16,7 @@ use rumqttc::{
 use super::{
     super::{super::failure::Failure, feed::Chunk},
     Broker, Patience,
+    backlog::{Admitted, Backlog},
 };
 
 /// Messages that may wait: beyond them the broker has to.
@@ -55,6 +59,7 @@ impl Inlet {
     }
 
     fn listen(&self, sender: &SyncSender<Chunk>) {
+        let backlog = Arc::new(Backlog::default());
         let mut patience = Patience::new();
         let mut is_told = false;
         loop {
@@ -67,9 +72,10 @@ impl Inlet {
                 let sent = match event {
                     Ok(Event::Incoming(packet)) => {
                         if matches!(packet, Packet::ConnAck(_)) {
-                            (patience, is_told) = (Patience::new(), false);
+                            patience.reached();
+                            is_told = false;
                         }
-                        self.take(packet, &client, sender)
+                        self.take(packet, &client, &backlog, sender)
                     }
                     Ok(Event::Outgoing(_)) => true,
                     Err(error) => {
@@ -94,7 +100,13 @@ impl Inlet {
     }
 
     /// Takes what came; false when nobody listens any more.
-    fn take(&self, packet: Packet, client: &Client, sender: &SyncSender<Chunk>) -> bool {
+    fn take(
+        &self,
+        packet: Packet,
+        client: &Client,
+        backlog: &Arc<Backlog>,
+        sender: &SyncSender<Chunk>,
+    ) -> bool {
         let chunk = match packet {
             Packet::ConnAck(found) => {
                 let filter = |topic: &String| SubscribeFilter::new(topic.clone(), QoS::AtLeastOnce);
@@ -115,11 +127,14 @@ impl Inlet {
                 let unit = self.unit_level.map(|n| level(n).unwrap_or_default().to_owned());
                 let mut receipt = Publish::new("", message.qos, Vec::new());
                 receipt.pkid = message.pkid;
+                let receipt = Receipt { client: client.clone(), message: receipt };
+                let room = backlog.admit(message.topic.len() + message.payload.len());
                 Chunk::Delivered(Delivery {
                     unit,
                     payload: message.payload.to_vec(),
                     read: Instant::now(),
-                    receipt: Receipt { client: client.clone(), message: receipt },
+                    receipt: (message.qos != QoS::AtMostOnce).then_some(receipt),
+                    room,
                 })
             }
             _ => return true,
@@ -136,6 +151,8 @@ pub(in super::super) struct Delivery {
     pub(in super::super) payload: Vec<u8>,
     /// When it came.
     pub(in super::super) read: Instant,
-    /// To be signed when the samples are safe.
-    pub(in super::super) receipt: Receipt,
+    /// To be signed when the samples are safe; none where nobody waits for one.
+    pub(in super::super) receipt: Option<Receipt>,
+    /// Its place among those that wait.
+    pub(in super::super) room: Admitted,
 }

@@ -4,11 +4,15 @@
 //! a kill interrupts the broker sends again. Out: a cursor over the journal, moved on only when the broker has
 //! acknowledged, so what it does not hear while it is away it hears later.
 
+mod backlog;
 mod inlet;
 mod outlet;
 mod questions;
 
-use std::{path::Path, time::Duration};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use rumqttc::MqttOptions;
 
@@ -87,16 +91,28 @@ fn login(path: &Path) -> Result<(String, String), Failure> {
     }
 }
 
-/// Waits before the next attempt, longer each time.
-struct Patience(Duration);
+/// Waits before the next attempt, longer each time, until a connection has lasted for longer than the longest wait: two
+/// monitors of one name, whom a broker throws out in turn, would else spend their days with it.
+struct Patience {
+    next: Duration,
+    reached: Option<Instant>,
+}
 
 impl Patience {
     fn new() -> Self {
-        Self(PATIENCE.0)
+        Self { next: PATIENCE.0, reached: None }
+    }
+
+    /// There is a connection.
+    fn reached(&mut self) {
+        self.reached = Some(Instant::now());
     }
 
     fn wait(&mut self) {
-        std::thread::sleep(self.0);
-        self.0 = (2 * self.0).min(PATIENCE.1);
+        if self.reached.take().is_some_and(|since| PATIENCE.1 < since.elapsed()) {
+            self.next = PATIENCE.0;
+        }
+        std::thread::sleep(self.next);
+        self.next = (2 * self.next).min(PATIENCE.1);
     }
 }

@@ -167,7 +167,8 @@ impl Teller {
         if let Err(reason) = self.send(client, [(monitor, true, STATES[0].to_owned())]) {
             return reason;
         }
-        (*patience, *is_told) = (Patience::new(), false);
+        patience.reached();
+        *is_told = false;
         loop {
             let promised = self.shared.promised.load(Ordering::SeqCst);
             let messages = match self.outbox.next(promised, BATCH) {

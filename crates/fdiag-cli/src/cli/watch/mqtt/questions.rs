@@ -184,7 +184,7 @@ impl Asker {
             for event in connection.iter() {
                 match event {
                     Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                        patience = Patience::new();
+                        patience.reached();
                         self.begin(&client);
                     }
                     Ok(Event::Incoming(Packet::Publish(message))) => {
