@@ -47,7 +47,7 @@ pub fn packet(first: u8, parts: &[&[u8]]) -> Vec<u8> {
     let mut bytes = vec![first];
     let mut rest = body.len();
     loop {
-        let low = (rest % 128) as u8;
+        let low = u8::try_from(rest % 128).unwrap();
         rest /= 128;
         bytes.push(if 0 < rest { low | 128 } else { low });
         if rest == 0 {
@@ -69,6 +69,11 @@ pub fn publish(number: u16, topic: &str, text: &str) -> Vec<u8> {
 /// A message at quality of service 0.
 pub fn shout(topic: &str, text: &[u8]) -> Vec<u8> {
     packet(0x30, &[&prefixed(topic), text])
+}
+
+/// Two bytes as a number.
+fn number(bytes: &[u8]) -> u16 {
+    u16::from_be_bytes([bytes[0], bytes[1]])
 }
 
 /// A packet of a client: its first byte, and what is behind its length.
@@ -148,7 +153,7 @@ fn hear(mut stream: TcpStream, post: &Mutex<Post>) {
     while let Some((first, body)) = read(&mut stream) {
         if first & 0xf0 == 0x30 {
             let (length, rest) = body.split_at(2);
-            let (topic, rest) = rest.split_at(usize::from(length[0]) << 8 | usize::from(length[1]));
+            let (topic, rest) = rest.split_at(usize::from(number(length)));
             let [topic, text] = [topic, &rest[2..]].map(|b| String::from_utf8(b.to_vec()).unwrap());
             post.lock().unwrap().heard.entry(topic).or_default().push(text);
             let _ = stream.write_all(&packet(0x40, &[&rest[..2]]));
@@ -183,9 +188,8 @@ fn deliver(mut stream: TcpStream, post: &Mutex<Post>, is_cut: bool) {
         let Some((first, body)) = read(&mut stream) else { return };
         match first {
             0x40 => {
-                let number = usize::from(body[0]) << 8 | usize::from(body[1]);
                 // Receipts come in the order of the messages.
-                assert_eq!(number, confirmed % 60_000 + 1);
+                assert_eq!(usize::from(number(&body)), confirmed % 60_000 + 1);
                 confirmed += 1;
                 post.lock().unwrap().waiting.pop_front();
             }

@@ -111,7 +111,7 @@ impl<W: Write> Watching<W> {
         payload: &[u8],
         is_kept: bool,
     ) -> Result<u64, Failure> {
-        let mut count = 0;
+        let mut count = 0_u64;
         for line in payload.split(|byte| *byte == b'\n') {
             count += 1;
             if LONGEST_LINE < line.len() {
@@ -123,7 +123,7 @@ impl<W: Write> Watching<W> {
                 }
             }
             self.tell_faults();
-            if count % ENOUGH == 0 {
+            if count.is_multiple_of(ENOUGH) {
                 self.publish()?;
                 if self.stop.load(Ordering::Relaxed) {
                     break;

@@ -56,7 +56,9 @@ fn taken(packet: Incoming, state: &mut MqttState) -> std::ops::ControlFlow<Strin
     match state.handle_incoming_packet(packet) {
         Ok(answer) => {
             let mut some = std::iter::empty::<u8>().collect();
-            answer.map(|packet| packet.write(&mut some, LARGEST).unwrap());
+            if let Some(packet) = answer {
+                packet.write(&mut some, LARGEST).unwrap();
+            }
             Continue(())
         }
         Err(error) => Break(error.to_string()),
