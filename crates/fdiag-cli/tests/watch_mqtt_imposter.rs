@@ -77,7 +77,8 @@ fn endured(of_samples: &[Misdeed], of_alarms: &[Misdeed]) -> Vec<String> {
     let told = || {
         let heard = post().heard.clone();
         let lines = heard.iter().filter(|(topic, _)| topic.ends_with("/alarm"));
-        union(&[lines.flat_map(|(_, texts)| texts).map(|text| format!("{text}\n")).collect()])
+        let texts: Vec<&str> = lines.flat_map(|(_, texts)| texts).map(String::as_str).collect();
+        union(&[texts.join("\n")])
     };
     let is_done = || post().waiting.is_empty() && told().len() == expected.len();
     assert!(wait(LONG, is_done), "{} wait; {}", post().waiting.len(), out.said());
