@@ -20,7 +20,7 @@ pub struct Trace {
     pub role: Role,
     /// Times, in seconds from the start of the file.
     pub time: Vec<f64>,
-    /// One entry per output.
+    /// One entry per output that was measured.
     pub outputs: Vec<Signals>,
     /// One entry per input.
     pub inputs: Vec<Drive>,
@@ -110,6 +110,7 @@ fn of(
         let values = (0..log.samples()).filter_map(|k| log.input(k).get(i).copied());
         Drive { name: input.name, unit: input.unit, values: values.collect() }
     });
-    let (time, outputs) = (time.collect(), outputs.collect());
+    let is_measured = |signals: &Signals| signals.measured.iter().any(|value| value.is_finite());
+    let (time, outputs) = (time.collect(), outputs.filter(is_measured).collect());
     Trace { role: part.role, time, outputs, inputs: inputs.collect() }
 }
