@@ -76,8 +76,11 @@ fn endured(of_samples: &[Misdeed], of_alarms: &[Misdeed]) -> Vec<String> {
     let out = Ears::on(&mut monitor);
     let told = || {
         let heard = post().heard.clone();
-        let lines = heard.iter().filter(|(topic, _)| topic.ends_with("/alarm"));
-        union(&[lines.flat_map(|(_, texts)| texts).map(|text| format!("{text}\n")).collect()])
+        let heard = heard.iter().filter(|(topic, _)| topic.ends_with("/alarm"));
+        union(&[heard
+            .flat_map(|(_, texts)| texts)
+            .flat_map(|text| [text.as_str(), "\n"])
+            .collect()])
     };
     let is_done = || post().waiting.is_empty() && told().len() == expected.len();
     assert!(wait(LONG, is_done), "{} wait; {}", post().waiting.len(), out.said());
