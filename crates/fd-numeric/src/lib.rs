@@ -5,7 +5,7 @@
 //! | multiply short vectors at run time, in any precision | [`dot()`] |
 //! | multiply long signals | [`wide::dot`], [`wide::dots`] |
 //! | compute with many numbers side by side (SIMD) | [`lanes`] |
-//! | measure the size of a signal | [`rms()`] |
+//! | measure the size of a signal | [`rms()`], [`mean_and_deviation`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
 //!
 //! One wrong sample changes the size of a residual, not its median:
@@ -28,5 +28,5 @@ pub mod wide;
 pub use crate::{
     dot::dot,
     quantile::{median, quantile, robust_deviation, upper_median},
-    rms::rms,
+    rms::{mean_and_deviation, rms},
 };

@@ -48,9 +48,7 @@ impl SignalScale {
     }
 
     pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        let n = values.clone().count().max(1) as f64;
-        let mean = values.clone().sum::<f64>() / n;
-        let std = (values.clone().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();
+        let [mean, std] = fd_numeric::mean_and_deviation(values.clone());
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
         Self { name: name.to_owned(), unit: unit.to_owned(), mean, std, low, high }

@@ -61,18 +61,16 @@ fn commanded_by(looped: &LoggedLoop<'_>, record: &Record) -> Option<Vec<String>>
     let ts = record.ts();
     let simulator = looped.simulator(ts).ok()?;
     let log = Log::new(&looped.record(record).ok()?, &*simulator, 1).ok()?;
-    let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
-    let shown = looped.commands(&u, ts)?.outputs;
+    let shown = looped.commands(&log.u, ts)?.outputs;
     let outputs = simulator.outputs();
     let is_commanded = |c: usize| {
         let column = |signal: &[f64]| -> Vec<f64> {
             signal.iter().skip(c).step_by(outputs.len()).copied().collect()
         };
         let (logged, shown) = (column(&log.y), column(&shown));
-        let known = || logged.iter().zip(&shown).filter(|(y, _)| y.is_finite());
-        let mean = known().map(|(y, _)| y).sum::<f64>() / known().count().max(1) as f64;
-        let spread = fd_numeric::rms(known().map(|(y, _)| y - mean));
-        let left = fd_numeric::rms(known().map(|(y, s)| y - s));
+        let known = logged.iter().zip(&shown).filter(|(y, _)| y.is_finite());
+        let [_, spread] = fd_numeric::mean_and_deviation(known.clone().map(|(y, _)| *y));
+        let left = fd_numeric::rms(known.map(|(y, s)| y - s));
         let noise = robust_third_difference_floor(&shown).unwrap_or(0.0);
         0.0 < spread && left <= (ROUNDING * noise).max(EXACT * spread)
     };

@@ -39,8 +39,8 @@ struct Logged<'a> {
     nominal: LoggedLoop<'a>,
     logs: Vec<Record>,
     held_out: Vec<Record>,
-    /// The same as they came, without what the controller makes of them.
-    plain: [Vec<Record>; 2],
+    /// The same as they came, without what the controller makes of them, if it makes anything.
+    plain: Option<[Vec<Record>; 2]>,
 }
 
 impl<'a> Feedback<'a> {
@@ -49,15 +49,7 @@ impl<'a> Feedback<'a> {
     pub(super) fn of(case: &Case<'a>, settings: &Settings) -> Self {
         let horizon = settings.horizon;
         let logged = if settings.without.logged_loops { None } else { Logged::of(case) };
-        let logged = logged.filter(|logged| {
-            // Commands that follow from what was logged show that the controller saw that.
-            if !logged.nominal.commanded().is_empty() {
-                return true;
-            }
-            let open = null_likelihood(&logged.case(case), horizon);
-            let closed = null_likelihood(case, horizon);
-            open.is_some_and(|open| closed.is_none_or(|closed| closed < open))
-        });
+        let logged = logged.filter(|logged| saw_the_log(&logged.case(case), case, horizon));
         Self { logged }
     }
 
@@ -68,7 +60,7 @@ impl<'a> Feedback<'a> {
 
     /// The case as it came, without what the controller makes of the log.
     pub(super) fn plain<'b>(&'b self, case: &Case<'b>) -> Case<'b> {
-        let plain = self.logged.as_ref().map(|logged| &logged.plain);
+        let plain = self.logged.as_ref().and_then(|logged| logged.plain.as_ref());
         plain.map_or(*case, |[logs, held_out]| Case { logs, held_out, ..*case })
     }
 
@@ -111,7 +103,11 @@ impl<'a> Logged<'a> {
         let plain = |records: &[Record]| -> Option<Vec<Record>> {
             records.iter().map(|record| nominal.without_commanded(record).ok()).collect()
         };
-        let plain = [plain(case.logs)?, plain(case.held_out)?];
+        let plain = if commanded.is_empty() {
+            None
+        } else {
+            Some([plain(case.logs)?, plain(case.held_out)?])
+        };
         Some(Self { nominal, logs, held_out, plain })
     }
 
@@ -147,13 +143,14 @@ fn runs_away(nominal: &dyn Nominal, record: &Record) -> bool {
     })
 }
 
-/// Log-likelihood of what the model leaves of the logs without any effect, its nuisances fitted, as noise of any size and
-/// colour. Nominal simulators of one model that have other inputs can be compared by it: with a controller that sees what
-/// was logged, or that sees what is simulated. `None` where the model cannot be fitted, or diverges.
+/// Whether a controller saw what was logged: the logs of a case that is `open`, with a controller on logged outputs, or only
+/// held along the log, against the same case in a `closed` loop, whose controller sees what is simulated. Commands that follow from
+/// what was logged show it; else it is decided by what the model leaves of the logs without any effect, as noise of any size and
+/// colour.
 ///
 /// ```
 /// use fd_effect::Candidate;
-/// use fd_gap::{diagnose::{Case, null_likelihood}, fit::Horizon};
+/// use fd_gap::{diagnose::{Case, saw_the_log}, fit::Horizon};
 /// use fd_model::{Channel, Record};
 /// use fd_sim::model::Model;
 ///
@@ -174,16 +171,20 @@ fn runs_away(nominal: &dyn Nominal, record: &Record) -> bool {
 /// let (right, wrong) = (lag("1")?, lag("2")?);
 /// let log = Record::from_rows(u.to_vec(), y.to_vec(), (0..100).map(row), right.sample_time()?)?;
 /// let none: Vec<Candidate> = Vec::new();
-/// let of = |nominal| {
-///     let case = Case { nominal, suspects: &none, logs: std::slice::from_ref(&log), held_out: &[] };
-///     null_likelihood(&case, Horizon::FreeRun)
-/// };
-/// assert!(of(&wrong) < of(&right));
+/// let logs = [log];
+/// let [right, wrong] =
+///     [&right, &wrong].map(|nominal| Case { nominal, suspects: &none, logs: &logs, held_out: &[] });
+/// assert!(saw_the_log(&right, &wrong, Horizon::FreeRun));
+/// assert!(!saw_the_log(&wrong, &right, Horizon::FreeRun));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn null_likelihood(case: &Case<'_>, horizon: Horizon) -> Option<f64> {
-    prepare(case, horizon).ok().and_then(|prepared| log_likelihood(&prepared))
+pub fn saw_the_log(open: &Case<'_>, closed: &Case<'_>, horizon: Horizon) -> bool {
+    if !open.nominal.commanded().is_empty() {
+        return true;
+    }
+    let likelihood = |case| prepare(case, horizon).ok().as_ref().and_then(log_likelihood);
+    likelihood(open).is_some_and(|open| likelihood(closed).is_none_or(|closed| closed < open))
 }
 
 /// Of what a fit leaves, in physical units, as noise of any size and colour.

@@ -164,7 +164,7 @@ pub(crate) use self::{
 pub use self::{
     case::Case,
     commanded::commanded,
-    feedback::null_likelihood,
+    feedback::saw_the_log,
     monitor::{Monitor, Stage},
     objection::Objection,
     result::{

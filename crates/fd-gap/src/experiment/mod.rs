@@ -187,10 +187,8 @@ fn sensors(case: &Case<'_>, diagnosis: &Diagnosis, bench: &Bench) -> Result<Vec<
     let run = bench.run(&mut *simulator, &theta, &refit.starts, &Vec::new());
     let (outputs, states) = run.ok_or(FitError::Diverged)?;
     let spread = |rows: &[Vec<f64>], i: usize, width: usize| {
-        let values = || rows.iter().flat_map(|r| r.iter().skip(i).step_by(width)).copied();
-        let n = values().count().max(1) as f64;
-        let mean = values().sum::<f64>() / n;
-        (values().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+        let values = rows.iter().flat_map(|r| r.iter().skip(i).step_by(width)).copied();
+        fd_numeric::mean_and_deviation(values)[1]
     };
     let ny = bench.ny();
     let mut ratios: Vec<f64> = (bench.sigma.iter().enumerate())

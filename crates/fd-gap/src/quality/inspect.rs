@@ -151,10 +151,7 @@ fn motions(simulator: &mut dyn Simulator, theta: &[f64], log: &Log) -> Vec<f64> 
 
 /// Standard deviation of what is there.
 fn spread(signal: &[f64]) -> f64 {
-    let values = || signal.iter().filter(|v| v.is_finite());
-    let n = values().count().max(1) as f64;
-    let mean = values().sum::<f64>() / n;
-    f64::sqrt(values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n)
+    fd_numeric::mean_and_deviation(signal.iter().copied().filter(|v| v.is_finite()))[1]
 }
 
 /// The power of a thousand that makes a measured signal agree with the simulated one, if it does

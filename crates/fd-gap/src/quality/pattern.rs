@@ -127,10 +127,8 @@ fn functions(residual: &[Vec<f64>], signals: &[Signal]) -> Vec<Vec<Vec<f64>>> {
     let ramp = |s: usize, k: usize| k as f64 / residual[s].len().max(1) as f64 - 0.5;
     let mut all = vec![shape(&|_, _| 1.0), shape(&ramp)];
     for Signal { values: signal, earliest } in signals {
-        let finite = || signal.iter().flatten().filter(|v| v.is_finite());
-        let n = finite().count().max(1) as f64;
-        let mean = finite().sum::<f64>() / n;
-        let deviation = (finite().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let finite = signal.iter().flatten().copied().filter(|v| v.is_finite());
+        let [mean, deviation] = fd_numeric::mean_and_deviation(finite);
         if deviation <= 1e-9 * mean.abs() || deviation <= 0.0 {
             continue;
         }

@@ -91,14 +91,16 @@ impl Misfit {
 
     /// Sum of the logarithms of the errors about their means, for a first look.
     pub(super) fn rough(&self) -> f64 {
-        let of = |c: &ColumnMisfit| (c.about_mean.max(c.floor) * c.scale).ln();
-        self.columns.iter().map(of).sum()
+        self.sizes(|column| column.about_mean)
     }
 
     /// The same about zero, for mistakes that move nothing but the mean.
     pub(super) fn rough_about_zero(&self) -> f64 {
-        let of = |c: &ColumnMisfit| (c.rms.max(c.floor) * c.scale).ln();
-        self.columns.iter().map(of).sum()
+        self.sizes(|column| column.rms)
+    }
+
+    fn sizes(&self, size: impl Fn(&ColumnMisfit) -> f64) -> f64 {
+        self.columns.iter().map(|c| (size(c).max(c.floor) * c.scale).ln()).sum()
     }
 
     /// By how much the logged numbers are likelier (natural logarithm) than with another misfit.
@@ -158,10 +160,10 @@ impl ColumnMisfit {
 
 /// Count, mean and standard deviation of what is finite.
 fn moments<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> (f64, f64, f64) {
-    let values = values.filter(|v| v.is_finite());
+    let values = values.copied().filter(|v| v.is_finite());
     let n = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    (n, mean, (values.map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt())
+    let [mean, deviation] = fd_numeric::mean_and_deviation(values);
+    (n, mean, deviation)
 }
 
 /// `1 + 2 Σ ρ(k)`, up to where errors have forgotten each other.

@@ -52,11 +52,7 @@ fn bias(cause: &Cause, diagnosis: &Diagnosis) -> f64 {
     let strength = cause.parameters.first().filter(|_| cause.label == "sensor-bias");
     let (Some(place), Some(strength)) = (place, strength) else { return 0.0 };
     let logs = diagnosis.best.outputs.iter();
-    let signal: Vec<f64> = logs
-        .flat_map(|log| log.iter().skip(place).step_by(model.outputs.len()).copied())
-        .filter(|value| value.is_finite())
-        .collect();
-    let mean = signal.iter().sum::<f64>() / signal.len().max(1) as f64;
-    let spread = fd_numeric::rms(signal.iter().map(|value| value - mean));
+    let signal = logs.flat_map(|log| log.iter().skip(place).step_by(model.outputs.len()).copied());
+    let [_, spread] = fd_numeric::mean_and_deviation(signal.filter(|value| value.is_finite()));
     if spread <= 0.0 { 0.0 } else { 0.5 * (strength.value / (NEAR_ZERO * spread)).powi(2) }
 }

@@ -71,7 +71,7 @@ impl Closed {
     pub fn between_runs(self) -> Self {
         let widened = |end: f64| self.fraction + BETWEEN_RUNS * (end - self.fraction);
         let [low, high] = self.interval.map(widened);
-        let beyond = (self.fraction - 1.0).max(0.0);
+        let beyond = self.fraction - 1.0;
         let low = if 0.0 < beyond { low.min(1.0 - beyond) } else { low };
         Self { interval: [low, high], ..self }
     }

@@ -6,12 +6,10 @@
 //! *What is not independent:* the engine of the logs and that of the nonlinear simulator share the
 //! equations of the gas path; only step, scatter, noise and the withheld cause differ.
 
-mod error;
 mod reality;
 mod study;
 
 pub use self::{
-    error::EngineGapError,
     reality::{EngineCause, engine_log},
     study::{Answer, FewRunsOfEngine, diagnose_engine, diagnose_with_few_runs},
 };

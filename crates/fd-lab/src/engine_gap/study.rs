@@ -7,9 +7,11 @@ use fd_gap::{
 };
 use fd_model::Record;
 use fd_sim::simulate::{Nominal, SimulateError};
-use fdiag::engine_plant::{ENGINE_KIND, EngineKnowledge, EngineSimulator, engine_noise};
+use fdiag::engine_plant::{
+    ENGINE_KIND, EngineKnowledge, EnginePlantError, EngineSimulator, engine_noise,
+};
 
-use super::{EngineCause, EngineGapError};
+use super::EngineCause;
 use crate::black_box::{BlackBox, Sight};
 
 /// Diagnoses a log with a list of effects.
@@ -21,7 +23,7 @@ pub fn diagnose_engine(
     nominal: &dyn Nominal,
     effects: Vec<Box<dyn Effect>>,
     log: &Record,
-) -> Result<Diagnosis, EngineGapError> {
+) -> Result<Diagnosis, EnginePlantError> {
     let suspects = suspects(nominal, effects, log)?;
     let logs = std::slice::from_ref(log);
     let case = Case { nominal, suspects: &suspects, logs, held_out: &[] };
@@ -47,7 +49,7 @@ pub fn diagnose_with_few_runs(
     known: &EngineKnowledge,
     effects: Vec<Box<dyn Effect>>,
     log: &Record,
-) -> Result<Option<FewRunsOfEngine>, EngineGapError> {
+) -> Result<Option<FewRunsOfEngine>, EnginePlantError> {
     let engine = Box::new(EngineSimulator::new(known)?);
     let (noise, motion) = (engine_noise(known)?, Vec::new());
     let black_box = BlackBox::of(ENGINE_KIND, engine, noise, motion, Sight::States)?;

@@ -123,6 +123,37 @@ impl Model {
         free.chain(references.map(|r| Channel::new(&r.name, &r.unit))).collect()
     }
 
+    /// The plant alone: inputs that a controller drives come from outside.
+    ///
+    /// ```
+    /// use fd_sim::model::Model;
+    ///
+    /// let tank: Model = r#"
+    /// version = 1
+    /// kind = "equations"
+    /// name = "tank"
+    /// sample_time = 0.1
+    /// inputs = { u = { unit = "m/s" } }
+    /// outputs = { y = { unit = "m", value = "h" } }
+    /// states = { h = { unit = "m", initial = 0.0, derivative = "u - h" } }
+    /// [controller]
+    /// references = { r = { unit = "m" } }
+    /// signals = { u = "2*(r - y)" }
+    /// "#.parse()?;
+    /// assert_eq!(tank.external_inputs()[0].name, "r");
+    /// assert_eq!(tank.without_controller()?.external_inputs()[0].name, "u");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error where what is left is no model.
+    pub fn without_controller(&self) -> Result<Self, ModelError> {
+        let mut draft = self.clone().into_draft();
+        draft.controller = None;
+        Self::try_from(draft)
+    }
+
     /// Outputs, in the order in which a simulation writes them.
     #[must_use]
     pub fn output_channels(&self) -> Vec<Channel> {

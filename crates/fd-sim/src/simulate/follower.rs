@@ -20,7 +20,7 @@ use faer::{Mat, Scale, prelude::Solve};
 
 use super::{
     Nominal, OperatingPoint, Outcome, SimulateError, Simulator, linearize,
-    logged_outputs::{see_logged, with_logged_outputs},
+    logged_outputs::{samples_of_action, see_logged, with_logged_outputs},
 };
 use crate::{
     equation::Expr,
@@ -32,9 +32,6 @@ use crate::{
 const DISTURBANCE: f64 = 1e-3;
 /// The same where so little does not hold a plant that is far from linear, one after the other.
 const STRONGER: [f64; 3] = [1e-2, 1e-1, 1.0];
-
-/// Relative difference of two times that are meant to be equal.
-const ROUNDING: f64 = 1e-6;
 
 /// A model whose simulation is corrected by logged outputs.
 ///
@@ -200,7 +197,11 @@ impl<'a> Follower<'a> {
         disturbance: f64,
     ) -> Option<Self> {
         let model = nominal.model();
-        let plant = plant(model, ts)?;
+        let acts_at_each = |controller| samples_of_action(controller, ts) == Some(1.0);
+        if !model.controller.as_ref().is_none_or(acts_at_each) {
+            return None;
+        }
+        let plant = model.without_controller().ok()?;
         let at = OperatingPoint {
             u: u.iter().map(|[mean, _]| *mean).collect(),
             ..OperatingPoint::initial(&plant)
@@ -320,18 +321,6 @@ impl Nominal for Follower<'_> {
         let inputs = followed.inputs.into_iter().take(self.model.inputs.len()).collect();
         Ok(ReplayScales { inputs, sites: sites.collect(), ..followed })
     }
-}
-
-/// A model without its controller, which is to see the logged outputs; `None` where that acts between samples, or not at
-/// each of them.
-fn plant(model: &Model, ts: SampleTime) -> Option<Model> {
-    let mut draft = model.clone().into_draft();
-    let Some(controller) = draft.controller.take() else { return Some(model.clone()) };
-    let samples = controller.sample_time? / ts.seconds();
-    if ROUNDING < (samples - 1.0).abs() {
-        return None;
-    }
-    Model::try_from(draft).ok()
 }
 
 /// Corrections of the derivatives, and the standard deviations of the innovations.

@@ -19,16 +19,13 @@ use fd_model::{Record, SampleTime};
 
 use super::{
     EquationSimulator, Nominal, Outcome, SimulateError, Simulator,
-    logged_outputs::{see_logged, with_logged_outputs},
+    logged_outputs::{samples_of_action, see_logged, with_logged_outputs},
 };
 use crate::{
     equation::Expr,
     model::{Law, Model, ModelError, Output},
     scales::ReplayScales,
 };
-
-/// Relative difference of two times that are meant to be equal.
-const ROUNDING: f64 = 1e-6;
 
 /// A model with a sampled controller, of which the controller acts on logged outputs.
 ///
@@ -89,8 +86,7 @@ impl<'a> LoggedLoop<'a> {
             return None;
         }
         let mut draft = nominal.model().clone().into_draft();
-        let samples = draft.controller.as_ref()?.sample_time? / ts.seconds();
-        let is_whole = 0.5 < samples && (samples - samples.round()).abs() < ROUNDING * samples;
+        samples_of_action(draft.controller.as_ref()?, ts)?;
         let names: Vec<String> = draft.outputs.iter().map(|output| output.name.clone()).collect();
         let seen: Vec<String> = {
             let expressions = draft.controller.as_mut()?.expressions_mut();
@@ -99,11 +95,7 @@ impl<'a> LoggedLoop<'a> {
         };
         let wish = |name: &String| draft.fresh_name(&format!("{name}_logged"));
         let replaced: Vec<_> = seen.iter().map(|name| (name.clone(), wish(name))).collect();
-        (is_whole && !replaced.is_empty()).then_some(Self {
-            nominal,
-            replaced,
-            commanded: Vec::new(),
-        })
+        (!replaced.is_empty()).then_some(Self { nominal, replaced, commanded: Vec::new() })
     }
 
     /// A record with the logged outputs among its inputs, interpolated where they are missing.
@@ -141,8 +133,8 @@ impl<'a> LoggedLoop<'a> {
         Model::try_from(draft)
     }
 
-    /// What the controller makes of a log, whatever the plant does with it. `u` are the inputs of the [simulator](Nominal::simulator) row by row, samples `ts` apart. `None` where
-    /// it makes no numbers.
+    /// What the controller makes of a log, whatever the plant does with it. `u` are the inputs of the
+    /// [simulator](Nominal::simulator) row by row, samples `ts` apart. `None` where it makes no numbers.
     ///
     /// ```
     /// use fd_model::SampleTime;

@@ -1,8 +1,19 @@
 //! Logged outputs among the inputs of a record, and a controller that sees these.
 
-use fd_model::{Channel, ModelError, Record};
+use fd_model::{Channel, ModelError, Record, SampleTime};
 
 use crate::model::{Controller, Model, Reference};
+
+/// Relative difference of two times that are meant to be equal.
+const ROUNDING: f64 = 1e-6;
+
+/// Samples of a log, `ts` apart, from one action of a controller to the next; `None` where it is continuous, or acts between
+/// samples.
+pub(super) fn samples_of_action(controller: &Controller, ts: SampleTime) -> Option<f64> {
+    let samples = controller.sample_time? / ts.seconds();
+    let is_whole = 0.5 < samples && (samples - samples.round()).abs() < ROUNDING * samples;
+    is_whole.then(|| samples.round())
+}
 
 /// A record with logged outputs among its inputs, under names of their own (`logged`: name of the output, name of
 /// the input), interpolated where they are missing. Outputs that it does not have are left out; those that are `commanded`

@@ -3,7 +3,7 @@
 use fd_gap::fit::FitError;
 use fd_jetengine::EngineError;
 use fd_model::{ModelError, signal::SignalError};
-use fd_sim::{model, simulate::SimulateError};
+use fd_sim::{model, outside::OutsideError, simulate::SimulateError};
 use thiserror::Error;
 
 /// The engine cannot be set up, run or diagnosed.
@@ -25,7 +25,16 @@ pub enum EnginePlantError {
     /// A simulator cannot be built.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    /// It cannot be started as a black box.
+    #[error(transparent)]
+    Outside(Box<OutsideError>),
     /// The diagnosis has failed.
     #[error(transparent)]
     Fit(#[from] FitError),
+}
+
+impl From<OutsideError> for EnginePlantError {
+    fn from(error: OutsideError) -> Self {
+        Self::Outside(Box::new(error))
+    }
 }

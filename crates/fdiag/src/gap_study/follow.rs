@@ -1,8 +1,10 @@
 //! Plants that run away from any start are followed along their logs.
 
+use std::borrow::Cow;
+
 use fd_effect::Candidate;
 use fd_gap::{
-    diagnose::{Case, commanded, null_likelihood},
+    diagnose::{Case, commanded, saw_the_log},
     fit::{FitError, Horizon, Log},
     quality::{grid_step, robust_third_difference_floor},
 };
@@ -52,76 +54,51 @@ pub fn follow<'a>(
     records: &[Record],
 ) -> Result<Option<Follower<'a>>, FitError> {
     let longest = records.iter().max_by_key(|record| record.len()).ok_or(FitError::NoLog)?;
-    let Some(plant) = Plant::of(nominal, longest)? else { return Ok(None) };
-    if !plant.runs_away() {
-        return Ok(None);
-    }
+    let looped = LoggedLoop::of(nominal, longest.ts());
+    let Some(inputs) = runaway_inputs(nominal, looped.as_ref(), longest)? else { return Ok(None) };
     let noise = nominal.model().outputs.iter().map(|output| {
         let column = longest.output_index(&output.name);
         let signal: Vec<f64> = column.map_or_else(Vec::new, |c| longest.output(c).collect());
         noise(&signal, output.noise)
     });
-    let follower = Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &plant.inputs);
-    let Some(looped) = LoggedLoop::of(nominal, longest.ts()) else { return Ok(follower) };
-    // Commands that follow from what was logged show that the controller saw that.
+    let follower = Follower::along(nominal, longest, &noise.collect::<Vec<_>>(), &inputs);
+    let Some(looped) = looped else { return Ok(follower) };
     let commanded = commanded(&looped, records);
     let follower = follower.map(|follower| follower.with_commanded(&commanded));
-    Ok(follower.filter(|follower| !commanded.is_empty() || is_better(follower, nominal, records)))
+    Ok(follower.filter(|follower| is_better(follower, nominal, records)))
 }
 
-/// A plant with what drove it along a log, without the controller that a model may have.
-struct Plant {
-    model: Model,
-    /// Mean and size of each input.
-    inputs: Vec<[f64; 2]>,
-    memory: Memory,
-    seconds: f64,
-}
-
-impl Plant {
-    /// Whoever holds the plant sees the log: a controller of the model does, if it acts at samples. `None` where that makes
-    /// no commands of it.
-    fn of(nominal: &dyn Nominal, record: &Record) -> Result<Option<Self>, FitError> {
-        let ts = record.ts();
-        let looped = LoggedLoop::of(nominal, ts);
-        let (simulator, seen) = match &looped {
-            Some(looped) => (looped.simulator(ts)?, looped.record(record).ok()),
-            None => (nominal.simulator(ts)?, Some(record.clone())),
-        };
-        let Some(seen) = seen else { return Ok(None) };
-        let log = Log::new(&seen, &*simulator, 1)?;
-        let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
-        let model = nominal.model();
-        let (model, commands) = match &looped {
-            Some(looped) => {
-                let mut draft = model.clone().into_draft();
-                draft.controller = None;
-                let plant = Model::try_from(draft).ok();
-                let Some(both) = plant.zip(looped.commands(&u, ts).map(|c| c.inputs)) else {
-                    return Ok(None);
-                };
-                both
-            }
-            None => (model.clone(), u.clone()),
-        };
-        let width = model.external_inputs().len();
-        let inputs = (0..width).map(|i| {
-            let values = commands.iter().skip(i).step_by(width).copied();
-            let n = log.samples().max(1) as f64;
-            let mean = values.clone().sum::<f64>() / n;
-            [mean, fd_numeric::rms(values.map(|v| v - mean))]
-        });
-        Ok(Some(Self {
-            inputs: inputs.collect(),
-            model,
-            memory: Memory::of(&*simulator, &u, log.samples()),
-            seconds: log.samples() as f64 * ts.seconds(),
-        }))
-    }
-
-    fn runs_away(&self) -> bool {
-        self.memory.runs_away || falls_over(&self.model, &self.inputs, self.seconds)
-    }
+/// Mean and size of each input of a plant that runs away from its start along a log; `None` for one that does not.
+/// Whoever holds the plant sees the log: a controller of the model does, where it is `looped`, and its commands drive the plant.
+fn runaway_inputs(
+    nominal: &dyn Nominal,
+    looped: Option<&LoggedLoop<'_>>,
+    record: &Record,
+) -> Result<Option<Vec<[f64; 2]>>, FitError> {
+    let ts = record.ts();
+    let (simulator, seen) = match looped {
+        Some(looped) => (looped.simulator(ts)?, looped.record(record).ok().map(Cow::Owned)),
+        None => (nominal.simulator(ts)?, Some(Cow::Borrowed(record))),
+    };
+    let Some(seen) = seen else { return Ok(None) };
+    let log = Log::new(&seen, &*simulator, 1)?;
+    let u: Vec<f64> = (0..log.samples()).flat_map(|k| log.input(k).to_vec()).collect();
+    let (plant, commands) = match looped {
+        Some(looped) => {
+            let plant = nominal.model().without_controller().ok();
+            let commands = looped.commands(&u, ts).map(|commands| Cow::Owned(commands.inputs));
+            let Some((plant, commands)) = plant.zip(commands) else { return Ok(None) };
+            (Cow::Owned(plant), commands)
+        }
+        None => (Cow::Borrowed(nominal.model()), Cow::Borrowed(&u)),
+    };
+    let width = plant.external_inputs().len();
+    let of = |i| fd_numeric::mean_and_deviation(commands.iter().skip(i).step_by(width).copied());
+    let inputs: Vec<[f64; 2]> = (0..width).map(of).collect();
+    let seconds = log.samples() as f64 * ts.seconds();
+    let runs_away = falls_over(&plant, &inputs, seconds)
+        || Memory::of(&*simulator, &u, log.samples()).runs_away;
+    Ok(runs_away.then_some(inputs))
 }
 
 /// Whether a controller that saw what was logged explains the logs better than one that saw what a model shows.
@@ -129,12 +106,8 @@ fn is_better(follower: &Follower<'_>, closed: &dyn Nominal, records: &[Record]) 
     let followed: Result<Vec<Record>, _> = records.iter().map(|log| follower.record(log)).collect();
     let Ok(followed) = followed else { return false };
     let suspects: &Vec<Candidate> = &Vec::new();
-    let likelihood = |nominal: &dyn Nominal, logs: &[Record]| {
-        let case = Case { nominal, suspects, logs, held_out: &[] };
-        null_likelihood(&case, Horizon::FreeRun)
-    };
-    let open = likelihood(follower, &followed);
-    open.is_some_and(|open| likelihood(closed, records).is_none_or(|closed| closed < open))
+    let case = |nominal, logs| Case { nominal, suspects, logs, held_out: &[] };
+    saw_the_log(&case(follower, &followed), &case(closed, records), Horizon::FreeRun)
 }
 
 /// Noise of a signal: as stated, or that of third differences; at least that of rounding to the steps that it is logged in.

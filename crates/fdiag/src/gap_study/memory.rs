@@ -92,9 +92,7 @@ fn ranges(
 
 /// Standard deviation; 1 for what does not move.
 fn spread<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
-    let n = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    let deviation = f64::sqrt(values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / n);
+    let [_, deviation] = fd_numeric::mean_and_deviation(values.copied());
     if 0.0 < deviation { deviation } else { 1.0 }
 }
 

@@ -18,13 +18,9 @@ pub(super) fn is_lost(null: &NullFit) -> bool {
     let logs = &null.problem.plan().logs;
     gap_per_output(&errors).iter().zip(&null.problem.weights().sigma).enumerate().any(
         |(c, (gap, sigma))| {
-            let measured = || {
-                let each = logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
-                each.copied().filter(|value| value.is_finite())
-            };
-            let n = measured().count().max(1) as f64;
-            let mean = measured().sum::<f64>() / n;
-            let spread = (measured().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+            let each = logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
+            let measured = each.copied().filter(|value| value.is_finite());
+            let [_, spread] = fd_numeric::mean_and_deviation(measured);
             LOST * spread < gap * sigma
         },
     )
