@@ -56,8 +56,8 @@ pub use self::{
     oracle::{Oracle, Rival},
     run::{ChooseSettings, Manner, run},
     score::{
-        Bin, BySquares, Calibration, ClassScore, ClosedOf, Comparison, Rate, Score, Verdict, score,
-        score_open,
+        Bin, BySquares, Calibration, ClassScore, ClosedOf, Comparison, OfSeveral, Rate, Score,
+        Verdict, score, score_open,
     },
     seal::SealKey,
     truth::{Effect, Truth},

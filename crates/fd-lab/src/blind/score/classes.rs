@@ -6,6 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::{Calibration, FALSE_ABSTENTION, Rate, SURE, Verdict};
 use crate::blind::kind::CaseKind;
 
+/// Squares of the noise from which an effect beside others can be told from chance by one of a hundred candidates: twice
+/// the logarithm of the odds against each, and as much again for its strengths.
+const HELD: f64 = 25.0;
+
 /// What is counted of a class.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ClassScore {
@@ -31,8 +35,11 @@ pub struct ClassScore {
     pub told: [Rate; 2],
     /// Nothing wrong, but blamed: white, coloured noise.
     pub blamed: [Rate; 2],
-    /// The largest of several effects first; the list exact or inseparable.
-    pub list: [Rate; 2],
+    /// The largest of several effects first; the list exact or inseparable; the same where the log holds each of them.
+    pub list: [Rate; 3],
+    /// Effects of several that the log holds, and of these the ones that are named; causes named, and of these the ones that
+    /// are effects.
+    pub of_several: [Rate; 2],
     /// Mistakes of reading told, and taken for physics.
     pub reading: [Rate; 2],
     /// Intervals of the closed share that contain the real one.
@@ -136,6 +143,8 @@ fn of_class(
     let only = |wanted: bool, rate: Rate| if wanted { rate } else { Rate::new(0, 0) };
     let is_misread = kind == CaseKind::Misread;
     let is_list = 1 < kind.effects();
+    let is_held = |v: &&Verdict| v.of_several.iter().all(|effect| HELD <= effect.worth);
+    let told: Vec<&Verdict> = seen.iter().copied().filter(is_held).collect();
     ClassScore {
         name: kind.name().to_owned(),
         title: title.to_owned(),
@@ -151,7 +160,9 @@ fn of_class(
         list: [
             only(is_list, Rate::of(&seen, |v| v.is_dominant_first)),
             only(is_list, Rate::of(&seen, |v| v.is_list_right)),
+            only(is_list, Rate::of(&told, |v| v.is_list_right)),
         ],
+        of_several: if is_list { of_several(&seen) } else { <[Rate; 2]>::default() },
         reading: [
             only(is_misread, Rate::of(&seen, |v| v.is_reading_told)),
             only(is_misread, Rate::of(&seen, |v| v.is_taken_for_physics)),
@@ -163,6 +174,14 @@ fn of_class(
         baselines: [0, 1].map(|i| only(!is_misread, Rate::of(&seen, |v| v.baseline_right[i]))),
         comparison: comparison(&all, others, kind, null),
     }
+}
+
+/// Of several effects, those that the log holds and that are named; of the named causes, those that are effects.
+fn of_several(seen: &[&Verdict]) -> [Rate; 2] {
+    let effects = seen.iter().flat_map(|v| &v.of_several).filter(|effect| HELD <= effect.worth);
+    let [right, named] =
+        seen.iter().map(|v| v.named_of_several).fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
+    [Rate::of(&effects.collect::<Vec<_>>(), |effect| effect.is_named), Rate::new(right, named)]
 }
 
 /// Whether the library has no such class.

@@ -1,12 +1,17 @@
 //! One answer next to its truth.
 
 mod closer;
+mod list;
 mod said;
 
 use fd_effect::Candidate;
 use serde::{Deserialize, Serialize};
 
-use self::said::{mechanism_of, said_of};
+pub use self::list::OfSeveral;
+use self::{
+    list::judge_list,
+    said::{mechanism_of, said_of},
+};
 use crate::blind::{
     answer::{Answer, Named, Reading},
     error::BlindError,
@@ -95,6 +100,12 @@ pub struct Verdict {
     pub is_dominant_first: bool,
     /// A list of effects: all are named and nothing else, or the list leaves nothing.
     pub is_list_right: bool,
+    /// Several effects: what the log holds of each, and whether it is named.
+    #[serde(default)]
+    pub of_several: Vec<OfSeveral>,
+    /// Several effects: how many of the named causes are among them, label and site, of how many.
+    #[serde(default)]
+    pub named_of_several: [usize; 2],
     /// A mistake of reading is told as what it is.
     pub is_reading_told: bool,
     /// It is taken for physics: a cause in the plant is stated with a probability above one half.
@@ -278,56 +289,6 @@ fn judge_first(
     Ok(())
 }
 
-/// Whether all effects are named, or causes that no log could tell from them together.
-fn judge_list(
-    case: Option<&Case>,
-    truth: &Truth,
-    answer: &Answer,
-    first: Option<&Named>,
-    corrupts: bool,
-    verdict: &mut Verdict,
-) -> Result<(), BlindError> {
-    let said: Vec<&Named> = if answer.together.is_empty() {
-        first.into_iter().collect()
-    } else {
-        answer.together.iter().collect()
-    };
-    let is_said = |effect: &&Effect| {
-        said.iter().any(|n| is_exact(effect, &n.label, &n.site, n.partner.as_deref()))
-    };
-    let found = truth.effects.iter().filter(|effect| is_said(effect)).count();
-    let all = truth.effects.len();
-    let is_exact_list = found == all && said.len() == all;
-    verdict.is_half_exact = 0 < found;
-    let is_list_right = is_exact_list
-        || match case {
-            Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
-                left(case, truth, &said)? < SEPARATED
-            }
-            _ => false,
-        };
-    if truth.kind == CaseKind::Pair {
-        (verdict.is_pair_exact, verdict.is_pair_right) = (is_exact_list, is_list_right);
-    } else {
-        verdict.is_list_right = is_list_right;
-        // What is named first where several are named is the first of them, whatever is most probable alone.
-        let first = answer.together.first().or(first);
-        let named =
-            |n: &Named| is_exact(&truth.effects[0], &n.label, &n.site, n.partner.as_deref());
-        verdict.is_dominant_first = first.is_some_and(named)
-            || match (case, first) {
-                (Some(case), Some(first)) => {
-                    let effects = truth.effects[..1].to_vec();
-                    let alone = Truth { effects, ..truth.clone() };
-                    left(case, &alone, &[first])? < SEPARATED
-                }
-                _ => false,
-            };
-        verdict.is_right = verdict.is_dominant_first;
-    }
-    Ok(())
-}
-
 /// Whether a mistake of reading is told, or taken for physics.
 fn judge_reading(misreading: &Misreading, answer: &Answer, verdict: &mut Verdict) {
     let told = answer.reading.first().filter(|told| 0.5 < told.probability);
@@ -376,17 +337,21 @@ fn is_told(misreading: &Misreading, told: &Reading) -> bool {
 fn left(case: &Case, truth: &Truth, named: &[&Named]) -> Result<f64, BlindError> {
     let model = case.model()?;
     let scene = Scene::new(truth, &model)?;
-    let wanted: Vec<_> = named
-        .iter()
-        .map(|named| {
-            move |candidate: &Candidate| {
-                let partner = candidate.partner.as_ref().and_then(|p| p.name());
-                candidate.label == named.label
-                    && candidate.site.name() == Some(&named.site)
-                    && partner == named.partner.as_deref()
-            }
-        })
-        .collect();
-    let wanted: Vec<&dyn Fn(&Candidate) -> bool> = wanted.iter().map(|w| w as _).collect();
-    distance_of(&scene, &wanted)
+    let named = named.iter().map(|n| wanted(&n.label, &n.site, n.partner.as_deref()));
+    let named: Vec<_> = named.collect();
+    let named: Vec<&dyn Fn(&Candidate) -> bool> = named.iter().map(|named| named as _).collect();
+    distance_of(&scene, &named)
+}
+
+/// Whether a candidate has a label, at a site, with a partner.
+fn wanted<'a>(
+    label: &'a str,
+    site: &'a str,
+    partner: Option<&'a str>,
+) -> impl Fn(&Candidate) -> bool + 'a {
+    move |candidate| {
+        candidate.label == label
+            && candidate.site.name() == Some(site)
+            && candidate.partner.as_ref().and_then(|p| p.name()) == partner
+    }
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use self::judge::judge;
 pub use self::{
     classes::{ClassScore, Comparison},
-    judge::Verdict,
+    judge::{OfSeveral, Verdict},
     statistics::{Bin, Calibration, Rate},
 };
 use super::{

@@ -27,6 +27,9 @@ impl ClassScore {
         row("unknown class told at 3 % false doubt", &self.told[1], ".80");
         row("largest of four named first", &self.list[0], ".90");
         row("list exact or inseparable", &self.list[1], ".50");
+        row("  where each is worth 25 squares of the noise beside the others", &self.list[2], "");
+        row("  effects worth that much that are named", &self.of_several[0], "");
+        row("  named causes that are among the effects", &self.of_several[1], "");
         row("mistake of reading told as such", &self.reading[0], ".90");
         row("mistake of reading taken for physics at p > .5", &self.reading[1], ".02");
         let blamed = if is_looped { ".04" } else { ".02" };
