@@ -315,7 +315,9 @@ fn known_answers_to_logs_as_people_have_them_have_known_scores() {
     assert_eq!(counts(looped.sure), (1, 2));
     assert_eq!(counts(looped.falsely_none), (1, 3));
     assert_eq!(looped.blamed.map(counts), [(1, 2), (0, 0)]);
-    assert_eq!(class("dominant").list.map(counts), [(2, 3), (1, 3)]);
+    assert_eq!(class("dominant").list.map(counts), [(2, 3), (1, 3), (0, 0)]);
+    // What each is worth beside the others needs the case; that what is named is there does not.
+    assert_eq!(class("dominant").of_several.map(counts), [(0, 0), (7, 7)]);
     assert_eq!(class("misread").reading.map(counts), [(1, 5), (2, 5)]);
     // Nothing of it is among the first kinds.
     assert_eq!((score.top.of, score.cases), (0, 13));

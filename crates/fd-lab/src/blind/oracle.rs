@@ -172,8 +172,8 @@ pub(super) fn oracle(scene: &Scene<'_>, rivals: bool) -> Result<Oracle, BlindErr
     Ok(oracle)
 }
 
-/// The least that named effects leave, over all their laws and starts; more than two are taken in
-/// their order.
+/// The least that named effects leave, over all their laws and starts; more than two are taken one after another in
+/// their order, each of them first once.
 pub(super) fn distance_of(
     scene: &Scene<'_>,
     wanted: &[&dyn Fn(&Candidate) -> bool],
@@ -193,8 +193,9 @@ pub(super) fn distance_of(
                 let beside = simulated(suspects.beside(&fit.candidate)).filter(|c| second(c));
                 let both = sight.fitted(beside, &fit.granted()?);
                 least = both.first().map_or(least, |both| least.min(both.minimum.cost));
-            } else if i == 0 {
-                least = least.min(chain(&sight, fit, &wanted[1..])?);
+            } else {
+                let others = [&wanted[..i], &wanted[i + 1..]].concat();
+                least = least.min(chain(&sight, fit, &others)?);
             }
         }
     }

@@ -143,7 +143,9 @@ fn of_class(
     let only = |wanted: bool, rate: Rate| if wanted { rate } else { Rate::new(0, 0) };
     let is_misread = kind == CaseKind::Misread;
     let is_list = 1 < kind.effects();
-    let is_held = |v: &&Verdict| v.of_several.iter().all(|effect| HELD <= effect.worth);
+    let is_held = |v: &&Verdict| {
+        !v.of_several.is_empty() && v.of_several.iter().all(|effect| HELD <= effect.worth)
+    };
     let told: Vec<&Verdict> = seen.iter().copied().filter(is_held).collect();
     ClassScore {
         name: kind.name().to_owned(),
