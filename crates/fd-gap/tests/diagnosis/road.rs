@@ -141,11 +141,12 @@ fn near_the_noise_evidence_asks_for_a_third_cause() {
     labels.retain(|label| !label.ends_with("-lag"));
     assert_eq!(labels, ["input-dead-zone", "input-saturation"]);
     assert_eq!(found.end, End::AtTheNoise);
-    // The largest first, each sought anew beside all others, and none that something else explains clearly better.
+    // The largest first, each sought anew beside all others, and none that something else explains better by more than the
+    // tenth of a nat to which evidence is known; that is divided by a temperature of 1.5.
     let evidence: Vec<f64> = found.causes.iter().map(|m| m.cause.log_evidence).collect();
     assert!(evidence.is_sorted_by(|a, b| b <= a) && 5.0 < evidence[2], "{evidence:?}");
     let odds: Vec<f64> = found.causes.iter().map(|m| m.odds).collect();
-    assert!(odds.iter().all(|odds| (0.05..=1.0).contains(odds)), "{odds:?}");
+    assert!(odds.iter().all(|odds| (0.93..=1.0).contains(odds)), "{odds:?}");
 
     let short = road(&case, &first, &settings, 2, &()).unwrap();
     assert!(short.is_none(), "two causes are what the diagnosis has said: {short:?}");

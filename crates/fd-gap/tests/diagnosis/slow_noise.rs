@@ -27,10 +27,15 @@ fn carriage(noise: Option<f64>) -> Model {
 /// A log with noise of the position that wanders over a second, ten times stronger than what differences of
 /// neighbours show, and with white noise of the speed.
 fn wandering(truth: &Model, seed: u64) -> Record {
+    with_noise(truth, 0.99, seed)
+}
+
+/// The same with noise of the position of this colour.
+fn with_noise(truth: &Model, colour: f64, seed: u64) -> Record {
     let reality =
         Reality { samples: SAMPLES, amplitude: 10.0, parameter_error: 0.03, colour: 0.0, seed };
     let clean = record(truth, reality, seed);
-    let slow = ArNoise::new(vec![0.99], 0.005, seed + 50).values(SAMPLES).unwrap();
+    let slow = ArNoise::new(vec![colour], 0.005, seed + 50).values(SAMPLES).unwrap();
     let white = ArNoise::new(vec![], 0.01, seed + 80).values(SAMPLES).unwrap();
     let u = (0..SAMPLES).flat_map(|k| clean.u(k).to_vec()).collect();
     let y =
@@ -62,6 +67,17 @@ fn it_is_no_gap() {
     for seed in 1..=10 {
         let diagnosis = run(wandering(&carriage(Some(1e-9)), seed));
         assert_eq!(diagnosis.verdict, Verdict::NoGap, "seed {seed}: {:?}", diagnosis.causes[0]);
+    }
+}
+
+/// Whether an answer rests on it is said from twice on what neighbouring samples show: their differences show sqrt(1 - .9) of
+/// noise with a correlation of .9, a third, and all of white noise.
+#[test]
+fn it_is_told_where_it_is_twice_what_neighbours_show() {
+    for seed in 1..=5 {
+        let told = |colour| run(with_noise(&carriage(Some(1e-9)), colour, seed)).slow_noise;
+        assert_eq!(told(0.9), [true, false], "seed {seed}");
+        assert_eq!(told(0.0), [false, false], "seed {seed}");
     }
 }
 

@@ -11,7 +11,7 @@ use fd_sim::model::Model;
 use self::{
     findings::{elsewhere, findings, of_controller},
     held_out::{Noise, held_out_gaps},
-    objections::{Claim, doubt, objections},
+    objections::{Claim, doubt, objections, objections_to_all},
     reported_floor::{around_the_loop, reported_floor},
 };
 use super::{
@@ -41,6 +41,9 @@ use crate::{
 /// Innovation, as a fraction of the noise, below which noise is slow: neighbouring samples show less than half of it.
 const SLOW: f64 = 0.5;
 
+/// Noise that nobody states is slow, too, whatever its innovation, where it is so many times what neighbouring samples show.
+const TWICE: f64 = 2.0;
+
 /// Reports the best answer; the refitted model where there is no gap. What is reported is the simulator
 /// as it came in the `case`, with its loop closed, whatever the controller saw while causes were sought.
 pub(super) fn report(
@@ -59,9 +62,12 @@ pub(super) fn report(
         _ => (judged.best, judged.lack_of_fit),
     };
     let Singles { searched, base, refit, causes, .. } = singles;
-    let slow_noise = searched.slow_noise(SLOW);
+    let mut slow_noise = searched.slow_noise(SLOW);
     let Searched { model, null, noise, is_coloured, .. } = searched;
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
+    for (c, is_told) in slow_noise.iter_mut().enumerate() {
+        *is_told |= noise.slow[c] && noise.stated[c].is_none() && TWICE < floor[c];
+    }
 
     let nominal = feedback.closed(case, &model, &base)?;
     let fit = match &answer.fit {
@@ -110,8 +116,12 @@ pub(super) fn report(
     let follows = first_follows && named.len() == 1 && ties.tied.len() < 2;
     let (answer, held) = (&answer, &held_out[..]);
     let claim = Claim { causes: &named, follows, answer, held_out: held, noise: known, logs };
-    let objections = if named.is_empty() { Vec::new() } else { objections(claim) };
-    let is_forbidden = objections.iter().any(Objection::forbids);
+    let objections = match verdict {
+        Verdict::NoneOfThese => objections_to_all(claim),
+        _ if named.is_empty() => Vec::new(),
+        _ => objections(claim),
+    };
+    let is_forbidden = !named.is_empty() && objections.iter().any(Objection::forbids);
     let verdict = if is_forbidden && !context.settings.without.vetoes {
         doubt(&mut probabilities, &mut causes, &mut pairs);
         Verdict::Unclear

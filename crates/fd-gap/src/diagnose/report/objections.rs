@@ -63,6 +63,12 @@ pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
     all
 }
 
+/// What speaks against the model itself where none of the causes explains the gap: that most of its parameters had to leave
+/// what is known of them.
+pub(super) fn objections_to_all(claim: Claim<'_>) -> Vec<Objection> {
+    at_edges(claim.answer).into_iter().filter(Objection::forbids).collect()
+}
+
 /// Half of what was believed of causes and pairs is doubt.
 pub(super) fn doubt(others: &mut Probabilities, causes: &mut [Cause], pairs: &mut [Pair]) {
     let left = 1.0 - others.no_gap;

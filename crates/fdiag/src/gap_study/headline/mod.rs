@@ -183,8 +183,10 @@ fn none_of_these(report: &Report) -> String {
             share(closed.fraction, closed.interval)
         )
     });
+    let against = report.diagnosis.objections.iter().map(words::objection);
+    let against: String = against.map(|against| format!("; {against}")).collect();
     format!(
-        "None of the known effects explains the gap ({}){best}{black_box}.",
+        "None of the known effects explains the gap ({}){best}{black_box}{against}.",
         p(report.diagnosis.none_of_these)
     )
 }

@@ -3,7 +3,7 @@
 use fd_effect::{Side, SiteRef};
 use fd_gap::{
     ceiling::Compensation,
-    diagnose::{Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, Regime},
+    diagnose::{Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, Objection, Regime},
     fit::Horizon,
     locate::{Band, Location},
     quality::Severity,
@@ -218,6 +218,12 @@ fn none_and_nothing() {
          joint 2, leaves 3.2 times the noise, mostly above 12.0 Hz; a black-box compensation \
          could remove 60 % (50..70) of the gap on held-out data."
     );
+    let names = vec!["m".to_owned(), "k".to_owned(), "d".to_owned()];
+    none.diagnosis.objections = vec![Objection::ParametersAtEdges { names, of: 4, is_most: true }];
+    let text = headline(&none);
+    let edges =
+        "; 3 of 4 refitted parameters lie at the edges of their tolerances (`m`, `k` and `d`).";
+    assert!(text.ends_with(edges), "{text}");
     let mut nothing = report(Verdict::NoGap);
     nothing.diagnosis.no_gap = 0.98;
     let mass = Nuisance { name: "m".into(), value: 2.03, deviation: 0.8 };
