@@ -11,7 +11,7 @@ use fd_sim::model::Model;
 use self::{
     findings::{elsewhere, findings, of_controller},
     held_out::{Noise, held_out_gaps},
-    objections::{Claim, doubt, objections, objections_to_all},
+    objections::{Claim, doubt, objections},
     reported_floor::{around_the_loop, reported_floor},
 };
 use super::{
@@ -24,6 +24,7 @@ use super::{
         sides,
     },
     objection::Objection,
+    prepare::noise::KnownNoise,
     result::{Cause, Diagnosis, NotTested, Verdict},
     search::searched::Searched,
     weigh::{
@@ -62,12 +63,10 @@ pub(super) fn report(
         _ => (judged.best, judged.lack_of_fit),
     };
     let Singles { searched, base, refit, causes, .. } = singles;
-    let mut slow_noise = searched.slow_noise(SLOW);
+    let slow_noise = searched.slow_noise(SLOW);
     let Searched { model, null, noise, is_coloured, .. } = searched;
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
-    for (c, is_told) in slow_noise.iter_mut().enumerate() {
-        *is_told |= noise.slow[c] && noise.stated[c].is_none() && TWICE < floor[c];
-    }
+    let slow_noise = told(slow_noise, &noise, &floor);
 
     let nominal = feedback.closed(case, &model, &base)?;
     let fit = match &answer.fit {
@@ -116,11 +115,7 @@ pub(super) fn report(
     let follows = first_follows && named.len() == 1 && ties.tied.len() < 2;
     let (answer, held) = (&answer, &held_out[..]);
     let claim = Claim { causes: &named, follows, answer, held_out: held, noise: known, logs };
-    let objections = match verdict {
-        Verdict::NoneOfThese => objections_to_all(claim),
-        _ if named.is_empty() => Vec::new(),
-        _ => objections(claim),
-    };
+    let objections = objections(claim, verdict);
     let is_forbidden = !named.is_empty() && objections.iter().any(Objection::forbids);
     let verdict = if is_forbidden && !context.settings.without.vetoes {
         doubt(&mut probabilities, &mut causes, &mut pairs);
@@ -159,6 +154,14 @@ pub(super) fn report(
         is_stopped: context.monitor.is_stopped(),
         simulations,
     })
+}
+
+/// Outputs of which slow noise is told: those that have it, and those with noise of unknown size that is twice what
+/// neighbouring samples show.
+fn told(slow: Vec<bool>, noise: &KnownNoise, floor: &[f64]) -> Vec<bool> {
+    let is_unknown = |c: usize| noise.slow[c] && noise.stated[c].is_none();
+    let told = slow.into_iter().enumerate();
+    told.map(|(c, is)| is || is_unknown(c) && TWICE < floor[c]).collect()
 }
 
 /// What could not be tried: refused, not simulated, or without a trace in the measurement.

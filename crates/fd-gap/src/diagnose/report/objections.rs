@@ -1,7 +1,7 @@
 //! Objections to an answer, whatever its probability: what an engineer would object to at first sight.
 //!
 //! An objection that [forbids](Objection::forbids) an answer takes its name away: half of what was believed of it
-//! is doubt then, and the verdict is [`Verdict::Unclear`](crate::diagnose::Verdict::Unclear). The others are said beside it.
+//! is doubt then, and the verdict is [`Verdict::Unclear`]. The others are said beside it.
 
 use fd_effect::SiteRef;
 
@@ -10,7 +10,7 @@ use crate::{
     diagnose::{
         judge::Probabilities,
         objection::Objection,
-        result::{Cause, HeldOut, Pair},
+        result::{Cause, HeldOut, Pair, Verdict},
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -51,8 +51,15 @@ pub(super) struct Claim<'a> {
     pub(super) logs: &'a [Log],
 }
 
-/// What speaks against the named causes, those that forbid them first.
-pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
+/// What speaks against the named causes, those that forbid them first; where none of the causes explains the gap, what speaks
+/// against the model itself: that most of its parameters had to leave what is known of them.
+pub(super) fn objections(claim: Claim<'_>, verdict: Verdict) -> Vec<Objection> {
+    if verdict == Verdict::NoneOfThese {
+        return at_edges(claim.answer).into_iter().filter(Objection::forbids).collect();
+    }
+    if claim.causes.is_empty() {
+        return Vec::new();
+    }
     let mut all: Vec<Objection> =
         claim.causes.iter().filter_map(|cause| faint(cause, claim.held_out)).collect();
     all.extend(useless(claim));
@@ -61,12 +68,6 @@ pub(super) fn objections(claim: Claim<'_>) -> Vec<Objection> {
     all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
     all.sort_by_key(|objection| !objection.forbids());
     all
-}
-
-/// What speaks against the model itself where none of the causes explains the gap: that most of its parameters had to leave
-/// what is known of them.
-pub(super) fn objections_to_all(claim: Claim<'_>) -> Vec<Objection> {
-    at_edges(claim.answer).into_iter().filter(Objection::forbids).collect()
 }
 
 /// Half of what was believed of causes and pairs is doubt.

@@ -184,10 +184,11 @@ fn none_of_these(report: &Report) -> String {
         )
     });
     let against = report.diagnosis.objections.iter().map(words::objection);
-    let against: String = against.map(|against| format!("; {against}")).collect();
+    let rest: Vec<String> = std::iter::once(format!("{best}{black_box}")).chain(against).collect();
     format!(
-        "None of the known effects explains the gap ({}){best}{black_box}{against}.",
-        p(report.diagnosis.none_of_these)
+        "None of the known effects explains the gap ({}){}.",
+        p(report.diagnosis.none_of_these),
+        rest.join("; ")
     )
 }
 
