@@ -48,7 +48,8 @@ pub struct CompareConfig {
     pub fresh: FreshRun,
     /// The faults that are to be found.
     pub faults: FaultGrid,
-    /// Time in s at the start of each log that is not learned from.
+    /// Time in s at the start of each log that is not learned from, and of each run of an engine that no detector sees
+    /// (up to where the faults begin).
     pub settle_s: Option<f64>,
     /// When an alarm is raised; the same for all entries.
     pub rule: Debouncing,

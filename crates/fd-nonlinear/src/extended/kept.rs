@@ -8,6 +8,8 @@ use crate::{gaussian::Estimate, model::StateEquations};
 /// `F = ∂f/∂x`, of which each sample renews some columns by central differences along the states.
 #[derive(Clone, Debug)]
 pub(super) struct KeptSlopes {
+    /// Number of states.
+    nx: usize,
     /// Samples in which every column has had its turn.
     samples: usize,
     /// Row by row.
@@ -20,7 +22,7 @@ pub(super) struct KeptSlopes {
 
 impl KeptSlopes {
     pub(super) fn new(nx: usize, samples: usize) -> Self {
-        Self { samples, slopes: vec![0.0; nx * nx], next: 0, is_known: false }
+        Self { nx, samples, slopes: vec![0.0; nx * nx], next: 0, is_known: false }
     }
 
     /// Forgets all slopes: the next sample has them all.
@@ -37,8 +39,7 @@ impl KeptSlopes {
         (asked, ends): (&mut [f64], &mut [Vec<f64>; 2]),
         to: &mut [f64],
     ) {
-        let nx = estimate.nx();
-        let (sample, _) = estimate.at();
+        let (nx, (sample, _)) = (self.nx, estimate.at());
         let turns = if self.is_known { nx.div_ceil(self.samples) } else { nx };
         for _ in 0..turns {
             let column = self.next;
@@ -73,9 +74,9 @@ impl KeptSlopes {
         visitor.reals("slopes of the filter", &mut self.slopes);
         let mut counts = [self.next as u64, u64::from(self.is_known)];
         visitor.counts("next slope, slopes are known", &mut counts);
-        // A snapshot of another filter is refused before; what is beyond the states begins anew.
+        // What is no column begins anew.
         let next = usize::try_from(counts[0]).ok();
-        self.next = next.filter(|next| next * next < self.slopes.len()).unwrap_or(0);
+        self.next = next.filter(|next| *next < self.nx).unwrap_or(0);
         self.is_known = counts[1] != 0;
     }
 }

@@ -67,7 +67,7 @@ pub(crate) fn name(
     let settings = Settings::default();
     let (found, lent) = diagnosed(&shell, &case, &settings).map_err(|e| said(&e))?;
     let going_on = GapCase { nominal: &lent, ..case };
-    let bounds = Bounds { most: MOST_CAUSES, is_dear: false };
+    let bounds = Bounds { most: MOST_CAUSES, is_dear: true };
     let road = road(&going_on, &found, &settings, bounds, &()).map_err(|e| said(&e))?;
     let of =
         |cause: &Cause| format!("{} {}", cause.label, cause.site.name().unwrap_or("everywhere"));
