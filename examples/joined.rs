@@ -1,11 +1,12 @@
 //! The two halves joined, over nonlinear engines: the tables of `docs/results/nonlinear.md`. Arguments are the number
-//! of engines, the first seed, `quick` to leave out the filters (minutes per engine), and scenarios by name; without these
-//! all.
+//! of engines, the first seed, `quick` to leave out the filters (up to minutes per engine), and scenarios by name;
+//! without these all.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints")]
 
 use std::{collections::BTreeMap, error::Error, time::Instant};
 
 use fd_lab::engine::joined::{JoinedTrial, Residual, scenarios, table};
+use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -20,24 +21,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let begin = Instant::now();
-        let mut trials: Vec<JoinedTrial> = Vec::new();
-        for seed in first..first + engines {
-            match scenario.trial(seed, asked) {
-                Ok(trial) => {
-                    eprintln!(
-                        "{} {seed}: {} ({:.0} s)",
-                        scenario.name, trial.named, trial.diagnosis_s
-                    );
-                    for (residual, found) in Residual::ALL.iter().zip(&trial.residuals) {
-                        if let (Err(error), true) = (found, asked.contains(residual)) {
-                            eprintln!("  {}: {error}", residual.name());
-                        }
-                    }
-                    trials.push(trial);
-                }
+        let seeds: Vec<u64> = (first..first + engines).collect();
+        let one = |&seed: &u64| {
+            let trial = scenario.trial(seed, asked);
+            match &trial {
+                Ok(trial) => tell(scenario.name, asked, trial),
                 Err(error) => eprintln!("{} {seed}: {error}", scenario.name),
             }
-        }
+            trial.ok()
+        };
+        let trials: Vec<JoinedTrial> = seeds.par_iter().filter_map(one).collect();
         let mut named: BTreeMap<&str, usize> = BTreeMap::new();
         for trial in &trials {
             *named.entry(&trial.named).or_default() += 1;
@@ -46,4 +39,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("Named: {named:?}; {} s.\n", begin.elapsed().as_secs());
     }
     Ok(())
+}
+
+/// What was named on an engine, and what could not watch it.
+fn tell(scenario: &str, asked: &[Residual], trial: &JoinedTrial) {
+    let JoinedTrial { seed, named, diagnosis_s, diagnosis_runs, .. } = trial;
+    eprintln!("{scenario} {seed}: {named} ({diagnosis_s:.0} s, {diagnosis_runs:.0} runs)");
+    for (residual, found) in Residual::ALL.iter().zip(&trial.residuals) {
+        if let (Err(error), true) = (found, asked.contains(residual)) {
+            eprintln!("  {}: {error}", residual.name());
+        }
+    }
 }

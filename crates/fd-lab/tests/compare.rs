@@ -135,6 +135,7 @@ fn an_entry_that_cannot_be_built_says_why_and_the_others_run() {
         name: "nowhere".to_owned(),
         spec: fdiag::spec::GeneratorSpec::Observer { rate: f64::NAN },
         weighting: None,
+        diagnose_s: None,
     });
     config.biases.truncate(1);
     config.engines.test = 1;
@@ -155,6 +156,10 @@ fn an_entry_that_cannot_be_built_says_why_and_the_others_run() {
     many.engines.fault_runs = many.engines.test_runs + 1;
     let error = Comparison::run(&many, None, &()).unwrap_err();
     assert!(error.to_string().contains("fault_runs"), "{error}");
+    let mut nothing = unknown.clone();
+    nothing.generators[0].diagnose_s = Some(20.0);
+    let error = Comparison::run(&nothing, None, &()).unwrap_err();
+    assert!(error.to_string().contains("diagnose_s: expected"), "{error}");
     let mut wrong = unknown;
     wrong.faults.sensors = vec!["T_99".to_owned()];
     let error = Comparison::run(&wrong, None, &()).unwrap_err();

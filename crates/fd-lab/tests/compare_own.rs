@@ -91,7 +91,14 @@ fn large_faults_are_found_and_small_ones_are_not() {
     let mut halved = comparison.clone();
     halved.scenarios[0].entries[0].failed_engines = 1;
     let page = halved.markdown("fdiag compare");
-    assert!(page.contains("Left out: 1 of the 2 engines that were to be counted"), "{page}");
+    assert!(page.contains("Left out: 1 of the 2 engines that were to be counted, by"), "{page}");
+    // Nor is a threshold of half of the engines.
+    halved.scenarios[0].entries[0].failed_threshold_engines = 1;
+    let page = halved.markdown("fdiag compare");
+    assert!(
+        page.contains("to be counted, and 1 of the 2 engines that were to set thresholds"),
+        "{page}"
+    );
     // The same numbers whatever else runs beside.
     let mut again = Comparison::run(&config, None, &()).unwrap();
     again.overall.iter_mut().zip(&comparison.overall).for_each(|(a, b)| a.cost_ns = b.cost_ns);

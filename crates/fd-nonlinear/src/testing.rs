@@ -20,6 +20,10 @@ pub fn every_filter(
 ) -> Result<Vec<Named<dyn ResidualGenerator>>, NonlinearError> {
     Ok(vec![
         ("extended", Box::new(ExtendedDesign::new(model.clone()).freeze())),
+        (
+            "extended, slopes in turns",
+            Box::new(ExtendedDesign::new(model.clone()).linearised_over(4).freeze()),
+        ),
         ("unscented", Box::new(UnscentedDesign::new(model.clone(), None)?.freeze())),
         ("particle", Box::new(ParticleDesign::new(model.clone(), 60, 5)?.freeze())),
     ])

@@ -60,6 +60,10 @@ fn extended_and_unscented_are_the_kalman_filter() {
     let mut extended = ExtendedDesign::new(model.clone()).freeze();
     let left = largest_difference(&residuals(&mut extended, &u, &y), &expected);
     assert!(left < 1e-8, "extended: {left}");
+    // Slopes that stay what they are may be renewed one by one.
+    let mut in_turns = ExtendedDesign::new(model.clone()).linearised_over(7).freeze();
+    let left = largest_difference(&residuals(&mut in_turns, &u, &y), &expected);
+    assert!(left < 1e-8, "extended, in turns: {left}");
     // Points have no steps: roundings of numbers of size 20, over some tens of samples of memory.
     for kappa in [None, Some(0.0), Some(3.0)] {
         let mut unscented = UnscentedDesign::new(model.clone(), kappa).unwrap().freeze();

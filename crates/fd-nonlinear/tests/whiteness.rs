@@ -63,6 +63,13 @@ fn innovations_are_white() {
     let model = || noisy(TANKS, noise());
     let extended = statistic(|| Box::new(ExtendedDesign::new(model()).freeze()), 0.0, 1000);
     assert!(is_white(extended), "extended: {extended}");
+    // Half a wave of the level takes 314 samples.
+    let in_turns = statistic(
+        || Box::new(ExtendedDesign::new(model()).linearised_over(10).freeze()),
+        0.0,
+        1000,
+    );
+    assert!(is_white(in_turns), "extended, slopes in turns: {in_turns}");
     let unscented =
         statistic(|| Box::new(UnscentedDesign::new(model(), None).unwrap().freeze()), 0.0, 1000);
     assert!(is_white(unscented), "unscented: {unscented}");

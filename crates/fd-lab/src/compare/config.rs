@@ -8,7 +8,7 @@ use fd_model::fault::Site;
 use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
-use super::{defaults, error::CompareError, fault::FaultGrid, own::OwnPlant};
+use super::{defaults, error::CompareError, fault::FaultGrid, named::is_diagnosed, own::OwnPlant};
 use crate::engine::{EngineConfig, FreshRun, PlantConfig, ReductionConfig, TrainingRun};
 
 /// The version of the configuration format.
@@ -48,7 +48,8 @@ pub struct CompareConfig {
     pub fresh: FreshRun,
     /// The faults that are to be found.
     pub faults: FaultGrid,
-    /// Time in s at the start of each log that is not learned from.
+    /// Time in s at the start of each log that is not learned from, and of each run of an engine that no detector sees
+    /// (up to where the faults begin).
     pub settle_s: Option<f64>,
     /// When an alarm is raised; the same for all entries.
     pub rule: Debouncing,
@@ -126,6 +127,10 @@ pub struct Generator {
     /// Rows of the weighting on its residual.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weighting: Option<Vec<Vec<f64>>>,
+    /// Of a simulation of the engine whose model stands in the configuration: time in s from the beginning of the
+    /// training run that is diagnosed first, on every engine. What runs is the model with the named causes in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnose_s: Option<f64>,
 }
 
 /// A named bias model, or none.
@@ -311,6 +316,14 @@ impl CompareConfig {
             if let Some(i) = twice {
                 let found = format!("`{}` twice", names[i]);
                 return setting(&format!("{list}.name"), "names that differ", found);
+            }
+        }
+        for generator in &self.generators {
+            if let Some(found) = generator.diagnose_s
+                && !(is_diagnosed(&generator.spec) && found > 0.0 && found.is_finite())
+            {
+                let expected = "seconds above 0, for a `patched` generator with the text of a model of `engine17`";
+                return setting("generators.diagnose_s", expected, found.to_string());
             }
         }
         self.faults.check(self.duration_s())

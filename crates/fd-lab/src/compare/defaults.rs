@@ -127,7 +127,12 @@ const OUTPUT_NOISE: f64 = 2.5e-7;
 const RATE: f64 = 2.0;
 
 pub(super) fn generators() -> Vec<Generator> {
-    let all = |name: &str, spec| Generator { name: name.to_owned(), spec, weighting: None };
+    let all = |name: &str, spec| Generator {
+        name: name.to_owned(),
+        spec,
+        weighting: None,
+        diagnose_s: None,
+    };
     let learned = || DisturbanceSpec::Learned { rank: 2, duration_s: None, output_noise: 0.1 };
     let (process_noise, output_noise, rate) = (PROCESS_NOISE, OUTPUT_NOISE, RATE);
     let adaptive = |parameters| GeneratorSpec::Adaptive {
@@ -145,6 +150,7 @@ pub(super) fn generators() -> Vec<Generator> {
             name: "observer-sum".to_owned(),
             spec: GeneratorSpec::Observer { rate },
             weighting: Some(vec![vec![1.0; 5]]),
+            diagnose_s: None,
         },
         all("kalman", GeneratorSpec::Kalman { process_noise, output_noise }),
         all("parity", GeneratorSpec::Parity { order: 2 }),

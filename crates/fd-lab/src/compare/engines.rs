@@ -104,8 +104,15 @@ impl<'a> EnginePlants<'a> {
             scaling: case.plant().scaling(),
             healthy,
             faulty,
-            unseen: 0,
+            unseen: self.unseen(),
         })
+    }
+
+    /// Every run begins with the engine at rest; a residual does only if its model rests there too, as that of a
+    /// nonlinear model of another engine does not.
+    fn unseen(&self) -> usize {
+        let settle = self.config.settle_s.unwrap_or(0.0);
+        self.config.samples(settle).min(self.config.fault_start())
     }
 
     /// One run with each fault in each size.

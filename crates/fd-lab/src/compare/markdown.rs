@@ -59,7 +59,7 @@ impl Comparison {
                     markdown_text(&scenario.about),
                     scenario.entries.len(),
                     scenario
-                        .left_out(self.config.engines.test)
+                        .left_out(self.config.engines)
                         .map_or_else(String::new, |s| format!(" {s}")),
                 ),
                 &scenario.best(),

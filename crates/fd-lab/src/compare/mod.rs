@@ -17,6 +17,7 @@ mod fault;
 mod file_hash;
 mod isolate;
 mod markdown;
+mod named;
 mod overall;
 mod own;
 mod report;

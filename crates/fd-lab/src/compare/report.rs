@@ -4,6 +4,7 @@ use fd_model::figure;
 use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table};
 
 use super::{
+    config::Engines,
     overall::Overall,
     result::{Comparison, EntryResult, ScenarioResult},
 };
@@ -126,7 +127,7 @@ impl Comparison {
         page.table(self.by_part());
         page.table(self.by_scenario());
         for scenario in &self.scenarios {
-            scenario.section(&mut page, self.config.engines.test)?;
+            scenario.section(&mut page, self.config.engines)?;
         }
         Ok(page)
     }
@@ -188,21 +189,29 @@ impl ScenarioResult {
         table
     }
 
-    /// On how many of the test engines entries are not counted, because the plant ran away or there was nothing to
-    /// build; none where all are.
-    pub(super) fn left_out(&self, engines: u64) -> Option<String> {
-        let counts = || self.entries.iter().map(|entry| entry.failed_engines);
-        let (least, most) = (counts().min()?, counts().max()?);
-        let range = if least == most { format!("{most}") } else { format!("{least} to {most}") };
-        (most > 0).then(|| {
+    /// On how many of the engines entries are not counted, because the plant ran away, there was nothing to build, or the
+    /// residual had no value; none where all are.
+    pub(super) fn left_out(&self, engines: Engines) -> Option<String> {
+        let of = |failed: fn(&EntryResult) -> u64, engines: u64, what: &str| {
+            let counts = || self.entries.iter().map(failed);
+            let (least, most) = (counts().min()?, counts().max()?);
+            let range =
+                if least == most { format!("{most}") } else { format!("{least} to {most}") };
+            (most > 0).then(|| format!("{range} of the {engines} engines that were to {what}"))
+        };
+        let tested = of(|entry| entry.failed_engines, engines.test, "be counted");
+        let set = of(|entry| entry.failed_threshold_engines, engines.thresholds, "set thresholds");
+        let both: Vec<String> = tested.into_iter().chain(set).collect();
+        (!both.is_empty()).then(|| {
             format!(
-                "Left out: {range} of the {engines} engines that were to be counted, by entry, on which the plant ran \
-                 away or the entry could not be built. Shares and intervals are of the others."
+                "Left out: {}, by entry, on which the plant ran away, the entry could not be built or its residual had \
+                 no value. Shares, intervals and thresholds are of the others.",
+                both.join(", and ")
             )
         })
     }
 
-    fn section(&self, page: &mut Page, engines: u64) -> Result<(), PictureError> {
+    fn section(&self, page: &mut Page, engines: Engines) -> Result<(), PictureError> {
         page.heading(self.name.clone());
         if !self.about.is_empty() {
             page.text(self.about.clone());

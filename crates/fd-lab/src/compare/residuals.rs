@@ -2,8 +2,20 @@
 
 use fd_model::Record;
 use fdiag::training::{Subtracted, Subtraction, Trained, TrainingError};
+use thiserror::Error;
 
 use super::scene::Runs;
+
+/// A generator cannot watch a plant.
+#[derive(Debug, Error)]
+pub(super) enum ResidualError {
+    /// It cannot be built or run.
+    #[error(transparent)]
+    Training(#[from] TrainingError),
+    /// It has no answer where nothing is wrong.
+    #[error("no finite residual at sample {sample} of fault-free run {run}: it has lost the plant")]
+    NoValue { run: usize, sample: usize },
+}
 
 /// Residuals, row by row.
 pub(super) struct Residuals {
@@ -20,11 +32,17 @@ impl Residuals {
         trained: &Trained,
         runs: &Runs,
         start: usize,
-    ) -> Result<Self, TrainingError> {
+    ) -> Result<Self, ResidualError> {
         let mut generator = trained.primary()?;
         let (mut healthy, mut faulty) = (Vec::new(), Vec::new());
         for (i, record) in runs.healthy.iter().enumerate() {
-            healthy.push(generator.whole(record, start)?);
+            let residual = generator.whole(record, start)?;
+            // A filter that has lost the plant has no residual, which must not pass for a small one.
+            if let Some(at) = residual.iter().position(|value| !value.is_finite()) {
+                let sample = at / (residual.len() / record.len().max(1)).max(1);
+                return Err(ResidualError::NoValue { run: i + 1, sample });
+            }
+            healthy.push(residual);
             if let Some(kinds) = runs.faulty.get(i) {
                 faulty.push(each(kinds, |record, _| generator.again(record, start))?);
             }

@@ -89,8 +89,11 @@ pub struct EntryResult {
     pub roc: Vec<RocPoint>,
     /// Which sensor is broken; none for residuals of one channel.
     pub isolation: Option<IsolationResult>,
-    /// Test engines on which it could not be built.
+    /// Test engines on which it could not be built, or had no answer in a fault-free run.
     pub failed_engines: u64,
+    /// The same of the engines that set the thresholds: its threshold is that of the others.
+    #[serde(default)]
+    pub failed_threshold_engines: u64,
 }
 
 /// A kind of fault as an entry finds it.
@@ -158,15 +161,15 @@ impl ScenarioResult {
         let scenario = &config.scenarios[scene.index];
         let (mut entries, mut failed) = (Vec::new(), Vec::new());
         for (i, entry) in names(config).into_iter().enumerate() {
-            let mut engines: Vec<&Alarms> = Vec::new();
-            let mut failed_engines = 0;
-            for unit in tests {
-                match &unit.entries[i] {
-                    Outcome::Alarms(alarms) => engines.push(alarms),
-                    Outcome::Failed(_) => failed_engines += 1,
-                    Outcome::Peaks(_) => {}
-                }
-            }
+            let alarms = tests.iter().filter_map(|unit| match &unit.entries[i] {
+                Outcome::Alarms(alarms) => Some(alarms),
+                Outcome::Failed(_) | Outcome::Peaks(_) => None,
+            });
+            let engines: Vec<&Alarms> = alarms.collect();
+            let failures = |units: &[&Unit]| {
+                let failed = |unit: &&&Unit| matches!(unit.entries[i], Outcome::Failed(_));
+                units.iter().filter(failed).count() as u64
+            };
             if engines.is_empty() {
                 // What kept a threshold from being set says more than that there is none.
                 let why = thresholds.iter().chain(tests).find_map(|unit| match &unit.entries[i] {
@@ -177,7 +180,8 @@ impl ScenarioResult {
             } else {
                 let present = scenario.present.is_some();
                 let mut result = EntryResult::of(config, entry, kinds, &engines, present);
-                result.failed_engines = failed_engines;
+                result.failed_engines = failures(tests);
+                result.failed_threshold_engines = failures(thresholds);
                 entries.push(result);
             }
         }
@@ -239,6 +243,7 @@ impl EntryResult {
             roc: roc.collect(),
             isolation: IsolationResult::of(engines),
             failed_engines: 0,
+            failed_threshold_engines: 0,
         }
     }
 

@@ -13,6 +13,7 @@ use super::{
     config::{CompareConfig, Detector},
     error::CompareError,
     isolate::Isolation,
+    named::completed,
     residuals::Residuals,
     scene::{Ask, Runs, Scene},
     tally::{Alarms, Outcome, Role, Unit},
@@ -48,7 +49,9 @@ impl Scene<'_> {
         };
         step();
         for generator in &config.generators {
+            let generator = completed(config, generator, &runs);
             let train = |bias: &BiasSpec| {
+                let generator = generator.as_ref().map_err(String::clone)?;
                 runs.train(&config.pipeline(generator, bias)).map_err(|error| error.to_string())
             };
             let biases = config.biases.iter();

@@ -259,24 +259,6 @@ impl Benchmark {
         Ok(reduced.sample_zoh(self.ts)?)
     }
 
-    /// The healthy run that the bias is learned from.
-    pub(super) fn training_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let draw = self.draw_training(case)?;
-        self.run(&case.training, &draw, &[])
-    }
-
-    /// A healthy run with a fresh input where the bias was learned.
-    pub(super) fn calibration_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let draw = self.draw_fresh(case)?;
-        self.run(&case.training, &draw, &[])
-    }
-
-    /// A healthy run with a fresh input where the engine is now.
-    pub(super) fn test_run(&self, case: &mut Case) -> Result<Record, EngineStudyError> {
-        let draw = self.draw_fresh(case)?;
-        self.run(&case.moved, &draw, &[])
-    }
-
     /// The training input with noise.
     pub(crate) fn draw_training(&self, case: &mut Case) -> Result<Draw, EngineStudyError> {
         let inputs = self.config.training.inputs(&self.nominal.inputs, self.ts)?;

@@ -13,9 +13,10 @@ use fdiag::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    benchmark::{Benchmark, Case},
+    benchmark::{Benchmark, Case, Draw},
     error::EngineStudyError,
     on_line::OnLine,
+    reality::Reality,
     watch::{Run, Watch},
 };
 
@@ -95,6 +96,13 @@ pub(super) struct Logs {
     pub(super) tests: Vec<Record>,
 }
 
+/// What is random in these runs.
+pub(super) struct Draws {
+    pub(super) training: Draw,
+    pub(super) calibration: Vec<Draw>,
+    pub(super) tests: Vec<Draw>,
+}
+
 /// Residuals of the test runs and what is needed to judge them.
 pub(super) struct Tests {
     pub(super) start: usize,
@@ -160,15 +168,30 @@ impl Benchmark {
 
     /// The runs of a seed.
     pub(super) fn logs(&self, case: &mut Case) -> Result<Logs, EngineStudyError> {
-        let training = self.training_run(case)?;
-        let (mut calibration, mut tests) = (Vec::new(), Vec::new());
-        for _ in 0..self.config().calibration_runs {
-            calibration.push(self.calibration_run(case)?);
-        }
-        for _ in 0..self.config().test_runs {
-            tests.push(self.test_run(case)?);
-        }
-        Ok(Logs { training, calibration, tests })
+        let draws = self.draws(case)?;
+        self.logs_of(case, &draws)
+    }
+
+    /// What is random in the runs of a seed.
+    pub(super) fn draws(&self, case: &mut Case) -> Result<Draws, EngineStudyError> {
+        let training = self.draw_training(case)?;
+        let mut fresh = |count: usize| -> Result<Vec<Draw>, EngineStudyError> {
+            (0..count).map(|_| self.draw_fresh(case)).collect()
+        };
+        let calibration = fresh(self.config().calibration_runs)?;
+        Ok(Draws { training, calibration, tests: fresh(self.config().test_runs)? })
+    }
+
+    /// The runs that were drawn.
+    pub(super) fn logs_of(&self, case: &Case, draws: &Draws) -> Result<Logs, EngineStudyError> {
+        let all = |plant: &Reality, draws: &[Draw]| -> Result<Vec<Record>, EngineStudyError> {
+            draws.iter().map(|draw| self.run(plant, draw, &[])).collect()
+        };
+        Ok(Logs {
+            training: self.run(&case.training, &draws.training, &[])?,
+            calibration: all(&case.training, &draws.calibration)?,
+            tests: all(&case.moved, &draws.tests)?,
+        })
     }
 
     /// Learns from one run and calibrates on others.

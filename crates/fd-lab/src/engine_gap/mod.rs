@@ -9,6 +9,7 @@
 mod reality;
 mod study;
 
+pub(crate) use self::study::engine_as_black_box;
 pub use self::{
     reality::{EngineCause, engine_log},
     study::{Answer, FewRunsOfEngine, diagnose_engine, diagnose_with_few_runs},

@@ -50,9 +50,7 @@ pub fn diagnose_with_few_runs(
     effects: Vec<Box<dyn Effect>>,
     log: &Record,
 ) -> Result<Option<FewRunsOfEngine>, EnginePlantError> {
-    let engine = Box::new(EngineSimulator::new(known)?);
-    let (noise, motion) = (engine_noise(known)?, Vec::new());
-    let black_box = BlackBox::of(ENGINE_KIND, engine, noise, motion, Sight::States)?;
+    let black_box = engine_as_black_box(known, engine_noise(known)?)?;
     let shell = black_box.shell()?;
     let suspects = suspects(&shell, effects, log)?;
     let logs = std::slice::from_ref(log);
@@ -62,6 +60,15 @@ pub fn diagnose_with_few_runs(
         diagnosis,
         runs: black_box.runs(log.len()),
     }))
+}
+
+/// The nonlinear engine as a simulator that steps and shows its states, with the noise of its outputs.
+pub(crate) fn engine_as_black_box(
+    known: &EngineKnowledge,
+    noise: Vec<Option<f64>>,
+) -> Result<BlackBox, EnginePlantError> {
+    let engine = Box::new(EngineSimulator::new(known)?);
+    Ok(BlackBox::of(ENGINE_KIND, engine, noise, Vec::new(), Sight::States)?)
 }
 
 fn suspects<'a>(

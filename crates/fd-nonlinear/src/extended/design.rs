@@ -43,13 +43,25 @@ use crate::noise::NoisyModel;
 #[derive(Clone, Debug)]
 pub struct ExtendedDesign {
     model: NoisyModel,
+    /// Samples over which the slopes are renewed.
+    samples: usize,
 }
 
 impl ExtendedDesign {
     /// The filter of this model and its noises.
     #[must_use]
     pub fn new(model: NoisyModel) -> Self {
-        Self { model }
+        Self { model, samples: 1 }
+    }
+
+    /// The same filter with slopes that are renewed in turns over so many samples, for models that are dear to
+    /// evaluate. With 0 or 1 all are new at every sample, which is the default.
+    ///
+    /// Choose fewer samples than the plant takes to move from one operating point to another.
+    #[must_use]
+    pub fn linearised_over(mut self, samples: usize) -> Self {
+        self.samples = samples.max(1);
+        self
     }
 
     /// The model.
@@ -61,6 +73,6 @@ impl ExtendedDesign {
     /// Moves the filter to run time, at its start.
     #[must_use]
     pub fn freeze(&self) -> ExtendedKalman {
-        ExtendedKalman::new(&self.model)
+        ExtendedKalman::new(&self.model, self.samples)
     }
 }

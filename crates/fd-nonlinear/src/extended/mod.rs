@@ -6,6 +6,9 @@
 //! * **Slopes** are central differences along the columns of the factor `S`, which is all that the update
 //!   needs: `F S` and `H S`, with steps near the cube root of the rounding unit. The relative error is some
 //!   `1e-10`; no Jacobian has to be written.
+//! * **Slopes in turns.** With [`ExtendedDesign::linearised_over`] the slopes `F` are kept, and each sample renews a few
+//!   of their columns, along the states: `1 + 2n/N` evaluations of the model per sample in place of `1 + 2n`, the same
+//!   at each. Only the covariance is that of slopes up to `N` samples old, the estimate is propagated by the model.
 //! * **Assumptions.** Noises white, normal, independent and small: within the spread of the estimate the model
 //!   is nearly linear.
 //! * **Do not use** it where the model bends or breaks within that spread (dead zones, stiction, several
@@ -14,6 +17,7 @@
 //!   as that of every filter does: with little process noise it stays visible for longer.
 
 mod design;
+mod kept;
 mod run;
 mod slopes;
 

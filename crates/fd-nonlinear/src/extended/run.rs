@@ -5,7 +5,10 @@ use fd_core::{
     stage::{ResidualGenerator, Stage},
 };
 
-use super::slopes::{moved, step_along};
+use super::{
+    kept::KeptSlopes,
+    slopes::{moved, step_along},
+};
 use crate::{
     gaussian::{Deviations, Estimate, GaussianFilter},
     model::StateEquations,
@@ -23,10 +26,12 @@ pub struct ExtendedKalman {
     asked: Vec<f64>,
     ends: [Vec<f64>; 2],
     next: Vec<f64>,
+    /// Slopes that are renewed in turns; without them all are new at every sample.
+    kept: Option<KeptSlopes>,
 }
 
 impl ExtendedKalman {
-    pub(super) fn new(model: &NoisyModel) -> Self {
+    pub(super) fn new(model: &NoisyModel, samples: usize) -> Self {
         let (nx, io) = (model.nx(), model.io());
         let longest = nx.max(io.ny);
         Self {
@@ -37,6 +42,7 @@ impl ExtendedKalman {
             asked: vec![0.0; nx],
             ends: [vec![0.0; longest], vec![0.0; longest]],
             next: vec![0.0; nx],
+            kept: (1 < samples).then(|| KeptSlopes::new(nx, samples)),
         }
     }
 
@@ -49,26 +55,37 @@ impl ExtendedKalman {
 
 impl GaussianFilter for ExtendedKalman {
     fn predict(&mut self, u: &[f64]) -> bool {
-        let Self { equations, estimate, deviations, asked, ends, next, .. } = self;
-        let (sample, Some(before)) = estimate.at() else { return true };
+        let Self { equations, estimate, deviations, asked, ends, next, kept, .. } = self;
+        let (sample, Some(before)) = estimate.at() else {
+            // It begins anew, maybe far from where the slopes were taken.
+            kept.iter_mut().for_each(KeptSlopes::forget);
+            return true;
+        };
         let nx = estimate.nx();
         equations.advance(sample - 1, &estimate.x, before, u, next);
-        for column in 0..nx {
-            let step = step_along(&estimate.x, &estimate.s, column);
-            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                if let Some(step) = step {
-                    moved(&estimate.x, &estimate.s, column, sign * step, asked);
-                    equations.advance(sample - 1, asked, before, u, &mut end[..nx]);
+        if let Some(kept) = kept {
+            let at = (&*estimate, [before, u]);
+            kept.along_the_factor(equations, at, (asked, ends), &mut deviations.x);
+        } else {
+            for column in 0..nx {
+                let step = step_along(&estimate.x, &estimate.s, column);
+                for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                    if let Some(step) = step {
+                        moved(&estimate.x, &estimate.s, column, sign * step, asked);
+                        equations.advance(sample - 1, asked, before, u, &mut end[..nx]);
+                    }
                 }
-            }
-            for i in 0..nx {
-                deviations.x[i * nx + column] = slope(ends, i, step);
+                for i in 0..nx {
+                    deviations.x[i * nx + column] = slope(ends, i, step);
+                }
             }
         }
         let is_finite = next.iter().chain(&deviations.x).all(|value| value.is_finite());
         if is_finite {
             estimate.x.copy_from_slice(next);
             estimate.predict(deviations);
+        } else {
+            kept.iter_mut().for_each(KeptSlopes::forget);
         }
         is_finite
     }
@@ -108,10 +125,14 @@ fn slope(ends: &[Vec<f64>; 2], i: usize, step: Option<f64>) -> f64 {
 impl Stage for ExtendedKalman {
     fn reset(&mut self) {
         self.estimate.restart();
+        self.kept.iter_mut().for_each(KeptSlopes::forget);
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
         self.estimate.visit_state(visitor);
+        if let Some(kept) = &mut self.kept {
+            kept.visit_state(visitor);
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 /// Relative size of a step: near the cube root of the rounding unit, where rounding and curvature take
 /// equal parts of the error of a central difference.
-const STEP: f64 = 6e-6;
+pub(super) const STEP: f64 = 6e-6;
 
 /// How far to go along column `column` of the factor `s` at the state `x`: as far as moves the state that is
 /// moved most by [`STEP`] of its size, or of its spread where that is larger. `None` for a column of zeros.

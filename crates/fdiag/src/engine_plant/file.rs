@@ -261,7 +261,8 @@ impl EngineFile {
     }
 
     /// Standard deviations of the noise of what is measured, where the file states them.
-    pub(crate) fn noise_of_outputs(&self) -> Vec<Option<f64>> {
+    #[must_use]
+    pub fn noise_of_outputs(&self) -> Vec<Option<f64>> {
         self.outputs.iter().map(|name| self.noise.get(name).copied()).collect()
     }
 
@@ -290,7 +291,12 @@ impl EngineFile {
         Ok(Shell::new(ENGINE_KIND, Box::new(EngineSimulator::new(known)?))?)
     }
 
-    pub(crate) fn known(&self, ts: SampleTime) -> Result<EngineKnowledge, EnginePlantError> {
+    /// What the file says of the engine, for samples so far apart unless it says how far.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the sample time cannot be.
+    pub fn known(&self, ts: SampleTime) -> Result<EngineKnowledge, EnginePlantError> {
         let all = all_outputs();
         let place = |name: &String| all.iter().position(|known| known == name);
         let ts = self.sample_time.map_or(Ok(ts), SampleTime::new)?;

@@ -166,6 +166,9 @@ pub enum GeneratorSpec {
         /// Standard deviation of each state at the start; without it that of the model file.
         #[serde(default)]
         initial: Option<DeviationSpec>,
+        /// Samples over which the slopes of the model are renewed in turns; 0 or 1 means all at every sample.
+        #[serde(default)]
+        linearised_over: u32,
     },
     /// The unscented Kalman filter of a nonlinear model.
     Unscented {
@@ -374,12 +377,9 @@ impl GeneratorSpec {
         if let Self::Patched { model, track, suspicion, memory_s, settle_s, observer_rate } = self {
             let (suspicion, memory_s, settle_s) = (*suspicion, *memory_s, *settle_s);
             let spec = PatchedSpec { model, track, suspicion, memory_s, settle_s };
-            return Some(match observer_rate {
-                Some(rate) => spec.observed(plant, healthy, *rate).map(|d| Box::new(d) as _),
-                None => spec.design(plant, healthy).map(|design| Box::new(design) as _),
-            });
+            return Some(spec.watched(plant, healthy, *observer_rate));
         }
-        let (Self::Extended { model, process_noise, output_noise, initial }
+        let (Self::Extended { model, process_noise, output_noise, initial, .. }
         | Self::Unscented { model, process_noise, output_noise, initial, .. }
         | Self::Particle { model, process_noise, output_noise, initial, .. }) = self
         else {
@@ -392,7 +392,8 @@ impl GeneratorSpec {
             Self::Particle { particles, seed, .. } => {
                 filter.particle(plant, healthy, (*particles, *seed))
             }
-            _ => filter.extended(plant, healthy),
+            Self::Extended { linearised_over: n, .. } => filter.extended(plant, healthy, *n),
+            _ => return None,
         };
         Some(design.map(|design| Box::new(design) as Box<dyn GeneratorDesign>))
     }

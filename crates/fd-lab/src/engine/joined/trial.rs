@@ -7,6 +7,7 @@ use fdiag::spec::{DeviationSpec, GeneratorSpec, ModelSource, PipelineSpec};
 
 use super::{
     diagnose::{engine_text, name},
+    exact::as_if_linear,
     scenario::{JoinedScenario, SCATTER},
 };
 use crate::engine::{Benchmark, EngineChoice, EngineStudyError, trial::Logs};
@@ -15,6 +16,9 @@ use crate::engine::{Benchmark, EngineChoice, EngineStudyError, trial::Logs};
 const DIAGNOSED_S: f64 = 20.0;
 /// Noise that drives each state of a filter, relative, per root of a second.
 const PROCESS_NOISE: f64 = 1e-3;
+
+/// Samples over which the extended filter renews its slopes: half a second.
+const LINEARISED_OVER: u32 = 10;
 
 /// Rate of the observers in 1/s, that of the benchmark.
 const OBSERVER_RATE: f64 = 2.0;
@@ -38,11 +42,14 @@ pub enum Residual {
     ObservedNominal,
     /// What the patched simulation leaves, seen by the linear observer.
     ObservedPatched,
+    /// What the engine itself would leave as a model, seen by the linear observer: the noise of the sensors, and no
+    /// model could leave less.
+    ObservedExact,
 }
 
 impl Residual {
     /// All of them, the opponent first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Linear,
         Self::Kalman,
         Self::Extended,
@@ -51,17 +58,18 @@ impl Residual {
         Self::Patched,
         Self::ObservedNominal,
         Self::ObservedPatched,
+        Self::ObservedExact,
     ];
 
-    /// Those that run the engine once per sample, not once per slope or sigma point of its 17 states: a filter takes
-    /// minutes per engine.
-    pub const QUICK: [Self; 6] = [
+    /// Those that run the engine once per sample at most, and not once per slope or sigma point.
+    pub const QUICK: [Self; 7] = [
         Self::Linear,
         Self::Kalman,
         Self::Nominal,
         Self::Patched,
         Self::ObservedNominal,
         Self::ObservedPatched,
+        Self::ObservedExact,
     ];
 
     /// Its name in tables.
@@ -76,6 +84,7 @@ impl Residual {
             Self::Patched => "patched simulation",
             Self::ObservedNominal => "nonlinear simulation, observed",
             Self::ObservedPatched => "patched simulation, observed",
+            Self::ObservedExact => "the engine itself, observed",
         }
     }
 }
@@ -98,6 +107,8 @@ pub struct JoinedTrial {
     pub named: String,
     /// Time in s that the diagnosis took.
     pub diagnosis_s: f64,
+    /// Runs of the engine through the log that it made; NaN where it failed.
+    pub diagnosis_runs: f64,
     /// One per residual of [`Residual::ALL`]; or why it could not watch, or was not asked.
     pub residuals: Vec<Result<Smallest, String>>,
 }
@@ -116,7 +127,8 @@ impl JoinedScenario {
         {
             (case.training, case.moved) = (learned, moved);
         }
-        let logs = benchmark.logs(&mut case)?;
+        let draws = benchmark.draws(&mut case)?;
+        let logs = benchmark.logs_of(&case, &draws)?;
         let scaling = case.plant().scaling();
         let EngineChoice::Engine17Nonlinear { fuel_kg_s, .. } = self.config.plant.engine else {
             return Err(EngineStudyError::None { setting: "nonlinear engine" });
@@ -139,11 +151,18 @@ impl JoinedScenario {
                 }
                 let generator = generator(residual, &text, &named, noise)?;
                 let spec = PipelineSpec { generator, ..self.config.pipeline.clone() };
-                watched(&benchmark, &case, &logs, &spec).map_err(|error| error.to_string())
+                let watched = |logs: &Logs| watched(&benchmark, &case, logs, &spec);
+                let found = if residual == Residual::ObservedExact {
+                    as_if_linear(&benchmark, &case, &draws, &logs).and_then(|logs| watched(&logs))
+                } else {
+                    watched(&logs)
+                };
+                found.map_err(|error| error.to_string())
             })
             .collect();
+        let diagnosis_runs = named.as_ref().map_or(f64::NAN, |named| named.runs);
         let named = named.map_or_else(|error| format!("failed: {error}"), |named| named.words);
-        Ok(JoinedTrial { seed, named, diagnosis_s, residuals })
+        Ok(JoinedTrial { seed, named, diagnosis_s, diagnosis_runs, residuals })
     }
 }
 
@@ -166,15 +185,21 @@ fn generator(
         observer_rate: is_observed.then_some(OBSERVER_RATE),
     };
     Ok(match residual {
-        Residual::Linear => GeneratorSpec::Observer { rate: OBSERVER_RATE },
+        Residual::Linear | Residual::ObservedExact => {
+            GeneratorSpec::Observer { rate: OBSERVER_RATE }
+        }
         Residual::Kalman => {
             // The same noises: a sample of 0.05 s takes this part of a second's variance.
             let process_noise = PROCESS_NOISE.powi(2) * 0.05;
             GeneratorSpec::Kalman { process_noise, output_noise: noise * noise }
         }
-        Residual::Extended => {
-            GeneratorSpec::Extended { model, process_noise, output_noise: None, initial: None }
-        }
+        Residual::Extended => GeneratorSpec::Extended {
+            model,
+            process_noise,
+            output_noise: None,
+            initial: None,
+            linearised_over: LINEARISED_OVER,
+        },
         Residual::Unscented => GeneratorSpec::Unscented {
             model,
             process_noise,

@@ -41,6 +41,7 @@ pub(in crate::spec) const EVERY: [&str; 29] = [
     r#"kind = "adaptive", parameters = { kind = "state-rates" }, process_noise = 0.1, output_noise = 1e-4"#,
     r#"kind = "fault-estimate", faults = [{ actuator = 1 }, { sensor = 2 }], process_noise = 1e-4, output_noise = 1e-2, drift = 1e-4"#,
     nonlinear!("extended", "process_noise = { a = 0.01, b = 0.01 }"),
+    nonlinear!("extended", "process_noise = { a = 0.01, b = 0.01 }, linearised_over = 2"),
     nonlinear!("unscented", "process_noise = { a = 0.01, b = 0.01 }, kappa = 0.5"),
     nonlinear!("particle", "process_noise = { a = 0.05, b = 0.05 }, particles = 40, seed = 3"),
     nonlinear!("patched", "suspicion = 2.0"),

@@ -46,9 +46,11 @@ impl FilterSpec<'_> {
         &self,
         plant: &NominalPlant<'_>,
         healthy: &[Record],
+        linearised_over: u32,
     ) -> Result<FilterDesign, GeneratorSpecError> {
         let (model, linear) = self.model(plant, healthy)?;
-        Ok(FilterDesign { filter: Filter::Extended(ExtendedDesign::new(model)), linear })
+        let design = ExtendedDesign::new(model).linearised_over(linearised_over as usize);
+        Ok(FilterDesign { filter: Filter::Extended(design), linear })
     }
 
     /// The unscented Kalman filter.

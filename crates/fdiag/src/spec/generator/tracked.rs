@@ -34,9 +34,22 @@ pub(super) struct SimulatedDesign {
 }
 
 impl PatchedSpec<'_> {
+    /// The simulation, behind it the observer with a rate if there is one.
+    pub(super) fn watched(
+        &self,
+        plant: &NominalPlant<'_>,
+        healthy: &[Record],
+        rate: Option<f64>,
+    ) -> Result<Box<dyn GeneratorDesign>, GeneratorSpecError> {
+        Ok(match rate {
+            Some(rate) => Box::new(self.observed(plant, healthy, rate)?),
+            None => Box::new(self.design(plant, healthy)?),
+        })
+    }
+
     /// The simulation, and behind it the observer of the linear model as it sees outputs: `H_y` of its form. Where the
     /// simulation is the linear model, that is the observer itself, as `H_u = −H_y G` for every observer.
-    pub(super) fn observed(
+    fn observed(
         &self,
         plant: &NominalPlant<'_>,
         healthy: &[Record],
@@ -48,7 +61,7 @@ impl PatchedSpec<'_> {
     }
 
     /// The simulation, its parameters tracked as far as the healthy logs allow.
-    pub(super) fn design(
+    fn design(
         &self,
         plant: &NominalPlant<'_>,
         healthy: &[Record],
