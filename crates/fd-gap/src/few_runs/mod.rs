@@ -32,8 +32,6 @@ use crate::{
 
 /// Share of a disturbance that a stand-in has to foretell before it may propose.
 const FORETOLD: f64 = 0.5;
-/// Share of the best score from which a limit is fitted.
-const LEAST_PROMISE: f64 = 0.1;
 
 /// How much is confirmed on the simulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,7 +160,7 @@ fn limits(
          nothing, are tried on the simulator itself.",
     );
     let causes = settings.causes.map(|causes| causes + suspects.limits());
-    let settings = Settings { causes, least_promise: LEAST_PROMISE, ..settings.clone() };
+    let settings = Settings { causes, ..settings.clone() };
     let case = Case { nominal: shell, suspects: &suspects, ..*case };
     Ok(Some(diagnose(&case, &settings, monitor)?))
 }

@@ -121,16 +121,14 @@ impl Suspects for Proposals<'_> {
         let each = offers.filter_map(|offer| match offer {
             // A distribution costs no run.
             Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
+            // Where a stand-in has left a limit says nothing.
+            Ok(candidate) if 0 < self.limits && is_limit(&candidate) => Some(Ok(candidate)),
             Ok(candidate) => {
                 let proposal = self.singles.iter().enumerate().find(|(place, proposal)| {
                     proposal.is_of_law(&candidate)
                         || *place < ALL_LAWS && proposal.is_of(&candidate)
                 });
-                let proposal = proposal.map(|(_, proposal)| proposal);
-                match proposal {
-                    Some(proposal) => Some(Ok(proposal.started(candidate))),
-                    None => (0 < self.limits && is_limit(&candidate)).then_some(Ok(candidate)),
-                }
+                proposal.map(|(_, proposal)| Ok(proposal.started(candidate)))
             }
             Err(refused) => Some(Err(refused)),
         });
