@@ -40,8 +40,8 @@ pub struct Effort {
     pub causes: usize,
     /// Most pairs of causes.
     pub pairs: usize,
-    /// Whether limits are tried on the simulator itself where nothing that was proposed is the cause: some hundred
-    /// runs per input and port.
+    /// Whether limits are tried on the simulator itself where nothing that was proposed is the cause: some
+    /// thousand runs per input and port.
     pub limits: bool,
 }
 

@@ -121,14 +121,17 @@ impl Suspects for Proposals<'_> {
         let each = offers.filter_map(|offer| match offer {
             // A distribution costs no run.
             Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
-            // Where a stand-in has left a limit says nothing.
             Ok(candidate) if 0 < self.limits && is_limit(&candidate) => Some(Ok(candidate)),
             Ok(candidate) => {
                 let proposal = self.singles.iter().enumerate().find(|(place, proposal)| {
                     proposal.is_of_law(&candidate)
                         || *place < ALL_LAWS && proposal.is_of(&candidate)
                 });
-                proposal.map(|(_, proposal)| Ok(proposal.started(candidate)))
+                // Beside what starts where it was found, a limit that starts anywhere promises nothing.
+                let is_plain = 0 < self.limits;
+                proposal.map(|(_, proposal)| {
+                    Ok(if is_plain { candidate } else { proposal.started(candidate) })
+                })
             }
             Err(refused) => Some(Err(refused)),
         });

@@ -17,7 +17,7 @@ const SAMPLES: usize = 600;
 const FEW: f64 = 600.0;
 
 /// The same where limits are tried on the simulator.
-const SOME: f64 = 3000.0;
+const SOME: f64 = 5000.0;
 
 fn run(pendulum: Pendulum, cause: Cause, effort: Effort) -> (Diagnosis, f64) {
     run_on(pendulum, cause, log(cause, SAMPLES, 11), effort)
