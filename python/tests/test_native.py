@@ -102,7 +102,7 @@ def test_a_limit_may_be_called_as_it_likes() -> None:
     limit = fdiag.Uncertain(0.8, 0.0, "1/N")
     real = fdiag.Steps(Motor, parameters={"m": 1.0, "motor/force.limit": limit}, **settings)
     only = ["force-limit", "input-gain", "viscous-friction"]
-    result = fdiag.gap(Motor(), log_of(real, {}, 9), only=only, most=1)
+    result = fdiag.gap(Motor(), log_of(real, {}, 9), only=only, most=1, thorough=True)
     assert (result.verdict, result.causes[0].name) == ("cause", "force-limit@motor"), result.headline
     assert "1.25" in result.headline and not result.to_dict()["diagnosis"]["not_tested"]
 
