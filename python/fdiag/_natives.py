@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
@@ -22,7 +21,8 @@ _JOINT = (
     ("linear-stiffness", "stiffness", 10.0),
     ("armature", "armature", 0.1),
 )
-_AT_JOINTS = (*(label for label, _, _ in _JOINT), "constant-load", "range-reserve", "force-limit", "force-reserve")
+_OF_LIMITS = ("constant-load", "range-reserve", "end-stop", "force-limit", "force-reserve")
+_AT_JOINTS = (*(label for label, _, _ in _JOINT), *_OF_LIMITS)
 #: Families of labels that are not in the library.
 _FAMILIES = {
     "armature": "inertia",
@@ -54,16 +54,16 @@ Native = tuple[Part, dict[str, Any]]
 
 def effects(
     model: Any,
-    joints: Mapping[str, int],
+    joints: Mapping[str, tuple[int, float]],
     called: Mapping[str, str],
     inputs: Collection[str],
     outputs: Mapping[str, str],
     known: Collection[tuple[str, str, str]],
     wanted: str | Iterable[str] | None,
 ) -> list[Native]:
-    """The effects that are wanted, with what there is to say of each. `joints` are degrees of freedom by name,
-    `called` what joints are called in answers, `outputs` sensors by the names of outputs, and `known` fields that are
-    parameters already."""
+    """The effects that are wanted, with what there is to say of each. `joints` are degrees of freedom and positions at
+    the start by name, `called` what joints are called in answers, `outputs` sensors by the names of outputs, and `known`
+    fields that are parameters already."""
     if wanted is None:
         return []
     found = [
@@ -113,8 +113,8 @@ def _entry(label: str, place: str, name: str, **said: Any) -> dict[str, Any]:
     return {"name": name, "label": label, "place": place, **({"family": family} if family else {}), **said}
 
 
-def _of_joints(model: Any, joints: Mapping[str, int], called: Mapping[str, str]) -> Iterable[Native]:
-    for joint, dof in joints.items():
+def _of_joints(model: Any, joints: Mapping[str, tuple[int, float]], called: Mapping[str, str]) -> Iterable[Native]:
+    for joint, (dof, start) in joints.items():
         inertia, place = float(model.dof_M0[dof]), called[joint]
         for label, field, share in _JOINT:
             # The first is the linear part, where this version of MuJoCo has polynomials.
@@ -129,6 +129,10 @@ def _of_joints(model: Any, joints: Mapping[str, int], called: Mapping[str, str])
             said = {"value": 0.0, "size": size, "bounds": [-_RANGE[1] * size, _RANGE[1] * size], "unit": force}
             yield Preload(joint, unit), _entry("constant-load", place, f"joint/{joint}.preload", **said)
         yield from _reserve("range-reserve", place, Reserve("joint", joint, "range", "limited", unit), model)
+        # As far to either side of where runs begin: one of one side is the same where the other is not reached.
+        said = {"value": 0.0, "size": 1.0, "bounds": [0.0, _RANGE[1]], "unit": f"1/{unit}", "reciprocal": True}
+        stop = Limit("joint", joint, "range", "limited", unit, start)
+        yield stop, _entry("end-stop", place, f"joint/{joint}.stop", **said)
         if _is_on(model, "joint", joint, "actfrclimited"):
             limit = ("joint", joint, "actfrcrange", "actfrclimited", force)
             yield from _limit(place, Limit(*limit), model)
@@ -169,10 +173,9 @@ def _limit(place: str, limit: Limit, model: Any) -> Iterable[Native]:
     reach = min(-limit.ends(model)[0], limit.ends(model)[1])
     if 0.0 < reach < np.inf:
         size = _NEARER / reach
-        name = re.sub(r"\W", "_", f"{limit.kind}_{limit.name}_limit", flags=re.A)
         unit = f"1/({limit.unit})" if " " in limit.unit else f"1/{limit.unit}"
         said = {"value": 0.0, "size": size, "bounds": [0.0, _RANGE[1] * size], "unit": unit, "reciprocal": True}
-        yield limit, _entry("force-limit", place, name, **said)
+        yield limit, _entry("force-limit", place, f"{limit.kind}/{limit.name}.limit", **said)
 
 
 def _reserve(label: str, place: str, reserve: Reserve, model: Any) -> Iterable[Native]:
@@ -335,4 +338,6 @@ def _collide(model: Any, i: int, j: int) -> bool:
 def _relative(label: str, place: str, path: Path, value: float) -> Native:
     bounds = [end * value for end in _RANGE]
     said = {"value": value, "size": _SHARE * value, "bounds": bounds, "unit": path.unit}
-    return path, _entry(label, place, f"{path.kind}/{place}.{path.field}", **said)
+    # A field may hold several of them.
+    field = label if path.index else path.field
+    return path, _entry(label, place, f"{path.kind}/{place}.{field}", **said)

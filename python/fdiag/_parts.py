@@ -234,11 +234,13 @@ class Ranged:
 
 @dataclass(frozen=True)
 class Limit(Ranged):
-    """A limit of both signs that is nearer than the range says; the value is its inverse."""
+    """A limit at both sides of a middle that is nearer than the range says; the value is its inverse."""
+
+    middle: float = 0.0
 
     def moved(self, ends: tuple[float, float], value: float) -> tuple[float, float]:
         """The nearer ends."""
-        return max(ends[0], -1.0 / value), min(ends[1], 1.0 / value)
+        return max(ends[0], self.middle - 1.0 / value), min(ends[1], self.middle + 1.0 / value)
 
 
 @dataclass(frozen=True)

@@ -18,18 +18,32 @@ from .simulators import Simulator, as_simulator
 __all__ = ["Spread", "started"]
 
 Array = npt.NDArray[np.float64]
-#: So often an actor is started again that dies before it has a simulator.
+#: So often Ray is started, and an actor that dies before it has a simulator.
 _STARTS = 3
 
 
-def started(log_to_driver: bool = False) -> Any:
-    """The package `ray`, started on this machine unless somebody has started it or has named a cluster."""
+def started(**settings: Any) -> Any:
+    """The package `ray`, started on this machine (by `ray.init` with these settings) unless somebody has started it or has
+    named a cluster."""
     try:
         ray: Any = importlib.import_module("ray")
     except ImportError as error:
         raise Error("ray: expected the package to be installed: pip install ray") from error
-    if not ray.is_initialized():
-        ray.init(include_dashboard=False, log_to_driver=log_to_driver)
+    for start in range(_STARTS):
+        if ray.is_initialized():
+            break
+        try:
+            ray.init(**{"include_dashboard": False, "log_to_driver": False, **settings})
+        except Exception as error:
+            ray.shutdown()
+            # Ray has no class for that. Its node gives up where the processes beside it are not there after 15 s.
+            if type(error) is not Exception:
+                raise
+            if start + 1 == _STARTS:
+                raise Error(
+                    f"ray: expected it to start on this machine, found {_STARTS} times: {error} Is the machine busy? "
+                    "A cluster that runs already can be named by RAY_ADDRESS."
+                ) from error
     return ray
 
 

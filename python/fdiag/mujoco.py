@@ -113,7 +113,8 @@ class MuJoCo(Simulator):
         ]
         states = _states(model, joints, initial or {}, keyframe)
         uncertain_fields = {(path.kind, path.name, path.field) for path in paths}
-        of_joints = {name: joint.velocity for name, joint in joints.items()}
+        positions = [state["initial"] for state in states[::2]]
+        of_joints = {name: (joint.velocity, at) for (name, joint), at in zip(joints.items(), positions)}
         of_sensors = {entry["name"]: place.sensor for entry, place in zip(said_outputs, places) if place.sensor}
         natives = _effects(
             model,

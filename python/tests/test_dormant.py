@@ -93,6 +93,7 @@ EDITS = (
     Edit(WEAK, '"-2 2"', '"-1.25 1.25"', "force-limit@pivot", 0.8),
     Edit(WEAK, '"-2 2"', '"-2.6 2.6"', "force-reserve@pivot", 0.3),
     Edit(STOPPED, '"-25 25"', '"-30 30"', "range-reserve@pivot", 0.2),
+    Edit(FREE, 'springref="0"', 'springref="0" range="-12 12"', "end-stop@pivot", 1.0 / np.radians(12.0)),
     Edit(CLIPPED, 'cutoff=".3"', 'cutoff=".36"', "sensor-reserve@angle", 1.2),
     Edit(LATE, 'delay=".06"', 'delay=".03"', "input-delay@u", 0.03),
     Edit(LATE, 'delay=".06"', 'delay=".085" interp="linear"', "input-delay@u", 0.085),
@@ -176,3 +177,14 @@ def test_an_edit_of_the_scene_is_named(edit: Edit) -> None:
     # Of two bodies that touch each other, none can be told to be the soft one.
     named = [cause for cause in result.causes if cause.is_tied] if result.verdict == "tied" else result.causes[:1]
     assert edit.cause in [cause.name for cause in named], result.headline
+
+
+def test_a_nearer_range_of_commands_is_named() -> None:
+    """In a scene that cuts commands off itself, which a linearisation does not see beyond."""
+    u, reality = commands(300, 2), FREE.replace('"-1 1"', '"-.6 .6"')
+    y = run(mujoco.MjModel.from_xml_string(reality), u)
+    y = y + np.random.default_rng(3).standard_normal((300, 2)) * list(NOISE.values())
+    log = {"time": 0.01 * np.arange(300), "u": u, "angle": y[:, 0], "rate": y[:, 1]}
+    result = fdiag.gap(scene(FREE), log, exclude=["map"], most=1)
+    assert (result.verdict, result.causes[0].name) == ("cause", "input-saturation@u"), result.headline
+    assert abs(1.0 / result.causes[0].parameters[0].value - 0.6) < 0.01

@@ -79,6 +79,34 @@ def test_a_place_that_is_no_port_is_a_part() -> None:
     assert [cause.name for cause in asked.causes] == ["oil-drag@gap"]
 
 
+class Motor(Slider):
+    """The same, whose motor may give no more than the inverse of a parameter."""
+
+    native_effects = {
+        "motor/force.limit": fdiag.Native(
+            "force-limit", "motor", size=0.5, unit="1/N", bounds=(0.0, 50.0), family="limit", reciprocal=True
+        )
+    }
+
+    def reset(self, parameters: dict[str, float], x0: dict[str, float]) -> None:
+        self.most = 1.0 / max(parameters["motor/force.limit"], 1e-9)
+        super().reset({"m": parameters["m"], "dry": 0.0, "oil": 0.5}, x0)
+
+    def step(self, u: np.ndarray, f: np.ndarray) -> float:
+        return super().step(np.clip(u, -self.most, self.most), f)
+
+
+def test_a_limit_may_be_called_as_it_likes() -> None:
+    keys = ("sample_time", "inputs", "outputs", "ports")
+    settings = {key: getattr(Motor, key) for key in keys}
+    limit = fdiag.Uncertain(0.8, 0.0, "1/N")
+    real = fdiag.Steps(Motor, parameters={"m": 1.0, "motor/force.limit": limit}, **settings)
+    only = ["force-limit", "input-gain", "viscous-friction"]
+    result = fdiag.gap(Motor(), log_of(real, {}, 9), only=only, most=1, thorough=True)
+    assert (result.verdict, result.causes[0].name) == ("cause", "force-limit@motor"), result.headline
+    assert "1.25" in result.headline and not result.to_dict()["diagnosis"]["not_tested"]
+
+
 @pytest.mark.parametrize(
     ("native", "message"),
     [
@@ -113,6 +141,15 @@ PENDULUM = """
   </worldbody>
   <actuator><motor name="torque" joint="pivot" ctrlrange="-3 3"/></actuator>
   <sensor><jointpos name="angle" joint="pivot"/><jointvel name="rate" joint="pivot"/></sensor>
+</mujoco>
+"""
+LEG = """
+<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body name="leg" pos="0 0 .1"><joint name="height" type="slide" axis="0 0 1"/><geom name="foot" size=".1" mass="1"/></body>
+  </worldbody>
+  <sensor><jointpos name="height" joint="height"/></sensor>
 </mujoco>
 """
 OUTPUTS = {"angle": fdiag.Output("rad", 0.002), "rate": fdiag.Output("rad/s", 0.01)}
@@ -199,6 +236,13 @@ def test_what_is_tried_can_be_chosen() -> None:
     assert "joint_pivot" not in scene(native=None).text()
     with pytest.raises(fdiag.InputError, match="native: the scene has no effect `armatur`, did you mean `armature`"):
         scene(native="armatur")
+
+
+def test_a_geom_has_three_frictions() -> None:
+    text = LEG.replace('size=".1" mass="1"', 'size=".1" mass="1" condim="6"')
+    asked = scene(text, outputs={"height": fdiag.Output("m", 0.001)}, uncertain={}).text()
+    for label in ("friction", "contact_torsion", "contact_rolling"):
+        assert f"geom_foot_{label}_inside" in asked, asked
 
 
 def test_only_a_scene_of_a_file_or_text_is_written(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import fdiag
 import fdiag.ray
 import spreads
 from conftest import FEW, QUICK, Cart
-from fdiag import jobs
+from fdiag import _spread, jobs
 
 ray = pytest.importorskip("ray", reason="ray is not installed")
 
@@ -25,7 +25,7 @@ ray = pytest.importorskip("ray", reason="ray is not installed")
 def cluster() -> Iterator[None]:
     """Two workers on this machine."""
     here = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": here}})
+    _spread.started(num_cpus=2, runtime_env={"env_vars": {"PYTHONPATH": here}})
     yield
     ray.shutdown()
 

@@ -3,6 +3,7 @@ without Ray. test_ray.py asks the same of actors in processes of their own."""
 
 from __future__ import annotations
 
+import sys
 import types
 from collections.abc import Callable
 from typing import Any
@@ -14,6 +15,7 @@ from conftest import Cart
 
 import fdiag
 import fdiag.ray
+from fdiag import _spread
 
 
 class Lost(Exception):
@@ -74,3 +76,40 @@ def test_an_object_that_says_what_it_is(made: list[Actor]) -> None:
     spread = fdiag.ray.Spread(Cart, actors=3)
     assert np.array_equal(spread.simulate(u), fdiag.simulators.as_simulator(Cart()).simulate(u))
     assert len(made) == 1
+
+
+class Node:
+    """The package `ray`, whose node gives up so many times before it starts."""
+
+    def __init__(self, failures: int, error: Exception):
+        self.failures, self.error = failures, error
+        self.settings: list[dict[str, Any]] = []
+
+    def is_initialized(self) -> bool:
+        return len(self.settings) > self.failures
+
+    def init(self, **settings: Any) -> None:
+        self.settings.append(settings)
+        if len(self.settings) <= self.failures:
+            raise self.error
+
+    def shutdown(self) -> None:
+        pass
+
+
+def test_a_node_that_gives_up_is_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = Exception("The current node timed out during startup.")
+    node = Node(2, late)
+    monkeypatch.setitem(sys.modules, "ray", node)
+    assert _spread.started(num_cpus=2) is node
+    assert node.settings == [{"include_dashboard": False, "log_to_driver": False, "num_cpus": 2}] * 3
+    # One that runs is not started again.
+    assert _spread.started() is node and len(node.settings) == 3
+    monkeypatch.setitem(sys.modules, "ray", Node(3, late))
+    with pytest.raises(fdiag.Error, match="found 3 times: The current node timed out .* RAY_ADDRESS"):
+        _spread.started()
+    wrong = Node(1, ConnectionError("no cluster"))
+    monkeypatch.setitem(sys.modules, "ray", wrong)
+    with pytest.raises(ConnectionError):
+        _spread.started()
+    assert len(wrong.settings) == 1

@@ -166,8 +166,9 @@ impl Effect for Native {
             }
             None if *is_reciprocal => {
                 let bounds = [low.max(0.0) / size, high / size];
-                let name = parameter.name.as_str();
-                sketch.limit("c", name, &parameter.unit, *size, bounds).starts(LIMITS.map(|s| [s]))
+                // Not as the simulator calls it, which need be no name of an expression.
+                let sketch = sketch.limit("c", "limit", &parameter.unit, *size, bounds);
+                sketch.starts(LIMITS.map(|s| [s]))
             }
             None => {
                 let bounds = [low / size, high / size];

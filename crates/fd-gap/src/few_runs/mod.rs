@@ -5,6 +5,9 @@
 //! each starting from the values found. A step of a fit then costs one run, since the slopes are those of the
 //! stand-in. The answer comes from the second diagnosis; the first only proposes.
 //!
+//! A limit that is not reached by the nominal simulator, or behind one that is, has no slope: no linear model proposes
+//! it. Where the answer is "none of these", limits are therefore tried on the simulator itself.
+//!
 //! *When not to use:* for equations, where [`diagnose()`](crate::diagnose::diagnose()) takes a second. Where
 //! the stand-in predicts little ([`FewRuns::explains`]), its proposals are worth little as well, and the first
 //! diagnosis has to be made on the simulator.
@@ -21,7 +24,8 @@ use fd_sim::{
 use self::{proposals::Proposals, refit::Refit};
 use crate::{
     diagnose::{
-        Beginning, Case, Diagnosis, Explanation, Monitor, Settings, Stage, Told, diagnose, told,
+        Beginning, Case, Diagnosis, Explanation, Monitor, Settings, Stage, Told, Verdict, diagnose,
+        told,
     },
     fit::{FitError, Log},
 };
@@ -36,11 +40,14 @@ pub struct Effort {
     pub causes: usize,
     /// Most pairs of causes.
     pub pairs: usize,
+    /// Whether limits are tried on the simulator itself where nothing that was proposed is the cause: some
+    /// thousand runs per input and port.
+    pub limits: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { causes: 8, pairs: 3 }
+        Self { causes: 8, pairs: 3, limits: true }
     }
 }
 
@@ -55,6 +62,8 @@ pub struct FewRuns {
     pub explains: f64,
     /// Runs of all logs that the stand-in was made of.
     pub runs: usize,
+    /// Whether limits were tried on the simulator itself.
+    pub limits: bool,
     /// The simulator in its shell, with the slopes of the stand-in: for whatever is asked of these logs next.
     pub lent: Shell,
 }
@@ -122,8 +131,43 @@ pub fn with_few_runs(
     // To see the simulator with both beginnings would take twice the runs.
     let settings = Settings { beginning, ..settings };
     let diagnosis = diagnose(&confirming, &settings, monitor)?;
-    let explains = stand_in.explains();
-    Ok(Some(FewRuns { diagnosis, proposed, explains, runs, lent }))
+    let mut few =
+        FewRuns { diagnosis, proposed, explains: stand_in.explains(), runs, limits: false, lent };
+    if effort.limits
+        && few.diagnosis.verdict == Verdict::NoneOfThese
+        && let Some(found) = limits(shell, case, proposals, &settings, monitor)?
+    {
+        few.limits = true;
+        if evidence(&few.diagnosis) < evidence(&found) {
+            (few.diagnosis, few.lent) = (found, shell.clone());
+        }
+    }
+    Ok(Some(few))
+}
+
+/// Diagnoses with limits beside what was proposed. Their slopes are those of the simulator itself, of which this takes
+/// many more runs. `None` where there are no limits.
+fn limits(
+    shell: &Shell,
+    case: &Case<'_>,
+    proposals: Proposals<'_>,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Option<Diagnosis>, FitError> {
+    let Some(suspects) = proposals.with_limits() else { return Ok(None) };
+    monitor.plan(
+        "None of the causes that the linearised simulator proposes explains the logs. Limits, of which that knows \
+         nothing, are tried on the simulator itself.",
+    );
+    let causes = settings.causes.map(|causes| causes + suspects.limits());
+    let settings = Settings { causes, ..settings.clone() };
+    let case = Case { nominal: shell, suspects: &suspects, ..*case };
+    Ok(Some(diagnose(&case, &settings, monitor)?))
+}
+
+/// Evidence of the best single cause.
+fn evidence(diagnosis: &Diagnosis) -> f64 {
+    diagnosis.causes.first().map_or(f64::NEG_INFINITY, |first| first.log_evidence)
 }
 
 /// The simulator, linearised along the logs of a case, in the run of a refit.

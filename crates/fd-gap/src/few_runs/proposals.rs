@@ -1,6 +1,8 @@
 //! The causes and pairs that a stand-in proposes.
 
-use fd_effect::{Candidate, EffectParameter, Kind, Offers, SiteRef, Suspects};
+use std::collections::HashSet;
+
+use fd_effect::{Candidate, EffectParameter, Kind, Offers, Side, SiteRef, Suspects};
 use fd_sim::model::Model;
 
 use super::Effort;
@@ -14,6 +16,12 @@ const AS_MANY: usize = 2;
 /// Best causes of which all laws are tried: one may be right where another only comes near.
 const ALL_LAWS: usize = 3;
 
+/// Whether a candidate is a limit of what moves the plant, or of its motion.
+fn is_limit(candidate: &Candidate) -> bool {
+    candidate.side != Side::Output
+        && candidate.parameters.iter().any(|p| p.is_strength && p.is_reciprocal)
+}
+
 /// The best causes and pairs of a diagnosis, each with its best law and the values that were found; the first few
 /// with their other laws as well.
 #[derive(Debug)]
@@ -21,6 +29,8 @@ pub(super) struct Proposals<'a> {
     suspects: &'a dyn Suspects,
     singles: Vec<Proposal>,
     pairs: Vec<[Proposal; 2]>,
+    /// Causes that are limits and tried as they are.
+    limits: usize,
 }
 
 /// A law of a cause, with the model in which its parameters have the values that were found.
@@ -87,7 +97,21 @@ impl<'a> Proposals<'a> {
                 || is_half(cause)
         });
         let singles = chosen.map(|(_, cause)| Proposal::of(cause)).collect();
-        Self { suspects, singles, pairs }
+        Self { suspects, singles, pairs, limits: 0 }
+    }
+
+    /// The same and all limits before the plant or in it, from their own starts; `None` where there are none. What is
+    /// behind the plant is no matter of its slopes.
+    pub(super) fn with_limits(self) -> Option<Self> {
+        let offers = self.suspects.alone();
+        let all = offers.iter().flatten().filter(|candidate| is_limit(candidate));
+        let limits = all.map(Candidate::identity).collect::<HashSet<_>>().len();
+        (0 < limits).then(|| Self { limits, ..self })
+    }
+
+    /// How many causes are limits that are tried as they are.
+    pub(super) fn limits(&self) -> usize {
+        self.limits
     }
 }
 
@@ -97,13 +121,17 @@ impl Suspects for Proposals<'_> {
         let each = offers.filter_map(|offer| match offer {
             // A distribution costs no run.
             Ok(candidate) if candidate.kind != Kind::Simulation => Some(Ok(candidate)),
+            Ok(candidate) if 0 < self.limits && is_limit(&candidate) => Some(Ok(candidate)),
             Ok(candidate) => {
                 let proposal = self.singles.iter().enumerate().find(|(place, proposal)| {
                     proposal.is_of_law(&candidate)
                         || *place < ALL_LAWS && proposal.is_of(&candidate)
                 });
-                let proposal = proposal.map(|(_, proposal)| proposal);
-                proposal.map(|proposal| Ok(proposal.started(candidate)))
+                // Beside what starts where it was found, a limit that starts anywhere promises nothing.
+                let is_plain = 0 < self.limits;
+                proposal.map(|(_, proposal)| {
+                    Ok(if is_plain { candidate } else { proposal.started(candidate) })
+                })
             }
             Err(refused) => Some(Err(refused)),
         });

@@ -43,6 +43,8 @@ pub(crate) struct Pendulum {
     refused: Arc<AtomicUsize>,
     /// Whether its states can be seen.
     shows: bool,
+    /// Largest torque of its motor.
+    strongest: f64,
     /// Steps of this and all its copies.
     steps: Arc<AtomicUsize>,
 }
@@ -75,6 +77,7 @@ impl Pendulum {
             least_inertia: f64::NEG_INFINITY,
             refused: Arc::default(),
             shows: true,
+            strongest: f64::INFINITY,
             steps: Arc::default(),
         }
     }
@@ -98,6 +101,12 @@ impl Pendulum {
     /// The same with outputs that are rounded to single precision, and no states to be seen.
     pub(crate) fn in_the_dark(mut self) -> Self {
         self.shows = false;
+        self
+    }
+
+    /// The same with a motor that gives no more than a torque.
+    pub(crate) fn with_strongest(mut self, torque: f64) -> Self {
+        self.strongest = torque;
         self
     }
 
@@ -176,7 +185,7 @@ impl Simulator for Pendulum {
     fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
         self.steps.fetch_add(1, Ordering::Relaxed);
         self.look(y);
-        let torque = u[0] + f.first().unwrap_or(&0.0);
+        let torque = u[0].clamp(-self.strongest, self.strongest) + f.first().unwrap_or(&0.0);
         self.x = runge_kutta(self.x, self.ts, |x| self.rates(x, torque));
         if self.x.iter().any(|x| x.abs() > 50.0) {
             self.x = [f64::NAN; 2];
@@ -239,6 +248,8 @@ pub(crate) enum Cause {
     AngleBias(f64),
     Coulomb(f64),
     Inertia(f64),
+    /// Of the torque of the motor.
+    Limit(f64),
 }
 
 /// Steps of random height held for 10 to 40 samples.
@@ -274,6 +285,7 @@ pub(crate) fn log(cause: Cause, samples: usize, seed: u64) -> Record {
         for i in 0..FINE {
             let seen = match cause {
                 Cause::DeadZone(w) => u[k] - u[k].clamp(-w, w),
+                Cause::Limit(most) => u[k].clamp(-most, most),
                 Cause::Delay(late) => u[(k * FINE + i).saturating_sub(late) / FINE],
                 Cause::Lag(time) => {
                     let before = lagged;

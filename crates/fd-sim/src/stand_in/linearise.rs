@@ -1,20 +1,22 @@
 //! From runs of a simulator to its slopes along replays.
 
 use super::{
-    nudge::{STEP, nudge, part},
+    nudge::{STEP, nudge},
     replay::Replay,
     slopes::Slopes,
 };
 use crate::{simulate::Simulator, workers::on_workers};
 
 /// Runs through the replays, once as they are, and once more for everything that can be moved, in each step from
-/// the state that the replay has there. `None` when that is not possible, or a run diverges.
+/// the state that the replay has there; states, inputs and forces by a `part` of what they usually do. `None` when that
+/// is not possible, or a run diverges.
 pub(super) fn linearise(
     simulator: &dyn Simulator,
     replays: &[Replay<'_>],
     steps: usize,
     forces: &[f64],
     theta: &[f64],
+    part: f64,
 ) -> Option<Slopes> {
     if !simulator.makes_steps() {
         return None;
@@ -48,7 +50,7 @@ pub(super) fn linearise(
     let columns: usize = widths.iter().sum();
     found.columns = vec![0.0; found.result.len() * columns];
     let (rows, results) = (found.rows(), found.results());
-    let all = all_moved(&*simulator, &found, forces);
+    let all = all_moved(&*simulator, &found, forces, part);
     let mut walked: Vec<Option<Walked>> = all.iter().map(|_| None).collect();
     let work: Vec<_> = all.iter().zip(&mut walked).collect();
     on_workers(simulator.workers(), work, |((moved, _), walked)| {
@@ -82,9 +84,14 @@ struct Moved {
 }
 
 /// Everything that can be moved, and how far.
-fn all_moved(simulator: &dyn Simulator, found: &Slopes, forces: &[f64]) -> Vec<(Moved, f64)> {
+fn all_moved(
+    simulator: &dyn Simulator,
+    found: &Slopes,
+    forces: &[f64],
+    part: f64,
+) -> Vec<(Moved, f64)> {
     let [nx, nu, nf, _] = found.widths;
-    let (theta, part) = (&found.theta, part(simulator));
+    let theta = &found.theta;
     let plain = || Moved { x: None, u: None, f: None, theta: theta.clone() };
     let states = (0..nx).map(|i| {
         let tolerance = simulator.initial()[i].tolerance;

@@ -4,9 +4,9 @@
 //! show that a candidate is hopeless, or how the outputs change with a parameter; for both purposes a linear
 //! model is good enough. A [`StandIn`] is that model: the simulator, linearised along replays of the logs. At
 //! each sample it is set to the state of the replay, one state, input, force or parameter is moved a little,
-//! and one step is made: `1 + states + inputs + ports + parameters` runs in all. Effects are spliced around a
-//! stand-in as around the simulator, so friction still depends on the motion that it changes; only the plant is
-//! linear.
+//! and one step is made: `1 + states + inputs + ports + parameters` runs in all. Where that foretells little, as where
+//! dry friction holds a joint at times, it is done again with larger moves. Effects are spliced around a stand-in as
+//! around the simulator, so friction still depends on the motion that it changes; only the plant is linear.
 //!
 //! A stand-in proposes causes, and lends its slopes to fits of the simulator ([`StandIn::lent`]); the answer
 //! comes from the simulator alone.
@@ -32,7 +32,12 @@ use fd_model::{Channel, ModelError, Record, SampleTime};
 
 pub use self::replay::{Driven, Replay};
 use self::{
-    affine::Affine, check::explained, linearise::linearise, replayed::Replayed, respond::respond,
+    affine::Affine,
+    check::explained,
+    linearise::linearise,
+    nudge::{COARSE, part},
+    replayed::Replayed,
+    respond::respond,
     responses::Responses,
 };
 use crate::{
@@ -43,6 +48,9 @@ use crate::{
 
 /// The input by which a stand-in knows which sample of which log it is at.
 pub(crate) const ROW: &str = "replayed_row";
+
+/// Share of a disturbance below which slopes are taken once more, from moves that are large.
+const LITTLE: f64 = 0.5;
 
 /// A simulator in its shell, linearised along replays of logs.
 ///
@@ -116,14 +124,31 @@ impl StandIn {
             + simulator.inputs().len()
             + simulator.ports().len()
             + simulator.parameters().len();
-        let linear: Box<dyn Simulator> = match linearise(simulator, replays, steps, forces, theta) {
-            Some(slopes) => Box::new(Replayed::new(simulator, Affine::new(slopes), steps)),
+        let by = |part: f64| {
+            let slopes = linearise(simulator, replays, steps, forces, theta, part)?;
+            let linear = Replayed::new(simulator, Affine::new(slopes), steps);
+            let explains = explained(simulator, &linear, replays, steps, forces, theta);
+            Some((Box::new(linear) as Box<dyn Simulator>, explains))
+        };
+        let fine = part(simulator);
+        let (mut known, mut runs) = (by(fine), 2 + moved);
+        if fine < COARSE && known.as_ref().is_some_and(|(_, explains)| *explains < LITTLE) {
+            runs *= 2;
+            known = by(COARSE)
+                .filter(|coarse| known.as_ref().is_none_or(|fine| fine.1 < coarse.1))
+                .or(known);
+        }
+        let (linear, explains) = match known {
+            Some(known) => known,
             None => match respond(simulator, replays, steps, forces, theta) {
-                Some(known) => Box::new(Replayed::new(simulator, Responses::new(known), steps)),
+                Some(known) => {
+                    let linear = Replayed::new(simulator, Responses::new(known), steps);
+                    let explains = explained(simulator, &linear, replays, steps, forces, theta);
+                    (Box::new(linear) as Box<dyn Simulator>, explains)
+                }
                 None => return Ok(None),
             },
         };
-        let explains = explained(simulator, &*linear, replays, steps, forces, theta);
         let begins = replays.iter().scan(0, |begin, replay| {
             *begin += replay.samples;
             Some(*begin - replay.samples)
@@ -133,7 +158,7 @@ impl StandIn {
             shell: shell.clone(),
             begins: begins.collect(),
             explains,
-            runs: 2 + moved,
+            runs,
         }))
     }
 

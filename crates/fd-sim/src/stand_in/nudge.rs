@@ -5,6 +5,8 @@ use crate::simulate::Simulator;
 /// How far something is moved for a slope, as a part of what it usually does: outputs may be rounded to seven digits,
 /// and plants bend …
 pub(super) const STEP: f64 = 1e-3;
+/// … so that where dry friction holds, which lets go of what is moved farther, or a contact is open, they are moved by …
+pub(super) const COARSE: f64 = 0.1;
 /// … but where equal runs differ, no difference is worth anything that is not larger.
 const LARGEST: f64 = 0.3;
 

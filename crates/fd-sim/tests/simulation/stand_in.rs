@@ -70,6 +70,47 @@ impl Simulator for Dark {
     }
 }
 
+/// A servo whose dry friction holds it as soon as it has arrived; the other one is for names and numbers.
+#[derive(Clone, Debug)]
+struct Sticking(EquationSimulator<f64>, [f64; 2]);
+
+impl Simulator for Sticking {
+    fn ts(&self) -> SampleTime {
+        self.0.ts()
+    }
+    fn inputs(&self) -> &[Channel] {
+        self.0.inputs()
+    }
+    fn outputs(&self) -> &[Channel] {
+        self.0.outputs()
+    }
+    fn parameters(&self) -> &[fd_sim::model::Parameter] {
+        self.0.parameters()
+    }
+    fn initial(&self) -> &[fd_sim::simulate::Initial] {
+        self.0.initial()
+    }
+    fn ports(&self) -> &[fd_sim::simulate::Port] {
+        self.0.ports()
+    }
+    fn start(&mut self, _theta: &[f64], x0: &[f64], _first: u64) {
+        self.1 = [x0[0], x0[1]];
+    }
+    fn step(&mut self, u: &[f64], _u_next: &[f64], f: &[f64], y: &mut [f64]) {
+        let [p, w] = self.1;
+        y.copy_from_slice(&self.1);
+        let free = w + 0.1 * (20.0 * (u[0] - p) - 7.0 * w + f.first().unwrap_or(&0.0));
+        let w = free - free.clamp(-0.06, 0.06);
+        self.1 = [p + 0.1 * w, w];
+    }
+    fn state(&self) -> &[f64] {
+        &self.1
+    }
+    fn boxed(&self) -> Box<dyn Simulator> {
+        Box::new(self.clone())
+    }
+}
+
 fn shell(model: &Model, is_dark: bool) -> Shell {
     let simulator = EquationSimulator::with_ports(model, model.sample_time().unwrap()).unwrap();
     let inside: Box<dyn Simulator> =
@@ -142,6 +183,20 @@ proptest! {
             prop_assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
     }
+}
+
+/// Where it is held nothing that is moved a little moves it, but a disturbance tears it loose.
+#[test]
+fn what_sticks_is_moved_farther() {
+    let model = masses(20.0, 7.0);
+    let simulator = EquationSimulator::with_ports(&model, model.sample_time().unwrap()).unwrap();
+    let shell = Shell::new("servo", Box::new(Sticking(simulator, [0.0; 2]))).unwrap();
+    let shell = shell.with_motion("rail", Some("y"), Some("v")).unwrap();
+    let u: Vec<f64> = (0..SAMPLES).map(|k| if k / 40 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    let stand_in = replayed(&shell, &u);
+    // Itself, two states, an input, a port and a parameter, and one run to see how good that is; all that twice.
+    assert_eq!(stand_in.runs(), 14);
+    assert!(0.5 < stand_in.explains(), "{}", stand_in.explains());
 }
 
 #[test]

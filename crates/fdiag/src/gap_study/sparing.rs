@@ -25,6 +25,8 @@ const PER_PAIR: u64 = 35;
 const FEWEST_CAUSES: u64 = 2;
 /// Runs of a search on the simulator itself.
 const THOROUGH: u64 = 8000;
+/// Most seconds that runs of limits may take, as many as a search makes, for them to be tried without being asked.
+const PATIENCE: f64 = 600.0;
 /// A plan that takes longer, in seconds, is said before it begins.
 const LONG: f64 = 2.0;
 
@@ -42,6 +44,9 @@ pub struct Sparing {
     /// Causes and pairs that the linearised simulator would rather have than no gap, and that were not tried on the
     /// simulator itself; the best first.
     pub left_out: Vec<String>,
+    /// Whether limits, of which the linearised simulator knows nothing, were tried on the simulator itself: where
+    /// nothing that was proposed is the cause, unless that would take long.
+    pub limits: bool,
     /// What was allowed; `null` where nothing was said.
     pub budget: Option<String>,
 }
@@ -128,7 +133,9 @@ impl Work {
     /// What can be confirmed with the budget of a request.
     fn effort(&self, request: &Request) -> Result<Effort, GapError> {
         let plenty = Effort::default();
-        let Some(budget) = request.budget else { return Ok(plenty) };
+        let Some(budget) = request.budget else {
+            return Ok(Effort { limits: self.seconds * THOROUGH as f64 <= PATIENCE, ..plenty });
+        };
         let runs = budget.runs(self.seconds);
         let needed = self.stand_in + ALWAYS + FEWEST_CAUSES * PER_CAUSE;
         if runs < needed {
@@ -137,7 +144,11 @@ impl Work {
         let left = runs - self.stand_in - ALWAYS;
         let causes = (left / PER_CAUSE).min(plenty.causes as u64);
         let pairs = ((left - causes * PER_CAUSE) / PER_PAIR).min(plenty.pairs as u64);
-        Ok(Effort { causes: to_usize(causes), pairs: to_usize(pairs) })
+        Ok(Effort {
+            causes: to_usize(causes),
+            pairs: to_usize(pairs),
+            limits: needed + THOROUGH <= runs,
+        })
     }
 
     /// Where there is no way but a search on the simulator itself, the budget must allow that.
@@ -156,7 +167,7 @@ impl Work {
     }
 
     fn tell(&self, effort: Effort, monitor: &dyn Monitor) {
-        let Effort { causes, pairs } = effort;
+        let Effort { causes, pairs, .. } = effort;
         let confirm = confirm(effort);
         let seconds = self.seconds * (self.stand_in + confirm) as f64;
         if seconds < LONG {
@@ -201,6 +212,7 @@ impl Sparing {
             proposed: proposed.causes.len(),
             confirmed: few.diagnosis.causes.len(),
             left_out: causes.chain(pairs).collect(),
+            limits: few.limits,
             budget: request.budget.map(|budget| budget.to_string()),
         }
     }

@@ -38,6 +38,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
     if diagnosis.verdict == Verdict::NoneOfThese || is_doubted {
         steps.extend(liftable(report));
+        steps.extend(limits(report));
         steps.push(of_what_is_left(report));
     }
     let is_mute = is_open && steps.is_empty();
@@ -50,6 +51,16 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
         );
     }
     steps
+}
+
+/// That limits were not tried, of which a linearised simulator knows nothing.
+fn limits(report: &Report) -> Option<String> {
+    let is_left = report.sparing.as_ref().is_some_and(|sparing| !sparing.limits);
+    is_left.then(|| {
+        "Search on the simulator itself (`--thorough`, some thousands of runs): the few runs of this diagnosis rest on a \
+         linearisation, which knows nothing of limits that are reached only in reality."
+            .to_owned()
+    })
 }
 
 /// Parameters that nothing depends on.
