@@ -106,7 +106,7 @@ impl<'a> Proposals<'a> {
         let offers = self.suspects.alone();
         let all = offers.iter().flatten().filter(|candidate| is_limit(candidate));
         let limits = all.map(Candidate::identity).collect::<HashSet<_>>().len();
-        (0 < limits).then(|| Self { limits, ..self })
+        (0 < limits).then_some(Self { limits, ..self })
     }
 
     /// How many causes are limits that are tried as they are.

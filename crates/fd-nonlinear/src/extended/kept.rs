@@ -55,9 +55,9 @@ impl KeptSlopes {
                     equations.advance(sample - 1, asked, before, u, &mut end[..nx]);
                 }
             }
-            for i in 0..nx {
-                let slope = (ends[0][i] - ends[1][i]) / (2.0 * step);
-                self.slopes[i * nx + column] = if step > 0.0 { slope } else { 0.0 };
+            let slopes = self.slopes.iter_mut().skip(column).step_by(nx);
+            for (slope, (ahead, behind)) in slopes.zip(ends[0].iter().zip(&*ends[1])) {
+                *slope = if step > 0.0 { (ahead - behind) / (2.0 * step) } else { 0.0 };
             }
         }
         self.is_known = true;

@@ -20,7 +20,7 @@ macro_rules! nonlinear {
 /// Lines of specs, at least one of each kind, for a model of one input, two states and two outputs.
 ///
 /// Those with a model of their own have that of the tests.
-pub(in crate::spec) const EVERY: [&str; 29] = [
+pub(in crate::spec) const EVERY: [&str; 30] = [
     r#"kind = "simulation""#,
     r#"kind = "observer", rate = 2.0"#,
     r#"kind = "kalman", process_noise = 0.1, output_noise = 1.0"#,
