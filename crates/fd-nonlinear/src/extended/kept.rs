@@ -2,7 +2,7 @@
 
 use fd_core::StateVisitor;
 
-use super::slopes::STEP;
+use super::slopes::{STEP, slope};
 use crate::{gaussian::Estimate, model::StateEquations};
 
 /// `F = ∂f/∂x`, of which each sample renews some columns by central differences along the states.
@@ -47,7 +47,8 @@ impl KeptSlopes {
             let row = &estimate.s[column * nx..(column + 1) * nx];
             let spread = fd_numeric::dot(row, row).sqrt();
             let step = STEP * estimate.x[column].abs().max(spread);
-            if step > 0.0 {
+            let step = (step > 0.0).then_some(step);
+            if let Some(step) = step {
                 for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
                     asked.copy_from_slice(&estimate.x);
                     asked[column] += sign * step;
@@ -55,9 +56,8 @@ impl KeptSlopes {
                     equations.advance(sample - 1, asked, before, u, &mut end[..nx]);
                 }
             }
-            let slopes = self.slopes.iter_mut().skip(column).step_by(nx);
-            for (slope, (ahead, behind)) in slopes.zip(ends[0].iter().zip(&*ends[1])) {
-                *slope = if step > 0.0 { (ahead - behind) / (2.0 * step) } else { 0.0 };
+            for i in 0..nx {
+                self.slopes[i * nx + column] = slope(ends, i, step);
             }
         }
         self.is_known = true;

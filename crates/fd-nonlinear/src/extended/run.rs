@@ -7,7 +7,7 @@ use fd_core::{
 
 use super::{
     kept::KeptSlopes,
-    slopes::{moved, step_along},
+    slopes::{moved, slope, step_along},
 };
 use crate::{
     gaussian::{Deviations, Estimate, GaussianFilter},
@@ -115,11 +115,6 @@ impl GaussianFilter for ExtendedKalman {
     fn carried(&mut self) -> (&mut Estimate, &Deviations) {
         (&mut self.estimate, &self.deviations)
     }
-}
-
-/// Entry `i` of the slope between both ends; zero where there was no step.
-fn slope(ends: &[Vec<f64>; 2], i: usize, step: Option<f64>) -> f64 {
-    step.map_or(0.0, |step| (ends[0][i] - ends[1][i]) / (2.0 * step))
 }
 
 impl Stage for ExtendedKalman {

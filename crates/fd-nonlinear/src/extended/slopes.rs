@@ -23,3 +23,8 @@ pub(super) fn moved(x: &[f64], s: &[f64], column: usize, step: f64, to: &mut [f6
         *to = x + step * row[column];
     }
 }
+
+/// Entry `i` of the slope between both ends; zero where there was no step.
+pub(super) fn slope(ends: &[Vec<f64>; 2], i: usize, step: Option<f64>) -> f64 {
+    step.map_or(0.0, |step| (ends[0][i] - ends[1][i]) / (2.0 * step))
+}

@@ -124,31 +124,27 @@ impl StandIn {
             + simulator.inputs().len()
             + simulator.ports().len()
             + simulator.parameters().len();
+        let judged = |linear: Box<dyn Simulator>| {
+            let explains = explained(simulator, &*linear, replays, steps, forces, theta);
+            (linear, explains)
+        };
         let by = |part: f64| {
             let slopes = linearise(simulator, replays, steps, forces, theta, part)?;
-            let linear = Replayed::new(simulator, Affine::new(slopes), steps);
-            let explains = explained(simulator, &linear, replays, steps, forces, theta);
-            Some((Box::new(linear) as Box<dyn Simulator>, explains))
+            Some(judged(Box::new(Replayed::new(simulator, Affine::new(slopes), steps))))
         };
-        let fine = part(simulator);
-        let (mut known, mut runs) = (by(fine), 2 + moved);
-        if fine < COARSE && known.as_ref().is_some_and(|(_, explains)| *explains < LITTLE) {
-            runs *= 2;
-            known = by(COARSE)
-                .filter(|coarse| known.as_ref().is_none_or(|fine| fine.1 < coarse.1))
-                .or(known);
-        }
-        let (linear, explains) = match known {
-            Some(known) => known,
-            None => match respond(simulator, replays, steps, forces, theta) {
-                Some(known) => {
-                    let linear = Replayed::new(simulator, Responses::new(known), steps);
-                    let explains = explained(simulator, &linear, replays, steps, forces, theta);
-                    (Box::new(linear) as Box<dyn Simulator>, explains)
-                }
-                None => return Ok(None),
-            },
+        let (fine, mut runs) = (part(simulator), 2 + moved);
+        let known = match by(fine) {
+            Some(known) if fine < COARSE && known.1 < LITTLE => {
+                runs *= 2;
+                by(COARSE).filter(|coarse| known.1 < coarse.1).or(Some(known))
+            }
+            known => known,
         };
+        let responding = || {
+            let known = respond(simulator, replays, steps, forces, theta)?;
+            Some(judged(Box::new(Replayed::new(simulator, Responses::new(known), steps))))
+        };
+        let Some((linear, explains)) = known.or_else(responding) else { return Ok(None) };
         let begins = replays.iter().scan(0, |begin, replay| {
             *begin += replay.samples;
             Some(*begin - replay.samples)

@@ -159,9 +159,8 @@ pub(super) fn report(
 /// Outputs of which slow noise is told: those that have it, and those with noise of unknown size that is twice what
 /// neighbouring samples show.
 fn told(slow: Vec<bool>, noise: &KnownNoise, floor: &[f64]) -> Vec<bool> {
-    let is_unknown = |c: usize| noise.slow[c] && noise.stated[c].is_none();
     let told = slow.into_iter().enumerate();
-    told.map(|(c, is)| is || is_unknown(c) && TWICE < floor[c]).collect()
+    told.map(|(c, is)| is || noise.slow[c] && TWICE < floor[c]).collect()
 }
 
 /// What could not be tried: refused, not simulated, or without a trace in the measurement.

@@ -164,7 +164,7 @@ fn of_class(
             only(is_list, Rate::of(&seen, |v| v.is_list_right)),
             only(is_list, Rate::of(&told, |v| v.is_list_right)),
         ],
-        of_several: if is_list { of_several(&seen) } else { <[Rate; 2]>::default() },
+        of_several: of_several(&seen),
         reading: [
             only(is_misread, Rate::of(&seen, |v| v.is_reading_told)),
             only(is_misread, Rate::of(&seen, |v| v.is_taken_for_physics)),

@@ -280,7 +280,7 @@ fn judge_first(
         if let (Some(case), false, true, true) =
             (case, is_right, is_single, verdict.is_visible && !corrupts)
         {
-            is_right = left(case, truth, &[first])? < SEPARATED;
+            is_right = left(case, truth, [sought(first)])? < SEPARATED;
         }
         verdict.is_right = is_right;
         verdict.is_group_right |= is_right;
@@ -333,25 +333,29 @@ fn is_told(misreading: &Misreading, told: &Reading) -> bool {
         && is_size
 }
 
-/// What the named causes, in any of their laws, leave of the noise-free truth.
-fn left(case: &Case, truth: &Truth, named: &[&Named]) -> Result<f64, BlindError> {
-    let model = case.model()?;
-    let scene = Scene::new(truth, &model)?;
-    let named = named.iter().map(|n| wanted(&n.label, &n.site, n.partner.as_deref()));
-    let named: Vec<_> = named.collect();
-    let named: Vec<&dyn Fn(&Candidate) -> bool> = named.iter().map(|named| named as _).collect();
-    distance_of(&scene, &named)
+/// Label, site and partner of a cause.
+type Sought<'a> = (&'a str, &'a str, Option<&'a str>);
+
+fn sought(named: &Named) -> Sought<'_> {
+    (&named.label, &named.site, named.partner.as_deref())
 }
 
-/// Whether a candidate has a label, at a site, with a partner.
-fn wanted<'a>(
-    label: &'a str,
-    site: &'a str,
-    partner: Option<&'a str>,
-) -> impl Fn(&Candidate) -> bool + 'a {
-    move |candidate| {
-        candidate.label == label
-            && candidate.site.name() == Some(site)
-            && candidate.partner.as_ref().and_then(|p| p.name()) == partner
-    }
+/// What causes, in any of their laws, leave of the noise-free truth.
+fn left<'a>(
+    case: &Case,
+    truth: &Truth,
+    causes: impl IntoIterator<Item = Sought<'a>>,
+) -> Result<f64, BlindError> {
+    let model = case.model()?;
+    let scene = Scene::new(truth, &model)?;
+    let wanted = causes.into_iter().map(|(label, site, partner)| {
+        move |candidate: &Candidate| {
+            candidate.label == label
+                && candidate.site.name() == Some(site)
+                && candidate.partner.as_ref().and_then(|p| p.name()) == partner
+        }
+    });
+    let wanted: Vec<_> = wanted.collect();
+    let wanted: Vec<&dyn Fn(&Candidate) -> bool> = wanted.iter().map(|w| w as _).collect();
+    distance_of(&scene, &wanted)
 }

@@ -1,16 +1,15 @@
 //! Several effects at once: which of them are named, and which of them the log holds at all.
 
-use fd_effect::Candidate;
 use serde::{Deserialize, Serialize};
 
-use super::{Verdict, is_exact, left, said::said_of, wanted};
+use super::{Verdict, is_exact, left, said::said_of, sought};
 use crate::blind::{
     answer::{Answer, Named},
     error::BlindError,
     files::Case,
     kind::CaseKind,
-    oracle::{SEPARATED, distance_of},
-    truth::{Effect, Scene, Truth},
+    oracle::SEPARATED,
+    truth::{Effect, Truth},
 };
 
 /// One of several effects.
@@ -48,16 +47,19 @@ pub(super) fn judge_list(
         said.iter().filter(|named| truth.effects.iter().any(|effect| is_of(effect, named))).count(),
         said.len(),
     ];
-    if let Some(case) = case.filter(|_| verdict.is_visible && !corrupts) {
+    let seen = case.filter(|_| verdict.is_visible && !corrupts);
+    if let Some(case) = seen {
         for effect in &truth.effects {
-            let worth = worth(case, truth, effect)?;
+            let others = truth.effects.iter().filter(|other| !std::ptr::eq(*other, effect));
+            let others = others.map(|e| (said_of(e), e.site.as_str(), e.partner.as_deref()));
+            let worth = left(case, truth, others)?;
             verdict.of_several.push(OfSeveral { worth, is_named: is_said(&effect) });
         }
     }
     let is_list_right = is_exact_list
-        || match case {
-            Some(case) if verdict.is_visible && !said.is_empty() && !corrupts => {
-                left(case, truth, &said)? < SEPARATED
+        || match seen {
+            Some(case) if !said.is_empty() => {
+                left(case, truth, said.iter().map(|named| sought(named)))? < SEPARATED
             }
             _ => false,
         };
@@ -73,21 +75,10 @@ pub(super) fn judge_list(
             (Some(case), Some(first)) => {
                 let effects = truth.effects[..1].to_vec();
                 let alone = Truth { effects, ..truth.clone() };
-                left(case, &alone, &[first])? < SEPARATED
+                left(case, &alone, [sought(first)])? < SEPARATED
             }
             _ => false,
         };
     verdict.is_right = verdict.is_dominant_first;
     Ok(())
-}
-
-/// Squares of the noise that all other effects leave.
-fn worth(case: &Case, truth: &Truth, effect: &Effect) -> Result<f64, BlindError> {
-    let model = case.model()?;
-    let scene = Scene::new(truth, &model)?;
-    let others = truth.effects.iter().filter(|other| !std::ptr::eq(*other, effect));
-    let others: Vec<_> =
-        others.map(|e| wanted(said_of(e), &e.site, e.partner.as_deref())).collect();
-    let others: Vec<&dyn Fn(&Candidate) -> bool> = others.iter().map(|other| other as _).collect();
-    distance_of(&scene, &others)
 }
