@@ -39,7 +39,7 @@ pub const SAMPLES: usize = 20;
 /// The states of engine17 that are measured, in the order of the outputs.
 const MEASURED_STATES: usize = 5;
 
-/// The paper's case as `fdiag engine` has it by default: 60 s of a perturbed 17-state engine, its
+/// The paper's case as `fdiag-lab engine` has it by default: 60 s of a perturbed 17-state engine, its
 /// sensors noisy, and the observer of the nominal 5-state model that watches it.
 pub struct PaperCase {
     /// Inputs and outputs of the healthy engine: 1200 samples.

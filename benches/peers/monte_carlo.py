@@ -1,4 +1,4 @@
-"""Measures `fdiag engine` with 100 and 1000 seeds: time by the clock, processor time, memory."""
+"""Measures `fdiag-lab engine` with 100 and 1000 seeds: time by the clock, processor time, memory."""
 
 import json
 import os
@@ -9,7 +9,7 @@ import time
 
 binary = "target/release/fdiag"
 if not os.path.exists(binary):
-    sys.exit("fdiag engine: not built")
+    sys.exit("fdiag-lab engine: not built")
 for seeds in (10, 20) if "--quick" in sys.argv else (100, 1000):
     with tempfile.TemporaryDirectory() as room:
         start = time.perf_counter()
@@ -20,7 +20,7 @@ for seeds in (10, 20) if "--quick" in sys.argv else (100, 1000):
         _, status, usage = os.wait4(child.pid, 0)
         seconds = time.perf_counter() - start
     if status:
-        sys.exit(f"fdiag engine: {error.strip()}")
-    print(json.dumps({"name": "fdiag engine", "what": "Monte Carlo", "seeds": seeds,
+        sys.exit(f"fdiag-lab engine: {error.strip()}")
+    print(json.dumps({"name": "fdiag-lab engine", "what": "Monte Carlo", "seeds": seeds,
                       "seconds": seconds, "processor": usage.ru_utime + usage.ru_stime,
                       "memory": usage.ru_maxrss / 1024}))

@@ -252,7 +252,7 @@ def others():
             table(["what", "fastest", "median", "per second"],
                   *[[f"{g}: {n}", duration(ns[0]), duration(ns[1]), rate(ns[0])] for g, n, ns in found])
     if monte_carlo:
-        say("## Monte Carlo of the engine: `fdiag engine --seeds N`")
+        say("## Monte Carlo of the engine: `fdiag-lab engine --seeds N`")
         say("")
         table(["seeds", "by the clock", "processor time", "largest memory"],
               *[[p["seeds"], f"{p['seconds']:.1f} s", f"{p['processor']:.1f} s", f"{p['memory']:.0f} MiB"]

@@ -1,4 +1,4 @@
-//! One target of `crates/fdiag-cli/tests/fuzz/targets`, run by libFuzzer: `FDIAG_FUZZ_TARGET` says which, by the name of
+//! One target of `crates/fdiag-cli/tests/suite/fuzz/targets`, run by libFuzzer: `FDIAG_FUZZ_TARGET` says which, by the name of
 //! its function. `fuzz/run.sh` begins with its seeds, and keeps the inputs that together reach what was reached.
 #![no_main]
 #![allow(
@@ -8,7 +8,7 @@
     reason = "a failure here is a finding"
 )]
 
-#[path = "../../crates/fdiag-cli/tests/fuzz/targets/mod.rs"]
+#[path = "../../crates/fdiag-cli/tests/suite/fuzz/targets/mod.rs"]
 mod targets;
 
 use std::{

@@ -1,12 +1,12 @@
 """The blind bench and the engines of the Monte Carlo study, a case or an engine per job, in this process or on a cluster.
 
-    fdiag blind make --out cases --seed 7 --single 20
+    fdiag-lab blind make --out cases --seed 7 --single 20
     python python/bench/cluster.py blind cases --folder kept --ray
-    fdiag blind score cases --out report
+    fdiag-lab blind score cases --out report
     python python/bench/cluster.py engine --engines 1000 --folder kept --ray
 
 A job runs the command line `fdiag`, which must be found under the same name by every worker; the files of a case go
-with it, so workers need no common disk. Answers are those of `fdiag blind run` and `fdiag engine`, to the bit, but for
+with it, so workers need no common disk. Answers are those of `fdiag-lab blind run` and `fdiag-lab engine`, to the bit, but for
 the seconds. With `--folder` a study that was interrupted goes on where it was.
 """
 
@@ -47,7 +47,7 @@ def diagnosed(binary: str, case: str, files: dict[str, str], options: list[str])
 
 
 def engine(binary: str, number: int) -> dict[str, Any]:
-    """What `fdiag engine` says of one engine."""
+    """What `fdiag-lab engine` says of one engine."""
     with tempfile.TemporaryDirectory() as folder:
         which = ["--seeds", "1", "--first-seed", str(number)]
         said = called([binary, "engine", *which, "--json", "--out", folder, "--threads", "1", "--quiet"])
@@ -113,16 +113,16 @@ def engines(options: argparse.Namespace) -> None:
 
 
 def main() -> None:
-    # What is after `--` is for `fdiag blind run`, wherever the options before it stand.
+    # What is after `--` is for `fdiag-lab blind run`, wherever the options before it stand.
     end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     every = argparse.ArgumentParser(add_help=False)
-    every.add_argument("--binary", default="fdiag", help="the command line `fdiag`")
+    every.add_argument("--binary", default="fdiag-lab", help="the command line `fdiag-lab`")
     every.add_argument("--folder", help="where the answers of jobs are kept")
     every.add_argument("--ray", action="store_true", help="as tasks of Ray, instead of one after the other here")
     what = asked.add_subparsers(dest="what", required=True)
-    of_blind = what.add_parser("blind", parents=[every], epilog="after `--`: options of `fdiag blind run`")
-    of_blind.add_argument("cases", help="what `fdiag blind make` has made")
+    of_blind = what.add_parser("blind", parents=[every], epilog="after `--`: options of `fdiag-lab blind run`")
+    of_blind.add_argument("cases", help="what `fdiag-lab blind make` has made")
     of_engine = what.add_parser("engine", parents=[every])
     of_engine.add_argument("--engines", type=int, default=20)
     of_engine.add_argument("--first", type=int, default=1, help="number of the first engine")

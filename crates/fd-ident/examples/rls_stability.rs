@@ -7,7 +7,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 #![allow(clippy::unwrap_used, reason = "an example may stop at the first surprise")]
 
-#[path = "../tests/common/long_run.rs"]
+#[path = "../tests/suite/common/long_run.rs"]
 mod long_run;
 
 use std::time::Instant;

@@ -29,6 +29,3 @@ pub mod engine;
 pub mod engine_gap;
 mod hex;
 pub mod journal;
-mod watcher;
-
-pub use crate::watcher::Watcher;

@@ -11,7 +11,7 @@ use fd_core::Scalar;
 /// ```
 #[must_use]
 // Not marked for inlining: unrolled into its callers, it costs an update of recursive least squares half as many
-// instructions again (fd-ident/tests/instructions.rs).
+// instructions again (fd-ident/tests/suite/instructions.rs).
 pub fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }

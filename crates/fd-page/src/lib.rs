@@ -16,8 +16,8 @@ mod page;
 mod pictures;
 mod tables;
 
-use fd_report::PictureError;
-use fdiag::gap_study::{GapStudy, Report};
+use fd_report::{Picture, PictureError};
+use fdiag::gap_study::{GapStudy, Report, Trace};
 
 pub use self::{page::page, tables::tables};
 
@@ -28,6 +28,12 @@ pub use self::{page::page, tables::tables};
 /// Returns an error when a part of the report cannot be written as JSON; there is none such.
 pub fn json(report: &Report) -> Result<String, serde_json::Error> {
     serde_json::to_string_pretty(report)
+}
+
+/// Measured and simulated, before and after, with captions: each output as a whole and where the two differ most.
+#[must_use]
+pub fn run_pictures(trace: &Trace) -> Vec<(Picture, String)> {
+    pictures::runs(trace)
 }
 
 /// The most telling picture of a study as SVG of this size: the first output, measured and simulated before and after;

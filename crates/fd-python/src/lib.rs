@@ -10,6 +10,7 @@
 //! | `check` | whether a simulator is fit for a gap study |
 //! | `settings`, `log` | settings, and arrays as logs |
 //! | `online` | trained pipelines, a sample or an array at a time |
+//! | `command` | the command line `fdiag`, in the process of Python |
 //! | `errors` | messages as exceptions |
 //!
 //! What a user writes, and what of it ends up here (`simulator`, `study`):
@@ -29,6 +30,7 @@
 #![allow(clippy::type_complexity, reason = "tuples are taken apart on the side of Python")]
 
 mod check;
+mod command;
 mod errors;
 mod hosted;
 mod instance;
@@ -58,6 +60,7 @@ fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<online::Pipeline>()?;
     module.add_function(wrap_pyfunction!(study::study, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_function(wrap_pyfunction!(online::linear_channels, module)?)?;
     module.add_function(wrap_pyfunction!(settings::column_map, module)?)?;
     Ok(())

@@ -7,23 +7,22 @@
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 #![allow(clippy::unwrap_used, reason = "an example may stop at the first surprise")]
 
-#[path = "../tests/common/cases.rs"]
-mod cases;
-#[path = "../tests/common/changes.rs"]
-mod changes;
-#[path = "../tests/common/design_cases.rs"]
-mod design_cases;
 #[allow(dead_code, reason = "the tests use more of it")]
-#[path = "../tests/common"]
+#[path = "../tests/suite/common"]
 mod common {
+    pub(crate) mod cases;
+    pub(crate) mod changes;
+    pub(crate) mod design_cases;
     pub(crate) mod problems;
     pub(crate) mod transfer;
 }
 
-use cases::{Case, every_case};
-use changes::Change;
-use common::problems::Problem;
-use design_cases::design_cases;
+use common::{
+    cases::{Case, every_case},
+    changes::Change,
+    design_cases::design_cases,
+    problems::Problem,
+};
 
 const RUNS: u32 = 20;
 

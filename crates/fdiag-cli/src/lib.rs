@@ -1,4 +1,6 @@
-//! The work of the command line `fdiag` on a user's own models and logs, as a library.
+//! The command line `fdiag`, and its work on a user's own models and logs, as a library.
+//!
+//! [`run`] is the whole command line, for the binary and for the Python package.
 //!
 //! [`logs`] learns the bias of a residual from healthy logs and looks for faults in others.
 //! [`fdiag::gap_study`] finds the unmodelled effect that separates a simulator from logs of the real system;
@@ -22,4 +24,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command-line tool")]
+
+mod cli;
 pub mod logs;
+
+pub use crate::cli::run;

@@ -1,10 +1,7 @@
 //! The `fdiag` command line: arguments in, tables, reports and an exit code out.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command-line tool")]
 
-mod cli;
-
-use std::process::ExitCode;
+use fd_console::failure::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run()
+    fdiag_cli::run(std::env::args_os())
 }

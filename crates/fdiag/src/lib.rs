@@ -57,6 +57,7 @@ pub mod fleet;
 pub mod gap_study;
 pub mod spec;
 pub mod training;
+mod watcher;
 
 pub use fd_compensate as compensate;
 pub use fd_core as core;
@@ -72,7 +73,4 @@ pub use fd_residual as residual;
 pub use fd_sim as sim;
 pub use fd_structure as structure;
 
-/// The example of the README compiles.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+pub use crate::watcher::Watcher;

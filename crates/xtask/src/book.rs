@@ -10,7 +10,7 @@ use crate::Faults;
 
 /// Reports of the gallery: name of the folder, and what `fdiag` is asked.
 const GALLERY: [(&str, &[&str]); 3] = [
-    ("engine", &["engine", "--seeds", "200"]),
+    ("demo", &["demo"]),
     (
         "quick-start",
         &[

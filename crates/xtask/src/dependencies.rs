@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::Faults;
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
-const ALLOWED: [(&str, &[&[&str]]); 23] = [
+const ALLOWED: [(&str, &[&[&str]]); 24] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
@@ -23,10 +23,11 @@ const ALLOWED: [(&str, &[&[&str]]); 23] = [
     ("fd-gap", &[MODELS, &["fd-sim", "fd-effect", "fd-residual", "fd-ident", "fd-compensate"]]),
     ("fdiag", &[MODELS, METHODS]),
     ("fd-watch", &[MODELS, &["fd-log", "fdiag"]]),
-    ("fd-lab", &[MODELS, METHODS, &["fd-report", "fdiag"]]),
+    ("fd-console", &[&["fd-report", "fdiag"]]),
+    ("fd-lab", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-console"]]),
     ("fd-page", &[MODELS, METHODS, &["fd-report", "fdiag"]]),
-    ("fd-python", &[MODELS, METHODS, &["fdiag", "fd-page"]]),
-    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-lab", "fd-page", "fd-watch"]]),
+    ("fd-python", &[MODELS, METHODS, &["fdiag", "fd-page", "fdiag-cli"]]),
+    ("fdiag-cli", &[MODELS, METHODS, &["fd-report", "fdiag", "fd-console", "fd-page", "fd-watch"]]),
     ("fdiag-benches", &[MODELS, METHODS, &["fdiag", "fd-lab"]]),
     ("xtask", &[]),
 ];

@@ -1,4 +1,4 @@
-//! `fdiag blind make`.
+//! `fdiag-lab blind make`.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ use super::{
     seal::SealKey,
     truth::{Scene, Truth},
 };
-use crate::Watcher;
+use fdiag::Watcher;
 
 /// Name of the file with the secret, beside the truths.
 pub(super) const KEY: &str = "seal.key";

@@ -1,4 +1,4 @@
-//! `fdiag blind run`.
+//! `fdiag-lab blind run`.
 
 use std::{fs, path::Path};
 
@@ -16,7 +16,8 @@ use super::{
     files::{Case, Variant, answers},
     make::{CASES, COMMITMENT},
 };
-use crate::{Watcher, black_box::Sight, journal::Journal};
+use crate::{black_box::Sight, journal::Journal};
+use fdiag::Watcher;
 
 /// How cases are diagnosed.
 #[derive(Clone, Copy)]

@@ -14,10 +14,8 @@ use super::{
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };
-use crate::{
-    Watcher,
-    journal::{Journal, read, restart},
-};
+use crate::journal::{Journal, read, restart};
+use fdiag::Watcher;
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]

@@ -19,7 +19,7 @@ use super::{
     tally::{Alarms, Outcome, Role, Unit},
     watch::{Fork, Levels, Watch},
 };
-use crate::Watcher;
+use fdiag::Watcher;
 
 /// Seconds at the end of a run over which a fault is named.
 const NAMING_S: f64 = 2.0;

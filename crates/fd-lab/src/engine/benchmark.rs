@@ -45,7 +45,7 @@ pub(crate) struct Case {
     pub(super) plant: Option<StateSpace<Discrete>>,
     pub(crate) model: StateSpace<Discrete>,
     /// What its signals are in physical units, where they are deviations from its own equilibrium.
-    scaling: Option<Scaling>,
+    pub(super) scaling: Option<Scaling>,
     pub(super) redraws: usize,
     pub(super) rng: Xoshiro256PlusPlus,
 }

@@ -2,7 +2,7 @@
 
 use fd_core::LimitError;
 use fd_jetengine::EngineError;
-use fd_model::{ModelError, SimulationError};
+use fd_model::{ModelError, RecordError, SimulationError, file::ModelFileError};
 use fdiag::training::TrainingError;
 use thiserror::Error;
 
@@ -61,6 +61,12 @@ pub enum EngineStudyError {
     /// A run of the engine.
     #[error("engine run: {0}")]
     Simulation(#[from] SimulationError),
+    /// A model file for users.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// A log for users.
+    #[error("log: {0}")]
+    Record(#[from] RecordError),
     /// Training or diagnosis.
     #[error(transparent)]
     Training(#[from] TrainingError),

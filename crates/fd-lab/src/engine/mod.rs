@@ -5,6 +5,7 @@ mod config;
 mod error;
 mod example;
 mod excitation;
+mod files;
 pub mod joined;
 mod on_line;
 mod reality;
@@ -22,6 +23,7 @@ pub use self::{
     error::EngineStudyError,
     example::{Example, FaultyRun, Residuals, TrainingTrace},
     excitation::{FreshRun, TrainingRun},
+    files::UserFiles,
     on_line::{
         Afterwards, Drift, InTraining, OnLine, OnLineConfig, OnLineSummary, Opened, TrainingFault,
         TrainingFaultSummary,

@@ -8,7 +8,7 @@ use super::{
     benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, on_line::OnLineSummary,
     trial::Trial,
 };
-use crate::Watcher;
+use fdiag::Watcher;
 
 /// The version of the JSON report.
 pub const REPORT_VERSION: u32 = 1;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use fdiag::gap_study::{Budget, HorizonChoice, Named, StartsChoice};
 
-use super::patience::PatienceArgs;
+use super::{output::OutputArgs, patience::PatienceArgs};
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
@@ -21,14 +21,13 @@ pub(crate) struct Cli {
 
 const AFTER_HELP: &str = "\
 Which command:
+  fdiag demo        shows both halves of the method on one page, in half a minute
   fdiag gap         says what the model does not know: where, which effect, how far it matters
   fdiag compensate  learns what modelling errors do, without a name for them, to see small faults
   fdiag watch       does that on line, next to the plant, for months
   fdiag log info    says what is in a log, and what is doubtful about it
   fdiag structure   says which faults a model can reveal at all, and what more sensors would add
   fdiag simulator   says whether a simulator of your own is fit for fdiag gap
-  fdiag engine      shows on a simulated jet engine what compensation gains
-  fdiag compare     says which residual, compensation and detector find the smallest faults there
 
 Exit codes:
   0  done
@@ -43,21 +42,13 @@ terminal. Results are the same for any number of threads.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run the jet-engine benchmark: residual compensation with and without sensor faults
+    /// Show both halves of the method in half a minute: a bias learned, and a cause named
     ///
-    /// Simulates perturbed engines, one per seed, with a 5th-order model of the nominal one. For
-    /// each it learns the bias of the residual, freezes it, and finds the smallest T7 and P6
-    /// sensor faults that are detected with and without compensation at the same false-alarm
-    /// rate. Writes report.html, report.json and the pictures of the paper's figures 4 to 7.
-    Engine(EngineArgs),
-    /// Compare every residual generator, bias model and detector on the same engines
-    ///
-    /// Brings all of them to the same rate of false alarms on engines of their own, then counts on
-    /// other engines which sensor and component faults they find, how soon, and whether they name the
-    /// right sensor. Writes report.html, report.md and report.json. A run that was killed continues where it
-    /// stopped when it is started again with the same settings and directory. docs/compare.md says
-    /// which method to choose when.
-    Compare(CompareArgs),
+    /// Lays model files and logs of a jet engine and of a cart into --out, learns what the model of the engine lacks
+    /// until a drifting sensor becomes visible, and names what the simulator of the cart lacks. Writes report.html,
+    /// report.json, and the reports of both halves; the page shows the commands that repeat them.
+    #[command(after_help = super::demo::DEMO_HELP)]
+    Demo(super::demo::DemoArgs),
     /// Learn and remove the residual bias of your own model, then look for faults in later logs
     ///
     /// Reads a linear model (TOML) and logs of the real thing (CSV); docs/formats.md describes
@@ -105,14 +96,6 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: super::log::LogCommand,
     },
-    /// Test the gap diagnosis on cases whose cause it does not know
-    ///
-    /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without
-    /// it, `score` opens the truth and counts. See docs/blind.md.
-    Blind {
-        #[command(subcommand)]
-        command: super::blind::BlindCommand,
-    },
     /// Print a script that completes commands and options in a shell
     #[command(after_help = super::shell::COMPLETIONS_HELP)]
     Completions(super::shell::CompletionsArgs),
@@ -129,52 +112,6 @@ Examples:
   fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
   fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
   fdiag gap --model examples/gap/engine/engine.toml --log examples/gap/engine/valve.csv";
-
-#[derive(Debug, Args)]
-pub(crate) struct EngineArgs {
-    /// Configuration file (TOML); see --print-config for all settings and their defaults
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Number of perturbed engines
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) seeds: Option<u64>,
-    /// First seed
-    #[arg(long, value_name = "S")]
-    pub(crate) first_seed: Option<u64>,
-    /// Print the configuration that would run, and stop
-    #[arg(long)]
-    pub(crate) print_config: bool,
-    #[command(flatten)]
-    pub(crate) patience: PatienceArgs,
-    #[command(flatten)]
-    pub(crate) output: OutputArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct CompareArgs {
-    /// Configuration file (TOML); see --print-config for all settings and their defaults
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Number of engines that set the thresholds, and of those that the results are taken from
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) seeds: Option<u64>,
-    /// First seed
-    #[arg(long, value_name = "S")]
-    pub(crate) first_seed: Option<u64>,
-    /// Only this scenario of the configuration; may be repeated
-    #[arg(long, value_name = "NAME")]
-    pub(crate) scenario: Vec<String>,
-    /// Start over, even if the directory holds the beginning of a comparison
-    #[arg(long)]
-    pub(crate) restart: bool,
-    /// Print the configuration that would run, and stop
-    #[arg(long)]
-    pub(crate) print_config: bool,
-    #[command(flatten)]
-    pub(crate) patience: PatienceArgs,
-    #[command(flatten)]
-    pub(crate) output: OutputArgs,
-}
 
 #[derive(Debug, Args)]
 pub(crate) struct CompensateArgs {
@@ -289,19 +226,6 @@ pub(crate) struct GapArgs {
     pub(crate) print_model: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct OutputArgs {
-    /// Directory for the report; made if it is not there
-    #[arg(long, value_name = "DIR", default_value = "fdiag-report")]
-    pub(crate) out: PathBuf,
-    /// Print the result as JSON instead of a table
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Number of threads; 0 takes all cores
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) threads: usize,
 }
 
 /// A part of a whole that leaves something of it.

@@ -1,12 +1,10 @@
 //! `fdiag compensate`: a user's own model and logs.
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use fd_console::failure::ExitCode;
+use std::path::{Path, PathBuf};
 
+use crate::logs::{LogStudy, LogStudyError, Request};
 use fdiag::{core::Limits, training::TrainingError};
-use fdiag_cli::logs::{LogStudy, LogStudyError, Request};
 
 use super::{
     args::CompensateArgs, failure::Failure, output::Output, progress::Bar, say::say, toml_file,
@@ -60,5 +58,5 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let inputs: Vec<&Path> = files.collect();
     output.finish(&study.headline(), &study.tables(), page, &study, &inputs)?;
     let alarmed = study.logs.iter().any(|log| !log.healthy && log.first_alarm_s.1.is_some());
-    Ok(if args.fail_on_alarm && alarmed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if args.fail_on_alarm && alarmed { ExitCode(1) } else { ExitCode::SUCCESS })
 }

@@ -1,8 +1,8 @@
 //! `fdiag gap`: a user's simulator and logs of the real system.
 
+use fd_console::failure::ExitCode;
 use std::{
     path::{Path, PathBuf},
-    process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
     time::Instant,
 };

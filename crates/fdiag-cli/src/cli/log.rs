@@ -1,6 +1,7 @@
 //! `fdiag log`: what is in a log file, before it is used for anything.
 
-use std::{fmt::Write as _, path::PathBuf, process::ExitCode};
+use fd_console::failure::ExitCode;
+use std::{fmt::Write as _, path::PathBuf};
 
 use clap::{Args, Subcommand};
 use fd_log::{ClockInfo, ColumnInfo, LogInfo, LogMap, TableInfo, info};

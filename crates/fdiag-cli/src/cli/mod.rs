@@ -2,61 +2,61 @@
 
 mod args;
 mod args_watch;
-mod blind;
-mod compare;
 mod compensate;
+mod demo;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 mod documented;
-mod engine;
-mod failure;
 mod gap;
 mod log;
-mod output;
-mod patience;
-mod pool;
-mod progress;
-mod provenance;
-mod say;
-mod shell;
 mod simulator;
 mod structure;
-mod toml_file;
 mod watch;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
+use fd_console::{failure, output, patience, pool, progress, say, shell, toml_file};
 
 use self::{
     args::{Cli, Command},
-    failure::Failure,
+    failure::{ExitCode, Failure},
     say::{be_quiet, complain, say},
 };
 
 /// The last line of `fdiag` alone.
-const START: &str = "To start: `fdiag engine` repeats the paper's experiment (a minute or two); \
+const START: &str = "To start: `fdiag demo` shows both halves of the method in half a minute; \
                      `fdiag gap --help` has examples for a simulator and logs of your own.";
 
-/// Runs what the command line asks for and says how it went.
-pub(crate) fn run() -> ExitCode {
-    let cli = Cli::parse();
+/// Runs what the command line asks for, the name of the program first, and says how it went.
+///
+/// ```
+/// # use fd_console::failure::ExitCode;
+/// // A wrong command line is code 2.
+/// assert_eq!(fdiag_cli::run(["fdiag", "gap", "--modle", "cart.toml"]), ExitCode(2));
+/// ```
+pub fn run<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Where nothing can be printed, there is nobody to tell.
+            let _ = error.print();
+            return ExitCode(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
     if cli.quiet {
         be_quiet();
     }
     let result = match cli.command {
         None => how_to_start(),
-        Some(Command::Engine(args)) => engine::run(&args),
-        Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Demo(args)) => demo::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
         Some(Command::Log { command }) => log::run(&command),
         Some(Command::Structure(args)) => structure::run(&args),
         Some(Command::Simulator { command }) => simulator::run(&command),
         Some(Command::Watch(args)) => watch::run(&args),
-        Some(Command::Blind { command }) => blind::run_command(&command),
-        Some(Command::Completions(args)) => shell::completions(&args),
-        Some(Command::Man(args)) => shell::man(&args),
+        Some(Command::Completions(args)) => shell::completions(&args, Cli::command()),
+        Some(Command::Man(args)) => shell::man(&args, Cli::command()),
     };
     match result {
         Ok(code) => code,

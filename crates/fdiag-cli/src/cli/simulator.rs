@@ -1,9 +1,9 @@
 //! `fdiag simulator`: simulators of users, checked; models, served.
 
+use fd_console::failure::ExitCode;
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
-    process::ExitCode,
     time::Duration,
 };
 
@@ -98,7 +98,7 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
         Ok(simulator) => simulator,
         Err(error) => {
             say(&format!("Broken: {error}\n"))?;
-            return Ok(ExitCode::from(1));
+            return Ok(ExitCode(1));
         }
     };
     let (contract, workers) = (simulator.contract().clone(), simulator.workers());
@@ -120,7 +120,7 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
         _ => "\nIn order.\n",
     };
     say(&text)?;
-    Ok(if check.is_broken() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if check.is_broken() { ExitCode(1) } else { ExitCode::SUCCESS })
 }
 
 fn of_file(model: &Path) -> Result<Result<OutsideSimulator, OutsideError>, Failure> {

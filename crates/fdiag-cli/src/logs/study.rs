@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use fd_core::{DynPipeline, Event, stage::Stage};
-use fd_lab::Watcher;
 use fd_model::{Record, TimeBaseReport};
 use fd_numeric::rms;
+use fdiag::Watcher;
 use fdiag::{
     spec::{NominalPlant, PipelineSpec},
     training::{Healthy, Names, Trace, TrainingError, examine, sensor_sizes, train_within},
@@ -110,6 +110,14 @@ pub struct LogResult {
 pub struct Traces {
     /// For each log, without and with compensation.
     pub(super) logs: Vec<(Trace, Trace)>,
+}
+
+impl Traces {
+    /// The signals of the last log, without and with compensation.
+    #[must_use]
+    pub fn last(&self) -> Option<(&Trace, &Trace)> {
+        self.logs.last().map(|(without, with)| (without, with))
+    }
 }
 
 impl LogStudy {

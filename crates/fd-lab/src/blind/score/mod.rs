@@ -1,4 +1,4 @@
-//! `fdiag blind score`.
+//! `fdiag-lab blind score`.
 
 mod classes;
 mod judge;
@@ -28,7 +28,7 @@ use super::{
     seal::SealKey,
     truth::Truth,
 };
-use crate::Watcher;
+use fdiag::Watcher;
 
 /// Share of wrong abstentions at which "none of these" is counted.
 const FALSE_ABSTENTION: f64 = 0.03;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use fd_structure::equations::FaultPlaces;
 
-use super::super::args::OutputArgs;
+use super::super::output::OutputArgs;
 
 pub(crate) const STRUCTURE_HELP: &str = "\
 Examples:

@@ -5,10 +5,8 @@ mod pictures;
 mod study;
 mod tables;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use fd_console::failure::ExitCode;
+use std::path::{Path, PathBuf};
 
 use fd_report::Page;
 use fd_structure::equations::EquationModel;

@@ -11,11 +11,11 @@ mod pulse;
 mod study;
 mod watching;
 
+use fd_console::failure::ExitCode;
 #[cfg(feature = "mqtt")]
 use std::sync::mpsc::Receiver;
 use std::{
     io::BufWriter,
-    process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
     time::Duration,
 };

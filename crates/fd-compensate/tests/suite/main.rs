@@ -1,0 +1,18 @@
+//! The integration tests of `fd-compensate`, one program.
+
+mod adaptive;
+mod allocation;
+mod calibration;
+mod compensation;
+mod convergence_rules;
+mod decisions;
+mod detectors;
+mod held_out;
+mod isolation;
+mod laws;
+mod plant_change;
+mod pre_fitted;
+mod sequential;
+mod support;
+mod two_sample;
+mod void;

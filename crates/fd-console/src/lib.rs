@@ -1,0 +1,24 @@
+//! What the command lines of fdiag share: where results go, what is said, how far the work is, how long a user waits,
+//! and the exit code.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`output`] | `--out`, `--json`: whole files, and standard output for what was asked for |
+//! | [`say`] | standard output and standard error, tamed for terminals |
+//! | [`progress`] | bars on standard error, only when somebody is looking |
+//! | [`patience`] | `--time-limit`, `--yes`: what is announced, and what must be wanted |
+//! | [`failure`] | why a command failed, and its exit code |
+//! | [`toml_file`] | settings from TOML files |
+//! | [`shell`] | completions and pages of `man` |
+
+#[cfg(feature = "testing")]
+pub mod documented;
+pub mod failure;
+pub mod output;
+pub mod patience;
+pub mod pool;
+pub mod progress;
+mod provenance;
+pub mod say;
+pub mod shell;
+pub mod toml_file;

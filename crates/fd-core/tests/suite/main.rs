@@ -1,0 +1,10 @@
+//! The integration tests of `fd-core`, one program.
+
+mod altered;
+mod boxes;
+mod contracts;
+mod fitting;
+mod limits;
+mod pipeline;
+mod smallest;
+mod void;

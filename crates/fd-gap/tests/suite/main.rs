@@ -1,0 +1,5 @@
+//! The integration tests of `fd-gap`, one program.
+
+mod constants;
+mod diagnosis;
+mod shell;

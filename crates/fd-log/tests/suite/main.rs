@@ -1,0 +1,10 @@
+//! The integration tests of `fd-log`, one program.
+
+mod derived;
+mod hdf5;
+mod info;
+mod mat;
+mod npz;
+mod packed;
+mod parquet;
+mod robots;

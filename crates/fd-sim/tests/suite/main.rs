@@ -1,0 +1,6 @@
+//! The integration tests of `fd-sim`, one program.
+
+#[cfg(feature = "fmu")]
+mod fmu;
+mod outside;
+mod simulation;

@@ -1,0 +1,11 @@
+//! The integration tests of `fd-watch`, one program.
+
+#[path = "../../../fdiag/tests/suite/support/mod.rs"]
+mod support;
+
+mod ask;
+mod common;
+mod input;
+mod kept;
+mod monitor;
+mod state;

@@ -1,0 +1,29 @@
+//! The integration tests of `fdiag-cli`, one program.
+
+#[path = "../../../fdiag/tests/suite/support/mod.rs"]
+mod support;
+
+mod cli;
+mod commands;
+mod demo;
+mod fuzz;
+mod gap;
+mod gap_quick_start;
+mod healthy_logs;
+mod hostile;
+mod limits;
+mod log_info;
+mod logs;
+mod nonlinear;
+mod pages;
+mod simulator;
+mod structure;
+mod watch;
+mod watch_diagnose;
+mod watch_http;
+mod watch_kill;
+mod watch_mqtt;
+mod watch_mqtt_ask;
+mod watch_mqtt_away;
+mod watch_mqtt_imposter;
+mod watching;

@@ -1,0 +1,16 @@
+//! The integration tests of `fdiag`, one program.
+
+mod bias_kinds;
+mod data_driven;
+mod detector_kinds;
+mod docs;
+mod fleet;
+mod generators;
+mod limits;
+mod no_alloc;
+mod nonlinear;
+mod outside;
+mod pipeline_laws;
+mod start_in_training;
+mod static_and_spec;
+mod support;
