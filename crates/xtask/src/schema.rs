@@ -8,7 +8,7 @@ use crate::Faults;
 pub(crate) fn write(root: &Path) -> Faults {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let status = Command::new(cargo)
-        .args(["test", "--quiet", "--package", "fdiag-cli", "--test", "gap"])
+        .args(["test", "--quiet", "--package", "fdiag-cli", "--test", "suite"])
         .arg("the_schema_is_that_of_the_types")
         .env("FDIAG_WRITE_SCHEMA", "1")
         .current_dir(root)

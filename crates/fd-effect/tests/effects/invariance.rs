@@ -132,7 +132,8 @@ rail = { unit = "N", enters = { v = "1/m" }, velocity = "v" }
     let is_of_store = |label: &str| ["hidden-store", "overflow", "constant-load"].contains(&label);
     // Without a place, what a hidden store follows is the velocity.
     let is_of_block = |label: &str| label != "hidden-store";
-    let pairs: [(_, _, &dyn Fn(&str) -> bool); 4] = [
+    type Words = dyn Fn(&str) -> bool;
+    let pairs: [(_, _, &Words); 4] = [
         (&bare, &with_level, &is_of_store),
         (&bare, &with_both, &is_of_store),
         (&with_level, &with_both, &any),

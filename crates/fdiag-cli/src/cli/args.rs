@@ -46,7 +46,7 @@ pub(crate) enum Command {
     ///
     /// Lays model files and logs of a jet engine and of a cart into --out, learns what the model of the engine lacks
     /// until a drifting sensor becomes visible, and names what the simulator of the cart lacks. Writes report.html,
-    /// report.json, and the reports of both halves; the page shows the commands that repeat them.
+    /// report.json, pictures (SVG), and the reports of both halves; the page shows the commands that repeat them.
     #[command(after_help = super::demo::DEMO_HELP)]
     Demo(super::demo::DemoArgs),
     /// Learn and remove the residual bias of your own model, then look for faults in later logs

@@ -9,7 +9,7 @@ use std::{
 use crate::logs::{LogStudy, Request, Traces};
 use clap::Args;
 use fd_page::{page as gap_page, run_pictures};
-use fd_report::{Line, Page, Picture, Table};
+use fd_report::{Line, Page, Picture};
 use fdiag::{
     core::Limits,
     gap_study::{self, GapStudy, HeldOutChoice, Request as GapRequest},
@@ -56,6 +56,9 @@ const CART: [(&str, &str); 3] = [
     ("friday.csv", include_str!("../../demo/cart/friday.csv")),
 ];
 
+/// Size of the pictures that are written as files, in pixels.
+const PICTURE_SIZE: (u32, u32) = (720, 400);
+
 /// What both halves found.
 #[derive(Serialize)]
 struct Demo<'a> {
@@ -83,10 +86,10 @@ pub(crate) fn run(args: &DemoArgs) -> Result<ExitCode, Failure> {
 
     let said = headline(&bias, &study);
     let mut page = Page::new("fdiag in half a minute", &said);
-    first_half(&mut page, &bias, &traces, out)?;
-    second_half(&mut page, &study, out)?;
+    first_half(&mut page, &output, &bias, &traces, out)?;
+    second_half(&mut page, &output, &study, out)?;
     let demo = Demo { compensation: &bias, gap: &study.report };
-    output.finish(&said, &[table(&bias, &study)], page, &demo, &[])?;
+    output.finish(&said, &[], page, &demo, &[])?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -147,18 +150,9 @@ fn alarms(bias: &LogStudy) -> [String; 2] {
     [said(without), said(with)]
 }
 
-fn table(bias: &LogStudy, study: &GapStudy) -> Table {
-    let mut table = Table::new("Both halves", &["half", "files", "answer"]);
-    let [without, with] = alarms(bias);
-    let answer = format!("{without} without compensation, {with} with it");
-    table.push(["the bias is learned".to_owned(), "engine/".to_owned(), answer]);
-    let cause = study.report.headline.clone();
-    table.push(["its cause is named".to_owned(), "cart/".to_owned(), cause]);
-    table
-}
-
 fn first_half(
     page: &mut Page,
+    output: &Output<'_>,
     bias: &LogStudy,
     traces: &Traces,
     out: &Path,
@@ -169,19 +163,10 @@ fn first_half(
          and the threshold has to stand above it. fdiag learned the bias from healthy runs; in a later run it simulates \
          it from the fuel flow alone and subtracts it, so that a fault cannot hide in it.",
     );
-    if let Some((without, with)) = traces.last() {
-        let scale = bias.residuals.first().map_or(1.0, |residual| residual.scale);
-        let pictures = [
-            (
-                picture("Before compensation", without, &without.residual, scale),
-                alarms(bias)[0].clone(),
-            ),
-            (
-                picture("After compensation", with, &with.compensated, scale),
-                alarms(bias)[1].clone(),
-            ),
-        ];
-        page.gallery(&pictures).map_err(Failure::analysis)?;
+    let pictures = pictures(bias, traces);
+    page.gallery(&pictures).map_err(Failure::analysis)?;
+    for ((picture, _), name) in pictures.iter().zip(["before", "after"]) {
+        output.write(&format!("engine/{name}.svg"), &svg(picture)?)?;
     }
     page.details(
         "The same on the command line",
@@ -195,11 +180,15 @@ fn first_half(
             ],
         ),
     );
-    page.file("engine/report.html");
     Ok(())
 }
 
-fn second_half(page: &mut Page, study: &GapStudy, out: &Path) -> Result<(), Failure> {
+fn second_half(
+    page: &mut Page,
+    output: &Output<'_>,
+    study: &GapStudy,
+    out: &Path,
+) -> Result<(), Failure> {
     page.heading("2. Name the cause of the bias");
     page.text(
         "A cart on a rail, pushed by a motor; its simulator knows mass and bearing drag. fdiag refitted both within their \
@@ -207,14 +196,31 @@ fn second_half(page: &mut Page, study: &GapStudy, out: &Path) -> Result<(), Fail
     );
     page.text(study.report.headline.clone());
     if let Some(trace) = &study.trace {
-        page.gallery(&run_pictures(trace)).map_err(Failure::analysis)?;
+        let pictures = run_pictures(trace);
+        page.gallery(&pictures).map_err(Failure::analysis)?;
+        if let Some((picture, _)) = pictures.first() {
+            output.write("cart/gap.svg", &svg(picture)?)?;
+        }
     }
     page.details(
         "The same on the command line",
         command(out, "cart", &["gap --model model.toml --log monday.csv --held-out friday.csv"]),
     );
-    page.file("cart/report.html");
     Ok(())
+}
+
+/// The residual of the faulty log before and after compensation.
+fn pictures(bias: &LogStudy, traces: &Traces) -> Vec<(Picture, String)> {
+    let Some((without, with)) = traces.last() else { return Vec::new() };
+    let scale = bias.residuals.first().map_or(1.0, |residual| residual.scale);
+    let before = picture("Before compensation", without, &without.residual, scale);
+    let after = picture("After compensation", with, &with.compensated, scale);
+    [before, after].into_iter().zip(alarms(bias)).collect()
+}
+
+fn svg(picture: &Picture) -> Result<String, Failure> {
+    let (width, height) = PICTURE_SIZE;
+    picture.to_svg(width, height).map_err(Failure::analysis)
 }
 
 /// A residual against its threshold.

@@ -3,7 +3,7 @@
     dead_code,
     unreachable_pub,
     clippy::unwrap_used,
-    reason = "shared by several test binaries, each of which uses a part of it"
+    reason = "each test uses its own part"
 )]
 
 use faer::Mat;

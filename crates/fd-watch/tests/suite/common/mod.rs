@@ -3,7 +3,7 @@
     clippy::unwrap_used,
     dead_code,
     unreachable_pub,
-    reason = "shared by several test binaries"
+    reason = "shared by several tests"
 )]
 
 use crate::support::physical::{self, MODEL};

@@ -5,7 +5,7 @@
     clippy::panic,
     dead_code,
     unreachable_pub,
-    reason = "shared by several test binaries"
+    reason = "shared by several tests"
 )]
 
 #[cfg(feature = "mqtt")]

@@ -3,7 +3,7 @@
     clippy::unwrap_used,
     dead_code,
     unreachable_pub,
-    reason = "shared by several test binaries, each of which uses a part of it"
+    reason = "each test uses its own part"
 )]
 
 pub mod physical;
