@@ -3,7 +3,7 @@
 use super::error::PatchError;
 use crate::{
     equation::Expr,
-    model::{Definition, Delay, Draft, Input, Law, Model, NamedTable, Parameter, Sign, State},
+    model::{Definition, Delay, Draft, Input, Law, Model, NamedTable, Parameter, State},
 };
 
 /// One effect on its way into a model.
@@ -74,11 +74,6 @@ impl Patch {
     /// Adds a delayed expression.
     pub fn add_delay(&mut self, delay: Delay) {
         self.added.delays.push(delay);
-    }
-
-    /// Adds the set-valued sign of a velocity.
-    pub fn add_sign(&mut self, sign: Sign) {
-        self.added.signs.push(sign);
     }
 
     /// Adds a table.
@@ -256,7 +251,6 @@ fn append(draft: &mut Draft, added: Draft) {
     draft.states.extend(added.states);
     draft.definitions.extend(added.definitions);
     draft.delays.extend(added.delays);
-    draft.signs.extend(added.signs);
     draft.tables.extend(added.tables);
 }
 

@@ -3,8 +3,6 @@
 mod engine;
 mod lanes;
 mod memory;
-mod pieces;
-mod signs;
 mod steps;
 mod system;
 

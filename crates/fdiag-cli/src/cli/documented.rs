@@ -8,7 +8,7 @@ use super::args::Cli;
 #[test]
 fn every_command_that_is_shown_is_one() {
     Cli::command().debug_assert();
-    let faults = check(&Cli::command(), 40);
+    let faults = check(&Cli::command(), 30);
     assert!(faults.is_empty(), "{faults:#?}");
 }
 

@@ -1,10 +1,5 @@
 //! A small bias model with its recursive least squares, just enough to drive a compensator.
-#![allow(
-    clippy::unwrap_used,
-    dead_code,
-    unreachable_pub,
-    reason = "shared by several tests"
-)]
+#![allow(clippy::unwrap_used, dead_code, unreachable_pub, reason = "shared by several tests")]
 
 use fd_compensate::residual_compensation::{CompensationPlan, ResidualCompensator};
 use fd_core::{

@@ -1,10 +1,5 @@
 //! Random plants and logs of them.
-#![allow(
-    dead_code,
-    unreachable_pub,
-    clippy::unwrap_used,
-    reason = "each test uses its own part"
-)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used, reason = "each test uses its own part")]
 
 use faer::Mat;
 use fd_model::{Channel, Record, SampleTime};

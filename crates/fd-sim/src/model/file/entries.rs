@@ -46,8 +46,6 @@ pub(super) struct FileModel {
     #[serde(default)]
     pub(super) delays: Ordered<FileDelay>,
     #[serde(default)]
-    pub(super) signs: Ordered<Spanned<Text>>,
-    #[serde(default)]
     pub(super) tables: Ordered<FileTable>,
     pub(super) controller: Option<FileController>,
 }

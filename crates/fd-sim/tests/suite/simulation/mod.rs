@@ -15,6 +15,5 @@ mod models;
 mod patch;
 mod sensitivity;
 mod sharing;
-mod signs;
 mod simulate;
 mod stand_in;

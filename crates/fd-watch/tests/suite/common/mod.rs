@@ -1,10 +1,5 @@
 //! A plant with a wrong model, its logs, and monitors of it.
-#![allow(
-    clippy::unwrap_used,
-    dead_code,
-    unreachable_pub,
-    reason = "shared by several tests"
-)]
+#![allow(clippy::unwrap_used, dead_code, unreachable_pub, reason = "shared by several tests")]
 
 use crate::support::physical::{self, MODEL};
 use fd_log::LogMap;

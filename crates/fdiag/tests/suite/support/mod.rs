@@ -1,10 +1,5 @@
 //! A small plant with a wrong model, and logs of it.
-#![allow(
-    clippy::unwrap_used,
-    dead_code,
-    unreachable_pub,
-    reason = "each test uses its own part"
-)]
+#![allow(clippy::unwrap_used, dead_code, unreachable_pub, reason = "each test uses its own part")]
 
 pub mod physical;
 
