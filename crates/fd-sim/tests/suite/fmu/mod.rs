@@ -21,7 +21,7 @@ fn fmu(macros: &[&str]) -> TempDir {
 /// The same of another version of the standard.
 fn fmu_of(version: u8, macros: &[&str]) -> TempDir {
     let directory = tempfile::tempdir().unwrap();
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/fmu");
     let (xml, c, said) = match version {
         2 => ("mass.xml", "mass.c", "VERSION=\"2.0\""),
         _ => ("mass3.xml", "mass3.c", "VERSION=\"3.0\""),
