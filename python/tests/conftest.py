@@ -83,7 +83,7 @@ def mass(tmp_path_factory: pytest.TempPathFactory) -> Path:
     compiler = shutil.which(os.environ.get("CC", "cc"))
     if compiler is None or platform.system() != "Linux" or platform.machine() != "x86_64":
         pytest.skip("FMUs are compiled on Linux with a C compiler")
-    source = ROOT / "crates" / "fd-sim" / "tests" / "fmu"
+    source = ROOT / "crates" / "fd-sim" / "tests" / "suite" / "fmu"
     folder = tmp_path_factory.mktemp("fmu") / "mass"
     library = folder / "binaries" / "linux64" / "mass.so"
     library.parent.mkdir(parents=True)
