@@ -60,7 +60,10 @@ impl LogStudy {
         let voids = self.logs.iter().filter_map(|log| {
             log.void.as_ref().map(|void| format!("{}: {}.", file_name(log), void.in_words()))
         });
-        let all: Vec<String> = doubts.chain(voids).collect();
+        let not_compared = self.not_compared.as_ref();
+        let not_compared =
+            not_compared.map(|why| format!("Alarms without compensation are not compared: {why}."));
+        let all: Vec<String> = doubts.chain(voids).chain(not_compared).collect();
         if all.is_empty() { String::new() } else { format!(" {}", all.join(" ")) }
     }
 

@@ -40,6 +40,9 @@ pub struct LogStudy {
     /// What speaks against learning from the healthy logs.
     #[serde(default)]
     pub doubts: Vec<LogDoubt>,
+    /// Why there is no threshold without compensation to compare with, and hence no alarm without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_compared: Option<String>,
     /// Every log, healthy ones first.
     pub logs: Vec<LogResult>,
 }
@@ -89,6 +92,9 @@ pub struct LogResult {
     pub largest: (f64, f64),
     /// Time in s of the first alarm without and with compensation.
     pub first_alarm_s: (Option<f64>, Option<f64>),
+    /// From when to when each alarm with compensation lasted, in s; the last one may end with the log.
+    #[serde(default)]
+    pub alarms_s: Vec<[f64; 2]>,
     /// Share of samples in alarm without and with compensation.
     pub alarm_share: (f64, f64),
     /// Where the threshold states no rate of false alarms; none when it does throughout.
@@ -178,7 +184,12 @@ impl LogStudy {
                 scale: o.scale.scale.unwrap_or(1.0),
             })
             .collect();
-        let (mut plain, mut compensated) = (trained.uncompensated()?, trained.compensated()?);
+        let mut compensated = trained.compensated()?;
+        // The primary residual is only compared with: where its own threshold cannot be had, all else goes on.
+        let (mut plain, not_compared) = match trained.uncompensated() {
+            Ok(plain) => (plain, None),
+            Err(error) => (trained.silent()?, Some(error.to_string())),
+        };
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
         for StudiedLog { file: path, record, time_base, healthy } in &material.logs {
             let run = |pipeline: &mut DynPipeline| {
@@ -195,6 +206,7 @@ impl LogStudy {
                 rms_compensated: rms_per_channel(&with, &with.compensated),
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
+                alarms_s: alarm_intervals(&with),
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
                 void: Void::of(&with),
                 sensor_sizes: sensor_sizes(&trained, &with)?
@@ -236,6 +248,7 @@ impl LogStudy {
                 events: trained.events().to_vec(),
             },
             doubts,
+            not_compared,
             logs,
         };
         Ok((study, Traces { logs: traces }))
@@ -273,6 +286,22 @@ fn rms_per_channel(trace: &Trace, values: &[f64]) -> Vec<f64> {
 /// judged over the same samples.
 fn alarm_time(trace: &Trace, compensated: &Trace) -> Option<f64> {
     (0..trace.len()).find(|&k| compensated.compensating[k] && trace.alarm[k]).map(|k| trace.time[k])
+}
+
+/// The times of the first and the last sample of each alarm.
+fn alarm_intervals(trace: &Trace) -> Vec<[f64; 2]> {
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    let mut was_on = false;
+    for k in 0..trace.len() {
+        let is_on = trace.compensating[k] && trace.alarm[k];
+        match intervals.last_mut() {
+            Some([_, last]) if is_on && was_on => *last = trace.time[k],
+            _ if is_on => intervals.push([trace.time[k]; 2]),
+            _ => {}
+        }
+        was_on = is_on;
+    }
+    intervals
 }
 
 fn alarm_share(trace: &Trace, compensated: &Trace) -> f64 {

@@ -11,6 +11,7 @@ mod begin;
 mod bias;
 mod error;
 mod examine;
+mod fault_free;
 mod learn;
 mod replay;
 mod residuals;

@@ -16,9 +16,10 @@ use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::{
-    begin::{pre_fitted, settling_samples},
+    begin::{forgotten_after, pre_fitted, settling_samples},
     bias::LearnedBias,
     error::TrainingError,
+    fault_free::{FaultFree, Judged},
     learn::learn,
     residuals::residual_record,
     running::RunningBias,
@@ -27,6 +28,10 @@ use super::{
     trace::Trace,
 };
 use crate::spec::{DetectorData, DetectorSpec, NominalPlant, PipelineSpec, StartSpec};
+
+/// How many beginnings thresholds are calibrated on, all logs together: the rate of a threshold for one run in twenty
+/// then scatters by half of itself, as that of the rest does where it is resolved.
+const BEGINNINGS: usize = 100;
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -80,12 +85,9 @@ pub struct Trained {
     selection: Option<OrderTable>,
     fit: PreFitted,
     events: Vec<Event>,
-    /// Inputs of the fault-free samples.
-    inputs: Vec<f64>,
-    /// The fault-free samples at which a log begins, without the first.
-    starts: Vec<usize>,
-    primary: Vec<f64>,
-    compensated: Vec<f64>,
+    healthy: FaultFree,
+    /// How a diagnosis begins, started at many places of the same logs.
+    beginnings: FaultFree,
 }
 
 /// Learns the bias and calibrates the detector.
@@ -149,16 +151,15 @@ pub fn train_within<'a>(
         selection: learned.selection,
         fit,
         events: learned.events,
-        inputs: Vec::new(),
-        starts: Vec::new(),
-        primary: Vec::new(),
-        compensated: Vec::new(),
+        healthy: FaultFree::default(),
+        beginnings: FaultFree::default(),
     };
-    for log in healthy.iter().filter(|log| !log.calibrate.is_empty()) {
-        trained.calibrate_on(log)?;
+    let calibrated_on = || healthy.iter().filter(|log| !log.calibrate.is_empty());
+    for log in calibrated_on() {
+        trained.calibrate_on(log, BEGINNINGS.div_ceil(calibrated_on().count()))?;
     }
     let longest = healthy.iter().map(|log| log.calibrate.len()).max().unwrap_or(0);
-    if spec.start == StartSpec::Training && longest > 0 && trained.compensated.is_empty() {
+    if spec.start == StartSpec::Training && longest > 0 && trained.healthy.is_empty() {
         return Err(TrainingError::NeverOpened { samples: longest });
     }
     Ok(trained)
@@ -216,20 +217,20 @@ impl Trained {
     #[must_use]
     pub fn fault_free_maxima(&self) -> (f64, f64) {
         let peak = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        (peak(&self.primary), peak(&self.compensated))
+        (peak(&self.healthy.primary), peak(&self.healthy.compensated))
     }
 
     /// Fault-free samples of the primary and the compensated residual, row by row, next to
     /// [their inputs](Trained::calibration_inputs).
     #[must_use]
     pub fn calibration(&self) -> (&[f64], &[f64]) {
-        (&self.primary, &self.compensated)
+        (&self.healthy.primary, &self.healthy.compensated)
     }
 
     /// Inputs of the fault-free samples, row by row.
     #[must_use]
     pub fn calibration_inputs(&self) -> &[f64] {
-        &self.inputs
+        &self.healthy.inputs
     }
 
     /// A fresh pipeline that subtracts the learned bias, or, when the spec starts in training, learns it on
@@ -239,7 +240,7 @@ impl Trained {
     ///
     /// Returns an error when there was no calibration data, or it does not fit the detector.
     pub fn compensated(&self) -> Result<DynPipeline, TrainingError> {
-        self.pipeline(Box::new(self.compensator()?), &self.compensated)
+        self.pipeline(Box::new(self.compensator()?), Judged::Compensated)
     }
 
     /// A fresh pipeline that learns the bias on line from its first sample, whatever the spec says of the
@@ -250,25 +251,33 @@ impl Trained {
     ///
     /// As [`Trained::compensated`].
     pub fn learning(&self) -> Result<DynPipeline, TrainingError> {
-        self.pipeline(Box::new(self.compensator_from(StartSpec::Training)?), &self.compensated)
+        let compensator = self.compensator_from(StartSpec::Training)?;
+        self.pipeline(Box::new(compensator), Judged::Compensated)
     }
 
-    /// A fresh pipeline without compensation, its detector calibrated in the same way.
+    /// A fresh pipeline without compensation, its detector calibrated in the same way. It waits as long as the one
+    /// that compensates for the generator to settle.
     ///
     /// # Errors
     ///
     /// As [`Trained::compensated`].
     pub fn uncompensated(&self) -> Result<DynPipeline, TrainingError> {
-        let compensator = Uncompensated::new(self.design.residual_len());
-        self.pipeline(Box::new(compensator), &self.primary)
+        let compensator = Uncompensated::new(self.design.residual_len()).settling(self.fit.filling);
+        self.pipeline(Box::new(compensator), Judged::Primary)
     }
 
     fn pipeline(
         &self,
         compensator: Box<dyn Compensator>,
-        healthy: &[f64],
+        judged: Judged,
     ) -> Result<DynPipeline, TrainingError> {
-        let detector = self.detector(healthy)?;
+        let healthy = self.healthy.residual(judged);
+        let beginnings = match self.beginnings.is_empty() {
+            true => None,
+            false => Some(self.beginnings.rows(self.beginnings.residual(judged))?),
+        };
+        let detector =
+            self.detector_from(&self.spec.detector, healthy, beginnings, Some(&self.plan()))?;
         let PipelineSpec { isolation, rule, sizing, .. } = &self.spec;
         let rows = SampleRows::new(self.design.residual_len(), healthy)?;
         let rule = isolation.rule(*rule, sizing, self.design.as_ref(), rows)?;
@@ -281,8 +290,11 @@ impl Trained {
     ///
     /// Returns an error when the residual does not fit the design, or is too short for the rate.
     pub fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, TrainingError> {
-        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
-        self.detector_from(&self.spec.detector, healthy, Some(&plan))
+        self.detector_from(&self.spec.detector, healthy, None, Some(&self.plan()))
+    }
+
+    fn plan(&self) -> CalibrationPlan {
+        CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() }
     }
 
     /// Another detector with the scales of fault-free residuals, its threshold not calibrated.
@@ -295,19 +307,19 @@ impl Trained {
         detector: &DetectorSpec,
         healthy: &[f64],
     ) -> Result<Box<dyn Detector>, TrainingError> {
-        self.detector_from(detector, healthy, None)
+        self.detector_from(detector, healthy, None, None)
     }
 
     fn detector_from(
         &self,
         detector: &DetectorSpec,
         healthy: &[f64],
+        beginnings: Option<DrivenRows<'_>>,
         plan: Option<&CalibrationPlan>,
     ) -> Result<Box<dyn Detector>, TrainingError> {
-        let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
-        let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
         let data = DetectorData {
-            healthy: DrivenRows::new(inputs, residuals)?.in_runs(&self.starts)?,
+            healthy: self.healthy.rows(healthy)?,
+            beginnings,
             plan,
             model: &self.nominal,
             design: self.design.as_ref(),
@@ -371,22 +383,37 @@ impl Trained {
         Ok(pipeline.with_missing_samples(MissingSamples::Hold { at_most: u64::MAX }))
     }
 
-    /// Adds what both residuals look like in healthy data.
-    fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), TrainingError> {
-        let channels = self.design.residual_len();
+    /// Adds what both residuals look like in healthy data, and how `beginnings` diagnoses begin that are started
+    /// within it. Where nothing has to settle, a diagnosis begins as it goes on; one that trains first begins with each
+    /// log.
+    fn calibrate_on(&mut self, log: &Healthy<'_>, beginnings: usize) -> Result<(), TrainingError> {
         let trace = self.watch(log.record)?;
-        let start = self.primary.len() / channels;
-        for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
-            if trace.compensating[k] && log.record.is_complete(k) {
-                let row = k * channels..(k + 1) * channels;
-                self.inputs.extend_from_slice(log.record.u(k));
-                self.primary.extend_from_slice(&trace.residual[row.clone()]);
-                self.compensated.extend_from_slice(&trace.compensated[row]);
-            }
+        self.healthy.append(log.record, &trace, log.calibrate.clone());
+        if self.fit.filling == 0 || self.spec.start != StartSpec::Fitted {
+            return Ok(());
         }
-        if 0 < start && start < self.primary.len() / channels {
-            self.starts.push(start);
+        let end = log.calibrate.end.min(log.record.len());
+        let samples = end.saturating_sub(log.calibrate.start);
+        let filling = usize::try_from(self.fit.filling).unwrap_or(usize::MAX);
+        let length = filling.saturating_add(self.start_up()?);
+        if length > samples {
+            return Ok(());
+        }
+        for i in 0..beginnings {
+            let from = log.calibrate.start + i * (samples - length) / beginnings;
+            let begun = log.record.slice(from, from + length);
+            let trace = self.watch(&begun)?;
+            self.beginnings.append(&begun, &trace, 0..length);
         }
         Ok(())
+    }
+
+    /// Samples until the bias model has forgotten the noise in its first past values: five time constants of its
+    /// slowest pole, and the samples of the debouncing.
+    fn start_up(&self) -> Result<usize, TrainingError> {
+        let radii = self.bias.pole_radii()?;
+        let slowest = radii.into_iter().flatten().fold(0.0, f64::max);
+        let debounced = usize::try_from(self.spec.rule.out_of).unwrap_or(usize::MAX);
+        Ok(forgotten_after(slowest).saturating_add(debounced))
     }
 }
