@@ -3,16 +3,20 @@
 use std::path::PathBuf;
 
 use fd_core::{DynPipeline, Event, stage::Stage};
-use fd_model::{Record, TimeBaseReport};
+use fd_model::TimeBaseReport;
 use fd_numeric::rms;
 use fdiag::Watcher;
 use fdiag::{
-    spec::{NominalPlant, PipelineSpec},
-    training::{Healthy, Names, Trace, TrainingError, examine, sensor_sizes, train_within},
+    spec::{ApplySpec, NominalPlant, PipelineSpec},
+    training::{
+        Compared, Healthy, Names, Payment, Trace, TrainingError, examine, inputs_move,
+        sensor_sizes, train_within,
+    },
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
+    above::AboveMaximum,
     error::LogStudyError,
     healthy::{LogDoubt, Void},
     material::{Material, StudiedLog},
@@ -43,6 +47,9 @@ pub struct LogStudy {
     /// Why there is no threshold without compensation to compare with, and hence no alarm without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub not_compared: Option<String>,
+    /// What a threshold above a maximum promises; none when that is a rate, or rare enough.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above_maximum: Option<AboveMaximum>,
     /// Every log, healthy ones first.
     pub logs: Vec<LogResult>,
 }
@@ -69,6 +76,12 @@ pub struct BiasSummary {
     pub poles: Vec<Vec<f64>>,
     /// What the order criteria chose, if the order was to be chosen.
     pub selection: Option<String>,
+    /// The forms that were compared, the simplest first, if the form was to be chosen.
+    #[serde(default)]
+    pub compared: Vec<Compared>,
+    /// What the bias is worth in each residual channel on held-out healthy samples, and where it is not subtracted.
+    #[serde(default)]
+    pub payments: Vec<Payment>,
     /// Phases of a recursive training.
     pub events: Vec<Event>,
 }
@@ -166,7 +179,8 @@ impl LogStudy {
             .filter(|log| log.healthy)
             .map(|log| Healthy::split(&log.record, material.share_to_learn))
             .collect();
-        if !healthy.iter().any(|log| input_moves(log.record)) {
+        let learns = spec.bias.apply != ApplySpec::Never;
+        if learns && !healthy.iter().any(|log| inputs_move(log.record)) {
             return Err(LogStudyError::NoExcitation);
         }
         let trained = train_within(
@@ -244,23 +258,18 @@ impl LogStudy {
                 orders: bias.orders(),
                 theta: bias.theta(),
                 poles,
+                compared: trained.compared().to_vec(),
+                payments: trained.payments().to_vec(),
                 selection: trained.order_selection().map(|t| t.verdict().to_string()),
                 events: trained.events().to_vec(),
             },
             doubts,
             not_compared,
+            above_maximum: AboveMaximum::of(material, &trained),
             logs,
         };
         Ok((study, Traces { logs: traces }))
     }
-}
-
-fn input_moves(record: &Record) -> bool {
-    (0..record.inputs().len()).any(|channel| {
-        let mut values = record.input(channel).filter(|v| v.is_finite());
-        let first = values.next();
-        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
-    })
 }
 
 /// Residuals that are compared output by output keep the unit of the output.

@@ -17,6 +17,11 @@ pub(super) fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitte
         }
     }
     let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
+    if nu == 0 {
+        let residual_peak = r.iter().fold(0.0_f64, |peak, r| peak.max(r.abs()));
+        let (input_low, input_high) = (Vec::new(), Vec::new());
+        return Ok(PreFitted { theta, input_low, input_high, residual_peak, filling: 0 });
+    }
     Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
 }
 

@@ -3,7 +3,18 @@
 use fd_compensate::{DrivenRows, RowsError, SampleRows};
 use fd_model::Record;
 
-use super::trace::Trace;
+use super::{
+    begin::forgotten_after,
+    error::TrainingError,
+    pay,
+    trace::Trace,
+    train::{Healthy, Trained},
+};
+use crate::spec::{ApplySpec, StartSpec};
+
+/// How many beginnings thresholds are calibrated on, all logs together: the rate of a threshold for one run in twenty
+/// then scatters by half of itself, as that of the rest does where it is resolved.
+const BEGINNINGS: usize = 100;
 
 /// Which residual is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,5 +79,72 @@ impl FaultFree {
             DrivenRows::new(inputs, residuals)?
         };
         rows.in_runs(&self.starts)
+    }
+}
+
+impl Trained {
+    /// What both residuals look like in healthy data.
+    pub(super) fn calibrate(&mut self, healthy: &[Healthy<'_>]) -> Result<(), TrainingError> {
+        (self.healthy, self.beginnings) = (FaultFree::default(), FaultFree::default());
+        let logs = || healthy.iter().filter(|log| !log.calibrate.is_empty());
+        for log in logs() {
+            self.calibrate_on(log, BEGINNINGS.div_ceil(logs().count()))?;
+        }
+        Ok(())
+    }
+
+    /// Leaves the primary residual in every channel in which the bias does not pay.
+    pub(super) fn apply_where_it_pays(
+        &mut self,
+        healthy: &[Healthy<'_>],
+        moves: bool,
+    ) -> Result<(), TrainingError> {
+        let apply = self.spec.bias.apply;
+        let (has_constant, never) = (self.bias.has_constant(), apply == ApplySpec::Never);
+        let learned = pay::Learned { moves, has_constant, never };
+        self.payments = pay::payments(&self.healthy, self.design.residual_len(), &learned);
+        let pays: Vec<bool> = self.payments.iter().map(|payment| payment.applied).collect();
+        if apply != ApplySpec::WhereItPays || pays.iter().all(|pays| *pays) {
+            let always = apply == ApplySpec::Always;
+            self.payments.iter_mut().for_each(|payment| payment.applied |= always);
+            return Ok(());
+        }
+        self.bias = self.bias.only(&pays)?;
+        self.fit.theta = self.bias.loaded();
+        self.calibrate(healthy)
+    }
+
+    /// Adds what both residuals look like in healthy data, and how `beginnings` diagnoses begin that are started
+    /// within it. Where nothing has to settle, a diagnosis begins as it goes on; one that trains first begins with each
+    /// log.
+    fn calibrate_on(&mut self, log: &Healthy<'_>, beginnings: usize) -> Result<(), TrainingError> {
+        let trace = self.watch(log.record)?;
+        self.healthy.append(log.record, &trace, log.calibrate.clone());
+        if self.fit.filling == 0 || self.spec.start != StartSpec::Fitted {
+            return Ok(());
+        }
+        let end = log.calibrate.end.min(log.record.len());
+        let samples = end.saturating_sub(log.calibrate.start);
+        let filling = usize::try_from(self.fit.filling).unwrap_or(usize::MAX);
+        let length = filling.saturating_add(self.start_up()?);
+        if length > samples {
+            return Ok(());
+        }
+        for i in 0..beginnings {
+            let from = log.calibrate.start + i * (samples - length) / beginnings;
+            let begun = log.record.slice(from, from + length);
+            let trace = self.watch(&begun)?;
+            self.beginnings.append(&begun, &trace, 0..length);
+        }
+        Ok(())
+    }
+
+    /// Samples until the bias model has forgotten the noise in its first past values: five time constants of its
+    /// slowest pole, and the samples of the debouncing.
+    fn start_up(&self) -> Result<usize, TrainingError> {
+        let radii = self.bias.pole_radii()?;
+        let slowest = radii.into_iter().flatten().fold(0.0, f64::max);
+        let debounced = usize::try_from(self.spec.rule.out_of).unwrap_or(usize::MAX);
+        Ok(forgotten_after(slowest).saturating_add(debounced))
     }
 }

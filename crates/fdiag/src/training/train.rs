@@ -16,11 +16,14 @@ use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::{
-    begin::{forgotten_after, pre_fitted, settling_samples},
+    begin::{pre_fitted, settling_samples},
     bias::LearnedBias,
+    choose::Compared,
     error::TrainingError,
+    examine::inputs_move,
     fault_free::{FaultFree, Judged},
     learn::learn,
+    pay::Payment,
     residuals::residual_record,
     running::RunningBias,
     silent::Silent,
@@ -28,10 +31,6 @@ use super::{
     trace::Trace,
 };
 use crate::spec::{DetectorData, DetectorSpec, NominalPlant, PipelineSpec, StartSpec};
-
-/// How many beginnings thresholds are calibrated on, all logs together: the rate of a threshold for one run in twenty
-/// then scatters by half of itself, as that of the rest does where it is resolved.
-const BEGINNINGS: usize = 100;
 
 /// A log of the healthy plant and what its samples are for.
 #[derive(Clone, Debug)]
@@ -78,16 +77,18 @@ impl<'a> Healthy<'a> {
 /// A diagnosis that has learned what is normal.
 #[derive(Debug)]
 pub struct Trained {
-    spec: PipelineSpec,
-    nominal: StateSpace<Discrete>,
-    design: Box<dyn GeneratorDesign>,
-    bias: LearnedBias,
-    selection: Option<OrderTable>,
-    fit: PreFitted,
-    events: Vec<Event>,
-    healthy: FaultFree,
+    pub(super) spec: PipelineSpec,
+    pub(super) nominal: StateSpace<Discrete>,
+    pub(super) design: Box<dyn GeneratorDesign>,
+    pub(super) bias: LearnedBias,
+    pub(super) selection: Option<OrderTable>,
+    pub(super) compared: Vec<Compared>,
+    pub(super) payments: Vec<Payment>,
+    pub(super) fit: PreFitted,
+    pub(super) events: Vec<Event>,
+    pub(super) healthy: FaultFree,
     /// How a diagnosis begins, started at many places of the same logs.
-    beginnings: FaultFree,
+    pub(super) beginnings: FaultFree,
 }
 
 /// Learns the bias and calibrates the detector.
@@ -149,14 +150,16 @@ pub fn train_within<'a>(
         design,
         bias: learned.bias,
         selection: learned.selection,
+        compared: learned.compared,
+        payments: Vec::new(),
         fit,
         events: learned.events,
         healthy: FaultFree::default(),
         beginnings: FaultFree::default(),
     };
-    let calibrated_on = || healthy.iter().filter(|log| !log.calibrate.is_empty());
-    for log in calibrated_on() {
-        trained.calibrate_on(log, BEGINNINGS.div_ceil(calibrated_on().count()))?;
+    trained.calibrate(healthy)?;
+    if !trained.healthy.is_empty() && trained.spec.start == StartSpec::Fitted {
+        trained.apply_where_it_pays(healthy, records.iter().any(inputs_move))?;
     }
     let longest = healthy.iter().map(|log| log.calibrate.len()).max().unwrap_or(0);
     if spec.start == StartSpec::Training && longest > 0 && trained.healthy.is_empty() {
@@ -204,6 +207,19 @@ impl Trained {
     #[must_use]
     pub fn order_selection(&self) -> Option<&OrderTable> {
         self.selection.as_ref()
+    }
+
+    /// All forms of the bias model that were compared, the simplest first, when the form was to be chosen.
+    #[must_use]
+    pub fn compared(&self) -> &[Compared] {
+        &self.compared
+    }
+
+    /// What the bias model is worth in each residual channel on the samples that it was calibrated on; none without
+    /// such samples, or when the bias is learned on line first.
+    #[must_use]
+    pub fn payments(&self) -> &[Payment] {
+        &self.payments
     }
 
     /// Phases of a recursive training.
@@ -368,7 +384,7 @@ impl Trained {
 
     /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
     /// held.
-    fn watch(&self, record: &Record) -> Result<Trace, TrainingError> {
+    pub(super) fn watch(&self, record: &Record) -> Result<Trace, TrainingError> {
         Ok(Trace::of(&mut self.silent()?, record)?)
     }
 
@@ -381,39 +397,5 @@ impl Trained {
         let judge = Box::new(Silent(self.design.residual_len()));
         let pipeline = self.assemble(Box::new(self.compensator()?), judge.clone(), judge)?;
         Ok(pipeline.with_missing_samples(MissingSamples::Hold { at_most: u64::MAX }))
-    }
-
-    /// Adds what both residuals look like in healthy data, and how `beginnings` diagnoses begin that are started
-    /// within it. Where nothing has to settle, a diagnosis begins as it goes on; one that trains first begins with each
-    /// log.
-    fn calibrate_on(&mut self, log: &Healthy<'_>, beginnings: usize) -> Result<(), TrainingError> {
-        let trace = self.watch(log.record)?;
-        self.healthy.append(log.record, &trace, log.calibrate.clone());
-        if self.fit.filling == 0 || self.spec.start != StartSpec::Fitted {
-            return Ok(());
-        }
-        let end = log.calibrate.end.min(log.record.len());
-        let samples = end.saturating_sub(log.calibrate.start);
-        let filling = usize::try_from(self.fit.filling).unwrap_or(usize::MAX);
-        let length = filling.saturating_add(self.start_up()?);
-        if length > samples {
-            return Ok(());
-        }
-        for i in 0..beginnings {
-            let from = log.calibrate.start + i * (samples - length) / beginnings;
-            let begun = log.record.slice(from, from + length);
-            let trace = self.watch(&begun)?;
-            self.beginnings.append(&begun, &trace, 0..length);
-        }
-        Ok(())
-    }
-
-    /// Samples until the bias model has forgotten the noise in its first past values: five time constants of its
-    /// slowest pole, and the samples of the debouncing.
-    fn start_up(&self) -> Result<usize, TrainingError> {
-        let radii = self.bias.pole_radii()?;
-        let slowest = radii.into_iter().flatten().fold(0.0, f64::max);
-        let debounced = usize::try_from(self.spec.rule.out_of).unwrap_or(usize::MAX);
-        Ok(forgotten_after(slowest).saturating_add(debounced))
     }
 }
