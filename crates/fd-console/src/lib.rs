@@ -8,6 +8,7 @@
 //! | [`progress`] | bars on standard error, only when somebody is looking |
 //! | [`patience`] | `--time-limit`, `--yes`: what is announced, and what must be wanted |
 //! | [`failure`] | why a command failed, and its exit code |
+//! | [`provenance`] | what a page says of where it is from |
 //! | [`toml_file`] | settings from TOML files |
 //! | [`shell`] | completions and pages of `man` |
 
@@ -18,7 +19,7 @@ pub mod output;
 pub mod patience;
 pub mod pool;
 pub mod progress;
-mod provenance;
+pub mod provenance;
 pub mod say;
 pub mod shell;
 pub mod toml_file;

@@ -13,10 +13,7 @@ const PART: usize = 1 << 16;
 /// read any more has none.
 pub(crate) fn provenance(inputs: &[&Path]) -> Vec<String> {
     let now = fmt_http_date(SystemTime::now());
-    let arguments = env::args().skip(1).map(|argument| quoted(&argument));
-    let name = program();
-    let command: Vec<String> = std::iter::once(name.clone()).chain(arguments).collect();
-    let program = format!("{name} {}, {now}: `{}`", env!("CARGO_PKG_VERSION"), command.join(" "));
+    let program = format!("{} {}, {now}: `{}`", name(), env!("CARGO_PKG_VERSION"), command());
     let files = inputs.iter().map(|path| {
         let hash = hash(path).map_or_else(|| "not a file".to_owned(), |h| format!("SHA-256 {h}…"));
         format!("`{}`: {hash}", Shown(&path.display().to_string()))
@@ -24,8 +21,15 @@ pub(crate) fn provenance(inputs: &[&Path]) -> Vec<String> {
     std::iter::once(program).chain(files).collect()
 }
 
+/// The command line as it was given, as a shell takes it; the program by its name alone.
+#[must_use]
+pub fn command() -> String {
+    let arguments = env::args().skip(1).map(|argument| quoted(&argument));
+    std::iter::once(name()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
 /// The name of the program that runs, without its directory.
-fn program() -> String {
+fn name() -> String {
     let first = env::args_os().next();
     let name = first.as_deref().map(Path::new).and_then(Path::file_stem);
     name.map_or_else(|| "fdiag".to_owned(), |name| name.to_string_lossy().into_owned())

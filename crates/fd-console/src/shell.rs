@@ -8,18 +8,6 @@ use clap_complete::Shell;
 
 use crate::{failure::Failure, say::say};
 
-/// After the options in the help text.
-pub const COMPLETIONS_HELP: &str = "\
-Examples:
-  fdiag completions bash > ~/.local/share/bash-completion/completions/fdiag
-  fdiag completions zsh > ~/.zfunc/_fdiag
-  fdiag completions fish > ~/.config/fish/completions/fdiag.fish";
-
-/// After the options in the help text.
-pub const MAN_HELP: &str = "\
-Example:
-  fdiag man ~/.local/share/man/man1";
-
 /// The shell that is told.
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {

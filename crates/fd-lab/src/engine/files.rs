@@ -30,7 +30,7 @@ impl Benchmark {
     ///
     /// # Errors
     ///
-    /// As [`Benchmark::trial`], and where the engine has no scales of its own.
+    /// As [`Benchmark::trial`]; without a faulty sensor or a test run; a model that no file can hold.
     pub fn user_files(
         &self,
         seed: u64,

@@ -97,12 +97,22 @@ pub(crate) enum Command {
         command: super::log::LogCommand,
     },
     /// Print a script that completes commands and options in a shell
-    #[command(after_help = super::shell::COMPLETIONS_HELP)]
+    #[command(after_help = COMPLETIONS_HELP)]
     Completions(super::shell::CompletionsArgs),
     /// Write this help as pages of `man`
-    #[command(after_help = super::shell::MAN_HELP)]
+    #[command(after_help = MAN_HELP)]
     Man(super::shell::ManArgs),
 }
+
+const COMPLETIONS_HELP: &str = "\
+Examples:
+  fdiag completions bash > ~/.local/share/bash-completion/completions/fdiag
+  fdiag completions zsh > ~/.zfunc/_fdiag
+  fdiag completions fish > ~/.config/fish/completions/fdiag.fish";
+
+const MAN_HELP: &str = "\
+Example:
+  fdiag man ~/.local/share/man/man1";
 
 const GAP_HELP: &str = "\
 Examples:

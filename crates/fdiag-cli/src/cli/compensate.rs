@@ -1,13 +1,17 @@
 //! `fdiag compensate`: a user's own model and logs.
 
-use fd_console::failure::ExitCode;
 use std::path::{Path, PathBuf};
 
 use crate::logs::{LogStudy, LogStudyError, Request};
 use fdiag::{core::Limits, training::TrainingError};
 
 use super::{
-    args::CompensateArgs, failure::Failure, output::Output, progress::Bar, say::say, toml_file,
+    args::CompensateArgs,
+    failure::{ExitCode, Failure},
+    output::Output,
+    progress::Bar,
+    say::say,
+    toml_file,
 };
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {

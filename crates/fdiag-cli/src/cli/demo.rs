@@ -1,12 +1,10 @@
 //! `fdiag demo`: both halves of the method on one page, on files that it lays beside the page.
 
-use fd_console::failure::ExitCode;
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use crate::logs::{LogStudy, Request, Traces};
 use clap::Args;
 use fd_page::{page as gap_page, run_pictures};
 use fd_report::{Line, Page, Picture};
@@ -18,8 +16,10 @@ use fdiag::{
 };
 use serde::Serialize;
 
+use crate::logs::{LogStudy, Request, Traces};
+
 use super::{
-    failure::Failure,
+    failure::{ExitCode, Failure},
     output::{Output, OutputArgs},
     pool::pool,
     progress::{Bar, Stages},

@@ -1,6 +1,5 @@
 //! `fdiag gap`: a user's simulator and logs of the real system.
 
-use fd_console::failure::ExitCode;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
@@ -21,7 +20,7 @@ use signal_hook::{consts::SIGINT, flag};
 
 use super::{
     args::GapArgs,
-    failure::Failure,
+    failure::{ExitCode, Failure},
     output::Output,
     pool::pool,
     progress::Stages,

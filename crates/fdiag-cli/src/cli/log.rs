@@ -1,6 +1,5 @@
 //! `fdiag log`: what is in a log file, before it is used for anything.
 
-use fd_console::failure::ExitCode;
 use std::{fmt::Write as _, path::PathBuf};
 
 use clap::{Args, Subcommand};
@@ -8,7 +7,11 @@ use fd_log::{ClockInfo, ColumnInfo, LogInfo, LogMap, TableInfo, info};
 use fd_report::Table;
 use fdiag::model::figure;
 
-use super::{failure::Failure, say::say, toml_file};
+use super::{
+    failure::{ExitCode, Failure},
+    say::say,
+    toml_file,
+};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum LogCommand {

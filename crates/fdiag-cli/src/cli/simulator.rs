@@ -1,6 +1,5 @@
 //! `fdiag simulator`: simulators of users, checked; models, served.
 
-use fd_console::failure::ExitCode;
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
@@ -27,7 +26,10 @@ use fdiag::{
     },
 };
 
-use super::{failure::Failure, say::say};
+use super::{
+    failure::{ExitCode, Failure},
+    say::say,
+};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulatorCommand {

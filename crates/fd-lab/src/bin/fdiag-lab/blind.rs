@@ -1,6 +1,5 @@
 //! `fdiag-lab blind`: the blind test of the gap diagnosis.
 
-use fd_console::failure::ExitCode;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -18,7 +17,7 @@ use fdiag::gap_study::automatic_settings;
 use fdiag::sim::model::Model;
 
 use fd_console::{
-    failure::Failure,
+    failure::{ExitCode, Failure},
     output::{Output, OutputArgs},
     patience::{PatienceArgs, Plan},
     pool::pool,

@@ -1,16 +1,16 @@
 //! `fdiag-lab compare`: the tournament.
 
-use fd_console::failure::ExitCode;
 use std::{fs, path::Path};
 
 use fd_lab::compare::{CompareConfig, CompareError, Comparison, begin_anew};
 use fd_report::Table;
 
 use fd_console::{
-    failure::Failure,
+    failure::{ExitCode, Failure},
     output::Output,
     pool::pool,
     progress::Bar,
+    provenance::command,
     say::{remark, say},
     toml_file,
 };
@@ -67,12 +67,6 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     // Everything in it is in the report now.
     fs::remove_file(&journal).map_err(|error| Failure::output(&journal, error))?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The command line as it was given, the program by its name alone.
-fn command() -> String {
-    let arguments = std::env::args().skip(1);
-    ["fdiag".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {

@@ -1,6 +1,5 @@
 //! `fdiag-lab engine`: the benchmark.
 
-use fd_console::failure::ExitCode;
 use std::{fs, path::Path, time::Instant};
 
 use fd_lab::engine::{Benchmark, EngineConfig, EngineStudyError};
@@ -9,7 +8,12 @@ use fd_model::{figure, file::write_atomically};
 use fd_report::Table;
 
 use fd_console::{
-    failure::Failure, output::Output, pool::pool, progress::Bar, say::say, toml_file,
+    failure::{ExitCode, Failure},
+    output::Output,
+    pool::pool,
+    progress::Bar,
+    say::say,
+    toml_file,
 };
 
 use super::args::EngineArgs;

@@ -8,11 +8,9 @@ mod compare;
 mod documented;
 mod engine;
 
-use fd_console::failure::ExitCode;
-
 use clap::{CommandFactory, Parser};
 use fd_console::{
-    failure::Failure,
+    failure::{ExitCode, Failure},
     say::{be_quiet, complain, say},
     shell,
 };

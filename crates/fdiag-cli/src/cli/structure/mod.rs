@@ -5,7 +5,6 @@ mod pictures;
 mod study;
 mod tables;
 
-use fd_console::failure::ExitCode;
 use std::path::{Path, PathBuf};
 
 use fd_report::Page;
@@ -21,7 +20,10 @@ use fdiag::{
 
 pub(crate) use self::args::{STRUCTURE_HELP, StructureArgs};
 use self::study::Study;
-use super::{failure::Failure, output::Output};
+use super::{
+    failure::{ExitCode, Failure},
+    output::Output,
+};
 
 pub(crate) fn run(args: &StructureArgs) -> Result<ExitCode, Failure> {
     let model = model(args)?;

@@ -11,7 +11,6 @@ mod pulse;
 mod study;
 mod watching;
 
-use fd_console::failure::ExitCode;
 #[cfg(feature = "mqtt")]
 use std::sync::mpsc::Receiver;
 use std::{
@@ -33,7 +32,7 @@ use self::{
 };
 use super::{
     args_watch::{StreamFormat, WatchArgs},
-    failure::Failure,
+    failure::{ExitCode, Failure},
     say::{is_watched, remark},
     toml_file,
 };
