@@ -17,6 +17,7 @@ __all__ = [
     "__version__",
     "check",
     "column_map",
+    "command",
     "linear_channels",
     "study",
 ]

@@ -101,3 +101,17 @@ def test_types(command: list[str], tmp_path: Path) -> None:
 
 def test_columns_of_the_quick_start_are_read_right(quick: dict[str, str]) -> None:
     assert len(columns(quick["monday"])["speed [m/s]"]) == 1000
+
+
+def test_the_command_comes_with_the_package() -> None:
+    """`fdiag` runs in the process of Python, with the exit codes of the program."""
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        line = [sys.executable, "-m", "fdiag._command", *arguments]
+        return subprocess.run(line, capture_output=True, text=True, check=False)
+
+    assert run("--version").stdout.startswith("fdiag ")
+    wrong = run("gap", "--modle", "cart.toml")
+    assert wrong.returncode == 2 and "--model" in wrong.stderr, wrong
+    missing = run("gap", "--model", "gone.toml", "--log", "gone.csv")
+    assert missing.returncode == 3 and "gone.toml" in missing.stderr, missing
