@@ -34,6 +34,7 @@ pub use self::result::{
     Band, Bin, Change, ChannelGap, FreeSignal, Location, PlaceEvidence, Region, RegionOf, RegionOn,
     SideEvidence, Size, Spectrum, Stretch, TimeCourse,
 };
+pub(crate) use self::free_signal::with_free_input;
 use self::{
     bench::{Bench, settled},
     free_signal::Probe,

@@ -14,7 +14,7 @@ use crate::fit::{
 };
 
 /// Part of a free run from which its initial state is estimated.
-const FREE_RUN_SHARE: usize = 4;
+pub(crate) const FREE_RUN_SHARE: usize = 4;
 /// Part of a window for the same purpose.
 const WINDOW_SHARE: usize = 2;
 

@@ -14,7 +14,7 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::begun::as_begun;
+pub(crate) use self::{begun::as_begun, forecast::FREE_RUN_SHARE};
 pub use self::{
     another_run::Paths,
     baselines::Baselines,

@@ -72,7 +72,7 @@ pub(super) fn by_forecasts<'a>(
 }
 
 /// Where the free run is lost, single causes are searched and weighed again in windows.
-fn in_windows_where_lost<'a>(
+pub(super) fn in_windows_where_lost<'a>(
     weighed: Weighed<'a>,
     windows: Horizon,
     context: &Context<'a>,

@@ -1,6 +1,7 @@
 //! From evidence to a verdict: which answers are tied, which are in doubt, how probable each one is.
 
 mod beside;
+mod beyond;
 mod by_evidence;
 mod by_forecasts;
 mod contest;
@@ -47,7 +48,9 @@ pub(super) fn judge<'a>(
     let sigma = &weighed.singles.searched.noise.sigma;
     let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
-    let judged = if weighed.is_far() {
+    let judged = if weighed.is_far() && std::env::var_os("FDIAG_OLD").is_none() {
+        beyond::beyond(weighed, &held_out, context)?
+    } else if weighed.is_far() {
         by_forecasts(weighed, &held_out, context)?
     } else {
         by_evidence(weighed, &held_out, context)?

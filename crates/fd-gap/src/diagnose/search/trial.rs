@@ -244,6 +244,15 @@ impl<'a> Trial<'a> {
         self.fall_back(null);
     }
 
+    /// The same place with other weights.
+    pub(in crate::diagnose) fn reweigh(&mut self, weights: &Weights) {
+        self.problem.set_weights(weights.clone());
+        if let Some(best) = self.best.take() {
+            let found = minimise(&mut self.problem, &best.z, None, LOOK);
+            self.best = found.map(|minimum| self.lean(minimum));
+        }
+    }
+
     /// Goes on from the same place with another integration step, at which `base` was fitted, too.
     pub(in crate::diagnose) fn refine(
         &mut self,
