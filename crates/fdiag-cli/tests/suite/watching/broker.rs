@@ -130,6 +130,14 @@ impl Broker {
         }
     }
 
+    /// Publishes something that the broker may refuse.
+    pub fn try_publish(&self, user: &str, topic: &str, text: &str) {
+        let port = self.port.to_string();
+        let mut command = Command::new("mosquitto_pub");
+        command.args(["-p", &port, "-u", user, "-P", PASSWORD, "-t", topic, "-m", text]);
+        command.status().expect("this test needs the clients of mosquitto");
+    }
+
     /// Publishes a text that the broker keeps for whoever comes later.
     pub fn retain(&self, topic: &str, text: &str) {
         let (client, mut connection) = Client::new(self.options("retainer"), 2);
