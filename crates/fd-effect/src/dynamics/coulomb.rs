@@ -9,7 +9,8 @@ use crate::{Effect, Offers, Sketch};
 /// whatever keeps it at rest, up to `f`.
 ///
 /// * Direction-dependent: `f (1 ± a)` for the two directions.
-/// * Stribeck: `f + g exp(-(v/w)²)`, at rest up to `f + g`.
+/// * Stribeck: `f + g exp(-(v/w)²)`, at rest up to `f + g`; the velocity `w` may be a two-hundredth of the usual one,
+///   where only what holds at rest is more.
 /// * Load-dependent: `f + m |N|`, where `N` is the force that the nominal model has at the site,
 ///   the sum of what drives and what holds: what accelerates.
 /// * Gear: `f + m |D - H|`, where `D` is the part of that force that the inputs drive and `H` the
@@ -59,13 +60,18 @@ impl Effect for CoulombFriction {
                         "stribeck_velocity",
                         at.velocity_unit(),
                         at.velocity(),
-                        [0.05, 3.0],
+                        [0.005, 3.0],
                         0.3,
                     ),
                     at,
                     "f + g*exp(-(v/w)^2)",
                 )
-                .starts([[0.05, 0.1, 0.3], [0.2, 0.3, 0.2], [0.5, 0.5, 0.6]]),
+                .starts([
+                    [0.05, 0.1, 0.3],
+                    [0.2, 0.3, 0.2],
+                    [0.5, 0.5, 0.6],
+                    [0.2, 0.05, 0.02],
+                ]),
                 rub(
                     dry("load-dependent")
                         .require(at.site.has_equation(), super::NO_EQUATION)

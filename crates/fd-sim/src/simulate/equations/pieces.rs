@@ -14,6 +14,9 @@ impl<V: Value> Engine<V> {
     pub(super) fn run_pieces(&mut self, t: f64, at: f64) {
         let [zero, one] = [0.0, 1.0].map(V::constant);
         let first_delay = self.held.len() - self.lines.len();
+        if self.lines.is_empty() {
+            return V::vectorized(RungeKutta { engine: self, t, at, piece: None });
+        }
         self.start.copy_from_slice(&self.x);
         let mut end = self.next_jump(zero);
         if end.is_none() {

@@ -25,7 +25,7 @@ use crate::equation::{Value, Workspace};
 const ROUNDS: usize = 8;
 /// Sweeps over the places for one Newton step.
 const SWEEPS: usize = 200;
-/// Change of a sign that is rounding: a thousandth of a millionth of what creeps of a millionth of the friction would take.
+/// Change of a sign that is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// What a model with signs needs beside the rest of an engine.
