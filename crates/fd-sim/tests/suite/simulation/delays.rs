@@ -92,12 +92,12 @@ fn delays_of_held_inputs_switch_within_a_step() {
         let (y, fine) = (run(factor, delay), run(60, delay));
         y.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     };
+    // Late inputs are others at the beginning, which is why errors may differ by a small factor.
+    let plain = [1, 4].map(|factor| error(factor, 0.0));
+    assert!(150.0 * plain[1] < plain[0], "order 4: {plain:?}");
     for delay in [0.013, 0.053, 0.1] {
-        // The pieces of a step are shorter in some refinements: order 4 makes 256 on the whole.
-        let [coarse, fine] = [1, 4].map(|factor| error(factor, delay));
-        println!("delay {delay}: {coarse:e}, {fine:e}; without: {:e}", error(1, 0.0));
-        assert!(coarse < 1.5 * error(1, 0.0), "{delay}: {coarse}");
-        assert!(60.0 * fine < coarse, "{delay}: {coarse} {fine}");
+        let late = [1, 4].map(|factor| error(factor, delay));
+        assert!((0..2).all(|i| late[i] < 3.0 * plain[i]), "{delay}: {late:?}, {plain:?}");
     }
 }
 
