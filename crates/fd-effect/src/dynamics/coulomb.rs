@@ -21,7 +21,8 @@ use crate::{Effect, Offers, Sketch};
 /// shows only velocities `v_k` and what a force does to them in a step, `K`; there the force of the step before and the
 /// change of the velocity that came of it tell what the velocity would become, and the friction of the next step is
 /// `clamp(b + (2 v_k - v_(k-1))/K, -h, h)`, with `b` that of the step before and `h` the level: zero velocity at the end of
-/// the next step where the acceleration is constant, and no creep.
+/// the next step where the acceleration is constant, and no creep. A load that jumps is met one step late, and where it
+/// leaves friction little to spare, what it pushed in that step is braked by no more than that.
 #[derive(Clone, Copy, Debug)]
 pub struct CoulombFriction;
 
@@ -86,6 +87,7 @@ impl Effect for CoulombFriction {
                 .starts([[0.05, 0.05], [0.02, 0.2], [0.3, 0.1]]),
                 rub(
                     dry("gear")
+                        .require(at.site.has_equation(), super::NO_EQUATION)
                         .strength("m", "per_transmitted", "1", 1.0, [0.0, 1.0])
                         .with_helpers(&at.site.helpers)
                         .with_helpers(&helpers)

@@ -2,31 +2,36 @@
 //!
 //! A sign `s ∈ Sgn(v)` is 1 or -1 where its velocity is positive or negative, and at rest whatever keeps the velocity at
 //! zero, within [-1, 1]. It is found implicitly, as by Moreau and Jean: an integration step is run with signs that are
-//! held, and these are chosen such that the velocities at its end are right. Those at the end depend on the signs
-//! through the mass matrix of the places that rub, `W = ∂v/∂s`, measured by differences of whole steps. Where a velocity
-//! passes zero in the step, the sign is the mean over what comes before the stop and what comes after it,
+//! held, and these are then changed such that the velocities at its end are right. Those at the end depend on the signs
+//! through the mass matrix of the places that rub, `W = ∂v/∂s`. Where a velocity passes zero in the step, the sign is the
+//! mean over what comes before the stop and what comes after it,
 //!
 //! `s = ±1 + (1 - τ) (clamp(±1 + (v₀ - v₁)/W, -1, 1) ∓ 1)`, with the stop at `τ = v₀/(v₀ - v₁)` of the step,
 //!
 //! where `v₁` is the velocity at the end with the sign of `v₀`. It is exact for a constant acceleration, continuous in
 //! all parameters, and zero velocity at the end where the place sticks. Several places are solved by projected
-//! Gauss-Seidel sweeps (Jean 1999, "The non-smooth contact dynamics method"). The mean force
-//! gives the right velocity, but not the way: the velocity goes straight from `v₀` to the end instead of by way of zero.
-//! What is missing, `δ = -h ((1 - τ) v₀ + τ v_end)/2`, moves the states as that velocity would. A step in which all places
-//! slide on costs nothing beside the look at the velocities; one in which a place stays at rest under a constant load
-//! neither.
+//! Gauss-Seidel sweeps (Jean 1999, "The non-smooth contact dynamics method").
+//!
+//! `W` is measured once in a run, by steps with one sign changed, and then follows what changed signs do by Broyden's
+//! rank-one changes (1965), which for one place are the secant: a change costs one step run again.
+//!
+//! The mean force gives the right velocity, but not the way: the velocity goes straight from `v₀` to the end instead of
+//! by way of zero. What is missing, `δ = -h ((1 - τ) v₀ + τ v_end)/2`, moves the states as that velocity would. A step in
+//! which all places slide on costs nothing beside the look at the velocities; one in which a place stays at rest under a
+//! constant load neither.
 
 use fd_core::Scalar;
 
 use super::{engine::Engine, system::System};
 use crate::equation::{Value, Workspace};
 
-/// Newton steps for the signs of one integration step; the first is exact where the plant is linear.
+/// Newton steps for the signs of one integration step; the first is exact where the plant is linear. After the last, the
+/// signs are within [-1, 1] and the states are those that they give.
 const ROUNDS: usize = 8;
 /// Sweeps over the places for one Newton step.
 const SWEEPS: usize = 200;
-/// Change of a sign that is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Change of a sign that is rounding: an ulp of a velocity is so much of what the sign does to it in the shortest of steps.
+const ROUNDING: f64 = 1e-11;
 
 /// What a model with signs needs beside the rest of an engine.
 #[derive(Clone, Debug)]
@@ -42,18 +47,20 @@ pub(super) struct Signs<V> {
     /// Velocities at the start and at the end.
     before: Vec<V>,
     after: Vec<V>,
-    /// Those at the end of a step with one sign changed.
-    moved: Vec<V>,
-    /// Slopes `∂v_i/∂s_j`, row by row, as they were measured last; zero before.
+    /// Those at the end with other signs, or with those of the round before.
+    other: Vec<V>,
+    /// Slopes `∂v_i/∂s_j`, row by row, as they were found last; not a number before.
     pub(super) slopes: Vec<V>,
-    /// Signs that are tried next.
+    /// Signs of the round before, and those that are tried next.
+    last: Vec<V>,
     next: Vec<V>,
-    /// What is missing of the way of each place, and what is tried next.
+    /// What is missing of the way of each place, as a change of the sign that would move it so far in a step, and what is
+    /// tried next.
     missing: Vec<V>,
     next_missing: Vec<V>,
     /// Lanes of which the signs are not found yet.
     open: Vec<bool>,
-    /// Lanes that need new slopes.
+    /// Open lanes of which the slopes are not known yet.
     unsure: Vec<bool>,
 }
 
@@ -69,8 +76,9 @@ impl<V: Value> Signs<V> {
             start: zeros(states),
             before: zeros(count),
             after: zeros(count),
-            moved: zeros(count),
-            slopes: zeros(count * count),
+            other: zeros(count),
+            slopes: vec![V::constant(f64::NAN); count * count],
+            last: zeros(count),
             next: zeros(count),
             missing: zeros(count),
             next_missing: zeros(count),
@@ -81,7 +89,7 @@ impl<V: Value> Signs<V> {
 
     /// Forgets the run before.
     pub(super) fn restart(&mut self) {
-        self.slopes.fill(V::constant(0.0));
+        self.slopes.fill(V::constant(f64::NAN));
     }
 }
 
@@ -91,7 +99,8 @@ impl<V: Value> Engine<V> {
         // Taken out, so that the engine can run steps meanwhile.
         let Some(mut signs) = self.signs.take() else { return self.run_step(t, substep) };
         signs.start.copy_from_slice(&self.x);
-        self.velocities(t, substep as f64, &mut signs.velocities, &mut signs.before);
+        let now = (t, substep as f64);
+        self.velocities(now, &mut signs.velocities, &mut signs.before);
         self.guess(&signs);
         signs.missing.fill(V::constant(0.0));
         self.run_step(t, substep);
@@ -103,70 +112,65 @@ impl<V: Value> Engine<V> {
     fn guess(&mut self, signs: &Signs<V>) {
         let held = &mut self.held[signs.first..][..signs.count];
         for (sign, velocity) in held.iter_mut().zip(&signs.before) {
-            for lane in 0..V::LANES {
-                let slid = sign.lane(lane).to_report().abs() >= 1.0;
-                if self.is_first || slid {
-                    sign.set_lane(lane, direction(velocity.lane(lane)));
-                }
-            }
+            *sign = sign.zip(*velocity, |sign, velocity| {
+                let slid = self.is_first || 1.0 <= sign.to_report().abs();
+                if slid { direction(velocity) } else { sign }
+            });
         }
     }
 
-    /// Repeats a step that was run until its signs are those of the velocities.
+    /// Runs a step again until its signs are those of the velocities.
     fn find(&mut self, signs: &mut Signs<V>, t: f64, substep: usize) {
         let range = signs.first..signs.first + signs.count;
-        signs.open.fill(true);
+        let end = (t + self.system.timing.h(), substep as f64 + 1.0);
         for round in 0..ROUNDS {
-            let end = (t + self.system.timing.h(), substep as f64 + 1.0);
-            self.velocities(end.0, end.1, &mut signs.velocities, &mut signs.after);
+            self.velocities(end, &mut signs.velocities, &mut signs.after);
+            let held = &self.held[range.clone()];
+            if round == 0 {
+                signs.look(held);
+            } else {
+                signs.follow(held);
+            }
+            for lane in 0..V::LANES {
+                signs.unsure[lane] = signs.open[lane] && !signs.is_known(lane);
+            }
+            if signs.unsure.contains(&true) {
+                self.measure_slopes(signs, t, substep);
+            }
             signs.next.copy_from_slice(&self.held[range.clone()]);
             signs.next_missing.copy_from_slice(&signs.missing);
-            signs.unsure.fill(false);
             for lane in 0..V::LANES {
-                if signs.open[lane] {
-                    signs.open[lane] = signs.solve(&self.held[range.clone()], lane);
-                    signs.unsure[lane] = signs.open[lane] && (round != 0 || !signs.is_known(lane));
-                }
+                signs.open[lane] = signs.open[lane] && signs.solve(&self.held[range.clone()], lane);
             }
             if !signs.open.contains(&true) {
                 return;
             }
-            if signs.unsure.contains(&true) {
-                self.measure_slopes(signs, t, substep);
-                for lane in 0..V::LANES {
-                    if signs.unsure[lane] {
-                        signs.solve(&self.held[range.clone()], lane);
-                    }
-                }
-            }
+            signs.last.copy_from_slice(&self.held[range.clone()]);
+            std::mem::swap(&mut signs.other, &mut signs.after);
             self.held[range.clone()].copy_from_slice(&signs.next);
             signs.missing.copy_from_slice(&signs.next_missing);
-            self.repeat_step(signs, t, substep);
+            self.run_again(signs, t, substep);
         }
     }
 
-    /// Runs the step again, with what is missing of the ways.
-    fn repeat_step(&mut self, signs: &Signs<V>, t: f64, substep: usize) {
+    /// Runs the step again, with what is missing of the ways: a sign pushes the states by so much a step and the velocity by
+    /// its slope, and the rates say where the push that gives the missing velocity moves the states.
+    fn run_again(&mut self, signs: &Signs<V>, t: f64, substep: usize) {
         self.x.copy_from_slice(&signs.start);
         self.run_step(t, substep);
         let h = self.system.timing.h();
         let end = (t + h, substep as f64 + 1.0);
         let is_zero = |way: &V| (0..V::LANES).all(|lane| way.lane(lane).to_report() == 0.0);
         for (i, missing) in signs.missing.iter().enumerate().filter(|(_, way)| !is_zero(way)) {
-            // The sign pushes the states by w a step, and the velocity by its slope.
             self.rates_at(end, 0);
             let held = self.held[signs.first + i];
             self.held[signs.first + i] = held.map(|s| s + V::Lane::from_design(1.0));
             self.rates_at(end, 1);
             self.held[signs.first + i] = held;
-            let slope = signs.slopes[i * signs.count + i];
-            let share = missing.zip(slope, |missing, slope| {
-                if slope.to_report() < 0.0 { missing / slope } else { V::Lane::from_design(0.0) }
-            });
             let [at_end, pushed, ..] = &self.k;
             for (i, x) in self.middle.iter_mut().enumerate() {
                 let push = pushed[i].zip(at_end[i], |pushed, at_end| pushed - at_end);
-                *x = self.x[i].zip3(share, push, |x, share, push| x + share * push);
+                *x = self.x[i].zip3(*missing, push, |x, missing, push| x + missing * push);
             }
             std::mem::swap(&mut self.x, &mut self.middle);
             self.rates_at(end, 1);
@@ -192,24 +196,61 @@ impl<V: Value> Engine<V> {
                 if s.to_report().abs() > 0.5 { half * s } else { s + half * direction(s) }
             });
             self.held[signs.first + j] = changed;
-            self.repeat_step(signs, t, substep);
-            self.velocities(end.0, end.1, &mut signs.velocities, &mut signs.moved);
+            self.run_again(signs, t, substep);
+            self.velocities(end, &mut signs.velocities, &mut signs.other);
             self.held[signs.first + j] = held;
-            for lane in 0..V::LANES {
-                if !signs.unsure[lane] {
-                    continue;
-                }
+            for lane in (0..V::LANES).filter(|lane| signs.unsure[*lane]) {
                 let step = changed.lane(lane) - held.lane(lane);
                 for i in 0..count {
-                    let change = signs.moved[i].lane(lane) - signs.after[i].lane(lane);
+                    let change = signs.other[i].lane(lane) - signs.after[i].lane(lane);
                     signs.slopes[i * count + j].set_lane(lane, change / step);
                 }
             }
         }
+        self.run_again(signs, t, substep);
     }
 }
 
 impl<V: Value> Signs<V> {
+    /// Opens the lanes in which not all places slide on, or rest under the load before. What has diverged is not searched
+    /// for.
+    fn look(&mut self, held: &[V]) {
+        self.open.fill(false);
+        for (i, sign) in held.iter().enumerate() {
+            let slope = &self.slopes[i * self.count + i];
+            let values = [sign, &self.before[i], &self.after[i], slope];
+            for (lane, open) in self.open.iter_mut().enumerate() {
+                let [sign, before, after, slope] = values.map(|v| v.lane(lane).to_report());
+                let slides_on = (1.0 <= sign.abs()) & (0.0 <= sign * after);
+                let rests =
+                    (sign.abs() < 1.0) & (before.abs().max(after.abs()) <= -ROUNDING * slope);
+                *open |= !(slides_on | rests) & after.is_finite();
+            }
+        }
+    }
+
+    /// Slopes that agree with what the change of the signs of the round before has done.
+    fn follow(&mut self, held: &[V]) {
+        let zero = V::Lane::from_design(0.0);
+        for lane in (0..V::LANES).filter(|lane| self.open[*lane]) {
+            let by = |j: usize| held[j].lane(lane) - self.last[j].lane(lane);
+            let square = (0..self.count).fold(zero, |sum, j| sum + by(j) * by(j));
+            for i in 0..self.count {
+                let row = &mut self.slopes[i * self.count..(i + 1) * self.count];
+                let change = self.after[i].lane(lane) - self.other[i].lane(lane);
+                let known = row.iter().enumerate();
+                let rest = known.fold(change, |rest, (j, w)| rest - w.lane(lane) * by(j)) / square;
+                // A place that pushed itself on would not be friction.
+                let own = row[i].lane(lane) + rest * by(i);
+                if (own < zero) == (row[i].lane(lane) < zero) {
+                    for (j, slope) in row.iter_mut().enumerate() {
+                        slope.set_lane(lane, slope.lane(lane) + rest * by(j));
+                    }
+                }
+            }
+        }
+    }
+
     /// Finds the signs of a lane that follow from the step with signs `held`, for velocities that are linear in them;
     /// whether they are others.
     fn solve(&mut self, held: &[V], lane: usize) -> bool {
@@ -228,7 +269,6 @@ impl<V: Value> Signs<V> {
         }
         let pairs = self.next.iter().zip(held);
         let change = |(new, held): (&V, &V)| (new.lane(lane) - held.lane(lane)).to_report().abs();
-        // What has diverged is not searched for.
         let is_other = pairs.map(change).fold(0.0, f64::max) > ROUNDING;
         if !is_other {
             // A lane that needs no other step is not to change because another one does.
@@ -243,7 +283,7 @@ impl<V: Value> Signs<V> {
 
     /// Whether the slopes of a lane were measured in this run.
     fn is_known(&self, lane: usize) -> bool {
-        self.slopes.iter().any(|slope| slope.lane(lane).to_report() != 0.0)
+        self.slopes.iter().all(|slope| !slope.lane(lane).to_report().is_nan())
     }
 
     /// The sign of one place, given those of the others, and what is missing of its way.
@@ -262,11 +302,9 @@ impl<V: Value> Signs<V> {
         let hold = slope(i);
         let after_stop = if hold.to_report() < 0.0 {
             way_on + slower / hold
-        } else if self.is_known(lane) {
+        } else {
             // Nothing depends on it.
             return (way_on, V::Lane::from_design(0.0));
-        } else {
-            -way_on
         };
         let after_stop = clamp(after_stop, -one, one);
         // The stop is at `start/slower` of the step.
@@ -274,7 +312,8 @@ impl<V: Value> Signs<V> {
         let new = way_on + rest * (after_stop - way_on);
         let after = by_others + slope(i) * (new - held[i].lane(lane));
         let half_step = V::Lane::from_design(-0.5 * self.h);
-        (new, half_step * (rest * start + start / slower * after))
+        let missing = half_step * (rest * start + start / slower * after);
+        (new, if hold.to_report() < 0.0 { missing / hold } else { V::Lane::from_design(0.0) })
     }
 }
 

@@ -81,7 +81,16 @@ impl<V: Value> Engine<V> {
     }
 
     /// The velocities of the signs, `at` integration steps after the sample.
-    pub(super) fn velocities(&self, t: f64, at: f64, workspace: &mut Workspace<V>, to: &mut [V]) {
+    pub(super) fn velocities(
+        &self,
+        (t, at): (f64, f64),
+        workspace: &mut Workspace<V>,
+        to: &mut [V],
+    ) {
+        if let Some(states) = &self.system.rubbing {
+            to.iter_mut().zip(states).for_each(|(to, state)| *to = self.x[*state]);
+            return;
+        }
         fill(workspace, (t, self.is_first), &self.x, &self.u, &self.held);
         interpolate(&self.system, workspace, &self.u, &self.u_next, at);
         self.system.velocities.run(workspace, to);

@@ -37,6 +37,8 @@ pub(in crate::simulate) struct System {
     pub(super) outputs: Program,
     /// Velocities of the signs.
     pub(super) velocities: Program,
+    /// The states that they are, if all of them are states.
+    pub(super) rubbing: Option<Vec<usize>>,
     /// Whether outputs depend on signs.
     pub(super) shows_signs: bool,
     /// Delayed expressions in order of use, one program each.
@@ -82,6 +84,8 @@ impl System {
         let shows_signs = signs
             .filter_map(|sign| flat.scope.fast.iter().position(|f| f == sign))
             .any(|place| outputs.reads(place));
+        let states = &flat.scope.fast[FIRST_STATE..FIRST_STATE + flat.states];
+        let state = |velocity: &Expr| states.iter().position(|s| *velocity == Expr::name(s));
         let mut inputs = model.external_inputs();
         inputs.retain(|channel| !names.contains(&channel.name));
         let initial = model.all_states().map(|state| Initial {
@@ -103,6 +107,7 @@ impl System {
             rates: Program::compile(&flat.scope, &flat.rates)?,
             updates: Program::compile(&flat.scope, &updates)?,
             updated,
+            rubbing: flat.velocities.iter().map(state).collect(),
             velocities: Program::compile(&flat.scope, &flat.velocities)?,
             shows_signs,
             outputs,
