@@ -40,7 +40,8 @@ pub(super) fn threshold(beginnings: &[f64], rest: &Tail<'_>, pieces: f64, probab
     let ends = [beginnings, rest.sorted];
     let mut low = ends.iter().filter_map(|s| least(s)).fold(f64::INFINITY, f64::min);
     let mut high = ends.iter().filter_map(|s| most(s)).fold(f64::NEG_INFINITY, f64::max);
-    if !(low < high) {
+    // No finite value at all, or only one.
+    if low >= high {
         return high.max(low.min(f64::MAX));
     }
     // Exponential tails fall by any factor within some multiples of the spread.

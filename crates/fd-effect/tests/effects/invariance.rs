@@ -91,6 +91,7 @@ fn units_change_nothing_but_units() {
 /// A store may name its level, and its rate beside it; a block its velocity, and its position beside it.
 #[test]
 fn a_site_is_the_same_however_it_is_declared() {
+    type Labels<'l> = &'l dyn Fn(&str) -> bool;
     let room = r#"
 version = 1
 kind = "equations"
@@ -132,7 +133,7 @@ rail = { unit = "N", enters = { v = "1/m" }, velocity = "v" }
     let is_of_store = |label: &str| ["hidden-store", "overflow", "constant-load"].contains(&label);
     // Without a place, what a hidden store follows is the velocity.
     let is_of_block = |label: &str| label != "hidden-store";
-    let pairs: [(_, _, &dyn Fn(&str) -> bool); 4] = [
+    let pairs: [(_, _, Labels<'_>); 4] = [
         (&bare, &with_level, &is_of_store),
         (&bare, &with_both, &is_of_store),
         (&with_level, &with_both, &any),

@@ -125,7 +125,7 @@ impl Server {
                 }
             }
             ("GET", "/live") => {
-                if let Err(refusal) = self.gate.is_own_page(&head) {
+                if let Err(refusal) = Gate::is_own_page(&head) {
                     return refusal.say(line);
                 }
                 let Some(_place) = self.viewers.take() else {
@@ -164,14 +164,14 @@ fn show(line: Line, board: &Board) -> io::Result<()> {
     write!(out, "retry: 500\nevent: all\ndata: {all}\n\n")?;
     while Instant::now() < end {
         let new = board.wait(&mut place, SILENCE);
-        let mut text = String::new();
+        let mut text = Vec::new();
         if new.is_empty() {
-            text.push_str(": still here\n\n");
+            text.extend_from_slice(b": still here\n\n");
         }
         for (kind, json) in new {
-            text.push_str(&format!("event: {kind}\ndata: {json}\n\n"));
+            write!(text, "event: {kind}\ndata: {json}\n\n")?;
         }
-        out.write_all(text.as_bytes())?;
+        out.write_all(&text)?;
     }
     Ok(())
 }

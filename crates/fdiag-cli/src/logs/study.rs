@@ -9,7 +9,7 @@ use fdiag::Watcher;
 use fdiag::{
     spec::{ApplySpec, NominalPlant, PipelineSpec},
     training::{
-        Compared, Healthy, Names, Payment, Trace, TrainingError, examine, inputs_move,
+        Compared, Healthy, Names, Payment, Trace, Trained, TrainingError, examine, inputs_move,
         sensor_sizes, train_within,
     },
 };
@@ -84,6 +84,21 @@ pub struct BiasSummary {
     pub payments: Vec<Payment>,
     /// Phases of a recursive training.
     pub events: Vec<Event>,
+}
+
+impl BiasSummary {
+    fn of(trained: &Trained) -> Result<Self, TrainingError> {
+        let bias = trained.bias_model();
+        Ok(Self {
+            orders: bias.orders(),
+            theta: bias.theta(),
+            poles: bias.pole_radii()?,
+            compared: trained.compared().to_vec(),
+            payments: trained.payments().to_vec(),
+            selection: trained.order_selection().map(|t| t.verdict().to_string()),
+            events: trained.events().to_vec(),
+        })
+    }
 }
 
 /// What became of one log.
@@ -246,23 +261,13 @@ impl LogStudy {
         {
             doubts.extend(found.into_iter().map(|doubt| LogDoubt::new(log, doubt, &names)));
         }
-        let bias = trained.bias_model();
-        let poles = bias.pole_radii().map_err(TrainingError::from)?;
         let study = Self {
             version: REPORT_VERSION,
             model: material.name.clone(),
             residuals,
             outputs,
             spec: spec.clone(),
-            bias: BiasSummary {
-                orders: bias.orders(),
-                theta: bias.theta(),
-                poles,
-                compared: trained.compared().to_vec(),
-                payments: trained.payments().to_vec(),
-                selection: trained.order_selection().map(|t| t.verdict().to_string()),
-                events: trained.events().to_vec(),
-            },
+            bias: BiasSummary::of(&trained)?,
             doubts,
             not_compared,
             above_maximum: AboveMaximum::of(material, &trained),

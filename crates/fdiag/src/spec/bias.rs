@@ -11,7 +11,7 @@ use fd_ident::{
 use serde::{Deserialize, Serialize};
 
 /// The bias model `μ(k) + a₁ μ(k−1) + … = b₀ u(k) + …` and how it is learned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BiasSpec {
     /// What kind of model it is.
@@ -35,17 +35,6 @@ pub enum ApplySpec {
     Always,
     /// In none: nothing is learned, and the primary residual is judged.
     Never,
-}
-
-impl Default for BiasSpec {
-    fn default() -> Self {
-        Self {
-            structure: StructureSpec::default(),
-            orders: OrderSpec::default(),
-            learning: LearningSpec::default(),
-            apply: ApplySpec::default(),
-        }
-    }
 }
 
 fn paper_most() -> usize {

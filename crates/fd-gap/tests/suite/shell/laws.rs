@@ -145,8 +145,9 @@ fn dry_friction_at_a_port_stops_what_moves_and_holds_it() {
         assert!((fast - usual).abs() <= 1.001 * unknown, "{fast} {usual}");
         let stop = 20.0 * TS + fast * theta[0] / F;
         // What a force does in a step is known to some per cent: so much of the rest is left after each.
-        let stopped = (stop / TS).ceil() as usize + 8;
+        let stopped = (0..99).find(|k| stop <= f64::from(*k) * TS).unwrap() + 8;
         assert!(stopped < 99);
+        let stopped = usize::try_from(stopped).unwrap();
         for (k, rate) in rates.iter().enumerate().skip(stopped) {
             let moves = (100..208).contains(&k) || (250..418).contains(&k);
             let most = if moves { 2.0 * F / 80.0 / theta[0] * TS } else { 1e-9 * usual };

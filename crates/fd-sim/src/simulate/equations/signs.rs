@@ -221,9 +221,9 @@ impl<V: Value> Signs<V> {
             let values = [sign, &self.before[i], &self.after[i], slope];
             for (lane, open) in self.open.iter_mut().enumerate() {
                 let [sign, before, after, slope] = values.map(|v| v.lane(lane).to_report());
-                let slides_on = (1.0 <= sign.abs()) & (0.0 <= sign * after);
+                let slides_on = (1.0 <= sign.abs()) && (0.0 <= sign * after);
                 let rests =
-                    (sign.abs() < 1.0) & (before.abs().max(after.abs()) <= -ROUNDING * slope);
+                    (sign.abs() < 1.0) && (before.abs().max(after.abs()) <= -ROUNDING * slope);
                 *open |= !(slides_on | rests) & after.is_finite();
             }
         }

@@ -53,7 +53,7 @@ fn attack(monitor: &str, id: &str) -> Value {
         for browser in switch.incoming() {
             let (mut browser, monitor) = (browser.unwrap(), monitor.clone());
             if is_loaded {
-                std::thread::spawn(move || hand_over(browser, &monitor));
+                std::thread::spawn(move || hand_over(&browser, &monitor));
                 continue;
             }
             // A browser may connect beforehand, without a word.
@@ -83,11 +83,11 @@ fn attack(monitor: &str, id: &str) -> Value {
     serde_json::from_str(&text.replace("&lt;", "<").replace("&amp;", "&")).unwrap()
 }
 
-fn hand_over(browser: TcpStream, monitor: &str) -> std::io::Result<()> {
+fn hand_over(browser: &TcpStream, monitor: &str) -> std::io::Result<()> {
     let monitor = TcpStream::connect(monitor)?;
     let (mut up, mut down) = (monitor.try_clone()?, browser.try_clone()?);
     std::thread::spawn(move || std::io::copy(&mut &monitor, &mut down));
-    std::io::copy(&mut &browser, &mut up)?;
+    std::io::copy(&mut &*browser, &mut up)?;
     up.shutdown(std::net::Shutdown::Write)
 }
 

@@ -84,7 +84,7 @@ impl<'r> Judge<'r> {
             let what = "choosing the bias model";
             return Err(TrainingError::TooShort { what, needed, found: count });
         }
-        judge.power = sums.into_iter().map(|sum| sum / f64::from(count as u32)).collect();
+        judge.power = sums.into_iter().map(|sum| sum / count as f64).collect();
         Ok(judge)
     }
 

@@ -35,6 +35,7 @@ pub(super) fn excitation(trained: &Trained, healthy: &[Healthy<'_>]) -> Vec<Doub
 }
 
 /// Whether any input moves at all.
+#[must_use]
 pub fn inputs_move(record: &Record) -> bool {
     (0..record.inputs().len()).any(|channel| {
         let mut values = record.input(channel).filter(|v| v.is_finite());
