@@ -7,8 +7,8 @@ use std::{hint::black_box, path::Path};
 use criterion::{Criterion, criterion_group, criterion_main};
 use fd_sim::{
     equation::{Expr, Program, Scope},
-    model::Model,
-    simulate::{EquationSimulator, Simulator},
+    model::{Model, Parameter, Sign},
+    simulate::{EquationSimulator, Run, Simulator},
 };
 use num_dual::DualSVec64;
 
@@ -51,6 +51,57 @@ fn simulations(c: &mut Criterion) {
     group.finish();
 }
 
+/// Dry friction, sixteen runs side by side: smooth, and as a set-valued sign where it slides, stops and sticks.
+fn friction(c: &mut Criterion) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
+    let mut group = c.benchmark_group("friction, 16 runs of 1000 samples");
+    for law in ["none", "tanh", "sign"] {
+        let text = std::fs::read_to_string(root.join("mass_spring_damper.toml")).unwrap();
+        let mut draft = text.parse::<Model>().unwrap().into_draft();
+        let velocity = draft.sites[0].velocity.clone().unwrap();
+        let (state, factor) = draft.sites[0].enters[0].clone();
+        draft.parameters.push(Parameter::new("f", "N", 0.3));
+        let direction = match law {
+            "none" => None,
+            "tanh" => Some(
+                Expr::parse("tanh(w/0.002)")
+                    .unwrap()
+                    .substitute(&|name| (name == "w").then(|| velocity.clone())),
+            ),
+            _ => {
+                draft.signs.push(Sign { name: "slip".into(), velocity: velocity.clone() });
+                Some(Expr::name("slip"))
+            }
+        };
+        if let Some(direction) = direction {
+            let law = draft.states.iter_mut().find(|known| known.name == state).unwrap();
+            let force = Expr::name("f") * direction;
+            *law.law.expr_mut() = law.law.expr().clone() - factor * force;
+        }
+        let model = Model::try_from(draft).unwrap();
+        let mut simulator = EquationSimulator::<f64>::new(&model).unwrap();
+        let u: Vec<f64> = (0..1000).map(|k| 2.0 * (0.03 * f64::from(k)).sin()).collect();
+        let (ny, x0) = (model.outputs.len(), model.initial());
+        let thetas: Vec<Vec<f64>> = (0..16)
+            .map(|i| {
+                let mut theta = model.nominal();
+                *theta.last_mut().unwrap() = 0.02 * f64::from(i);
+                theta
+            })
+            .collect();
+        let mut y = vec![vec![0.0; 1000 * ny]; 16];
+        group.bench_function(law, |b| {
+            b.iter(|| {
+                let runs = thetas.iter().zip(&mut y);
+                let mut runs: Vec<Run<'_>> =
+                    runs.map(|(theta, y)| Run::new(theta, &x0, y)).collect();
+                simulator.simulate_many(0, black_box(&u), &mut runs);
+            });
+        });
+    }
+    group.finish();
+}
+
 fn sensitivities(c: &mut Criterion) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/models");
     let model = Model::load(&root.join("pendulum.toml")).unwrap();
@@ -73,5 +124,5 @@ fn compilation(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, right_hand_side, simulations, sensitivities, compilation);
+criterion_group!(benches, right_hand_side, simulations, friction, sensitivities, compilation);
 criterion_main!(benches);

@@ -313,6 +313,13 @@ impl ForceScale {
         !matches!(self.acceleration, Expr::Number(_))
     }
 
+    /// The kick by which a law that pushes back like a spring bounds its stiffness: twice as large where a simulator outside
+    /// holds the force over its step, since it must not turn the motion round.
+    #[must_use]
+    pub fn held_kick(&self) -> f64 {
+        if self.has_equation() { self.kick } else { 2.0 * self.kick }
+    }
+
     /// What fills or moves at the site: the position, else the velocity, which is the state that is entered where
     /// the site names neither.
     #[must_use]

@@ -59,7 +59,7 @@ mod state;
 mod unit;
 
 #[cfg(feature = "http")]
-pub use self::http::serve;
+pub use self::http::{Access, serve};
 pub use self::{
     board::{Answer, Board, Health},
     input::{ColumnsError, Format, InputMap, Row, RowReader},

@@ -6,8 +6,8 @@ use fd_model::{
     file::LinearModel,
 };
 use fdiag::{
-    spec::{FaultPlace, NominalPlant, PipelineSpec},
-    training::{Healthy, Trained, TrainingError, train_within},
+    spec::{ApplySpec, FaultPlace, NominalPlant, PipelineSpec},
+    training::{Healthy, Trained, TrainingError, inputs_move, train_within},
 };
 use thiserror::Error;
 
@@ -270,7 +270,7 @@ impl Plan {
     }
 
     fn learn(&self, records: &[Record]) -> Result<Trained, PlanError> {
-        if !records.iter().any(input_moves) {
+        if self.spec.bias.apply != ApplySpec::Never && !records.iter().any(inputs_move) {
             return Err(PlanError::NoExcitation);
         }
         let split = |record| Healthy::split(record, self.share_to_learn);
@@ -278,14 +278,6 @@ impl Plan {
         let plant = NominalPlant::from(&self.plant).in_units(self.model.scaling());
         Ok(train_within(&self.spec, plant, &healthy, &self.limits)?)
     }
-}
-
-fn input_moves(record: &Record) -> bool {
-    (0..record.inputs().len()).any(|channel| {
-        let mut values = record.input(channel).filter(|v| v.is_finite());
-        let first = values.next();
-        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
-    })
 }
 
 /// Kind of the detector, as the spec calls it.

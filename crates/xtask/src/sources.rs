@@ -22,8 +22,13 @@ const BANNED: [(&str, &str); 4] = [
 const IGNORED: [&str; 2] = [concat!("#[ig", "nore"), concat!("#[cfg", "_attr")];
 
 /// The reasons for it: what a clone does not bring. `.ci/run` runs these tests where it is there.
-const NEEDS: [&str; 4] =
-    ["needs chromium", "needs mosquitto", "needs the logs of ../shared/data", "needs valgrind"];
+const NEEDS: [&str; 5] = [
+    "needs chromium",
+    "needs mosquitto",
+    "needs nginx",
+    "needs the logs of ../shared/data",
+    "needs valgrind",
+];
 
 /// Checks every Rust file below `root` that git would track.
 pub(crate) fn check(root: &Path) -> Faults {

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     autocorrelation::autocorrelation_time,
+    beginning,
     bootstrap::CircularBlocks,
     error::{CalibrationError, LEAST_EXCEEDANCES},
-    tail::{exponential_tail, upper_quantile},
+    tail::{Tail, exponential_tail, upper_quantile},
 };
 use crate::{
     count::whole,
@@ -144,8 +145,52 @@ pub fn calibrate<'a, D: Detector<f64> + ?Sized>(
     wanted: FalseAlarms,
     plan: &CalibrationPlan,
 ) -> Result<CalibratedThreshold, CalibrationError> {
-    let healthy = healthy.into();
+    calibrate_with_beginnings(detector, healthy.into(), None, wanted, plan)
+}
+
+/// As [`calibrate`], for runs that begin as one of `beginnings`, each a run of its own: what a start leaves in the
+/// residual, such as the noise in the first past values of a bias model, is no part of a long record, or one part of
+/// it. A rate per sample is that of the record.
+///
+/// ```
+/// use fd_compensate::{
+///     DrivenRows, SampleRows,
+///     calibrate::{Beyond, CalibrationPlan, FalseAlarms, calibrate_with_beginnings},
+///     detect::Magnitude,
+/// };
+///
+/// let healthy: Vec<f64> = (0..5000).map(|k| (f64::from(k).powi(2) * 0.618).sin()).collect();
+/// let mut detector = Magnitude::new(&[1.0], 1.0)?;
+/// let wanted = FalseAlarms::PerRun { probability: 0.1, samples: 500 };
+/// let plan = CalibrationPlan { beyond: Beyond::Extrapolate, ..CalibrationPlan::default() };
+/// let rows = |values| SampleRows::new(1, values).map(DrivenRows::from);
+/// let mut threshold = |beginnings| {
+///     calibrate_with_beginnings(&mut detector, rows(&healthy)?, beginnings, wanted, &plan)
+///         .map(|found| found.threshold)
+///         .map_err(Box::<dyn std::error::Error>::from)
+/// };
+/// // Twenty runs begin with a value between two and four.
+/// let loud: Vec<f64> = (0..40).map(|k| f64::from(k % 2 * (40 + k)) / 20.0).collect();
+/// let starts: Vec<usize> = (1..20).map(|run| 2 * run).collect();
+/// let loud = rows(&loud)?.in_runs(&starts)?;
+/// assert!(threshold(None)? < 1.1 && threshold(Some(loud))? > 3.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`calibrate`]; beginnings have the channels of the record.
+pub fn calibrate_with_beginnings<D: Detector<f64> + ?Sized>(
+    detector: &mut D,
+    healthy: DrivenRows<'_>,
+    beginnings: Option<DrivenRows<'_>>,
+    wanted: FalseAlarms,
+    plan: &CalibrationPlan,
+) -> Result<CalibratedThreshold, CalibrationError> {
     check(detector, healthy, wanted, plan)?;
+    if let Some(beginnings) = beginnings {
+        check(detector, beginnings, wanted, plan)?;
+    }
     let samples = healthy.len();
     let mut statistics = statistics(detector, healthy, 0..samples, plan.debouncing);
     // Minus infinity until the debouncing window holds enough samples.
@@ -163,10 +208,12 @@ pub fn calibrate<'a, D: Detector<f64> + ?Sized>(
     };
     let extrapolated = resolved_exceedances < LEAST_EXCEEDANCES;
     if extrapolated && plan.beyond == Beyond::Refuse {
+        let needed = whole((samples as f64 * LEAST_EXCEEDANCES / resolved_exceedances).ceil());
         let expected_exceedances = resolved_exceedances;
-        return Err(CalibrationError::Unresolved { expected_exceedances, effective_samples });
+        return Err(CalibrationError::Unresolved { expected_exceedances, samples, needed });
     }
-    let question = Question { wanted, plan, block, effective_samples, extrapolated };
+    let begun = beginnings.map(|of| beginning::peaks(detector, of, plan.debouncing));
+    let question = Question { wanted, plan, block, effective_samples, extrapolated, begun };
     let whole: Vec<usize> = (0..samples).collect();
     let threshold = question.threshold(detector, healthy, &whole, plan.seed);
     let mut resampled: Vec<f64> = (1..=plan.records as u64)
@@ -202,6 +249,8 @@ struct Question<'a> {
     block: usize,
     effective_samples: f64,
     extrapolated: bool,
+    /// The largest statistic of each beginning, ascending.
+    begun: Option<Vec<f64>>,
 }
 
 impl Question<'_> {
@@ -239,10 +288,14 @@ impl Question<'_> {
                     })
                     .collect();
                 maxima.sort_unstable_by(f64::total_cmp);
-                if self.extrapolated {
-                    let share = length as f64 / samples as f64;
-                    let rate = -((-probability).ln_1p() * share).exp_m1();
-                    exponential_tail(&maxima, rate.max(0.5), rate)
+                let share = length as f64 / samples as f64;
+                let rate = -((-probability).ln_1p() * share).exp_m1();
+                let resolved = if self.extrapolated { rate.max(0.5) } else { probability };
+                if let Some(begun) = &self.begun {
+                    let rest = Tail { sorted: &maxima, resolved };
+                    beginning::threshold(begun, &rest, share.recip(), probability)
+                } else if self.extrapolated {
+                    exponential_tail(&maxima, resolved, rate)
                 } else {
                     upper_quantile(&maxima, probability)
                 }

@@ -76,13 +76,16 @@ pub enum CalibrationError {
     },
     /// The record holds too few independent exceedances for the rate.
     #[error(
-        "the wanted rate means {expected_exceedances:.2} independent exceedances in a record worth \
-         {effective_samples:.0} independent samples; at least {LEAST_EXCEEDANCES} are needed"
+        "the wanted rate means {expected_exceedances:.2} independent exceedances in {samples} fault-free samples, and at \
+         least {LEAST_EXCEEDANCES} are needed: give {needed} samples, or say beyond = \"extrapolate\" under \
+         [calibration]"
     )]
     Unresolved {
         /// Exceedances expected in the record.
         expected_exceedances: f64,
-        /// Independent samples that the record is worth.
-        effective_samples: f64,
+        /// Samples of the record, of the residual that is judged.
+        samples: usize,
+        /// Samples like these that would hold enough.
+        needed: usize,
     },
 }

@@ -11,7 +11,8 @@
 //! * [`FalseAlarms::PerSample`]: the threshold is the `1 − rate` quantile of the statistic over the
 //!   record.
 //! * [`FalseAlarms::PerRun`]: the threshold is the `1 − probability` quantile of the largest statistic
-//!   in resampled runs of the given length, each started with a reset detector.
+//!   in resampled runs of the given length, each started with a reset detector. Where runs begin otherwise than they
+//!   go on, [`calibrate_with_beginnings`] takes samples of that.
 //!
 //! Both come with an interval from recomputing the threshold on resampled records: how much it would
 //! have differed with another record of the same length. Repeated alarms of one excursion are counted
@@ -32,6 +33,7 @@
 //!   cumulative sum with a small reference value) pass a longer block.
 
 mod autocorrelation;
+mod beginning;
 mod bootstrap;
 mod design;
 mod error;
@@ -41,7 +43,10 @@ mod tail;
 pub use self::{
     autocorrelation::autocorrelation_time,
     bootstrap::CircularBlocks,
-    design::{Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, calibrate},
+    design::{
+        Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, calibrate,
+        calibrate_with_beginnings,
+    },
     error::CalibrationError,
     held_out::calibrate_held_out,
 };

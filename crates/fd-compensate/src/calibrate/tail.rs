@@ -22,6 +22,29 @@ pub(super) fn exponential_tail(sorted: &[f64], resolved: f64, rate: f64) -> f64 
     foot + mean * (resolved / rate).ln()
 }
 
+/// A sample as a distribution: as it is up to the quantile of `resolved`, beyond that with an exponential tail.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tail<'a> {
+    /// Ascending, not empty.
+    pub(super) sorted: &'a [f64],
+    /// The share that the tail takes over from.
+    pub(super) resolved: f64,
+}
+
+impl Tail<'_> {
+    /// The share of further values that exceeds `t`, the inverse of [`exponential_tail`].
+    pub(super) fn exceeding(&self, t: f64) -> f64 {
+        let n = self.sorted.len();
+        let foot = upper_quantile(self.sorted, self.resolved);
+        if t < foot {
+            return (n - self.sorted.partition_point(|&v| v <= t)) as f64 / n as f64;
+        }
+        let above = &self.sorted[self.sorted.partition_point(|&v| v <= foot)..];
+        let mean = above.iter().map(|v| v - foot).sum::<f64>() / (above.len() as f64).max(1.0);
+        if mean > 0.0 { self.resolved * (-(t - foot) / mean).exp() } else { 0.0 }
+    }
+}
+
 /// The value that one more sample like the `n` given ones exceeds with this probability, when what exceeds
 /// their median is exponential: the ratio of a fresh excess to the mean of `m` others then has the F
 /// distribution of 2 and 2m degrees of freedom, `P(x > t) = (1 + t / (m mean))^−m`. The median itself for all
@@ -67,6 +90,21 @@ mod tests {
             let quantile = upper_quantile(&sorted, rate);
             assert!((quantile - expected).abs() < f64::EPSILON, "{rate}: {quantile}");
         }
+    }
+
+    #[test]
+    fn a_tail_is_the_inverse_of_its_quantile() {
+        let sorted: Vec<f64> = (1..=200).map(|i| (f64::from(i) / 20.0).exp()).collect();
+        let tail = Tail { sorted: &sorted, resolved: 0.1 };
+        for rate in [1e-6, 1e-3, 0.05] {
+            let found = tail.exceeding(exponential_tail(&sorted, 0.1, rate));
+            assert!((found - rate).abs() < 1e-12 * rate.max(1e-3), "{rate}: {found}");
+        }
+        // Half of the values exceed their median, all of them minus infinity.
+        assert!((tail.exceeding(sorted[99]) - 0.5).abs() < f64::EPSILON);
+        assert!((tail.exceeding(f64::NEG_INFINITY) - 1.0).abs() < f64::EPSILON);
+        let constant = Tail { sorted: &[2.0; 5], resolved: 0.5 };
+        assert!(constant.exceeding(2.0) <= 0.0 && constant.exceeding(1.9) >= 1.0);
     }
 
     #[test]

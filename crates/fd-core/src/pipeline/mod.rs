@@ -53,6 +53,12 @@ use crate::{
 /// command line. [`DynPipeline`] is no second implementation: it is `Pipeline` with other type
 /// arguments. The two kinds may be mixed, stage by stage.
 ///
+/// # When judging begins
+///
+/// While a compensator settles or trains, its `r*` is not what a threshold was set on. The rule is silent then, and
+/// the detector begins anew with the first sample of [`Phase::Compensating`](crate::stage::Phase), so that no window
+/// or sum carries samples of the training into the verdicts after it.
+///
 /// # Stopping and going on
 ///
 /// A pipeline is a [`Stage`], so [`Snapshot::of`](crate::Snapshot::of) saves all of it, wherever it
@@ -164,6 +170,8 @@ pub struct Pipeline<T, S> {
     held: u64,
     alarmed: bool,
     void: bool,
+    /// Whether the last sample was compensated, so that the detector remembers samples like the next.
+    judged: bool,
 }
 
 /// A [`Pipeline`] whose stages were chosen at run time.
@@ -213,6 +221,7 @@ where
             held: 0,
             alarmed: false,
             void: false,
+            judged: false,
         })
     }
 
@@ -274,13 +283,20 @@ where
         generator.step(frame, &mut self.residual);
         let Compensation { phase, events: happened } =
             compensator.step(frame, &self.residual, &mut self.compensated);
+        // The `r*` of the settling and of the training is no fault-free residual: a window that still held some
+        // of it would alarm when the switch opens. Thresholds are calibrated on detectors that begin there too.
+        let judged = phase == Phase::Compensating;
+        if judged && !self.judged {
+            detector.reset();
+        }
+        self.judged = judged;
         let verdict = detector.update(frame.u(), &self.compensated);
         let k = frame.k();
         let decision = rule.decide(Evidence { k, phase, verdict, r_star: &self.compensated });
 
         happened.iter().for_each(|kind| events.push(kind));
         // While the bias is learned no threshold applies.
-        let void = phase == Phase::Compensating && detector.is_void();
+        let void = judged && detector.is_void();
         if void != self.void {
             self.void = void;
             events.push(if void { EventKind::ThresholdVoid } else { EventKind::ThresholdValid });
@@ -343,18 +359,21 @@ where
         self.held = 0;
         self.alarmed = false;
         self.void = false;
+        self.judged = false;
     }
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
         visitor.reals("pipeline u", &mut self.u);
         visitor.reals("pipeline y", &mut self.y);
-        // Two flags in one count: snapshots keep the layout that they had before the second.
-        let flags = u64::from(self.alarmed) | u64::from(self.void) << 1;
+        // Flags in one count: snapshots keep the layout that they had before the second and the third.
+        let flags =
+            u64::from(self.alarmed) | u64::from(self.void) << 1 | u64::from(self.judged) << 2;
         let mut counts = [self.k, self.held, flags];
         visitor.counts("pipeline k, held, alarmed", &mut counts);
         [self.k, self.held] = [counts[0], counts[1]];
         self.alarmed = counts[2] & 1 != 0;
         self.void = counts[2] & 2 != 0;
+        self.judged = counts[2] & 4 != 0;
         self.stages.generator.visit_state(visitor);
         self.stages.compensator.visit_state(visitor);
         self.stages.detector.visit_state(visitor);

@@ -171,10 +171,13 @@ pub enum Phase {
     Compensating,
 }
 
-/// The compensator that does nothing, `r* = r`: the baseline that others are compared with.
+/// The compensator that subtracts nothing, `r* = r`: the baseline that others are compared with, and all that is
+/// needed where no bias is learned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Uncompensated {
     residual_len: usize,
+    settling: u64,
+    settled: u64,
 }
 
 impl Uncompensated {
@@ -186,14 +189,38 @@ impl Uncompensated {
     /// ```
     #[must_use]
     pub const fn new(residual_len: usize) -> Self {
-        Self { residual_len }
+        Self { residual_len, settling: 0, settled: 0 }
+    }
+
+    /// Sets the samples at the start that are not judged (phase `Training`), while the residual generator forgets
+    /// where it started.
+    ///
+    /// ```
+    /// # use fd_core::{Frame, IoDims, stage::{Compensator, Phase, Uncompensated}};
+    /// let mut plain = Uncompensated::new(1).settling(1);
+    /// let frame = Frame::new(IoDims { nu: 0, ny: 1 }, 0, &[], &[3.0])?;
+    /// let mut phase = |r: &[f64]| plain.step(frame, r, &mut [0.0]).phase;
+    /// assert_eq!(phase(&[3.0]), Phase::Training { samples: 0 });
+    /// assert_eq!(phase(&[3.0]), Phase::Compensating);
+    /// # Ok::<(), fd_core::FrameError>(())
+    /// ```
+    #[must_use]
+    pub const fn settling(self, samples: u64) -> Self {
+        Self { settling: samples, ..self }
     }
 }
 
 impl<T: Scalar> Stage<T> for Uncompensated {
-    fn reset(&mut self) {}
+    fn reset(&mut self) {
+        self.settled = 0;
+    }
 
-    fn visit_state(&mut self, _visitor: &mut dyn StateVisitor<T>) {}
+    fn visit_state(&mut self, visitor: &mut dyn StateVisitor<T>) {
+        // What settles at once has no state.
+        if 0 < self.settling {
+            visitor.counts("samples settled", std::slice::from_mut(&mut self.settled));
+        }
+    }
 }
 
 impl<T: Scalar> Compensator<T> for Uncompensated {
@@ -207,6 +234,9 @@ impl<T: Scalar> Compensator<T> for Uncompensated {
 
     fn step(&mut self, _frame: Frame<'_, T>, r: &[T], r_star: &mut [T]) -> Compensation {
         r_star.copy_from_slice(r);
-        Compensation { phase: Phase::Compensating, events: Events::none() }
+        let settles = self.settled < self.settling;
+        self.settled += u64::from(settles);
+        let phase = if settles { Phase::Training { samples: 0 } } else { Phase::Compensating };
+        Compensation { phase, events: Events::none() }
     }
 }

@@ -5,6 +5,7 @@ mod boxes;
 mod contracts;
 mod fitting;
 mod limits;
+mod opening;
 mod pipeline;
 mod smallest;
 mod void;

@@ -38,7 +38,7 @@ impl Effect for EndStop {
             let Range { middle, half } = range;
             let stiffness = at.force() / at.position();
             // Stiffness that Runge-Kutta integrates well: (h ω)² < 1/2.
-            let stiffest = 0.5 / (stiffness * at.site.kick * scales.step);
+            let stiffest = 0.5 / (stiffness * at.site.held_kick() * scales.step);
             let start = stiffest.min(50.0) / 2.5;
             let stop = |law| {
                 sketch(law)

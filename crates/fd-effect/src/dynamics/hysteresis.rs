@@ -32,7 +32,7 @@ impl Effect for Hysteresis {
                     .with_velocity(at)
                     .strength("f", "hysteresis", &at.site.unit, at.force(), [0.0, 3.0])
                     .shape("L", "presliding", at.position_unit(), at.position(), [0.01, 10.0], 1.0)
-                    .bind("K", at.site.kick * scales.step)
+                    .bind("K", at.site.held_kick() * scales.step)
                     // Not stiffer than the integration step can take.
                     .abbreviate("D", "max(L, K*f)");
                 if at.site.position.is_none() {

@@ -161,15 +161,6 @@ impl Sketch<'_> {
         self.require(units.site.position.is_some(), Reason::Missing("position"))
             .require(moving(units.site.position.as_ref()).is_some(), Reason::Still("the position"))
     }
-
-    /// Binds `V`, a velocity below which friction is smooth: a fiftieth of what the velocity is
-    /// usually, and `K`, the velocity that a friction of 1 takes away in half an integration step,
-    /// which keeps the integration stable.
-    fn with_creep(self, units: &SiteUnits<'_>) -> Self {
-        self.with_velocity(units)
-            .bind("V", 0.02 * units.velocity())
-            .bind("K", 0.5 * units.site.kick)
-    }
 }
 
 fn moving(signal: Option<&(fd_sim::equation::Expr, SignalScale)>) -> Option<&SignalScale> {

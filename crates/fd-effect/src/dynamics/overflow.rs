@@ -16,7 +16,7 @@ const LEVELS: [f64; 7] = [0.62, 0.8, 0.42, 0.92, 0.96, 1.0, 1.04];
 /// model: what flows in beyond is lost, or a share `h` of it reaches a neighbour. The strength is
 /// the inverse of the height, so that none is exactly none.
 ///
-/// Only for sites without velocity whose position, if they name one, is the very state that the force enters: a
+/// Only for sites whose position is the very state that the force enters, or that name neither position nor velocity: a
 /// tank, a temperature, a pressure. The rise is stopped within `Z`, a hundredth of the range, or what the
 /// level can rise in two integration steps.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +88,7 @@ fn store(model: &Model, site: usize) -> Option<Store<'_>> {
     let site = &model.sites[site];
     let [(entered, _)] = site.enters.as_slice() else { return None };
     let is_itself = |position: &Expr| *position == Expr::name(entered);
-    let is_level = site.velocity.is_none() && site.position.as_ref().is_none_or(is_itself);
+    let is_level = site.position.as_ref().map_or(site.velocity.is_none(), is_itself);
     let state = model.states.iter().find(|state| is_level && state.name == *entered)?;
     // A velocity is nothing that fills.
     let is_rate = site.position.is_none() && state.unit.ends_with("/s");

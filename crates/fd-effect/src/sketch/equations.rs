@@ -2,7 +2,7 @@
 
 use fd_sim::{
     equation::{Comparison, Cond, Expr},
-    model::{Delay, Law, State},
+    model::{Delay, Law, Sign, State},
 };
 
 use super::Sketch;
@@ -66,6 +66,15 @@ impl Sketch<'_> {
         let name = self.fresh(name);
         let (value, time) = (self.expr(value), self.expr(time));
         self.patch.add_delay(Delay { name: name.clone(), value, time });
+        self.bind(local, Expr::name(name))
+    }
+
+    /// Adds the set-valued sign of the velocity that is a template.
+    #[must_use]
+    pub fn sign(mut self, local: &str, name: &str, velocity: &str) -> Self {
+        let name = self.fresh(name);
+        let velocity = self.expr(velocity);
+        self.patch.add_sign(Sign { name: name.clone(), velocity });
         self.bind(local, Expr::name(name))
     }
 

@@ -69,7 +69,8 @@ impl TextEffect {
             .chain(model.inputs.iter().map(|input| input.name.as_str()))
             .chain(model.states.iter().map(|state| state.name.as_str()))
             .chain(model.definitions.iter().map(|definition| definition.name.as_str()))
-            .chain(model.delays.iter().map(|delay| delay.name.as_str()));
+            .chain(model.delays.iter().map(|delay| delay.name.as_str()))
+            .chain(model.signs.iter().map(|sign| sign.name.as_str()));
         let always = ["t", "dt", "first", "pi"];
         let locals = self.on.locals().iter().copied();
         own.chain(states).chain(locals).chain(always).chain(of_model).collect()

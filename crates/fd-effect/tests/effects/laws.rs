@@ -280,14 +280,16 @@ fn friction_and_springs_work_against_the_motion_at_every_site() {
             theta.extend(phi);
             let (_, y) = case.run(&model, &theta);
             let power = y.chunks(ny + 2).map(|row| row[ny] * row[ny + 1]);
-            site.mobility.signum() * power.sum::<f64>()
+            let usual = 300.0 * site.force * site.velocity.as_ref().unwrap().1.std;
+            site.mobility.signum() * power.sum::<f64>() / usual
         };
         for candidate in case.simulated() {
             if effect(&candidate).dissipates() {
                 for start in &candidate.starts {
                     let power = work(&candidate, start);
-                    assert!(power < 0.0, "{plant}: {}: {power}", name(&candidate));
-                    checked += 1;
+                    // What sticks all the time does no work, up to rounding.
+                    assert!(power < 1e-12, "{plant}: {} {start:?}: {power}", name(&candidate));
+                    checked += usize::from(power < -1e-3);
                 }
             }
         }
@@ -317,7 +319,6 @@ fn a_finer_step_changes_little() {
                     y
                 };
                 let distance = case.distance(&run(1), &run(8));
-                // Dry friction is worst: its creep velocity depends on the step.
                 assert!(distance < 0.05, "{plant}: {} {start:?}: {distance}", name(&candidate));
             }
         }

@@ -11,8 +11,8 @@ use fd_ident::{arx::ArxOrders, hammerstein::Basis};
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::fault::Site;
 use fdiag::spec::{
-    AdaptiveSpec, BiasSpec, BoundSpec, DetectorSpec, DisturbanceSpec, GeneratorSpec, LearningSpec,
-    OrderSpec, ParameterSpec, StructureSpec,
+    AdaptiveSpec, ApplySpec, BiasSpec, BoundSpec, DetectorSpec, DisturbanceSpec, GeneratorSpec,
+    LearningSpec, OrderSpec, ParameterSpec, StructureSpec,
 };
 
 use super::config::{Bias, Detector, Generator, Present, Scenario};
@@ -175,7 +175,12 @@ pub(super) fn generators() -> Vec<Generator> {
 pub(super) fn biases() -> Vec<Bias> {
     let learned = |name: &str, structure, learning| Bias {
         name: name.to_owned(),
-        spec: Some(BiasSpec { structure, orders: OrderSpec::Fixed(ArxOrders::paper(2)), learning }),
+        spec: Some(BiasSpec {
+            structure,
+            orders: OrderSpec::Fixed(ArxOrders::paper(2)),
+            learning,
+            apply: ApplySpec::Always,
+        }),
     };
     let linear = StructureSpec::Linear;
     let filtered = LearningSpec::Batch { prefilter_rad_s: Some(8.0) };

@@ -5,7 +5,8 @@ use std::cell::Cell;
 use fd_compensate::SampleRows;
 use fd_model::Record;
 use fdiag::{
-    spec::BiasSpec,
+    ident::arx::ArxOrders,
+    spec::{BiasSpec, OrderSpec},
     training::{Trained, TrainingError, sensor_signatures},
 };
 
@@ -67,7 +68,10 @@ impl Scene<'_> {
             let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
                 fit
             } else {
-                learned = train(&BiasSpec::default());
+                learned = train(&BiasSpec {
+                    orders: OrderSpec::Fixed(ArxOrders::paper(2)),
+                    ..BiasSpec::default()
+                });
                 &learned
             };
             let primary = plain.as_ref().map_err(String::clone).and_then(|trained| {

@@ -9,7 +9,8 @@ use fd_ident::arx::ArxOrders;
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::uncertainty::MatrixPerturbation;
 use fdiag::spec::{
-    BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec, check_limits,
+    ApplySpec, BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec,
+    check_limits,
 };
 use serde::{Deserialize, Serialize};
 
@@ -199,6 +200,7 @@ fn default_pipeline() -> PipelineSpec {
         bias: BiasSpec {
             orders: OrderSpec::Fixed(ArxOrders::paper(2)),
             learning: LearningSpec::Batch { prefilter_rad_s: Some(8.0) },
+            apply: ApplySpec::Always,
             ..BiasSpec::default()
         },
         // Every run starts from rest, so there is nothing to forget.

@@ -46,6 +46,7 @@ impl Setting {
                     | Meaning::State
                     | Meaning::Definition
                     | Meaning::Delay
+                    | Meaning::Sign
             ),
             Self::Limit => meaning == Meaning::Parameter,
             Self::Controller => matches!(
@@ -71,7 +72,7 @@ impl Setting {
     fn allowed(self) -> &'static str {
         match self {
             Self::Plant => {
-                "parameters, inputs, states, definitions, delays, `pi`, `t`, `dt` and `first`"
+                "parameters, inputs, states, definitions, delays, signs, `pi`, `t`, `dt` and `first`"
             }
             Self::Limit => "parameters and `pi`",
             Self::Controller => {
@@ -102,6 +103,9 @@ fn expressions(draft: &Draft) -> Vec<(String, Setting, &Expr)> {
     for delay in &draft.delays {
         all.push((format!("delays.{}.value", delay.name), Setting::Plant, &delay.value));
         all.push((format!("delays.{}.time", delay.name), Setting::Limit, &delay.time));
+    }
+    for sign in &draft.signs {
+        all.push((format!("signs.{}", sign.name), Setting::Plant, &sign.velocity));
     }
     for site in &draft.sites {
         for (state, factor) in &site.enters {

@@ -38,6 +38,8 @@ pub struct Draft {
     pub sites: Vec<Site>,
     /// Expressions as they were some time ago.
     pub delays: Vec<Delay>,
+    /// Set-valued signs of velocities.
+    pub signs: Vec<Sign>,
     /// Piecewise linear functions.
     pub tables: Vec<NamedTable>,
     /// What closes the loop, if anything does.
@@ -134,7 +136,7 @@ pub struct Definition {
 ///
 /// Its name stands for the mean, over an integration step, of the delayed expression, of which
 /// every past value was held for a step: `(1 - φ) v[n-m] + φ v[n-m-1]` for a delay of `m + φ` steps.
-/// This is exact for inputs that are held, and linear interpolation for outputs. Before the run the
+/// Derivatives see held values switch within a step, outputs see that interpolation. Before the run the
 /// expression had the value that it has at its start. A delay that is not positive is the identity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delay {
@@ -144,6 +146,19 @@ pub struct Delay {
     pub value: Expr,
     /// By how much, in seconds: an expression of parameters.
     pub time: Expr,
+}
+
+/// The set-valued sign of a velocity, `s ∈ Sgn(v)`: 1 or -1 where the velocity is positive or negative; at rest whatever
+/// keeps it at rest, as long as that is within [-1, 1].
+///
+/// Dry friction is a level times such a sign. The force has to work against the velocity for all values of the sign, so
+/// that more of it leaves less velocity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sign {
+    /// Name in expressions.
+    pub name: String,
+    /// The velocity.
+    pub velocity: Expr,
 }
 
 /// A place at which a generalised force (force, torque, flow, voltage) acts.

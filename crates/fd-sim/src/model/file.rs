@@ -9,7 +9,7 @@ use self::entries::{FileController, FileModel, FileState, Head, Text};
 use super::{
     draft::{
         Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Input, Law, NamedTable, Output,
-        Parameter, Reference, Signal, Site, State,
+        Parameter, Reference, Sign, Signal, Site, State,
     },
     error::{Mistake, ModelError, Place, Places},
 };
@@ -103,6 +103,9 @@ impl Reader<'_> {
             delays: self.each("delays", file.delays, |reader, key, name, d| {
                 let value = reader.expr(&format!("{key}.value"), d.value)?;
                 Ok(Delay { name, value, time: reader.expr(&format!("{key}.time"), d.time)? })
+            })?,
+            signs: self.each("signs", file.signs, |reader, key, name, text| {
+                Ok(Sign { name, velocity: reader.expr(key, text)? })
             })?,
             tables: self.each("tables", file.tables, |_, key, name, t| {
                 let table = Table::new(t.x, t.y, t.outside);

@@ -25,7 +25,7 @@ pub(crate) use self::rename::FreshNames;
 pub use self::{
     draft::{
         Controller, DEFAULT_TOLERANCE, Definition, Delay, Draft, Hold, Input, Law, NamedTable,
-        Output, Parameter, Reference, Signal, Site, State,
+        Output, Parameter, Reference, Sign, Signal, Site, State,
     },
     error::{LoadError, Mistake, ModelError, Place},
     linear::LinearOptions,

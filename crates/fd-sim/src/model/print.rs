@@ -74,6 +74,7 @@ impl fmt::Display for Model {
         room(f, "delays", &model.delays, |f, d| {
             write!(f, "{} = {{ value = {}, time = {} }}", d.name, Entry(&d.value), Entry(&d.time))
         })?;
+        room(f, "signs", &model.signs, |f, s| write!(f, "{} = {}", s.name, Entry(&s.velocity)))?;
         room(f, "tables", &model.tables, |f, t| {
             let (x, y) = (t.table.x(), t.table.y());
             write!(f, "{} = {{ x = {x:?}, y = {y:?}", t.name)?;

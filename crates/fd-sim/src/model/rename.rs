@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::draft::{Controller, Definition, Delay, Draft, Output, Site, State};
+use super::draft::{Controller, Definition, Delay, Draft, Output, Sign, Site, State};
 use crate::equation::Expr;
 
 /// All names of a draft, as references of one kind or the other.
@@ -15,6 +15,7 @@ macro_rules! every_name {
         all.extend($draft.outputs.$iter().map(|entry| &$($mutable)? entry.name));
         all.extend($draft.definitions.$iter().map(|entry| &$($mutable)? entry.name));
         all.extend($draft.delays.$iter().map(|entry| &$($mutable)? entry.name));
+        all.extend($draft.signs.$iter().map(|entry| &$($mutable)? entry.name));
         all.extend($draft.tables.$iter().map(|entry| &$($mutable)? entry.name));
         for site in &$($mutable)? $draft.sites {
             all.push(&$($mutable)? site.name);
@@ -62,19 +63,21 @@ impl FreshNames {
 }
 
 impl Draft {
-    /// The expressions of the plant: laws, outputs, definitions, sites and what is delayed.
+    /// The expressions of the plant: laws, outputs, definitions, sites, velocities of signs and what is delayed.
     pub fn plant_expressions_mut(&mut self) -> Vec<&mut Expr> {
-        let Self { states, outputs, definitions, sites, delays, .. } = self;
-        plant(states, outputs, definitions, sites, delays.iter_mut().map(|delay| &mut delay.value))
+        let Self { states, outputs, definitions, sites, delays, signs, .. } = self;
+        let delayed = delays.iter_mut().map(|delay| &mut delay.value);
+        plant(states, outputs, definitions, sites, signs, delayed)
     }
 
     /// All expressions: those of the plant, limits of inputs, times of delays and those of the
     /// controller.
     pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
-        let Self { inputs, states, outputs, definitions, sites, delays, controller, .. } = self;
+        let Self { inputs, states, outputs, definitions, sites, delays, signs, controller, .. } =
+            self;
         let (delayed, times): (Vec<_>, Vec<_>) =
             delays.iter_mut().map(|Delay { value, time, .. }| (value, time)).unzip();
-        let mut all = plant(states, outputs, definitions, sites, delayed);
+        let mut all = plant(states, outputs, definitions, sites, signs, delayed);
         all.extend(times);
         all.extend(inputs.iter_mut().flat_map(|input| input.saturation.iter_mut().flatten()));
         if let Some(controller) = controller {
@@ -133,6 +136,7 @@ fn plant<'a>(
     outputs: &'a mut [Output],
     definitions: &'a mut [Definition],
     sites: &'a mut [Site],
+    signs: &'a mut [Sign],
     delayed: impl IntoIterator<Item = &'a mut Expr>,
 ) -> Vec<&'a mut Expr> {
     let mut all: Vec<&mut Expr> = Vec::new();
@@ -140,6 +144,7 @@ fn plant<'a>(
     all.extend(outputs.iter_mut().map(|output| &mut output.value));
     all.extend(definitions.iter_mut().map(|definition| &mut definition.value));
     all.extend(delayed);
+    all.extend(signs.iter_mut().map(|sign| &mut sign.velocity));
     for site in sites {
         all.extend(site.enters.iter_mut().map(|(_, factor)| factor));
         all.extend(&mut site.position);

@@ -3,7 +3,7 @@
 use super::error::PatchError;
 use crate::{
     equation::Expr,
-    model::{Definition, Delay, Draft, Input, Law, Model, NamedTable, Parameter, State},
+    model::{Definition, Delay, Draft, Input, Law, Model, NamedTable, Parameter, Sign, State},
 };
 
 /// One effect on its way into a model.
@@ -74,6 +74,11 @@ impl Patch {
     /// Adds a delayed expression.
     pub fn add_delay(&mut self, delay: Delay) {
         self.added.delays.push(delay);
+    }
+
+    /// Adds the set-valued sign of a velocity.
+    pub fn add_sign(&mut self, sign: Sign) {
+        self.added.signs.push(sign);
     }
 
     /// Adds a table.
@@ -251,6 +256,7 @@ fn append(draft: &mut Draft, added: Draft) {
     draft.states.extend(added.states);
     draft.definitions.extend(added.definitions);
     draft.delays.extend(added.delays);
+    draft.signs.extend(added.signs);
     draft.tables.extend(added.tables);
 }
 

@@ -37,8 +37,10 @@ impl SiteProbe {
             _ => None,
         };
         let velocity = site.velocity.clone().or(entered);
-        let moved = velocity
-            .clone()
+        // A store that a force fills is moved by it at once, whatever the file calls its rate.
+        let filled = site.position.clone().filter(|position| is_filled(model, site, position));
+        let moved = filled
+            .or_else(|| velocity.clone())
             .or_else(|| site.position.clone())
             .or_else(|| site.enters.first().map(|(state, _)| Expr::name(state)))
             .unwrap_or(Expr::Number(0.0));
@@ -51,6 +53,14 @@ impl SiteProbe {
             written.unwrap_or_else(|| through_names(model, site, &moved, names));
         Self { acceleration, compliance, helpers, velocity, position: site.position.clone() }
     }
+}
+
+/// Whether the force changes the rate of the position, instead of that of a velocity.
+fn is_filled(model: &Model, site: &Site, position: &Expr) -> bool {
+    definitions(model).written_out(position, WRITTEN_OUT).is_some_and(|position| {
+        let [_, filling] = motion(model, site, |state| position.differentiate(state).simplify());
+        filling != Expr::Number(0.0)
+    })
 }
 
 /// Acceleration and compliance, when `moved` has these slopes along the states.

@@ -113,6 +113,16 @@ impl<V: Value> DelayLine<V> {
         chord.zip3(bend, self.fraction, |chord, bend, f| chord + bend * f * (one - f))
     }
 
+    /// For an expression that is held for steps: what arrives before it jumps in this step, what arrives after, and where
+    /// that is, as a fraction of the step; 0 in a lane in which it does not jump.
+    pub(super) fn jump(&self) -> [V; 3] {
+        let [older, newer] = self.courses().map(|course| course[0]);
+        let at = self.fraction.zip3(older, newer, |at, older, newer| {
+            if older == newer { V::Lane::from_design(0.0) } else { at }
+        });
+        [older, newer, at]
+    }
+
     /// The delayed value over this step: the parabola that is nearest to it, with its mean.
     pub(super) fn course(&self) -> Course<V> {
         let [older, newer] = self.courses();
@@ -139,6 +149,16 @@ impl<V: Value> DelayLine<V> {
         }
         both
     }
+}
+
+/// The value of a course at a place in its step.
+pub(super) fn along<V: Value>(course: &Course<V>, at: V) -> V {
+    let of = V::Lane::from_design;
+    let (one, two, four) = (of(1.0), of(2.0), of(4.0));
+    let start = course[0].zip(at, |start, s| start * (one - s) * (one - two * s));
+    let middle = course[1].zip(at, |middle, s| four * s * (one - s) * middle);
+    let end = course[2].zip(at, |end, s| s * (two * s - one) * end);
+    start.zip3(middle, end, |start, middle, end| start + middle + end)
 }
 
 /// What older and newer courses weigh in the start, the middle and the end of a delayed one, whose first `f` of a step is

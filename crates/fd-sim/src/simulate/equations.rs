@@ -3,6 +3,8 @@
 mod engine;
 mod lanes;
 mod memory;
+mod pieces;
+mod signs;
 mod steps;
 mod system;
 

@@ -11,7 +11,7 @@ pub(super) const FIRST_STATE: usize = 2;
 /// A model as the simulator sees it.
 pub(super) struct Flat {
     /// Slow: parameters, then `dt`. Fast: `t`, `first`, states, external inputs, held control
-    /// signals, delayed values.
+    /// signals, signs, delayed values.
     pub(super) scope: Scope,
     /// Rates of all states; zero for those with another law.
     pub(super) rates: Vec<Expr>,
@@ -19,6 +19,8 @@ pub(super) struct Flat {
     pub(super) updates: Vec<(usize, Expr)>,
     /// Outputs.
     pub(super) outputs: Vec<Expr>,
+    /// Velocities of the signs.
+    pub(super) velocities: Vec<Expr>,
     /// Delayed expressions and their times, each after those that it uses.
     pub(super) delays: Vec<(Expr, Expr)>,
     /// The sampled controller.
@@ -29,7 +31,7 @@ pub(super) struct Flat {
 
 /// What happens when a sampled controller acts.
 pub(super) struct SampledControl {
-    /// Signals to be held, in the order of the last fast inputs.
+    /// Signals to be held, in the order of their fast inputs.
     pub(super) signals: Vec<Expr>,
     /// Controller states, by index, and their laws.
     pub(super) updates: Vec<(usize, Expr)>,
@@ -70,6 +72,8 @@ pub(super) fn flatten(model: &Model, last: &[String]) -> Flat {
         }
     }
     let control = close_the_loop(model, &mut scope);
+    scope.fast.extend(model.signs.iter().map(|sign| sign.name.clone()));
+    let velocities = model.signs.iter().map(|sign| sign.velocity.clone()).collect();
     let delays = hold_back(model, &mut scope);
 
     let mut rates = Vec::new();
@@ -87,7 +91,7 @@ pub(super) fn flatten(model: &Model, last: &[String]) -> Flat {
         }
     }
     let states = rates.len();
-    Flat { scope, rates, updates, outputs, delays, control, states, inputs }
+    Flat { scope, rates, updates, outputs, velocities, delays, control, states, inputs }
 }
 
 fn saturated(input: &Input, value: Expr) -> Expr {

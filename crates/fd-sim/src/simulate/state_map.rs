@@ -57,6 +57,10 @@ impl StateMap {
         if let Some(delay) = model.delays.first() {
             return Err(SimulateError::Remembers { what: "a delay", name: delay.name.clone() });
         }
+        if let Some(sign) = model.signs.first() {
+            let what = "the sign of a velocity";
+            return Err(SimulateError::Remembers { what, name: sign.name.clone() });
+        }
         if model.controller.as_ref().is_some_and(|controller| controller.sample_time.is_some()) {
             let (what, name) = ("a sampled controller", "controller".to_owned());
             return Err(SimulateError::Remembers { what, name });

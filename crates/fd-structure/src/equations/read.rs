@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use fd_sim::{
-    equation::Expr,
+    equation::{Expr, Unary},
     model::{Definition, Input, Law, Model, State},
 };
 
@@ -38,6 +38,10 @@ pub(super) fn read(model: &Model, places: &FaultPlaces) -> Result<EquationModel,
         );
         reader.dynamic(format!("delay {}", delay.name), &delay.name, &now, Relation::Delay);
     }
+    for sign in &model.signs {
+        let value = Expr::unary(Unary::Sign, sign.velocity.clone());
+        reader.equal(format!("sign {}", sign.name), Expr::name(&sign.name), value, false);
+    }
     reader.controller(model);
     for output in &model.outputs {
         let log = Expr::Name(logged(&output.name));
@@ -64,7 +68,8 @@ fn sorted(model: &Model) -> (HashSet<String>, Vec<(String, Expr)>) {
     let inputs = model.inputs.iter().map(|input| input.name.clone());
     let states = model.all_states().map(|state| state.name.clone());
     let delays = model.delays.iter().map(|delay| delay.name.clone());
-    let mut unknowns: HashSet<String> = inputs.chain(states).chain(delays).collect();
+    let signs = model.signs.iter().map(|sign| sign.name.clone());
+    let mut unknowns: HashSet<String> = inputs.chain(states).chain(delays).chain(signs).collect();
     // The controller sees the log.
     let controller = model.controller.iter();
     let references = controller.flat_map(|controller| &controller.references).map(|r| &r.name);

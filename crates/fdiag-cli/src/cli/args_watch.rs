@@ -56,10 +56,18 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "http")]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) http: Option<String>,
+    /// Name by which the live page may be reached besides loopback names and ADDRESS, as behind a proxy; may be repeated
+    #[cfg(feature = "http")]
+    #[arg(long, value_name = "NAME[:PORT]", requires = "http")]
+    pub(crate) http_host: Vec<String>,
     /// Ask on the live page, and at PREFIX/UNIT/wish of a broker, before a unit is trained again; unanswered, it is not
     #[cfg(any(feature = "http", feature = "mqtt"))]
     #[arg(long)]
     pub(crate) ask: bool,
+    /// File of one line, a token that answers through a broker have to carry; the live page has one of its own
+    #[cfg(any(feature = "http", feature = "mqtt"))]
+    #[arg(long, value_name = "FILE", requires = "ask")]
+    pub(crate) answer_token: Option<PathBuf>,
     /// Broker to take samples from or to tell alarms to (MQTT 3.1.1, not encrypted), such as localhost:1883
     #[cfg(feature = "mqtt")]
     #[arg(long, value_name = "HOST[:PORT]", requires = "state")]

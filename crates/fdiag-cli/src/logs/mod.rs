@@ -1,5 +1,6 @@
 //! The road on a user's own model and logs: learn from the healthy ones, diagnose the others.
 
+mod above;
 mod error;
 mod healthy;
 mod material;
@@ -8,6 +9,7 @@ mod report;
 mod study;
 
 pub use self::{
+    above::AboveMaximum,
     error::LogStudyError,
     healthy::{LogDoubt, Void, VoidReason},
     material::{Material, Request, StudiedLog},

@@ -1,9 +1,11 @@
 //! A study of logs as a sentence, tables, pictures and a page.
 
+use std::cmp::Ordering;
+
 use fd_model::figure;
 use fd_numeric::rms;
 use fd_report::{Line, Page, Picture, PictureError, Table};
-use fdiag::training::Trace;
+use fdiag::training::{Compared, Trace, WhyNot};
 
 use super::{
     healthy::LogDoubt,
@@ -12,6 +14,8 @@ use super::{
 
 /// A statistic that is so many thresholds large is drawn on a logarithmic axis, where the threshold can be seen.
 const FAR_ABOVE: f64 = 20.0;
+/// Forms of the bias model in the table; all of them are in the JSON.
+const SHOWN_FORMS: usize = 8;
 
 impl LogStudy {
     /// What came out, in one sentence.
@@ -42,16 +46,53 @@ impl LogStudy {
             (n, 0) => format!(" None of the {n} later logs raises an alarm."),
             (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
         };
+        let off = self.where_off();
+        if self.is_off() {
+            return format!("{off}{alarms}{}", self.cautions());
+        }
         let verb = if after <= before {
             format!("{} times smaller", figure(before / after))
         } else {
             format!("{} times larger", figure(after / before))
         };
         format!(
-            "Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}{}",
+            "{off}Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}{}",
             self.warning(),
             self.cautions(),
         )
+    }
+
+    /// Whether no residual is compensated.
+    fn is_off(&self) -> bool {
+        let payments = &self.bias.payments;
+        !payments.is_empty() && payments.iter().all(|payment| !payment.applied)
+    }
+
+    /// The residuals that stay primary and why, as sentences; empty when all are compensated.
+    fn where_off(&self) -> String {
+        let pairs = || self.residuals.iter().zip(&self.bias.payments);
+        let reasons: Vec<WhyNot> = pairs().filter_map(|(_, payment)| payment.why_not).collect();
+        let off =
+            pairs().filter(|(_, payment)| !payment.applied).filter_map(|(residual, payment)| {
+                Some(format!("{}: {}", residual.name, payment.why_not?.in_words()))
+            });
+        let off: Vec<String> = off.collect();
+        let same = reasons.windows(2).all(|pair| pair[0] == pair[1]);
+        match (&off[..], reasons.first()) {
+            ([], _) | (_, None) => String::new(),
+            (_, Some(WhyNot::Never)) if self.is_off() => {
+                "Compensation is switched off (bias.apply = \"never\"); the primary residual is judged.".to_owned()
+            }
+            (_, Some(only)) if same && self.is_off() => format!(
+                "Compensation does not pay here and is off, and the primary residual is judged: {}.",
+                only.in_words()
+            ),
+            _ if self.is_off() => format!(
+                "Compensation does not pay here and is off, and the primary residual is judged: {}.",
+                off.join("; ")
+            ),
+            _ => format!("Compensation is off where it does not pay. {}. ", off.join("; ")),
+        }
     }
 
     /// What speaks against the healthy logs and the thresholds from them, as sentences.
@@ -60,7 +101,11 @@ impl LogStudy {
         let voids = self.logs.iter().filter_map(|log| {
             log.void.as_ref().map(|void| format!("{}: {}.", file_name(log), void.in_words()))
         });
-        let all: Vec<String> = doubts.chain(voids).collect();
+        let not_compared = self.not_compared.as_ref();
+        let not_compared =
+            not_compared.map(|why| format!("Alarms without compensation are not compared: {why}."));
+        let above = self.above_maximum.map(|above| above.in_words());
+        let all: Vec<String> = doubts.chain(voids).chain(not_compared).chain(above).collect();
         if all.is_empty() { String::new() } else { format!(" {}", all.join(" ")) }
     }
 
@@ -128,6 +173,8 @@ impl LogStudy {
             bias.push(["order criteria".to_owned(), selection.clone()]);
         }
         let mut tables = vec![logs, bias];
+        tables.extend(self.payments_table());
+        tables.extend(self.compared_table());
         if !self.doubts.is_empty() {
             let mut doubts = Table::new("Doubts about the healthy logs", &["log", "doubt"]);
             for doubt in &self.doubts {
@@ -137,6 +184,68 @@ impl LogStudy {
             tables.push(doubts);
         }
         tables
+    }
+
+    /// What the bias is worth in each residual.
+    fn payments_table(&self) -> Option<Table> {
+        let payments = &self.bias.payments;
+        let mut table = Table::new(
+            "Does the bias pay on held-out healthy samples?",
+            &[
+                "residual",
+                "rms primary",
+                "rms compensated",
+                "gain of the square",
+                "standard error",
+                "applied",
+            ],
+        );
+        for (residual, payment) in self.residuals.iter().zip(payments) {
+            let square = residual.scale * residual.scale;
+            table.push([
+                format!("{} [{}]", residual.name, residual.unit),
+                figure(residual.scale * payment.rms_primary),
+                figure(residual.scale * payment.rms_compensated),
+                figure(square * payment.gain),
+                figure(square * payment.standard_error),
+                if payment.applied { "yes" } else { "no" }.to_owned(),
+            ]);
+        }
+        (!payments.is_empty()).then_some(table)
+    }
+
+    /// The best of the forms that were compared, and the one that was taken.
+    fn compared_table(&self) -> Option<Table> {
+        let mut shown: Vec<&Compared> =
+            self.bias.compared.iter().filter(|form| form.left.is_some()).collect();
+        shown.sort_by(|a, b| a.left.partial_cmp(&b.left).unwrap_or(Ordering::Equal));
+        let none = self.bias.compared.iter().filter(|form| form.parameters == 0);
+        let best = shown.iter().copied().take(SHOWN_FORMS);
+        let others = shown.iter().copied().skip(SHOWN_FORMS).filter(|form| form.chosen);
+        let none = none.filter(|form| !form.chosen);
+        let mut table = Table::new(
+            format!("Forms of the bias model, {} compared by free runs", self.bias.compared.len()),
+            &[
+                "form",
+                "parameters",
+                "rms left [%]",
+                "square above the best [%]",
+                "standard error",
+                "",
+            ],
+        );
+        let percent = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| figure(100.0 * v));
+        for form in best.chain(others).chain(none) {
+            table.push([
+                form.model.clone(),
+                form.parameters.to_string(),
+                percent(form.left),
+                percent(form.above_best),
+                percent(form.standard_error),
+                if form.chosen { "taken" } else { "" }.to_owned(),
+            ]);
+        }
+        (!self.bias.compared.is_empty()).then_some(table)
     }
 
     /// The whole report as a page.

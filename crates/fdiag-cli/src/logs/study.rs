@@ -3,16 +3,20 @@
 use std::path::PathBuf;
 
 use fd_core::{DynPipeline, Event, stage::Stage};
-use fd_model::{Record, TimeBaseReport};
+use fd_model::TimeBaseReport;
 use fd_numeric::rms;
 use fdiag::Watcher;
 use fdiag::{
-    spec::{NominalPlant, PipelineSpec},
-    training::{Healthy, Names, Trace, TrainingError, examine, sensor_sizes, train_within},
+    spec::{ApplySpec, NominalPlant, PipelineSpec},
+    training::{
+        Compared, Healthy, Names, Payment, Trace, Trained, TrainingError, examine, inputs_move,
+        sensor_sizes, train_within,
+    },
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
+    above::AboveMaximum,
     error::LogStudyError,
     healthy::{LogDoubt, Void},
     material::{Material, StudiedLog},
@@ -40,6 +44,12 @@ pub struct LogStudy {
     /// What speaks against learning from the healthy logs.
     #[serde(default)]
     pub doubts: Vec<LogDoubt>,
+    /// Why there is no threshold without compensation to compare with, and hence no alarm without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_compared: Option<String>,
+    /// What a threshold above a maximum promises; none when that is a rate, or rare enough.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above_maximum: Option<AboveMaximum>,
     /// Every log, healthy ones first.
     pub logs: Vec<LogResult>,
 }
@@ -66,8 +76,29 @@ pub struct BiasSummary {
     pub poles: Vec<Vec<f64>>,
     /// What the order criteria chose, if the order was to be chosen.
     pub selection: Option<String>,
+    /// The forms that were compared, the simplest first, if the form was to be chosen.
+    #[serde(default)]
+    pub compared: Vec<Compared>,
+    /// What the bias is worth in each residual channel on held-out healthy samples, and where it is not subtracted.
+    #[serde(default)]
+    pub payments: Vec<Payment>,
     /// Phases of a recursive training.
     pub events: Vec<Event>,
+}
+
+impl BiasSummary {
+    fn of(trained: &Trained) -> Result<Self, TrainingError> {
+        let bias = trained.bias_model();
+        Ok(Self {
+            orders: bias.orders(),
+            theta: bias.theta(),
+            poles: bias.pole_radii()?,
+            compared: trained.compared().to_vec(),
+            payments: trained.payments().to_vec(),
+            selection: trained.order_selection().map(|t| t.verdict().to_string()),
+            events: trained.events().to_vec(),
+        })
+    }
 }
 
 /// What became of one log.
@@ -89,6 +120,9 @@ pub struct LogResult {
     pub largest: (f64, f64),
     /// Time in s of the first alarm without and with compensation.
     pub first_alarm_s: (Option<f64>, Option<f64>),
+    /// From when to when each alarm with compensation lasted, in s; the last one may end with the log.
+    #[serde(default)]
+    pub alarms_s: Vec<[f64; 2]>,
     /// Share of samples in alarm without and with compensation.
     pub alarm_share: (f64, f64),
     /// Where the threshold states no rate of false alarms; none when it does throughout.
@@ -160,7 +194,8 @@ impl LogStudy {
             .filter(|log| log.healthy)
             .map(|log| Healthy::split(&log.record, material.share_to_learn))
             .collect();
-        if !healthy.iter().any(|log| input_moves(log.record)) {
+        let learns = spec.bias.apply != ApplySpec::Never;
+        if learns && !healthy.iter().any(|log| inputs_move(log.record)) {
             return Err(LogStudyError::NoExcitation);
         }
         let trained = train_within(
@@ -178,7 +213,12 @@ impl LogStudy {
                 scale: o.scale.scale.unwrap_or(1.0),
             })
             .collect();
-        let (mut plain, mut compensated) = (trained.uncompensated()?, trained.compensated()?);
+        let mut compensated = trained.compensated()?;
+        // The primary residual is only compared with: where its own threshold cannot be had, all else goes on.
+        let (mut plain, not_compared) = match trained.uncompensated() {
+            Ok(plain) => (plain, None),
+            Err(error) => (trained.silent()?, Some(error.to_string())),
+        };
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
         for StudiedLog { file: path, record, time_base, healthy } in &material.logs {
             let run = |pipeline: &mut DynPipeline| {
@@ -195,6 +235,7 @@ impl LogStudy {
                 rms_compensated: rms_per_channel(&with, &with.compensated),
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
+                alarms_s: alarm_intervals(&with),
                 alarm_share: (alarm_share(&without, &with), alarm_share(&with, &with)),
                 void: Void::of(&with),
                 sensor_sizes: sensor_sizes(&trained, &with)?
@@ -220,34 +261,20 @@ impl LogStudy {
         {
             doubts.extend(found.into_iter().map(|doubt| LogDoubt::new(log, doubt, &names)));
         }
-        let bias = trained.bias_model();
-        let poles = bias.pole_radii().map_err(TrainingError::from)?;
         let study = Self {
             version: REPORT_VERSION,
             model: material.name.clone(),
             residuals,
             outputs,
             spec: spec.clone(),
-            bias: BiasSummary {
-                orders: bias.orders(),
-                theta: bias.theta(),
-                poles,
-                selection: trained.order_selection().map(|t| t.verdict().to_string()),
-                events: trained.events().to_vec(),
-            },
+            bias: BiasSummary::of(&trained)?,
             doubts,
+            not_compared,
+            above_maximum: AboveMaximum::of(material, &trained),
             logs,
         };
         Ok((study, Traces { logs: traces }))
     }
-}
-
-fn input_moves(record: &Record) -> bool {
-    (0..record.inputs().len()).any(|channel| {
-        let mut values = record.input(channel).filter(|v| v.is_finite());
-        let first = values.next();
-        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
-    })
 }
 
 /// Residuals that are compared output by output keep the unit of the output.
@@ -273,6 +300,22 @@ fn rms_per_channel(trace: &Trace, values: &[f64]) -> Vec<f64> {
 /// judged over the same samples.
 fn alarm_time(trace: &Trace, compensated: &Trace) -> Option<f64> {
     (0..trace.len()).find(|&k| compensated.compensating[k] && trace.alarm[k]).map(|k| trace.time[k])
+}
+
+/// The times of the first and the last sample of each alarm.
+fn alarm_intervals(trace: &Trace) -> Vec<[f64; 2]> {
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    let mut was_on = false;
+    for k in 0..trace.len() {
+        let is_on = trace.compensating[k] && trace.alarm[k];
+        match intervals.last_mut() {
+            Some([_, last]) if is_on && was_on => *last = trace.time[k],
+            _ if is_on => intervals.push([trace.time[k]; 2]),
+            _ => {}
+        }
+        was_on = is_on;
+    }
+    intervals
 }
 
 fn alarm_share(trace: &Trace, compensated: &Trace) -> f64 {

@@ -4,12 +4,13 @@
 
 use std::{
     io::{Read, Write},
+    path::Path,
     process::{Child, Command},
     sync::{Arc, Mutex},
     time::Duration,
 };
 
-use crate::watching::broker::{Broker, wait};
+use crate::watching::broker::{Broker, PASSWORD, wait};
 use crate::watching::{Plant, text};
 
 const LONG: Duration = Duration::from_secs(60);
@@ -130,6 +131,60 @@ fn through_mosquitto_whoever_is_asked_can_answer() {
     let late = broker.listen("late", "fdiag/+/wish");
     std::thread::sleep(Duration::from_millis(500));
     assert!(late.by_topic().is_empty(), "{:?}", late.by_topic());
+}
+
+/// What `examples/watch/mosquitto.acl` forbids does not come, and what comes without the token is refused.
+#[test]
+#[ignore = "needs mosquitto"]
+fn through_mosquitto_only_whoever_may_and_has_the_token_answers() {
+    let plant = Plant::new();
+    let more =
+        "compensation.operating_point = { policy = { kind = \"retrain\" }, time_constant = 20 }\n";
+    std::fs::write(plant.path("spec.toml"), more.to_owned() + crate::watching::SPEC).unwrap();
+    std::fs::write(plant.path("token"), "0123456789abcdef\n").unwrap();
+    std::fs::write(plant.path("login"), format!("monitor\n{PASSWORD}\n")).unwrap();
+    let access = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/watch/mosquitto.acl");
+    let broker = Broker::guarded(&access, &["monitor", "plant", "operator", "screen"]);
+    let line = format!(
+        "watch --model model.toml --spec spec.toml --healthy healthy.csv --unit rig --state state --ask \
+         --answer-token token --mqtt 127.0.0.1:{} --mqtt-login login --mqtt-in plant/+ --mqtt-out fdiag",
+        broker.port
+    );
+    let heard = broker.listen("operator-ears", "fdiag/+/wish");
+    let alarms = broker.listen("screen", "fdiag/+/state");
+    let running = Running::start(&plant, &line);
+    assert!(running.says("\"kind\":\"connected\""), "{}", running.said());
+    let mut samples = broker.publisher_named("plant");
+    let row = |k: u32| {
+        let (time, u) = (0.1 * f64::from(k), if k < 200 { 0.0 } else { 10.0 });
+        let values = format!("\"time\":{time},\"fuel\":{u},\"speed\":0,\"temperature\":0");
+        format!("{{\"rig\":\"a\",{values}}}\n")
+    };
+    let rows: String = (0..400).map(row).collect();
+    samples(&[("plant/a".to_owned(), rows)]);
+    assert!(running.says("retraining-wanted"), "{}", running.said());
+    assert!(wait(LONG, || heard.by_topic().contains_key("fdiag/a/wish")));
+    let text_of = heard.by_topic()["fdiag/a/wish"].last().unwrap().clone();
+    let id = text_of.split("\"id\":\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+
+    let said = |more: &str| format!("{{\"id\":\"{id}\",\"answer\":\"confirm\"{more}}}");
+    let whole = said(",\"token\":\"0123456789abcdef\"");
+    let answer = |text: String| ("fdiag/a/answer".to_owned(), text);
+    // Whoever sends samples or looks: the broker lets nobody hear it.
+    for user in ["plant", "screen"] {
+        broker.try_publish(user, "fdiag/a/answer", &whole);
+        broker.try_publish(user, "fdiag/a/state", "{\"state\":\"normal\"}");
+    }
+    let mut people = broker.publisher_named("operator");
+    people(&[answer(said("")), answer(said(",\"token\":\"0123456789abcdeF\""))]);
+    let refused = || running.said().matches("expected the `token`").count() == 2;
+    assert!(wait(LONG, refused), "{}", running.said());
+    assert!(!running.said().contains("retraining-answered"), "{}", running.said());
+    people(&[answer(whole)]);
+    assert!(running.says("\"kind\":\"retraining-answered\""));
+    assert_eq!(running.said().matches("answer-refused").count(), 2, "{}", running.said());
+    assert!(!alarms.lines("state").contains("\"normal\""), "{:?}", alarms.by_topic());
+    running.end();
 }
 
 /// A question needs somebody who could hear it.

@@ -13,6 +13,8 @@ use serde::Serialize;
 
 use super::{data::Data, report::file_name};
 
+/// Rows per sample from which some are skipped.
+const SKIPPING: f64 = 1.5;
 /// Steps of a file may differ from that of the model by this part before it is worth a note.
 const SAME_PACE: f64 = 1e-3;
 
@@ -71,6 +73,14 @@ pub enum TimeBaseDefect {
         median_step_s: f64,
         /// Largest deviation of a step from the median, in seconds.
         jitter_s: f64,
+        /// Time between the samples that it was brought to, in seconds.
+        step_s: f64,
+    },
+    /// The samples that are simulated are further apart than the rows: inputs that move in between act on the plant as
+    /// they were, and on the simulation as their mean.
+    Coarse {
+        /// Median time between rows, in seconds.
+        median_step_s: f64,
         /// Time between the samples that it was brought to, in seconds.
         step_s: f64,
     },
@@ -143,6 +153,12 @@ pub(super) fn findings(
         if !base.gaps.is_empty() {
             let holes = TimeBaseDefect::Holes { count: base.gaps.len() };
             all.push(of_time(Severity::Note, &part.file, holes));
+        }
+        // Less is jitter: the median of the rows is what a grid is made of.
+        if SKIPPING * base.median_step_s < base.step_s && !nominal.inputs.is_empty() {
+            let (median_step_s, step_s) = (base.median_step_s, base.step_s);
+            let coarse = TimeBaseDefect::Coarse { median_step_s, step_s };
+            all.push(of_time(Severity::Warning, &part.file, coarse));
         }
         if !base.even {
             let uneven = TimeBaseDefect::Uneven {

@@ -11,7 +11,7 @@ use fd_ident::{
 use serde::{Deserialize, Serialize};
 
 /// The bias model `μ(k) + a₁ μ(k−1) + … = b₀ u(k) + …` and how it is learned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BiasSpec {
     /// What kind of model it is.
@@ -20,22 +20,40 @@ pub struct BiasSpec {
     pub orders: OrderSpec,
     /// How its parameters are found.
     pub learning: LearningSpec,
+    /// Whether it is subtracted.
+    pub apply: ApplySpec,
 }
 
-impl Default for BiasSpec {
-    fn default() -> Self {
-        Self {
-            structure: StructureSpec::default(),
-            orders: OrderSpec::Fixed(ArxOrders::paper(2)),
-            learning: LearningSpec::default(),
-        }
-    }
+/// Whether a learned bias is subtracted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ApplySpec {
+    /// In each residual channel in which it makes held-out healthy residuals smaller by more than the standard error.
+    #[default]
+    WhereItPays,
+    /// In every channel.
+    Always,
+    /// In none: nothing is learned, and the primary residual is judged.
+    Never,
+}
+
+fn paper_most() -> usize {
+    3
 }
 
 /// Orders of the bias model: given, or chosen from the training data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OrderSpec {
+    /// Chosen together with everything else that the spec leaves open: orders up to `most`, delay and constant term;
+    /// output error besides least squares, unless `learning` says another way; Hammerstein and scheduled structures
+    /// besides the linear one, unless `structure` says another. Decided by free runs over healthy samples that the
+    /// fit has not seen; the simplest form within one standard error of the best is taken.
+    Choose {
+        /// Highest order; the paper recommends less than 5.
+        #[serde(default = "paper_most")]
+        most: usize,
+    },
     /// Given.
     Fixed(ArxOrders),
     /// Chosen by a criterion among the paper's structures of order 1 to `most`.
@@ -50,6 +68,12 @@ pub enum OrderSpec {
         #[serde(default)]
         offset: bool,
     },
+}
+
+impl Default for OrderSpec {
+    fn default() -> Self {
+        Self::Choose { most: paper_most() }
+    }
 }
 
 /// What kind of model the bias is.

@@ -1,8 +1,11 @@
 //! Which detector, as a line of a spec.
 
 use fd_compensate::{
-    DrivenRows,
-    calibrate::{CalibrationError, CalibrationPlan, FalseAlarms, calibrate, calibrate_held_out},
+    DrivenRows, RowsError, SampleRows,
+    calibrate::{
+        CalibrationError, CalibrationPlan, FalseAlarms, calibrate_held_out,
+        calibrate_with_beginnings,
+    },
     detect::{
         AdaptiveThreshold, ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Glr, Magnitude, NSigma,
         Spread, Sprt, Standardizer, TwoSample,
@@ -138,6 +141,8 @@ pub(super) const EVERY: [&str; 14] = [
 pub struct DetectorData<'a> {
     /// Fault-free residuals with their inputs.
     pub healthy: DrivenRows<'a>,
+    /// How runs begin, each a run of its own, where they begin otherwise than they go on.
+    pub beginnings: Option<DrivenRows<'a>>,
     /// How a threshold is found for a rate of false alarms; without it the detector is scaled but
     /// its threshold stays at 1 and is set by the caller.
     pub plan: Option<&'a CalibrationPlan>,
@@ -154,6 +159,9 @@ pub enum DetectorSpecError {
     /// Its settings or its scales.
     #[error(transparent)]
     Detector(#[from] DetectorError),
+    /// The fault-free samples.
+    #[error(transparent)]
+    Rows(#[from] RowsError),
     /// Its threshold.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -223,8 +231,9 @@ impl DetectorData<'_> {
         with: impl FnOnce(D, f64) -> Result<D, DetectorError>,
     ) -> Result<Box<dyn Detector>, DetectorSpecError> {
         let Some(plan) = self.plan else { return Ok(Box::new(detector)) };
-        let threshold = calibrate(&mut detector, self.healthy, wanted, plan)?.threshold;
-        Ok(Box::new(with(detector, threshold)?))
+        let Self { healthy, beginnings, .. } = *self;
+        let found = calibrate_with_beginnings(&mut detector, healthy, beginnings, wanted, plan)?;
+        Ok(Box::new(with(detector, found.threshold)?))
     }
 
     fn standard(&self) -> Result<Standardizer<f64>, DetectorError> {
@@ -245,7 +254,11 @@ impl DetectorSpec {
         let residuals = data.healthy.residuals();
         match *self {
             Self::Maximum { margin } => {
-                Ok(Box::new(Magnitude::<f64>::above_fault_free_maximum(residuals, margin)?))
+                let rows = [Some(data.healthy), data.beginnings].into_iter().flatten();
+                let all: Vec<f64> =
+                    rows.flat_map(|rows| rows.residuals().iter().flatten()).copied().collect();
+                let all = SampleRows::new(residuals.channels(), &all)?;
+                Ok(Box::new(Magnitude::<f64>::above_fault_free_maximum(all, margin)?))
             }
             Self::Bound { threshold } => {
                 let ones = vec![1.0; data.design.residual_len()];

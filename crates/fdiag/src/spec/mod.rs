@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::{
     adaptive::{AdaptiveSpec, BoundSpec},
-    bias::{BiasSpec, LearningSpec, OrderSpec, StructureSpec},
+    bias::{ApplySpec, BiasSpec, LearningSpec, OrderSpec, StructureSpec},
     detector::{DetectorData, DetectorSpec, DetectorSpecError},
     generator::{
         ComponentSpec, DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec,

@@ -17,15 +17,15 @@ pub(super) fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitte
         }
     }
     let (nu, channels) = (records[0].inputs().len(), records[0].outputs().len());
+    if nu == 0 {
+        let residual_peak = r.iter().fold(0.0_f64, |peak, r| peak.max(r.abs()));
+        let (input_low, input_high) = (Vec::new(), Vec::new());
+        return Ok(PreFitted { theta, input_low, input_high, residual_peak, filling: 0 });
+    }
     Ok(PreFitted::from_training(theta, SampleRows::new(nu, &u)?, SampleRows::new(channels, &r)?))
 }
 
 /// Samples until the generator has forgotten where it started.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "checked, not negative"
-)]
 pub(super) fn settling_samples(
     spec: &PipelineSpec,
     design: &dyn GeneratorDesign,
@@ -37,10 +37,24 @@ pub(super) fn settling_samples(
             let (setting, expected) = ("settle_s", "finite and not negative");
             return Err(TrainingError::Setting { setting, expected, found });
         }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked, not negative"
+        )]
         return Ok((found / ts).round() as usize);
     }
-    // Five time constants of the slowest pole leave e⁻⁵ = 0.7 % of the initial error.
     let radius = design.form()?.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let samples = if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() } else { 0.0 };
-    Ok(samples as usize)
+    Ok(forgotten_after(radius))
+}
+
+/// Five time constants of a pole in samples, which leave e⁻⁵ = 0.7 % of an initial error; none for one that never
+/// forgets.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "positive, and a cast saturates"
+)]
+pub(super) fn forgotten_after(radius: f64) -> usize {
+    if radius > 0.0 && radius < 1.0 { (-5.0 / radius.ln()).ceil() as usize } else { 0 }
 }

@@ -3,7 +3,7 @@
 use faer::c64;
 use fd_ident::{
     IdentError,
-    arx::{ArxModel, Start},
+    arx::{ArxModel, ArxOrders, Start},
     hammerstein::HammersteinModel,
     scheduled::ScheduledModel,
     subspace::StateSpaceBias,
@@ -45,6 +45,54 @@ impl LearnedBias {
             Self::Scheduled(model) => model.locals()[0].residual_len(),
             Self::StateSpace(model) => model.system().ny(),
         }
+    }
+
+    /// Whether there is a constant term.
+    #[must_use]
+    pub fn has_constant(&self) -> bool {
+        match self {
+            Self::Linear(model) => model.orders().offset,
+            Self::Hammerstein(model) => model.linear().orders().offset,
+            Self::Scheduled(model) => model.locals()[0].orders().offset,
+            Self::StateSpace(model) => model.offset().iter().any(|c| c.abs() > 0.0),
+        }
+    }
+
+    /// The same model with a bias of zero in every channel that is not `kept`. One state-space model for all channels
+    /// cannot be divided: it stays as it is while any channel is kept.
+    ///
+    /// # Errors
+    ///
+    /// Never fails for models that were checked when they were made.
+    pub(super) fn only(&self, kept: &[bool]) -> Result<Self, IdentError> {
+        let silenced = |model: &ArxModel| {
+            let per_channel = model.orders().parameters(model.nu());
+            let mut theta = model.theta().to_vec();
+            for (theta, kept) in theta.chunks_exact_mut(per_channel).zip(kept) {
+                if !kept {
+                    theta.fill(0.0);
+                }
+            }
+            ArxModel::new(model.orders(), model.nu(), model.residual_len(), theta, model.ts())
+        };
+        Ok(match self {
+            Self::Linear(model) => Self::Linear(silenced(model)?),
+            Self::Hammerstein(model) => Self::Hammerstein(HammersteinModel::new(
+                model.expansion().clone(),
+                silenced(model.linear())?,
+            )?),
+            Self::Scheduled(model) => {
+                let locals = model.locals().iter().map(silenced).collect::<Result<_, _>>()?;
+                Self::Scheduled(ScheduledModel::new(model.regions().clone(), locals)?)
+            }
+            Self::StateSpace(model) if kept.contains(&true) => Self::StateSpace(model.clone()),
+            Self::StateSpace(model) => {
+                let system = model.system();
+                let constant = ArxOrders::new(0, 0, 0).with_offset();
+                let (nu, ny, ts) = (system.nu(), system.ny(), system.domain().ts);
+                Self::Linear(ArxModel::new(constant, nu, ny, vec![0.0; ny], ts)?)
+            }
+        })
     }
 
     /// All parameters, for reports.

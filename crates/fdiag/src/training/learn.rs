@@ -19,10 +19,11 @@ use fd_model::Record;
 
 use super::{
     bias::LearnedBias,
+    choose::{Candidate, Choice, Compared, choose},
     error::TrainingError,
     structure::{Sizes, Structure},
 };
-use crate::spec::{LearningSpec, OrderSpec, PipelineSpec, StructureSpec};
+use crate::spec::{ApplySpec, LearningSpec, OrderSpec, PipelineSpec, StructureSpec};
 
 /// One part in this many of the training data is held out when orders are compared.
 const HELD_OUT_PART: usize = 4;
@@ -31,20 +32,60 @@ const HELD_OUT_PART: usize = 4;
 pub(super) struct Learned {
     pub(super) bias: LearnedBias,
     pub(super) selection: Option<OrderTable>,
+    /// The forms that were compared, when the form was to be chosen.
+    pub(super) compared: Vec<Compared>,
     pub(super) events: Vec<Event>,
 }
 
 /// Learns from residual records, one per log.
 pub(super) fn learn(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, TrainingError> {
-    let learned = match Structure::of(&spec.bias.structure, records)? {
-        Some(structure) => learn_equations(spec, &structure, records)?,
-        None => learn_states(spec, records)?,
+    let learned = match &spec.bias.orders {
+        _ if spec.bias.apply == ApplySpec::Never => Learned::nothing(records, Vec::new())?,
+        OrderSpec::Choose { most }
+            if !matches!(spec.bias.structure, StructureSpec::StateSpace { .. }) =>
+        {
+            learn_chosen(spec, *most, records)?
+        }
+        _ => match Structure::of(&spec.bias.structure, records)? {
+            Some(structure) => learn_equations(spec, &structure, records)?,
+            None => learn_states(spec, records)?,
+        },
     };
     let radius = learned.bias.pole_radii()?.into_iter().flatten().fold(0.0, f64::max);
     if radius >= 1.0 {
         return Err(TrainingError::UnstableBias { radius });
     }
     Ok(learned)
+}
+
+/// Compares the forms that the spec leaves open, then learns the one that was chosen from all records.
+fn learn_chosen(
+    spec: &PipelineSpec,
+    most: usize,
+    records: &[Record],
+) -> Result<Learned, TrainingError> {
+    let Choice { candidate, table } = choose(spec, most, records)?;
+    let Some(Candidate { structure, orders, learning }) = candidate else {
+        return Learned::nothing(records, table);
+    };
+    let mut chosen = spec.clone();
+    (chosen.bias.structure, chosen.bias.orders) = (structure, OrderSpec::Fixed(orders));
+    if !spec.bias.learning.is_on_line() {
+        chosen.bias.learning = learning;
+    }
+    Ok(Learned { compared: table, ..learn(&chosen, records)? })
+}
+
+impl Learned {
+    /// No bias: a constant that is zero.
+    fn nothing(records: &[Record], compared: Vec<Compared>) -> Result<Self, TrainingError> {
+        let first = records.first().ok_or(TrainingError::NoHealthyLog)?;
+        let (nu, channels) = (first.inputs().len(), first.outputs().len());
+        let constant = ArxOrders::new(0, 0, 0).with_offset();
+        let zero = ArxModel::new(constant, nu, channels, vec![0.0; channels], first.ts())?;
+        let bias = LearnedBias::Linear(zero);
+        Ok(Self { bias, selection: None, compared, events: Vec::new() })
+    }
 }
 
 fn learn_equations(
@@ -54,6 +95,7 @@ fn learn_equations(
 ) -> Result<Learned, TrainingError> {
     let (orders, selection) = match &spec.bias.orders {
         OrderSpec::Fixed(orders) => (*orders, None),
+        OrderSpec::Choose { most } => (ArxOrders::paper(*most).with_offset(), None),
         OrderSpec::Select { most, criterion, offset } => {
             let table = score_orders(&structure.seen(records)?, *most, *offset)?;
             let best =
@@ -66,20 +108,30 @@ fn learn_equations(
             return Err(TrainingError::RecursiveNeedsOneLog { found: records.len() });
         };
         let (bias, events) = learn_on_line(spec, structure, orders, record)?;
-        return Ok(Learned { bias, selection, events });
+        return Ok(Learned { bias, selection, compared: Vec::new(), events });
     }
-    let fit = |seen: &[Record]| batch(&spec.bias.learning, orders, seen);
-    let bias = match structure {
-        Structure::Linear => LearnedBias::Linear(fit(records)?),
+    let bias = fit(structure, &spec.bias.learning, orders, records)?;
+    Ok(Learned { bias, selection, compared: Vec::new(), events: Vec::new() })
+}
+
+/// A model of given structure and orders from all records in one go.
+pub(super) fn fit(
+    structure: &Structure,
+    learning: &LearningSpec,
+    orders: ArxOrders,
+    records: &[Record],
+) -> Result<LearnedBias, TrainingError> {
+    let equations = |seen: &[Record]| batch(learning, orders, seen);
+    Ok(match structure {
+        Structure::Linear => LearnedBias::Linear(equations(records)?),
         Structure::Hammerstein(expansion) => {
-            let linear = fit(&structure.seen(records)?)?;
+            let linear = equations(&structure.seen(records)?)?;
             LearnedBias::Hammerstein(HammersteinModel::new(expansion.clone(), linear)?)
         }
         Structure::Scheduled(regions) => {
-            LearnedBias::Scheduled(ScheduledModel::learn(regions.clone(), records, fit)?)
+            LearnedBias::Scheduled(ScheduledModel::learn(regions.clone(), records, equations)?)
         }
-    };
-    Ok(Learned { bias, selection, events: Vec::new() })
+    })
 }
 
 /// Subspace identification; of the orders only the constant counts.
@@ -91,13 +143,15 @@ fn learn_states(spec: &PipelineSpec, records: &[Record]) -> Result<Learned, Trai
     if let Some(horizon) = horizon {
         subspace = subspace.with_horizon(horizon);
     }
-    let (OrderSpec::Fixed(ArxOrders { offset, .. }) | OrderSpec::Select { offset, .. }) =
-        spec.bias.orders;
+    let offset = match spec.bias.orders {
+        OrderSpec::Fixed(ArxOrders { offset, .. }) | OrderSpec::Select { offset, .. } => offset,
+        OrderSpec::Choose { .. } => true,
+    };
     if offset {
         subspace = subspace.with_offset();
     }
     let bias = LearnedBias::StateSpace(Box::new(subspace.fit(records)?.model));
-    Ok(Learned { bias, selection: None, events: Vec::new() })
+    Ok(Learned { bias, selection: None, compared: Vec::new(), events: Vec::new() })
 }
 
 /// Difference equations from records in one go.

@@ -9,9 +9,12 @@
 
 mod begin;
 mod bias;
+mod choose;
 mod error;
 mod examine;
+mod fault_free;
 mod learn;
+mod pay;
 mod replay;
 mod residuals;
 mod running;
@@ -23,8 +26,10 @@ mod train;
 
 pub use self::{
     bias::LearnedBias,
+    choose::Compared,
     error::TrainingError,
-    examine::{Doubt, Examination, Names, examine},
+    examine::{Doubt, Examination, Names, examine, inputs_move},
+    pay::{Payment, WhyNot},
     replay::{Primary, Subtracted, Subtraction},
     residuals::residual_record,
     running::RunningBias,

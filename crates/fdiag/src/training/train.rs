@@ -18,8 +18,12 @@ use fd_residual::GeneratorDesign;
 use super::{
     begin::{pre_fitted, settling_samples},
     bias::LearnedBias,
+    choose::Compared,
     error::TrainingError,
+    examine::inputs_move,
+    fault_free::{FaultFree, Judged},
     learn::learn,
+    pay::Payment,
     residuals::residual_record,
     running::RunningBias,
     silent::Silent,
@@ -73,19 +77,18 @@ impl<'a> Healthy<'a> {
 /// A diagnosis that has learned what is normal.
 #[derive(Debug)]
 pub struct Trained {
-    spec: PipelineSpec,
-    nominal: StateSpace<Discrete>,
-    design: Box<dyn GeneratorDesign>,
-    bias: LearnedBias,
-    selection: Option<OrderTable>,
-    fit: PreFitted,
-    events: Vec<Event>,
-    /// Inputs of the fault-free samples.
-    inputs: Vec<f64>,
-    /// The fault-free samples at which a log begins, without the first.
-    starts: Vec<usize>,
-    primary: Vec<f64>,
-    compensated: Vec<f64>,
+    pub(super) spec: PipelineSpec,
+    pub(super) nominal: StateSpace<Discrete>,
+    pub(super) design: Box<dyn GeneratorDesign>,
+    pub(super) bias: LearnedBias,
+    pub(super) selection: Option<OrderTable>,
+    pub(super) compared: Vec<Compared>,
+    pub(super) payments: Vec<Payment>,
+    pub(super) fit: PreFitted,
+    pub(super) events: Vec<Event>,
+    pub(super) healthy: FaultFree,
+    /// How a diagnosis begins, started at many places of the same logs.
+    pub(super) beginnings: FaultFree,
 }
 
 /// Learns the bias and calibrates the detector.
@@ -147,18 +150,19 @@ pub fn train_within<'a>(
         design,
         bias: learned.bias,
         selection: learned.selection,
+        compared: learned.compared,
+        payments: Vec::new(),
         fit,
         events: learned.events,
-        inputs: Vec::new(),
-        starts: Vec::new(),
-        primary: Vec::new(),
-        compensated: Vec::new(),
+        healthy: FaultFree::default(),
+        beginnings: FaultFree::default(),
     };
-    for log in healthy.iter().filter(|log| !log.calibrate.is_empty()) {
-        trained.calibrate_on(log)?;
+    trained.calibrate(healthy)?;
+    if !trained.healthy.is_empty() && trained.spec.start == StartSpec::Fitted {
+        trained.apply_where_it_pays(healthy, records.iter().any(inputs_move))?;
     }
     let longest = healthy.iter().map(|log| log.calibrate.len()).max().unwrap_or(0);
-    if spec.start == StartSpec::Training && longest > 0 && trained.compensated.is_empty() {
+    if spec.start == StartSpec::Training && longest > 0 && trained.healthy.is_empty() {
         return Err(TrainingError::NeverOpened { samples: longest });
     }
     Ok(trained)
@@ -205,6 +209,19 @@ impl Trained {
         self.selection.as_ref()
     }
 
+    /// The forms of the bias model that were compared, the simplest first, if it was chosen.
+    #[must_use]
+    pub fn compared(&self) -> &[Compared] {
+        &self.compared
+    }
+
+    /// What the bias model is worth in each residual channel on the samples that it was calibrated on; none without
+    /// such samples, or when the bias is learned on line first.
+    #[must_use]
+    pub fn payments(&self) -> &[Payment] {
+        &self.payments
+    }
+
     /// Phases of a recursive training.
     #[must_use]
     pub fn events(&self) -> &[Event] {
@@ -216,20 +233,20 @@ impl Trained {
     #[must_use]
     pub fn fault_free_maxima(&self) -> (f64, f64) {
         let peak = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        (peak(&self.primary), peak(&self.compensated))
+        (peak(&self.healthy.primary), peak(&self.healthy.compensated))
     }
 
     /// Fault-free samples of the primary and the compensated residual, row by row, next to
     /// [their inputs](Trained::calibration_inputs).
     #[must_use]
     pub fn calibration(&self) -> (&[f64], &[f64]) {
-        (&self.primary, &self.compensated)
+        (&self.healthy.primary, &self.healthy.compensated)
     }
 
     /// Inputs of the fault-free samples, row by row.
     #[must_use]
     pub fn calibration_inputs(&self) -> &[f64] {
-        &self.inputs
+        &self.healthy.inputs
     }
 
     /// A fresh pipeline that subtracts the learned bias, or, when the spec starts in training, learns it on
@@ -239,7 +256,7 @@ impl Trained {
     ///
     /// Returns an error when there was no calibration data, or it does not fit the detector.
     pub fn compensated(&self) -> Result<DynPipeline, TrainingError> {
-        self.pipeline(Box::new(self.compensator()?), &self.compensated)
+        self.pipeline(Box::new(self.compensator()?), Judged::Compensated)
     }
 
     /// A fresh pipeline that learns the bias on line from its first sample, whatever the spec says of the
@@ -250,25 +267,31 @@ impl Trained {
     ///
     /// As [`Trained::compensated`].
     pub fn learning(&self) -> Result<DynPipeline, TrainingError> {
-        self.pipeline(Box::new(self.compensator_from(StartSpec::Training)?), &self.compensated)
+        let compensator = self.compensator_from(StartSpec::Training)?;
+        self.pipeline(Box::new(compensator), Judged::Compensated)
     }
 
-    /// A fresh pipeline without compensation, its detector calibrated in the same way.
+    /// A fresh pipeline without compensation, its detector calibrated in the same way. It waits as long as the one
+    /// that compensates for the generator to settle.
     ///
     /// # Errors
     ///
     /// As [`Trained::compensated`].
     pub fn uncompensated(&self) -> Result<DynPipeline, TrainingError> {
-        let compensator = Uncompensated::new(self.design.residual_len());
-        self.pipeline(Box::new(compensator), &self.primary)
+        let compensator = Uncompensated::new(self.design.residual_len()).settling(self.fit.filling);
+        self.pipeline(Box::new(compensator), Judged::Primary)
     }
 
     fn pipeline(
         &self,
         compensator: Box<dyn Compensator>,
-        healthy: &[f64],
+        judged: Judged,
     ) -> Result<DynPipeline, TrainingError> {
-        let detector = self.detector(healthy)?;
+        let healthy = self.healthy.residual(judged);
+        let begun = Some(&self.beginnings).filter(|begun| !begun.is_empty());
+        let beginnings = begun.map(|begun| begun.rows(begun.residual(judged))).transpose()?;
+        let detector =
+            self.detector_from(&self.spec.detector, healthy, beginnings, Some(&self.plan()))?;
         let PipelineSpec { isolation, rule, sizing, .. } = &self.spec;
         let rows = SampleRows::new(self.design.residual_len(), healthy)?;
         let rule = isolation.rule(*rule, sizing, self.design.as_ref(), rows)?;
@@ -281,8 +304,11 @@ impl Trained {
     ///
     /// Returns an error when the residual does not fit the design, or is too short for the rate.
     pub fn detector(&self, healthy: &[f64]) -> Result<Box<dyn Detector>, TrainingError> {
-        let plan = CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() };
-        self.detector_from(&self.spec.detector, healthy, Some(&plan))
+        self.detector_from(&self.spec.detector, healthy, None, Some(&self.plan()))
+    }
+
+    fn plan(&self) -> CalibrationPlan {
+        CalibrationPlan { debouncing: self.spec.rule, ..self.spec.calibration.clone() }
     }
 
     /// Another detector with the scales of fault-free residuals, its threshold not calibrated.
@@ -295,19 +321,19 @@ impl Trained {
         detector: &DetectorSpec,
         healthy: &[f64],
     ) -> Result<Box<dyn Detector>, TrainingError> {
-        self.detector_from(detector, healthy, None)
+        self.detector_from(detector, healthy, None, None)
     }
 
     fn detector_from(
         &self,
         detector: &DetectorSpec,
         healthy: &[f64],
+        beginnings: Option<DrivenRows<'_>>,
         plan: Option<&CalibrationPlan>,
     ) -> Result<Box<dyn Detector>, TrainingError> {
-        let inputs = SampleRows::new(self.design.io().nu, &self.inputs)?;
-        let residuals = SampleRows::new(self.design.residual_len(), healthy)?;
         let data = DetectorData {
-            healthy: DrivenRows::new(inputs, residuals)?.in_runs(&self.starts)?,
+            healthy: self.healthy.rows(healthy)?,
+            beginnings,
             plan,
             model: &self.nominal,
             design: self.design.as_ref(),
@@ -356,7 +382,7 @@ impl Trained {
 
     /// Both residuals of a log, sample by sample, without anybody judging them; missing samples are
     /// held.
-    fn watch(&self, record: &Record) -> Result<Trace, TrainingError> {
+    pub(super) fn watch(&self, record: &Record) -> Result<Trace, TrainingError> {
         Ok(Trace::of(&mut self.silent()?, record)?)
     }
 
@@ -369,24 +395,5 @@ impl Trained {
         let judge = Box::new(Silent(self.design.residual_len()));
         let pipeline = self.assemble(Box::new(self.compensator()?), judge.clone(), judge)?;
         Ok(pipeline.with_missing_samples(MissingSamples::Hold { at_most: u64::MAX }))
-    }
-
-    /// Adds what both residuals look like in healthy data.
-    fn calibrate_on(&mut self, log: &Healthy<'_>) -> Result<(), TrainingError> {
-        let channels = self.design.residual_len();
-        let trace = self.watch(log.record)?;
-        let start = self.primary.len() / channels;
-        for k in log.calibrate.clone().filter(|&k| k < trace.len()) {
-            if trace.compensating[k] && log.record.is_complete(k) {
-                let row = k * channels..(k + 1) * channels;
-                self.inputs.extend_from_slice(log.record.u(k));
-                self.primary.extend_from_slice(&trace.residual[row.clone()]);
-                self.compensated.extend_from_slice(&trace.compensated[row]);
-            }
-        }
-        if 0 < start && start < self.primary.len() / channels {
-            self.starts.push(start);
-        }
-        Ok(())
     }
 }

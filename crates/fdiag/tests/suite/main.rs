@@ -7,6 +7,7 @@ mod docs;
 mod fleet;
 mod generators;
 mod limits;
+mod motor;
 mod no_alloc;
 mod nonlinear;
 mod outside;

@@ -235,7 +235,7 @@ impl Story {
     fn tell() -> Self {
         let (training, calibration) = (training(), calibration());
         let mut spec = spec();
-        spec.settle_s = Some(0.5);
+        spec.settle_s = Some(2.5);
         spec.compensation.convergence.least_samples = 900;
         spec.compensation.trial.samples = 100;
         let healthy = [Healthy::learn(&training), Healthy::calibrate(&calibration)];

@@ -13,7 +13,9 @@ use crate::{
     shrink::gap_per_output,
 };
 
-/// Largest change of an output, in sigma, that a step of half the length may make.
+/// Largest change of an output that a step of half the length may make, of what the fit leaves of it: of sigma, or of the
+/// errors where these are larger. The likelihood does not see more than that: with `n` samples, it moves by `n/2` times the
+/// square.
 const LARGEST_CHANGE: f64 = 0.2;
 /// How often the step is halved at most.
 const MOST_HALVINGS: usize = 3;
@@ -22,7 +24,7 @@ const CHECKED: usize = 5;
 
 /// The same search with a shorter integration step: it is halved, and the finalists and the model
 /// without any effect are fitted again, until the outputs of the best do not depend on it by more
-/// than a fifth of the noise. A model that is sampled itself, or a simulator with a step of its own, stays as it is.
+/// than a fifth of what they leave unexplained. A model that is sampled itself, or a simulator with a step of its own, stays as it is.
 pub(super) fn with_short_steps<'a>(
     nominal: &dyn Nominal,
     searched: Searched<'a>,
@@ -58,16 +60,18 @@ pub(super) fn with_short_steps<'a>(
     Ok(Searched { model, null, trials, ..searched })
 }
 
-/// Largest root of the mean square, over outputs and in sigma, by which the outputs of a fitted
-/// problem change with another model.
+/// Largest root of the mean square, over outputs, by which the outputs of a fitted problem change with another model: of
+/// that of the errors, which are in sigma, and are at least one.
 fn change(nominal: &dyn Nominal, other: &Model, problem: &Problem, at: &Minimum) -> Option<f64> {
     let ts = problem.simulator().ts();
     let simulator = nominal.patched(other, ts).ok()?;
     let (plan, weights) = (problem.plan().clone(), problem.weights().clone());
     let mut finer = Problem::new(plan, simulator, problem.effects().to_vec(), weights).ok()?;
     let (mut a, b) = (problem.clone().errors_at(at)?, finer.errors(&at.z)?);
+    let left = gap_per_output(&a);
     for (a, b) in a.iter_mut().flatten().flatten().zip(b.iter().flatten().flatten()) {
         *a -= b;
     }
-    Some(gap_per_output(&a).into_iter().fold(0.0, f64::max))
+    let of_left = |(change, left): (f64, f64)| change / left.max(1.0);
+    Some(gap_per_output(&a).into_iter().zip(left).map(of_left).fold(0.0, f64::max))
 }

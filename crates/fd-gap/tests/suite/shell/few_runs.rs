@@ -55,9 +55,7 @@ fn assert_named(ts: f64, cause: Cause, label: &str, site: &str, strength: f64, w
         let (diagnosis, _) = run(pendulum, cause, Effort::default());
         let first = &diagnosis.causes[0];
         assert_eq!((first.label, first.site.name()), (label, Some(site)));
-        // The law of friction is not that of the library: it may take a second effect to draw the difference.
-        let is_law_of_others = 0.0 < within && diagnosis.verdict == Verdict::Pair;
-        assert!(diagnosis.verdict == Verdict::Cause || is_law_of_others, "{:?}", diagnosis.verdict);
+        assert_eq!(diagnosis.verdict, Verdict::Cause);
         let found = &first.parameters[0];
         let error = (found.value - strength).abs();
         // Three standard errors, and what the black box makes of held means.

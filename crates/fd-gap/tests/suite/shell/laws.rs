@@ -115,6 +115,53 @@ fn a_port_is_a_site_with_the_mobility_of_what_is_inside() {
     assert!((0.1..10.0).contains(&scales.sites[0].force), "{}", scales.sites[0].force);
 }
 
+/// Without gravity and damping, motion under dry friction is known: what is pushed slides until `v²/2` has been used up,
+/// and stays there under any load that friction can hold.
+#[test]
+fn dry_friction_at_a_port_stops_what_moves_and_holds_it() {
+    const F: f64 = 0.12;
+    let theta = [THETA[0], 0.0, 0.0];
+    let push = |k: usize| match k {
+        0..20 => 0.5,
+        20..100 => 0.0,
+        // What changes from step to step is held one step late; at the end of a ramp, it is held.
+        100..250 => 0.99 * F * ((k as f64 - 100.0) / 100.0).min(1.0),
+        _ => 0.99 * F * (1.0 - (k as f64 - 250.0) / 80.0).max(-1.0),
+    };
+    let u: Vec<f64> = (0..500).map(push).collect();
+    for steps in [1.0, 4.0] {
+        let shell = shell(TS / steps);
+        let scales = shell.scales(ts(TS), &excitation(SAMPLES, 1.0, 3), SAMPLES).unwrap();
+        let (candidates, _) = all(&shell, &scales);
+        let is_dry = |c: &&Candidate| c.label == "coulomb-friction" && c.law == "symmetric";
+        let mut simulator =
+            shell.patched(&candidates.iter().find(is_dry).unwrap().model, ts(TS)).unwrap();
+        let with: Vec<f64> = theta.into_iter().chain([F]).collect();
+        let (_, y) = run(&mut *simulator, &with, &u);
+        let rates: Vec<f64> = y.iter().skip(1).step_by(2).copied().collect();
+        let (usual, fast) = ((0.5 - F) / theta[0] * 20.0 * TS, rates[20]);
+        // The first step does not know yet what it will be pushed by.
+        let unknown = F / theta[0] * TS / steps;
+        assert!((fast - usual).abs() <= 1.001 * unknown, "{fast} {usual}");
+        let stop = 20.0 * TS + fast * theta[0] / F;
+        // What a force does in a step is known to some per cent: so much of the rest is left after each.
+        let stopped = (0..99).find(|k| stop <= f64::from(*k) * TS).unwrap() + 8;
+        assert!(stopped < 99);
+        let stopped = usize::try_from(stopped).unwrap();
+        for (k, rate) in rates.iter().enumerate().skip(stopped) {
+            let moves = (100..208).contains(&k) || (250..418).contains(&k);
+            let most = if moves { 2.0 * F / 80.0 / theta[0] * TS } else { 1e-9 * usual };
+            assert!(rate.abs() < most, "{steps} {k}: {rate}");
+        }
+        let place = |k: usize| y[2 * k];
+        let way = 0.5 * fast * fast * theta[0] / F;
+        let error = (place(99) - place(20) - way).abs();
+        println!("steps {steps}: slides {way}, error {error}");
+        assert!(error < fast * TS / steps, "{error}");
+        assert!((place(249) - place(210)).abs() < 1e-9 && (place(499) - place(420)).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn forces_see_the_sample_before_where_a_simulator_cannot_measure() {
     let u = excitation(SAMPLES, 1.0, 4);

@@ -19,9 +19,6 @@ pub(crate) const NOISE: [f64; 2] = [0.002, 0.01];
 /// Inertia, stiffness of gravity and damping.
 pub(crate) const THETA: [f64; 3] = [0.05, 1.2, 0.12];
 
-/// Rate below which dry friction is smooth.
-const CREEP: f64 = 0.02;
-
 /// `J q'' = u + f - G sin(q) - d q'`, by Runge-Kutta of order 4 with fixed steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Pendulum {
@@ -134,13 +131,6 @@ impl Pendulum {
         let round = |x: f64| if self.shows { x } else { f64::from(x as f32) };
         y.iter_mut().zip(self.x).for_each(|(y, x)| *y = round(x));
     }
-
-    fn rates(&self, x: [f64; 2], torque: f64) -> [f64; 2] {
-        let ([inertia, gravity, damping], [dry, rotor, damper]) = (self.theta, self.own);
-        let friction = dry * x[1] / (x[1] * x[1] + CREEP * CREEP).sqrt();
-        let torque = torque - gravity * x[0].sin() - (damping + damper) * x[1] - friction;
-        [x[1], torque / (inertia + rotor)]
-    }
 }
 
 impl Simulator for Pendulum {
@@ -186,7 +176,9 @@ impl Simulator for Pendulum {
         self.steps.fetch_add(1, Ordering::Relaxed);
         self.look(y);
         let torque = u[0].clamp(-self.strongest, self.strongest) + f.first().unwrap_or(&0.0);
-        self.x = runge_kutta(self.x, self.ts, |x| self.rates(x, torque));
+        let ([inertia, gravity, damping], [dry, rotor, damper]) = (self.theta, self.own);
+        let pull = |x: [f64; 2]| torque - gravity * x[0].sin() - (damping + damper) * x[1];
+        self.x = rubbed(self.x, self.ts, dry, inertia + rotor, pull);
         if self.x.iter().any(|x| x.abs() > 50.0) {
             self.x = [f64::NAN; 2];
         }
@@ -220,6 +212,33 @@ fn runge_kutta(x: [f64; 2], h: f64, rates: impl Fn([f64; 2]) -> [f64; 2]) -> [f6
     let k_4 = rates(ahead(k_3, h));
     let mean = |i: usize| (k_1[i] + 2.0 * (k_2[i] + k_3[i]) + k_4[i]) / 6.0;
     ahead([mean(0), mean(1)], h)
+}
+
+/// A step with dry friction by its events: it slides one way until it stops, and goes on when it is pulled more than it is
+/// held.
+fn rubbed(x: [f64; 2], h: f64, dry: f64, inertia: f64, pull: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
+    let slide = |x: [f64; 2], h: f64, way: f64| {
+        runge_kutta(x, h, |x| [x[1], (pull(x) - way * dry) / inertia])
+    };
+    let from_rest = |x: [f64; 2], h: f64| {
+        let torque = pull(x);
+        if torque.abs() <= dry { x } else { slide(x, h, torque.signum()) }
+    };
+    if x[1] == 0.0 {
+        return from_rest(x, h);
+    }
+    let way = x[1].signum();
+    let mut end = slide(x, h, way);
+    if dry == 0.0 || 0.0 <= end[1] * x[1] {
+        return end;
+    }
+    // The chord of the velocity from the start, to rounding.
+    let mut before_stop = h;
+    for _ in 0..8 {
+        before_stop *= x[1] / (x[1] - end[1]);
+        end = slide(x, before_stop, way);
+    }
+    from_rest([end[0], 0.0], h - before_stop)
 }
 
 /// The shell of the pendulum that steps every `ts` seconds.
@@ -299,15 +318,9 @@ pub(crate) fn log(cause: Cause, samples: usize, seed: u64) -> Record {
                 }
                 _ => u[k],
             };
-            let friction = |w: f64| match cause {
-                // Not the library's tanh.
-                Cause::Coulomb(f) => f * w / (w * w + CREEP * CREEP).sqrt(),
-                _ => 0.0,
-            };
-            x = runge_kutta(x, h, |x| {
-                let torque = seen - friction(x[1]);
-                [x[1], (torque - gravity * x[0].sin() - damping * x[1]) / inertia]
-            });
+            let dry = if let Cause::Coulomb(f) = cause { f } else { 0.0 };
+            let pull = |x: [f64; 2]| seen - gravity * x[0].sin() - damping * x[1];
+            x = rubbed(x, h, dry, inertia, pull);
         }
     }
     let ts = SampleTime::new(TS).unwrap();

@@ -5,7 +5,7 @@ use fd_jetengine::{
     Perturbation,
     engine17::{HealthParameter, Unmodelled},
 };
-use fdiag::spec::{BiasSpec, LearningSpec, OrderSpec, PipelineSpec};
+use fdiag::spec::{ApplySpec, BiasSpec, LearningSpec, OrderSpec, PipelineSpec};
 
 use crate::engine::{EngineChoice, EngineConfig, FreshRun, PlantConfig, TrainingRun};
 
@@ -113,6 +113,7 @@ fn config(fuel_kg_s: f64, unmodelled: Option<Unmodelled>, swing: f64) -> EngineC
             bias: BiasSpec {
                 orders: OrderSpec::Fixed(ArxOrders { offset: true, ..ArxOrders::paper(2) }),
                 learning: LearningSpec::Batch { prefilter_rad_s: Some(8.0) },
+                apply: ApplySpec::Always,
                 ..BiasSpec::default()
             },
             ..default.pipeline

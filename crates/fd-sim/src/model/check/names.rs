@@ -21,6 +21,7 @@ pub(super) enum Meaning {
     Output,
     Definition,
     Delay,
+    Sign,
     Site,
     Table,
     Reference,
@@ -38,6 +39,7 @@ impl Meaning {
             Self::Output => "an output",
             Self::Definition => "a definition of the plant",
             Self::Delay => "a delay",
+            Self::Sign => "the sign of a velocity",
             Self::Site => "a site",
             Self::Table => "a table",
             Self::Reference => "a reference of the controller",
@@ -80,6 +82,7 @@ fn all(draft: &Draft) -> Vec<(&str, Meaning, &'static str)> {
         draft.definitions.iter().map(|d| (d.name.as_str(), Meaning::Definition, "definitions")),
     );
     all.extend(draft.delays.iter().map(|d| (d.name.as_str(), Meaning::Delay, "delays")));
+    all.extend(draft.signs.iter().map(|s| (s.name.as_str(), Meaning::Sign, "signs")));
     all.extend(draft.sites.iter().map(|s| (s.name.as_str(), Meaning::Site, "sites")));
     all.extend(draft.tables.iter().map(|t| (t.name.as_str(), Meaning::Table, "tables")));
     if let Some(c) = &draft.controller {

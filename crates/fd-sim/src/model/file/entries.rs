@@ -46,6 +46,8 @@ pub(super) struct FileModel {
     #[serde(default)]
     pub(super) delays: Ordered<FileDelay>,
     #[serde(default)]
+    pub(super) signs: Ordered<Spanned<Text>>,
+    #[serde(default)]
     pub(super) tables: Ordered<FileTable>,
     pub(super) controller: Option<FileController>,
 }

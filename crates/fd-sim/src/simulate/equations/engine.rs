@@ -6,6 +6,7 @@ use fd_core::Scalar;
 
 use super::{
     super::delay_line::{Course, DelayLine},
+    signs::Signs,
     system::System,
 };
 use crate::{
@@ -24,12 +25,15 @@ pub(in crate::simulate) struct Engine<V> {
     pub(in crate::simulate) x: Vec<V>,
     pub(super) u: Vec<V>,
     pub(super) u_next: Vec<V>,
-    /// Signals of a sampled controller, then delayed values.
+    /// Signals of a sampled controller, then signs, then delayed values.
     pub(super) held: Vec<V>,
+    pub(super) signs: Option<Box<Signs<V>>>,
     pub(super) lines: Vec<DelayLine<V>>,
     /// Delayed values over this step, of those that move within one.
     pub(super) courses: Vec<Course<V>>,
-    /// States in the middle of a step.
+    /// States at the start of a step and their first slopes, and states in its middle.
+    pub(super) start: Vec<V>,
+    pub(super) first_slopes: Vec<V>,
     pub(super) middle: Vec<V>,
     pub(super) delays: Vec<Workspace<V>>,
     pub(super) delay_times: Workspace<V>,
@@ -49,7 +53,10 @@ impl<V: Value> Engine<V> {
         let (nx, nu) = (system.nx, system.inputs.len() + system.ports.len());
         let signals = system.control.as_ref().map_or(0, |control| control.signals);
         let acts = system.control.as_ref().map_or(0, |control| control.program.results());
+        let count = system.velocities.results();
+        let signs = || Box::new(Signs::new(signals, &system));
         Self {
+            signs: (count != 0).then(signs),
             rates: system.rates.workspace(),
             updates: system.updates.workspace(),
             outputs: system.outputs.workspace(),
@@ -57,9 +64,11 @@ impl<V: Value> Engine<V> {
             x: zeros(nx),
             u: zeros(nu),
             u_next: zeros(nu),
-            held: zeros(signals + system.delays.len()),
+            held: zeros(signals + count + system.delays.len()),
             lines: system.delays.iter().map(|_| DelayLine::new()).collect(),
             courses: vec![[V::constant(0.0); 3]; system.delays.len()],
+            start: zeros(nx),
+            first_slopes: zeros(nx),
             middle: zeros(nx),
             delays: system.delays.iter().map(Program::workspace).collect(),
             delay_times: system.delay_times.workspace(),
@@ -84,6 +93,10 @@ impl<V: Value> Engine<V> {
         prepare(&system.rates, &mut self.rates);
         prepare(&system.updates, &mut self.updates);
         prepare(&system.outputs, &mut self.outputs);
+        if let Some(signs) = &mut self.signs {
+            prepare(&system.velocities, &mut signs.velocities);
+            signs.restart();
+        }
         if let (Some(control), Some(workspace)) = (&system.control, &mut self.control) {
             prepare(&control.program, workspace);
         }
@@ -130,10 +143,15 @@ impl<V: Value> Engine<V> {
                 // The new signals may be delayed on their way.
                 self.delay(t, substep, DelayLine::correct);
             }
-            if substep == 0 {
+            // What is seen of a sign is known after the step that begins here.
+            let shows_signs = self.system.shows_signs;
+            if substep == 0 && !shows_signs {
                 self.measure(t, y);
             }
             self.integrate(t, substep);
+            if substep == 0 && shows_signs {
+                self.measure_before(t, y);
+            }
             self.is_first = false;
         }
         self.sample += 1;
@@ -145,11 +163,21 @@ impl<V: Value> Engine<V> {
     pub(in crate::simulate) fn measure_now(&mut self, u: &[f64], y: &mut [V]) -> bool {
         let inputs = self.system.inputs.len();
         load(&mut self.u[..inputs], &u[..inputs]);
-        let is_plain = self.lines.is_empty() && self.system.control.is_none();
+        let is_plain =
+            self.lines.is_empty() && self.system.control.is_none() && !self.system.shows_signs;
         if is_plain {
             self.measure(self.sample as f64 * self.system.timing.ts, y);
         }
         is_plain
+    }
+
+    /// Writes the outputs at the start of the step that was made last, with its signs.
+    fn measure_before(&mut self, t: f64, y: &mut [V]) {
+        let Some(mut signs) = self.signs.take() else { return };
+        std::mem::swap(&mut self.x, &mut signs.start);
+        self.measure(t, y);
+        std::mem::swap(&mut self.x, &mut signs.start);
+        self.signs = Some(signs);
     }
 
     /// A lane in which one state is not finite is NaN from then on.

@@ -13,6 +13,9 @@ impl Engine<f64> {
         // What has diverged is NaN.
         visitor.reals_with_holes("states of the model", &mut self.x);
         visitor.reals_with_holes("held values of the model", &mut self.held);
+        if let Some(signs) = &mut self.signs {
+            visitor.reals_with_holes("slopes of signs of the model", &mut signs.slopes);
+        }
         for line in &mut self.lines {
             line.visit_memory(visitor);
         }

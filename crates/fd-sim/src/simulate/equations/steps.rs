@@ -14,7 +14,7 @@ use crate::{
     equation::{Kernel, Value, Work, Workspace},
     model::Hold,
     simulate::{
-        delay_line::{Course, DelayLine},
+        delay_line::{Course, DelayLine, along},
         flat::FIRST_STATE,
     },
 };
@@ -62,8 +62,8 @@ impl<V: Value> Engine<V> {
         }
     }
 
-    /// Moves all states on by one integration step; update laws use the values at its start.
-    pub(super) fn integrate(&mut self, t: f64, substep: usize) {
+    /// Moves all states on by one integration step with signs that are held; update laws use the values at its start.
+    pub(super) fn run_step(&mut self, t: f64, substep: usize) {
         let at = substep as f64;
         if !self.system.updated.is_empty() {
             let system = &*self.system;
@@ -72,11 +72,59 @@ impl<V: Value> Engine<V> {
             system.updates.run(&mut self.updates, &mut self.updated[..system.updated.len()]);
         }
         if self.system.is_continuous {
-            V::vectorized(RungeKutta { engine: self, t, at });
+            self.run_pieces(t, at);
             self.finish(t, at);
         }
         for (index, value) in self.system.updated.iter().zip(&self.updated) {
             self.x[*index] = *value;
+        }
+    }
+
+    /// The velocities of the signs, `at` integration steps after the sample.
+    pub(super) fn velocities(
+        &self,
+        (t, at): (f64, f64),
+        workspace: &mut Workspace<V>,
+        to: &mut [V],
+    ) {
+        if let Some(states) = &self.system.rubbing {
+            to.iter_mut().zip(states).for_each(|(to, state)| *to = self.x[*state]);
+            return;
+        }
+        fill(workspace, (t, self.is_first), &self.x, &self.u, &self.held);
+        interpolate(&self.system, workspace, &self.u, &self.u_next, at);
+        self.system.velocities.run(workspace, to);
+    }
+
+    /// The rates of the states, `at` integration steps after the sample, as one of the four slopes.
+    pub(super) fn rates_at(&mut self, (t, at): (f64, f64), slope: usize) {
+        fill(&mut self.rates, (t, self.is_first), &self.x, &self.u, &self.held);
+        interpolate(&self.system, &mut self.rates, &self.u, &self.u_next, at);
+        self.system.rates.run(&mut self.rates, &mut self.k[slope]);
+    }
+
+    /// Moves time, inputs and delayed values on, in each lane, to a place in the step from `t` on.
+    fn move_to(&mut self, reached: V, t: f64, at: f64) {
+        let system = &*self.system;
+        let of = V::Lane::from_design;
+        let h = of(system.timing.h());
+        let fast = self.rates.fast_mut();
+        fast[0] = reached.map(|reached| of(t) + h * reached);
+        let first = fast.len() - self.courses.len();
+        for ((to, course), moves) in fast[first..].iter_mut().zip(&self.courses).zip(&system.moving)
+        {
+            if *moves {
+                *to = along(course, reached);
+            }
+        }
+        if system.hold != Hold::Zero {
+            let substeps = of(system.timing.substeps as f64);
+            let fast = &mut fast[FIRST_STATE + system.nx..];
+            for ((to, u), next) in fast.iter_mut().zip(&self.u).zip(&self.u_next) {
+                *to = u.zip3(*next, reached, |u, next, reached| {
+                    u + (next - u) * ((of(at) + reached) / substeps)
+                });
+            }
         }
     }
 
@@ -88,11 +136,11 @@ impl<V: Value> Engine<V> {
         }
         let h = system.timing.h();
         // By the parabola with the slopes at both ends: h/8 (k₁ - k₄) from the chord.
-        let weights = [1.0 / 24.0, -1.0 / 6.0, -1.0 / 6.0, -5.0 / 24.0];
+        let [half, eighth] = [0.5, 0.125 * h].map(V::Lane::from_design);
         for (i, middle) in self.middle.iter_mut().enumerate() {
-            *middle = self.k.iter().zip(weights).fold(self.x[i], |x, (k, weight)| {
-                x.zip(k[i], |x, k| x + V::Lane::from_design(weight * h) * k)
-            });
+            let bend =
+                self.first_slopes[i].zip(self.k[3][i], |first, last| eighth * (first - last));
+            *middle = self.x[i].zip3(self.start[i], bend, |end, start, b| half * (start + end) + b);
         }
         for i in (0..self.lines.len()).filter(|i| system.moving[*i]) {
             let workspace = &mut self.delays[i];
@@ -113,28 +161,41 @@ impl<V: Value> Engine<V> {
     /// One step of Runge-Kutta of order 4. Loops are written out: an iterator that is not inlined is
     /// compiled for the smallest machine.
     #[inline(always)]
-    fn runge_kutta(&mut self, kernel: impl Kernel<V>, t: f64, at: f64) {
-        let system = &*self.system;
-        let h = system.timing.h();
+    fn runge_kutta(&mut self, kernel: impl Kernel<V>, t: f64, at: f64, piece: Option<[V; 2]>) {
+        let (h, nx) = (self.system.timing.h(), self.system.nx);
+        let part_of = |length: f64| match piece {
+            None => V::constant(length),
+            Some([_, share]) => share.map(|share| share * V::Lane::from_design(length)),
+        };
         fill(&mut self.rates, (t, self.is_first), &self.x, &self.u, &self.held);
         for (stage, place) in [0, 1, 1, 2].into_iter().enumerate() {
             let fraction = 0.5 * place as f64;
-            move_delayed(system, &mut self.rates, &self.courses, place);
-            interpolate(system, &mut self.rates, &self.u, &self.u_next, at + fraction);
+            match piece {
+                None => {
+                    let system = &*self.system;
+                    move_delayed(system, &mut self.rates, &self.courses, place);
+                    interpolate(system, &mut self.rates, &self.u, &self.u_next, at + fraction);
+                    self.rates.fast_mut()[0] = V::constant(t + fraction * h);
+                }
+                Some([from, share]) => {
+                    let part = V::Lane::from_design(fraction);
+                    let reached = from.zip(share, |from, share| from + part * share);
+                    self.move_to(reached, t, at);
+                }
+            }
             if stage != 0 {
-                let length = V::constant(fraction * h);
+                let length = part_of(fraction * h);
                 let fast = self.rates.fast_mut();
-                fast[0] = V::constant(t + fraction * h);
                 let (to, slope) = (&mut fast[FIRST_STATE..], &self.k[stage - 1]);
-                for i in 0..system.nx {
+                for i in 0..nx {
                     kernel.mul_add(&mut to[i], &length, &slope[i], &self.x[i]);
                 }
             }
-            system.rates.run_with(kernel, &mut self.rates, &mut self.k[stage]);
+            self.system.rates.run_with(kernel, &mut self.rates, &mut self.k[stage]);
         }
-        let (sixth, two) = (V::constant(h / 6.0), V::constant(2.0));
+        let (sixth, two) = (part_of(h / 6.0), V::constant(2.0));
         let [k1, k2, k3, k4] = &self.k;
-        for i in 0..system.nx {
+        for i in 0..nx {
             let (before, mut sum, mut more) = (self.x[i], k1[i], k1[i]);
             kernel.add(&mut more, &k2[i], &k3[i]);
             kernel.mul_add(&mut sum, &two, &more, &k1[i]);
@@ -145,16 +206,18 @@ impl<V: Value> Engine<V> {
 }
 
 /// A step of Runge-Kutta from a time on, `at` integration steps after the sample.
-struct RungeKutta<'a, V> {
-    engine: &'a mut Engine<V>,
-    t: f64,
-    at: f64,
+pub(super) struct RungeKutta<'a, V> {
+    pub(super) engine: &'a mut Engine<V>,
+    pub(super) t: f64,
+    pub(super) at: f64,
+    /// Where a part of a step begins, and how long it is, in steps; nothing for all of it.
+    pub(super) piece: Option<[V; 2]>,
 }
 
 impl<V: Value> Work<V> for RungeKutta<'_, V> {
     #[inline(always)]
     fn run(self, kernel: impl Kernel<V>) {
-        self.engine.runge_kutta(kernel, self.t, self.at);
+        self.engine.runge_kutta(kernel, self.t, self.at, self.piece);
     }
 }
 

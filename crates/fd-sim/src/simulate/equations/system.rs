@@ -16,8 +16,8 @@ use crate::{
 };
 
 /// Programs and descriptions of a model. All programs have the same fast inputs: time, whether it
-/// is the first step of a run, states, external inputs (ports last), held control signals, delayed
-/// values.
+/// is the first step of a run, states, external inputs (ports last), held control signals, signs,
+/// delayed values.
 #[derive(Clone, Debug)]
 pub(in crate::simulate) struct System {
     pub(in crate::simulate) ts: SampleTime,
@@ -35,6 +35,12 @@ pub(in crate::simulate) struct System {
     /// States that the updates write to.
     pub(super) updated: Vec<usize>,
     pub(super) outputs: Program,
+    /// Velocities of the signs.
+    pub(super) velocities: Program,
+    /// The states that they are, if all of them are states.
+    pub(super) rubbing: Option<Vec<usize>>,
+    /// Whether outputs depend on signs.
+    pub(super) shows_signs: bool,
     /// Delayed expressions in order of use, one program each.
     pub(super) delays: Vec<Program>,
     /// Whether each of them moves within an integration step.
@@ -73,6 +79,13 @@ impl System {
         let delays = delays.collect::<Result<Vec<Program>, _>>()?;
         let moving = moving(&delays, model, &flat.scope);
         let control = flat.control.map(|control| Control::new(&flat.scope, control)).transpose()?;
+        let outputs = Program::compile(&flat.scope, &flat.outputs)?;
+        let signs = model.signs.iter().map(|sign| sign.name.as_str());
+        let shows_signs = signs
+            .filter_map(|sign| flat.scope.fast.iter().position(|f| f == sign))
+            .any(|place| outputs.reads(place));
+        let states = &flat.scope.fast[FIRST_STATE..FIRST_STATE + flat.states];
+        let state = |velocity: &Expr| states.iter().position(|s| *velocity == Expr::name(s));
         let mut inputs = model.external_inputs();
         inputs.retain(|channel| !names.contains(&channel.name));
         let initial = model.all_states().map(|state| Initial {
@@ -94,7 +107,10 @@ impl System {
             rates: Program::compile(&flat.scope, &flat.rates)?,
             updates: Program::compile(&flat.scope, &updates)?,
             updated,
-            outputs: Program::compile(&flat.scope, &flat.outputs)?,
+            rubbing: flat.velocities.iter().map(state).collect(),
+            velocities: Program::compile(&flat.scope, &flat.velocities)?,
+            shows_signs,
+            outputs,
             delays,
             moving,
             delay_times: Program::compile(&flat.scope, &times)?,

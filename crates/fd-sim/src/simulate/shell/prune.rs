@@ -27,6 +27,7 @@ pub(super) fn prune(model: &Draft, outputs: Vec<Output>, states: &[&str]) -> Dra
     draft.states.retain(|state| needed.contains(state.name.as_str()));
     draft.definitions.retain(|definition| needed.contains(definition.name.as_str()));
     draft.delays.retain(|delay| needed.contains(delay.name.as_str()));
+    draft.signs.retain(|sign| needed.contains(sign.name.as_str()));
     draft.outputs = outputs;
     draft
 }
@@ -36,10 +37,12 @@ fn meaning<'a>(model: &'a Draft, name: &str) -> Option<(&'a str, Vec<&'a Expr>)>
     let state = model.states.iter().find(|state| state.name == name);
     let definition = model.definitions.iter().find(|definition| definition.name == name);
     let delay = model.delays.iter().find(|delay| delay.name == name);
+    let sign = model.signs.iter().find(|sign| sign.name == name);
     state
         .map(|state| (state.name.as_str(), vec![state.law.expr()]))
         .or_else(|| definition.map(|d| (d.name.as_str(), vec![&d.value])))
         .or_else(|| delay.map(|d| (d.name.as_str(), vec![&d.value])))
+        .or_else(|| sign.map(|s| (s.name.as_str(), vec![&s.velocity])))
 }
 
 /// Whether an expression has one value all through an integration step, given inputs that are held:

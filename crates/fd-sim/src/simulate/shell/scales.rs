@@ -16,9 +16,6 @@ const ROUGH: f64 = 30.0;
 const FEWEST_APART: usize = 4;
 /// Change of a velocity or output by a trial force, as a part of what it is usually.
 const TRIAL: f64 = 0.01;
-/// The velocity that friction takes away in half a step is this much more than for an integration
-/// within the step: the force is held, and must not turn the motion round.
-const HELD: f64 = 2.0;
 
 /// Simulates the shell without effects and measures its signals.
 pub(super) fn measure(
@@ -137,7 +134,7 @@ impl Replay<'_> {
             unit: site.unit.clone(),
             force,
             mobility: mean,
-            kick: HELD * peak * step,
+            kick: peak * step,
             is_discrete: true,
             motion,
             acceleration: Expr::Number(0.0),

@@ -67,6 +67,40 @@ fn delays_are_continuous_in_their_length() {
     }
 }
 
+/// What is held switches where its delay ends, so that an oscillator answers as accurately as without a delay; and as its
+/// own undelayed answer, read later.
+#[test]
+fn delays_of_held_inputs_switch_within_a_step() {
+    let text = r#"sample_time = 0.04
+        step = 0.04
+        parameters = { T = { unit = "s", value = 0.0 } }
+        inputs = { u = { unit = "N" } }
+        outputs = { y = { unit = "m", value = "x" } }
+        delays = { late = { value = "u", time = "T" } }
+        [states]
+        x = { unit = "m", initial = 0.0, derivative = "v" }
+        v = { unit = "m/s", initial = 0.0, derivative = "late - 0.5*v - 25*x" }"#;
+    let simulator = EquationSimulator::<f64>::new(&model(text)).unwrap();
+    let u: Vec<f64> = (0..400).map(|k| f64::from(k * k % 7) - 3.0).collect();
+    let run = |factor: usize, delay: f64| {
+        let mut y = vec![0.0; 400];
+        let mut simulator = simulator.refined(factor);
+        Simulator::simulate(&mut simulator, &[delay], &[0.0, 0.0], &u, &mut y);
+        y
+    };
+    let error = |factor: usize, delay: f64| {
+        let (y, fine) = (run(factor, delay), run(60, delay));
+        y.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    // Late inputs are others at the beginning, which is why errors may differ by a small factor.
+    let plain = [1, 4].map(|factor| error(factor, 0.0));
+    assert!(150.0 * plain[1] < plain[0], "order 4: {plain:?}");
+    for delay in [0.013, 0.053, 0.1] {
+        let late = [1, 4].map(|factor| error(factor, delay));
+        assert!((0..2).all(|i| late[i] < 3.0 * plain[i]), "{delay}: {late:?}, {plain:?}");
+    }
+}
+
 #[test]
 fn a_delay_has_no_finite_linear_model() {
     let model = model(DELAYS);

@@ -15,5 +15,6 @@ mod models;
 mod patch;
 mod sensitivity;
 mod sharing;
+mod signs;
 mod simulate;
 mod stand_in;

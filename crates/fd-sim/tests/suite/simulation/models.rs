@@ -249,7 +249,7 @@ fn mistakes_are_named_with_their_place() {
         (
             "value = \"x\"",
             "value = \"y\"",
-            "13:28: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, delays, `pi`, `t`, `dt` and `first`\n    y\n    ^",
+            "13:28: outputs.y.value: `y` is an output and cannot be used here, only parameters, inputs, states, definitions, delays, signs, `pi`, `t`, `dt` and `first`\n    y\n    ^",
         ),
         (
             "x = { unit",

@@ -21,7 +21,10 @@ use std::{
 
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
-use fdiag::model::{SampleTime, file::LinearModel};
+use fdiag::model::{
+    SampleTime,
+    file::{LinearModel, read_text},
+};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use self::{
@@ -170,7 +173,8 @@ fn brokers(
             let asked = monitor
                 .units()
                 .filter_map(|unit| Some((unit.name.to_owned(), unit.wish?.to_owned())));
-            let questions = mqtt::Questions::start(broker.clone(), prefix, asked);
+            let token = answer_token(args)?;
+            let questions = mqtt::Questions::start(broker.clone(), prefix, token, asked);
             brokers.questions = Some(questions);
         }
     }
@@ -185,15 +189,32 @@ fn brokers(
     Ok((Some(inlet.start()?), brokers))
 }
 
+/// What answers from outside the page have to carry.
+#[cfg(any(feature = "http", feature = "mqtt"))]
+fn answer_token(args: &WatchArgs) -> Result<Option<String>, Failure> {
+    let Some(path) = &args.answer_token else { return Ok(None) };
+    let text = read_text(path, 1000).map_err(|error| Failure::input(path, error))?;
+    let token = text.trim_end();
+    if !(16..=200).contains(&token.len()) || !token.bytes().all(|byte| byte.is_ascii_graphic()) {
+        let why = "expected one line of 16 to 200 letters, digits and signs, without spaces";
+        return Err(Failure::input(path, why));
+    }
+    Ok(Some(token.to_owned()))
+}
+
 /// What whoever looks is shown, when an address for it was given.
 #[cfg(feature = "http")]
 fn board(args: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
     let Some(address) = &args.http else { return Ok(None) };
     let board = Arc::new(Board::default());
-    let found = fd_watch::serve(address.as_str(), Arc::clone(&board))
+    let access = fd_watch::Access { hosts: args.http_host.clone(), token: answer_token(args)? };
+    let found = fd_watch::serve(address, &access, Arc::clone(&board))
         .map_err(|error| Failure::of_input(format!("--http {address}: {error}")))?;
     // The port may have been left to the system.
     remark(&format!("live page: http://{found}/"));
+    if found.ip().is_unspecified() && access.hosts.is_empty() {
+        remark("only requests to a loopback name are served; --http-host states further names");
+    }
     Ok(Some(board))
 }
 

@@ -25,6 +25,13 @@ pub(crate) struct Browser {
     port: u16,
 }
 
+/// Where the browser is.
+pub(crate) fn chromium() -> PathBuf {
+    let names = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+    let program = names.iter().map(PathBuf::from).find(|path| path.exists());
+    program.unwrap_or_else(|| panic!("this test needs chromium: none of {names:?}"))
+}
+
 impl Browser {
     pub(crate) fn new() -> Self {
         Self::beside(None)
@@ -38,10 +45,7 @@ impl Browser {
     }
 
     fn beside(live: Option<String>) -> Self {
-        let names = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-        let program = names.iter().map(PathBuf::from).find(|path| path.exists());
-        let program =
-            program.unwrap_or_else(|| panic!("this test needs chromium: none of {names:?}"));
+        let program = chromium();
         let folder = tempfile::tempdir().unwrap();
         let port = serve(live, &folder.path().join("desk.html"), DRAWN);
         Self { folder, program, port }

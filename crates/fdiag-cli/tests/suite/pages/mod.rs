@@ -10,6 +10,9 @@
 
 mod between;
 mod browser;
+#[cfg(feature = "http")]
+mod rebinding;
+
 use std::{
     fs,
     io::{BufRead, BufReader, Write},

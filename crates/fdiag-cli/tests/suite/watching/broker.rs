@@ -18,20 +18,47 @@ pub struct Broker {
     folder: TempDir,
     pub port: u16,
     child: Option<Child>,
+    has_users: bool,
 }
+
+/// Password of all users of a broker that has some.
+pub const PASSWORD: &str = "word";
 
 impl Broker {
     pub fn new() -> Self {
+        Self::with(tempfile::tempdir().unwrap(), "allow_anonymous true", false)
+    }
+
+    /// One that lets these users do what a list of access says, and nobody else anything.
+    pub fn guarded(access: &Path, users: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
+        let passwords = folder.path().join("passwords");
+        fs::write(&passwords, "").unwrap();
+        for user in users {
+            let mut command = Command::new("mosquitto_passwd");
+            let status = command.arg("-b").arg(&passwords).args([user, PASSWORD]).status();
+            assert!(status.expect("this test needs mosquitto").success());
+        }
+        let list = folder.path().join("access");
+        fs::copy(access, &list).unwrap();
+        let settings = format!(
+            "allow_anonymous false\npassword_file {}\nacl_file {}",
+            passwords.display(),
+            list.display()
+        );
+        Self::with(folder, &settings, true)
+    }
+
+    fn with(folder: TempDir, access: &str, has_users: bool) -> Self {
         // A port that was free a moment ago.
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let place = folder.path().display();
         let settings = format!(
-            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence true\nuser root\n\
+            "listener {port} 127.0.0.1\n{access}\npersistence true\nuser root\n\
              persistence_location {place}/\nmax_queued_messages 0\nlog_dest none\n"
         );
         fs::write(folder.path().join("mosquitto.conf"), settings).unwrap();
-        let mut broker = Self { folder, port, child: None };
+        let mut broker = Self { folder, port, child: None, has_users };
         broker.start();
         broker
     }
@@ -64,12 +91,21 @@ impl Broker {
     fn options(&self, name: &str) -> MqttOptions {
         let mut options = MqttOptions::new(name, "127.0.0.1", self.port);
         options.set_max_packet_size(1 << 24, 1 << 24);
+        if self.has_users {
+            // What stands behind a hyphen tells clients of one user apart.
+            options.set_credentials(name.split('-').next().unwrap(), PASSWORD);
+        }
         options
     }
 
     /// A function that publishes messages and returns when all are the broker's, however often it goes away meanwhile.
     pub fn publisher(&self) -> impl FnMut(&[(String, String)]) + Send + use<> {
-        let options = self.options("publisher");
+        self.publisher_named("publisher")
+    }
+
+    /// The same under the name of a user.
+    pub fn publisher_named(&self, name: &str) -> impl FnMut(&[(String, String)]) + Send + use<> {
+        let options = self.options(name);
         move |messages| {
             'anew: loop {
                 let (client, mut connection) = Client::new(options.clone(), messages.len());
@@ -92,6 +128,14 @@ impl Broker {
                 }
             }
         }
+    }
+
+    /// Publishes something that the broker may refuse.
+    pub fn try_publish(&self, user: &str, topic: &str, text: &str) {
+        let port = self.port.to_string();
+        let mut command = Command::new("mosquitto_pub");
+        command.args(["-p", &port, "-u", user, "-P", PASSWORD, "-t", topic, "-m", text]);
+        command.status().expect("this test needs the clients of mosquitto");
     }
 
     /// Publishes a text that the broker keeps for whoever comes later.

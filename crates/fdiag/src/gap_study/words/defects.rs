@@ -22,6 +22,13 @@ pub fn defect(defect: &LogDefect) -> String {
             four(*jitter_s),
             four(*step_s)
         ),
+        LogDefect::TimeBase(TimeBaseDefect::Coarse { median_step_s, step_s }) => format!(
+            "rows are {} s apart, but simulated and compared every {} s: an input that moves in between acts on the \
+             simulation as its mean, which can look like friction, a delay or a periodic force; without resampling it \
+             acts as logged",
+            four(*median_step_s),
+            four(*step_s)
+        ),
         LogDefect::TimeBase(TimeBaseDefect::Pace { log_s, model_s }) => format!(
             "samples are {} s apart, the model says {} s: it is simulated at the pace of the log",
             four(*log_s),

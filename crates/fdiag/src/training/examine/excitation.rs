@@ -1,6 +1,7 @@
 //! Do the inputs move in as many ways as there are parameters?
 
 use faer::{Mat, Side};
+use fd_model::Record;
 
 use super::Doubt;
 use crate::training::train::{Healthy, Trained};
@@ -31,6 +32,16 @@ pub(super) fn excitation(trained: &Trained, healthy: &[Healthy<'_>]) -> Vec<Doub
     let lag = (samples.round().clamp(1.0, 1e6) as usize).min((longest / 20 / needed).max(1));
     let inputs = trained.design().io().nu;
     (0..inputs).filter_map(|input| doubt(healthy, input, lag, needed)).collect()
+}
+
+/// Whether any input moves at all.
+#[must_use]
+pub fn inputs_move(record: &Record) -> bool {
+    (0..record.inputs().len()).any(|channel| {
+        let mut values = record.input(channel).filter(|v| v.is_finite());
+        let first = values.next();
+        values.any(|v| first.is_some_and(|first| (v - first).abs() > 0.0))
+    })
 }
 
 fn doubt(healthy: &[Healthy<'_>], input: usize, lag: usize, needed: usize) -> Option<Doubt> {

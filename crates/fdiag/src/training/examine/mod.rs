@@ -16,6 +16,7 @@ mod residual;
 use fd_model::figure;
 use serde::{Deserialize, Serialize};
 
+pub use self::excitation::inputs_move;
 use self::{excitation::excitation, residual::shape};
 use super::{
     error::TrainingError,

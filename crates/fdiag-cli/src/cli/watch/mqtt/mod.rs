@@ -14,6 +14,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use fdiag::model::file::read_text;
 use rumqttc::MqttOptions;
 
 pub(super) use self::{
@@ -81,7 +82,7 @@ impl Broker {
 
 /// Two lines: user and password.
 fn login(path: &Path) -> Result<(String, String), Failure> {
-    let text = std::fs::read_to_string(path).map_err(|error| Failure::input(path, error))?;
+    let text = read_text(path, 10_000).map_err(|error| Failure::input(path, error))?;
     let mut lines = text.lines();
     match (lines.next(), lines.next()) {
         (Some(user), Some(password)) if !user.is_empty() => {

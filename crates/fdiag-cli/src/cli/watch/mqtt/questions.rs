@@ -31,6 +31,7 @@ const TEXTS: usize = 1 << 17;
 struct Published {
     id: String,
     answer: Said,
+    token: Option<String>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -66,6 +67,8 @@ struct Shared {
     waiting: BTreeMap<String, String>,
     /// Levels of units whose answer is being kept.
     answered: Vec<String>,
+    /// What answers have to carry, if anything.
+    token: Option<String>,
 }
 
 fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
@@ -77,11 +80,12 @@ impl Questions {
     pub(in super::super) fn start(
         broker: Broker,
         prefix: String,
+        token: Option<String>,
         asked: impl Iterator<Item = (String, String)>,
     ) -> Self {
         let waiting = asked.map(|(unit, id)| (level(&unit), id)).collect();
         let answered = Vec::new();
-        let shared = Shared { prefix: prefix.clone(), client: None, waiting, answered };
+        let shared = Shared { prefix: prefix.clone(), client: None, waiting, answered, token };
         let shared = Arc::new(Mutex::new(shared));
         let (sender, replies) = sync_channel(WAITING);
         let asker = Asker { broker, prefix, shared: Arc::clone(&shared), sender };
@@ -129,10 +133,15 @@ impl Questions {
         let judged = |reply: Reply| {
             let outcome = match &reply.said {
                 Err(why) => Err(why.clone()),
+                Ok(Published { token, .. }) if shared.token.is_some() && shared.token != *token => {
+                    Err("expected the `token` of --answer-token".to_owned())
+                }
                 Ok(Published { id, .. }) if shared.waiting.get(&reply.level) != Some(id) => {
                     Err(format!("`{}` does not ask `{id}` (any more)", reply.level))
                 }
-                Ok(Published { id, answer }) => Ok((id.clone(), matches!(answer, Said::Confirm))),
+                Ok(Published { id, answer, .. }) => {
+                    Ok((id.clone(), matches!(answer, Said::Confirm)))
+                }
             };
             (reply, outcome)
         };

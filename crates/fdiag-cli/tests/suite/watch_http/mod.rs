@@ -3,17 +3,42 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 #![allow(clippy::format_collect, reason = "a short stream")]
 
+mod crowds;
+mod gate;
+mod proxy;
+
 use std::{
     io::{BufRead, BufReader, Read, Write},
     net::TcpStream,
+    process::Child,
 };
 
 use crate::watching::Plant;
 
+/// A monitor with a live page, and where that is.
+fn live(plant: &Plant, more: &str) -> (Child, String) {
+    let line = format!(
+        "watch --model model.toml --spec spec.toml --healthy healthy.csv --http 127.0.0.1:0 {more}"
+    );
+    let mut child = plant.spawn(&line);
+    let mut said = String::new();
+    let mut from = BufReader::new(child.stderr.take().unwrap());
+    from.read_line(&mut said).unwrap();
+    // Whatever else it has to say, it does not wait for a reader.
+    std::thread::spawn(move || std::io::copy(&mut from, &mut std::io::sink()));
+    let address = said.trim().strip_prefix("live page: http://").unwrap().trim_end_matches('/');
+    (child, address.to_owned())
+}
+
 /// Asks for a path; the answer as far as it is sent at once.
 fn get(address: &str, path: &str) -> (TcpStream, u16) {
+    get_as(address, address, path)
+}
+
+/// The same under the name of a host.
+fn get_as(address: &str, host: &str, path: &str) -> (TcpStream, u16) {
     let mut stream = TcpStream::connect(address).unwrap();
-    write!(stream, "GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
     let mut head = String::new();
     // Byte by byte: what follows belongs to whoever reads on.
     let mut byte = [0];
@@ -36,17 +61,14 @@ fn body(address: &str, path: &str) -> String {
 #[test]
 fn whoever_looks_sees_how_it_goes() {
     let plant = Plant::new();
-    let line = "watch --model model.toml --spec spec.toml --healthy healthy.csv --unit rig \
-                --http 127.0.0.1:0 --state state";
-    let mut child = plant.spawn(line);
-    let mut said = String::new();
-    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
-    let address = said.trim().strip_prefix("live page: http://").unwrap().trim_end_matches('/');
+    let (mut child, address) = self::live(&plant, "--unit rig --state state");
+    let address = address.as_str();
 
     // A page that was open before the samples came is told of the alarm.
     let (live, status) = get(address, "/live");
     assert_eq!(status, 200);
     let mut live = BufReader::new(live).lines().map(Result::unwrap);
+    assert_eq!(live.next().unwrap(), "retry: 500");
     assert_eq!(live.next().unwrap(), "event: all");
     let mut stdin = child.stdin.take().unwrap();
     stdin.write_all(Plant::stream(140).as_bytes()).unwrap();
@@ -81,13 +103,12 @@ fn whoever_looks_sees_how_it_goes() {
     assert!(child.wait().unwrap().success());
 }
 
-/// Posts an answer; status and body.
-fn post(address: &str, kind: &str, body: &str) -> (u16, String) {
+/// Posts an answer with these header fields; status and body.
+fn post(address: &str, fields: &str, body: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(address).unwrap();
     write!(
         stream,
-        "POST /answer HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: {kind}\r\n\
-         Content-Length: {}\r\n\r\n{body}",
+        "POST /answer HTTP/1.1\r\nConnection: close\r\n{fields}\r\nContent-Length: {}\r\n\r\n{body}",
         body.len()
     )
     .unwrap();
@@ -97,50 +118,37 @@ fn post(address: &str, kind: &str, body: &str) -> (u16, String) {
     (status, text.split("\r\n\r\n").nth(1).unwrap_or_default().to_owned())
 }
 
-/// The input leaves the trained range; whoever is asked confirms, and it is kept before it is acknowledged.
-#[test]
-fn whoever_is_asked_can_answer_on_the_page() {
-    let plant = Plant::new();
-    let more =
-        "compensation.operating_point = { policy = { kind = \"retrain\" }, time_constant = 20 }\n";
-    std::fs::write(plant.path("spec.toml"), more.to_owned() + crate::watching::SPEC).unwrap();
-    let line = "watch --model model.toml --spec spec.toml --healthy healthy.csv --ask \
-                --http 127.0.0.1:0 --state state --save-every 1000000";
-    let mut child = plant.spawn(line);
-    let mut said = String::new();
-    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
-    let address = said.trim().strip_prefix("live page: http://").unwrap().trim_end_matches('/');
-    let mut out = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
-    let mut stdin = child.stdin.take().unwrap();
-    for k in 0..400 {
-        let u = if k < 200 { 0.0 } else { 10.0 };
-        let time = 0.1 * f64::from(k);
-        writeln!(stdin, "{{\"time\":{time},\"fuel\":{u},\"speed\":0,\"temperature\":0}}").unwrap();
-    }
-    stdin.flush().unwrap();
-    let wanted = out.find(|line| line.contains("retraining-wanted")).unwrap();
-    let id = wanted.split("\"id\":\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
-    let confirm = format!("{{\"id\":\"{id}\",\"answer\":\"confirm\"}}");
+/// A spec of units that are trained again, and samples whose input leaves the trained range.
+const AGAIN: &str =
+    "compensation.operating_point = { policy = { kind = \"retrain\" }, time_constant = 20 }\n";
 
-    // A form on somebody else's page can post this much, and no more.
-    assert_eq!(post(address, "text/plain", &confirm).0, 415);
-    assert_eq!(post(address, "application/json", "{\"id\":1}").0, 400);
-    assert_eq!(post(address, "application/json", "{\"id\":\"x\",\"answer\":\"confirm\"}").0, 409);
-    assert_eq!(get(address, "/answer").1, 404);
-    assert_eq!(post(address, "application/json", &confirm), (200, "kept\n".to_owned()));
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let kept = std::fs::read_to_string(plant.path("state/units/plant.unit")).unwrap();
-    assert!(kept.contains("\"wish\":null"), "the answer outlives a kill");
-
-    let rest: String = (400..420)
+fn leaving(samples: std::ops::Range<u32>) -> String {
+    samples
         .map(|k| {
-            format!(
-                "{{\"time\":{},\"fuel\":10,\"speed\":0,\"temperature\":0}}\n",
-                0.1 * f64::from(k)
-            )
+            let (time, u) = (0.1 * f64::from(k), if k < 200 { 0.0 } else { 10.0 });
+            format!("{{\"time\":{time},\"fuel\":{u},\"speed\":0,\"temperature\":0}}\n")
         })
-        .collect();
-    let again = crate::watching::text(&plant.run(line, &rest).stdout);
-    assert!(again.contains("training-started"), "{again}");
+        .collect()
+}
+
+/// A monitor that asks whether to train again, where, and what it asks.
+pub(crate) fn asking(plant: &Plant, more: &str) -> (Child, String, String) {
+    std::fs::write(plant.path("spec.toml"), AGAIN.to_owned() + crate::watching::SPEC).unwrap();
+    let (mut child, address) = live(plant, &format!("--ask {more}"));
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    child.stdin.as_mut().unwrap().write_all(leaving(0..400).as_bytes()).unwrap();
+    let mut line = String::new();
+    while !line.contains("retraining-wanted") {
+        line.clear();
+        assert_ne!(out.read_line(&mut line).unwrap(), 0, "nothing is asked");
+    }
+    std::thread::spawn(move || std::io::copy(&mut out, &mut std::io::sink()));
+    let id = line.split("\"id\":\"").nth(1).unwrap().split('"').next().unwrap();
+    (child, address, id.to_owned())
+}
+
+/// The token that the page carries.
+fn token(page: &str) -> String {
+    let rest = page.split("name=\"token\" content=\"").nth(1).unwrap();
+    rest.split('"').next().unwrap().to_owned()
 }

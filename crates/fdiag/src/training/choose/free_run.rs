@@ -1,0 +1,225 @@
+//! Free runs over held-out healthy samples.
+
+use fd_core::stage::BiasModel;
+use fd_ident::{
+    arx::ArxOrders, hammerstein::HammersteinModel, least_squares::LeastSquares,
+    order::select_orders,
+};
+use fd_model::Record;
+
+use super::candidates::Candidate;
+use crate::{
+    spec::{LearningSpec, StructureSpec},
+    training::{bias::LearnedBias, error::TrainingError, learn::fit, structure::Structure},
+};
+
+/// Parts that the samples are dealt into; each is judged by models that have learned from the others.
+const FOLDS: usize = 4;
+/// Stretches of a part that losses are paired by.
+const STRETCHES: usize = 8;
+/// Samples beyond which no more are compared on: what is left of a bias is then known to a few per cent.
+const MOST_SAMPLES: usize = 20_000;
+
+/// Mean square of `r − μ̂` in each stretch relative to that of `r` over all of them, mean over the channels.
+#[derive(Clone, Debug)]
+pub(super) struct Losses(Vec<f64>);
+
+impl Losses {
+    pub(super) fn mean(&self) -> f64 {
+        self.0.iter().sum::<f64>() / self.0.len() as f64
+    }
+
+    /// Mean difference to another candidate over the same stretches, and its standard error.
+    pub(super) fn above(&self, other: &Self) -> (f64, f64) {
+        let n = self.0.len() as f64;
+        let differences: Vec<f64> = self.0.iter().zip(&other.0).map(|(a, b)| a - b).collect();
+        let mean = differences.iter().sum::<f64>() / n;
+        let variance =
+            differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        (mean, (variance / n).sqrt())
+    }
+}
+
+/// The healthy samples as parts, and what is common to all candidates.
+pub(super) struct Judge<'r> {
+    records: &'r [Record],
+    /// Each with its fold.
+    parts: Vec<(usize, Record)>,
+    /// Samples at the start of a part that fill the histories of every candidate.
+    lag: usize,
+    /// Mean square of each channel over the samples that are judged.
+    power: Vec<f64>,
+}
+
+impl<'r> Judge<'r> {
+    pub(super) fn new(records: &'r [Record], lag: usize) -> Result<Self, TrainingError> {
+        let samples: usize = records.iter().map(Record::len).sum();
+        let share = (MOST_SAMPLES as f64 / samples.max(1) as f64).min(1.0);
+        let mut parts = Vec::new();
+        for (i, record) in records.iter().enumerate() {
+            let first = (0..record.len()).find(|&k| record.is_complete(k)).unwrap_or(0);
+            let length = (record.len() - first) / FOLDS;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a share of a length"
+            )]
+            let kept = (share * length as f64).round() as usize;
+            for j in 0..FOLDS {
+                let from = first + j * length;
+                parts.push(((i + j) % FOLDS, record.slice(from, from + kept)));
+            }
+        }
+        let mut judge = Self { records, parts, lag, power: Vec::new() };
+        let channels = records[0].outputs().len();
+        let (mut sums, mut count) = (vec![0.0; channels], 0);
+        for (_, part) in &judge.parts {
+            for k in judge.judged(part) {
+                sums.iter_mut().zip(part.y(k)).for_each(|(sum, r)| *sum += r * r);
+                count += 1;
+            }
+        }
+        let needed = FOLDS * STRETCHES * (lag + 1);
+        if count < needed {
+            let what = "choosing the bias model";
+            return Err(TrainingError::TooShort { what, needed, found: count });
+        }
+        judge.power = sums.into_iter().map(|sum| sum / count as f64).collect();
+        Ok(judge)
+    }
+
+    /// Complete samples after those that fill the histories.
+    fn judged<'p>(&self, part: &'p Record) -> impl Iterator<Item = usize> + use<'p> {
+        let lag = self.lag;
+        let mut complete = 0;
+        (0..part.len()).filter(move |&k| {
+            let is_complete = part.is_complete(k);
+            complete += usize::from(is_complete);
+            is_complete && complete > lag
+        })
+    }
+
+    /// The losses of every candidate of a structure and a way of learning; none for one that cannot be fitted, is
+    /// unstable or diverges.
+    pub(super) fn losses(
+        &self,
+        spec: &StructureSpec,
+        learning: &LearningSpec,
+        orders: &[ArxOrders],
+    ) -> Result<Vec<(Candidate, Option<Losses>)>, TrainingError> {
+        let Some(structure) = Structure::of(spec, self.records)? else { return Ok(Vec::new()) };
+        let mut losses: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); orders.len()];
+        for fold in 0..FOLDS {
+            let others = self.parts.iter().filter(|(of, _)| *of != fold);
+            let others: Vec<Record> = others.map(|(_, part)| part.clone()).collect();
+            let models = fit_all(&structure, learning, orders, &others);
+            for (losses, model) in losses.iter_mut().zip(models) {
+                for (_, part) in self.parts.iter().filter(|(of, _)| *of == fold) {
+                    let run = model.as_ref().and_then(|model| self.free_run(model, part));
+                    match (losses.as_mut(), run) {
+                        (Some(losses), Some(run)) => losses.extend(run),
+                        _ => *losses = None,
+                    }
+                }
+            }
+        }
+        let candidate = |orders: &ArxOrders| Candidate {
+            structure: spec.clone(),
+            orders: *orders,
+            learning: learning.clone(),
+        };
+        Ok(orders.iter().map(candidate).zip(losses.into_iter().map(|l| l.map(Losses))).collect())
+    }
+
+    /// The losses without any bias model.
+    pub(super) fn without_bias(&self) -> Losses {
+        let mut losses = Vec::new();
+        for fold in 0..FOLDS {
+            for (_, part) in self.parts.iter().filter(|(of, _)| *of == fold) {
+                losses.extend(self.stretches(part, |_, r, e| e.copy_from_slice(r)));
+            }
+        }
+        Losses(losses)
+    }
+
+    /// What a simulation from the inputs leaves of a part, its histories filled with the measured residual.
+    fn free_run(&self, model: &LearnedBias, part: &Record) -> Option<Vec<f64>> {
+        let radii = model.pole_radii().ok()?;
+        if radii.iter().flatten().any(|radius| *radius >= 1.0) {
+            return None;
+        }
+        let mut running = model.freeze().ok()?;
+        let mut filled = 0;
+        let losses = self.stretches(part, |u, r, e| {
+            if filled < self.lag {
+                filled += usize::from(r.iter().all(|r| r.is_finite()));
+                running.observe(u, r);
+            } else {
+                running.simulate(u, e);
+                e.iter_mut().zip(r).for_each(|(e, r)| *e = r - *e);
+            }
+        });
+        losses.iter().all(|loss| loss.is_finite()).then_some(losses)
+    }
+
+    /// The mean relative square of what `left` writes, stretch by stretch. `left` sees every sample whose inputs are
+    /// there, and what it writes counts where the residual is there and histories are full.
+    fn stretches(
+        &self,
+        part: &Record,
+        mut left: impl FnMut(&[f64], &[f64], &mut [f64]),
+    ) -> Vec<f64> {
+        let channels = part.outputs().len();
+        let mut sums = [(0.0, 0_u32); STRETCHES];
+        let (mut e, mut filled) = (vec![0.0; channels], 0);
+        let mut held = vec![0.0; part.inputs().len()];
+        for k in 0..part.len() {
+            held.iter_mut()
+                .zip(part.u(k))
+                .filter(|(_, u)| u.is_finite())
+                .for_each(|(h, u)| *h = *u);
+            let is_complete = part.is_complete(k);
+            if filled < self.lag && !is_complete {
+                continue;
+            }
+            left(&held, part.y(k), &mut e);
+            filled += usize::from(is_complete);
+            if is_complete && filled > self.lag {
+                let squares = e.iter().zip(&self.power).filter(|(_, power)| **power > 0.0);
+                let (sum, count) = &mut sums[k * STRETCHES / part.len()];
+                *sum += squares.map(|(e, power)| e * e / power).sum::<f64>() / channels as f64;
+                *count += 1;
+            }
+        }
+        sums.iter().filter(|(_, n)| *n > 0).map(|(sum, n)| sum / f64::from(*n)).collect()
+    }
+}
+
+/// Models of all orders; those by least squares share one factorisation.
+fn fit_all(
+    structure: &Structure,
+    learning: &LearningSpec,
+    orders: &[ArxOrders],
+    records: &[Record],
+) -> Vec<Option<LearnedBias>> {
+    let shares = matches!(structure, Structure::Linear | Structure::Hammerstein(_))
+        && *learning == LearningSpec::default();
+    let Some(seen) = structure.seen(records).ok().filter(|_| shares) else {
+        return orders.iter().map(|o| fit(structure, learning, *o, records).ok()).collect();
+    };
+    let seen: Vec<&Record> = seen.iter().collect();
+    let Ok(table) = select_orders(orders, &LeastSquares::new(), &seen, &[]) else {
+        return vec![None; orders.len()];
+    };
+    let model = |orders: &ArxOrders| {
+        let found = table.scores().iter().find(|score| score.orders == *orders)?;
+        let linear = found.model.clone().ok()?;
+        match structure {
+            Structure::Hammerstein(expansion) => {
+                HammersteinModel::new(expansion.clone(), linear).ok().map(LearnedBias::Hammerstein)
+            }
+            _ => Some(LearnedBias::Linear(linear)),
+        }
+    };
+    orders.iter().map(model).collect()
+}

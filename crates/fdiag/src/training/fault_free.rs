@@ -1,0 +1,182 @@
+//! Fault-free samples as a running diagnosis meets them.
+
+use std::ops::Range;
+
+use fd_compensate::{DrivenRows, RowsError, SampleRows};
+use fd_core::{
+    Frame,
+    stage::{Compensator, Phase},
+};
+use fd_model::Record;
+
+use super::{
+    begin::forgotten_after,
+    error::TrainingError,
+    pay,
+    trace::Trace,
+    train::{Healthy, Trained},
+};
+use crate::spec::{ApplySpec, StartSpec};
+
+/// How many beginnings thresholds are calibrated on, all logs together: the rate of a threshold for one run in twenty
+/// then scatters by half of itself, as that of the rest does where it is resolved.
+const BEGINNINGS: usize = 100;
+
+/// Which residual is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Judged {
+    Primary,
+    Compensated,
+}
+
+/// Samples of both residuals next to their inputs, row by row, in one or more runs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FaultFree {
+    pub(super) inputs: Vec<f64>,
+    pub(super) primary: Vec<f64>,
+    pub(super) compensated: Vec<f64>,
+    /// The sample at which each run but the first begins.
+    pub(super) starts: Vec<usize>,
+    samples: usize,
+}
+
+impl FaultFree {
+    pub(super) fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Adds the samples that were judged and are complete, as a run of its own.
+    fn append(&mut self, record: &Record, trace: &Trace, among: impl Iterator<Item = usize>) {
+        let start = self.samples;
+        for k in among.filter(|&k| k < trace.len()) {
+            if trace.compensating[k] && record.is_complete(k) {
+                let row = k * trace.channels..(k + 1) * trace.channels;
+                self.push(record.u(k), &trace.residual[row.clone()], &trace.compensated[row]);
+            }
+        }
+        self.begun_at(start);
+    }
+
+    fn push(&mut self, u: &[f64], primary: &[f64], compensated: &[f64]) {
+        self.inputs.extend_from_slice(u);
+        self.primary.extend_from_slice(primary);
+        self.compensated.extend_from_slice(compensated);
+        self.samples += 1;
+    }
+
+    fn begun_at(&mut self, start: usize) {
+        if 0 < start && start < self.samples {
+            self.starts.push(start);
+        }
+    }
+
+    pub(super) fn residual(&self, judged: Judged) -> &[f64] {
+        match judged {
+            Judged::Primary => &self.primary,
+            Judged::Compensated => &self.compensated,
+        }
+    }
+
+    /// A residual of these samples with their inputs; without any input it is by itself.
+    pub(super) fn rows<'a>(&'a self, residual: &'a [f64]) -> Result<DrivenRows<'a>, RowsError> {
+        let per_sample = |values: usize| values / self.samples.max(1);
+        let residuals = SampleRows::new(per_sample(residual.len()), residual)?;
+        let rows = if self.inputs.is_empty() {
+            DrivenRows::from(residuals)
+        } else {
+            let inputs = SampleRows::new(per_sample(self.inputs.len()), &self.inputs)?;
+            DrivenRows::new(inputs, residuals)?
+        };
+        rows.in_runs(&self.starts)
+    }
+}
+
+impl Trained {
+    /// What both residuals look like in healthy data.
+    pub(super) fn calibrate(&mut self, healthy: &[Healthy<'_>]) -> Result<(), TrainingError> {
+        (self.healthy, self.beginnings) = (FaultFree::default(), FaultFree::default());
+        let logs = || healthy.iter().filter(|log| !log.calibrate.is_empty());
+        for log in logs() {
+            self.calibrate_on(log, BEGINNINGS.div_ceil(logs().count()))?;
+        }
+        Ok(())
+    }
+
+    /// Leaves the primary residual in every channel in which the bias does not pay.
+    pub(super) fn apply_where_it_pays(
+        &mut self,
+        healthy: &[Healthy<'_>],
+        moves: bool,
+    ) -> Result<(), TrainingError> {
+        let apply = self.spec.bias.apply;
+        let (has_constant, never) = (self.bias.has_constant(), apply == ApplySpec::Never);
+        let learned = pay::Learned { moves, has_constant, never };
+        self.payments = pay::payments(&self.healthy, self.design.residual_len(), &learned);
+        let pays: Vec<bool> = self.payments.iter().map(|payment| payment.applied).collect();
+        if apply != ApplySpec::WhereItPays || pays.iter().all(|pays| *pays) {
+            let always = apply == ApplySpec::Always;
+            self.payments.iter_mut().for_each(|payment| payment.applied |= always);
+            return Ok(());
+        }
+        self.bias = self.bias.only(&pays)?;
+        self.fit.theta = self.bias.loaded();
+        self.calibrate(healthy)
+    }
+
+    /// Adds what both residuals look like in healthy data, and how `beginnings` diagnoses begin that are started
+    /// within it, with a generator that has settled as the log goes on. Where nothing has to settle, a diagnosis begins
+    /// as it goes on; one that trains first begins with each log.
+    fn calibrate_on(&mut self, log: &Healthy<'_>, beginnings: usize) -> Result<(), TrainingError> {
+        let trace = self.watch(log.record)?;
+        self.healthy.append(log.record, &trace, log.calibrate.clone());
+        if self.fit.filling == 0 || self.spec.start != StartSpec::Fitted {
+            return Ok(());
+        }
+        let end = log.calibrate.end.min(trace.len());
+        let samples = end.saturating_sub(log.calibrate.start);
+        let filling = usize::try_from(self.fit.filling).unwrap_or(usize::MAX);
+        let length = filling.saturating_add(self.start_up()?);
+        if length > samples {
+            return Ok(());
+        }
+        for i in 0..beginnings {
+            let from = log.calibrate.start + i * (samples - length) / beginnings;
+            if (from..from + length).all(|k| log.record.is_complete(k)) {
+                self.begin_at(from..from + length, log.record, &trace)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds how a compensator begins on these samples of a log.
+    fn begin_at(
+        &mut self,
+        samples: Range<usize>,
+        record: &Record,
+        trace: &Trace,
+    ) -> Result<(), TrainingError> {
+        let mut compensator = self.compensator()?;
+        let io = self.design.io();
+        let start = self.beginnings.samples;
+        let mut compensated = vec![0.0; trace.channels];
+        for (k, at) in samples.enumerate() {
+            let residual = &trace.residual[at * trace.channels..(at + 1) * trace.channels];
+            let frame = Frame::new(io, k as u64, record.u(at), record.y(at))?;
+            let phase = compensator.step(frame, residual, &mut compensated).phase;
+            if phase == Phase::Compensating {
+                self.beginnings.push(record.u(at), residual, &compensated);
+            }
+        }
+        self.beginnings.begun_at(start);
+        Ok(())
+    }
+
+    /// Samples until the bias model has forgotten the noise in its first past values: five time constants of its
+    /// slowest pole, and the samples of the debouncing.
+    fn start_up(&self) -> Result<usize, TrainingError> {
+        let radii = self.bias.pole_radii()?;
+        let slowest = radii.into_iter().flatten().fold(0.0, f64::max);
+        let debounced = usize::try_from(self.spec.rule.out_of).unwrap_or(usize::MAX);
+        Ok(forgotten_after(slowest).saturating_add(debounced))
+    }
+}
