@@ -138,14 +138,12 @@ pub(crate) fn likelihood_at(
 ) -> Likelihood {
     let weights = problem.weights();
     let Some(unknown) = &weights.unknown else { return likelihood(errors, noise) };
-    let samples = |signals: &Vec<Vec<f64>>| {
-        signals.iter().flatten().filter(|e| e.is_finite()).count() as f64
-    };
-    let noises: f64 =
-        errors.iter().zip(&weights.sigma).map(|(signals, s)| samples(signals) * s.ln()).sum();
+    let count =
+        |signals: &Vec<Vec<f64>>| signals.iter().flatten().filter(|e| e.is_finite()).count();
+    let samples: Vec<f64> = errors.iter().map(|signals| count(signals) as f64).collect();
     let squares = at.cost - at.prior_cost;
     Likelihood {
-        log: -0.5 * (squares + unknown.log_determinant()) - noises,
+        log: -0.5 * (squares + unknown.log_determinant(&samples)),
         scale: vec![1.0; errors.len()],
         colour: weights.colour.clone(),
     }

@@ -14,7 +14,10 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::{begun::as_begun, forecast::FREE_RUN_SHARE};
+pub(crate) use self::{
+    begun::as_begun,
+    forecast::{Forecast, forecast},
+};
 pub use self::{
     another_run::Paths,
     baselines::Baselines,

@@ -6,10 +6,11 @@
 //! "None of these" is the model without any effect beside what is unknown. Curves and paths are no explanations here, since
 //! they draw what is unknown.
 
+use fd_sim::{model::Model, simulate::Nominal};
 use rayon::prelude::*;
 
 use super::{
-    horizons::memory,
+    horizons::{memory, windows},
     judged::{Judged, NamedPairs},
     probabilities::Probabilities,
     ties::ties,
@@ -19,28 +20,29 @@ use crate::{
     diagnose::{
         candidates::follows_anything,
         context::Context,
-        result::Regime,
+        result::{Cause, Regime},
         search::{
             finish,
             searched::{Searched, TrialId},
+            trial::Trial,
         },
+        settings::Settings,
         unknown::{Beside, beside},
         weigh::{
             Weighed,
             explain::settle,
             priors::Priors,
-            rank::{Basis, RankedCause},
+            rank::{Basis, RankedCause, Reference, weigh_law},
             singles::{Singles, weigh_singles},
             values::FittedValues,
         },
     },
     evidence::probabilities,
     fit::{FitError, Horizon, Log, Minimum, Problem, Weights, null_fit},
-    shrink::forecast_errors,
+    shrink::forecast,
 };
 
-/// Rounds in which the explanation and what is beside it settle. The first has what is beside no effect at all: then the
-/// unknown is largest, and the landscape smoothest.
+/// Rounds in which an explanation and what is beside it settle; the first is beside what is unknown without it.
 const ROUNDS: usize = 3;
 
 /// Judges by evidence beside something unknown.
@@ -52,10 +54,9 @@ pub(super) fn beyond<'a>(
     let settings = context.settings;
     let simulator = weighed.singles.base.simulator().boxed();
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
-    let Contested { singles, unknown } = contest(weighed.singles.searched, held_out, context)?;
-    let Singles { causes, .. } = singles;
-    let (causes, believed) = believe(causes, unknown, context);
-    let singles = Singles { causes, ..singles };
+    let windows = windows(&horizons);
+    let mut singles = contest(weighed.singles.searched, (held_out, windows), context)?;
+    let believed = believe(&mut singles.causes, context.settings);
     let ties = ties(&singles.causes, &singles.searched, settings);
     let best = singles.first_answer().unwrap_or_else(|| singles.refit.clone());
     let lack_of_fit = singles.lack_of_fit(&best);
@@ -73,149 +74,158 @@ pub(super) fn beyond<'a>(
     })
 }
 
-/// Laws with their evidence.
-struct Contested<'a> {
-    singles: Singles<'a>,
-    /// Evidence of the model without any effect.
-    unknown: f64,
-}
-
-/// Weighs laws beside what is unknown with no effect, then beside what is unknown with the best one, until that stays.
+/// Laws with their evidence over that of the model without any effect, all beside what is unknown.
+///
+/// First beside what is unknown without any effect: then the unknown is largest, and the landscape smoothest. Then the
+/// best laws each beside what is unknown besides them, at the places where something is.
 fn contest<'a>(
-    mut searched: Searched<'a>,
-    held_out: &[Log],
+    searched: Searched<'a>,
+    (held_out, horizon): (&[Log], Horizon),
     context: &Context<'a>,
-) -> Result<Contested<'a>, FitError> {
-    let nominal = context.case.nominal;
-    let sigma = searched.noise.sigma.clone();
-    let null = &searched.null;
-    let mut model = settle(&searched.model, &null.problem, &null.minimum.z);
-    let (mut problem, mut z) = (null.problem.clone(), null.minimum.z.clone());
-    let (mut table, mut unknown) = (Vec::new(), f64::NEG_INFINITY);
-    let mut first = None;
-    let verbose = std::env::var_os("FDIAG_TRACE").is_some();
+) -> Result<Singles<'a>, FitError> {
     let start = std::time::Instant::now();
-    for round in 1.. {
-        let found = beside(nominal, &model, &problem, &z, &sigma).ok_or(FitError::Diverged)?;
-        if verbose {
-            eprintln!("{:?} round {round}: noise {:?} of {sigma:?}, unknown at {:?}", start.elapsed(), found.weights.sigma, found.places);
+    let (nominal, finalists) = (context.case.nominal, context.settings.finalists);
+    let Searched { null, model, .. } = &searched;
+    let model = settle(model, &null.problem, &null.minimum.z);
+    let without = beside(nominal, &model, &null.problem, &null.minimum.z, None);
+    let without = without.ok_or(FitError::Diverged)?;
+    if verbose() {
+        eprintln!("{:?} unknown at {:?}", start.elapsed(), without.places);
+    }
+    let searched = reweighed(searched, &without.weights, finalists)?;
+    if verbose() {
+        eprintln!("{:?} refitted", start.elapsed());
+    }
+    let mut singles = weigh_singles(searched, context)?;
+    let Singles { causes, searched, reference, .. } = &mut singles;
+    let null = &searched.null;
+    let model = settle(&searched.model, &null.problem, &null.minimum.z);
+    let mut forecast = Forecasts { nominal, logs: held_out, horizon, reference: 0.0 };
+    forecast.reference = forecast.gain(&without, &model, (&null.problem, &null.minimum))?;
+    if verbose() {
+        eprintln!("{:?} reference {:.1} + {:.1}", start.elapsed(), reference.log_evidence, forecast.reference);
+    }
+    // Curves and paths draw what is unknown, and causes of the measurement take the errors of one fit for noise.
+    causes.retain(|ranked| match ranked.basis {
+        Basis::Simulation(id) => {
+            let is_law = !follows_anything(searched.trial(id).candidate);
+            is_law && ranked.cause.log_evidence.is_finite()
         }
-        searched = reweighed(searched, &found.weights, context.settings.finalists)?;
-        if verbose {
-            eprintln!("{:?} refitted", start.elapsed());
+        Basis::Measurement(_) => false,
+    });
+    let best: Vec<Basis> = causes.iter().take(finalists).map(|ranked| ranked.basis).collect();
+    let trials = searched.trials_mut().filter(|(id, _)| best.contains(&Basis::Simulation(*id)));
+    let settled = trials.collect::<Vec<_>>().into_par_iter().map(|(id, trial)| {
+        let law = Law { id, trial, reference, without: &without };
+        Ok((Basis::Simulation(id), law.settled(&forecast)?))
+    });
+    let settled = settled.collect::<Result<Vec<(Basis, Option<Cause>)>, FitError>>()?;
+    for (basis, cause) in settled {
+        let Some(cause) = cause else { continue };
+        for ranked in causes.iter_mut().filter(|ranked| ranked.basis == basis) {
+            // What the laws of a cause have together, over the best of them, stays.
+            ranked.cause.log_evidence += cause.log_evidence;
+            ranked.cause = Cause { log_evidence: ranked.cause.log_evidence, ..cause.clone() };
         }
-        let singles = weigh_singles(searched, context)?;
-        let forecast = Forecast::new(&found, &model, &problem, held_out, context)?;
-        let null = &singles.searched.null;
-        let without = forecast.log_density(&null.problem, &null.minimum)?;
-        unknown = unknown.max(singles.reference.log_evidence + without);
-        let weighed = singles.causes.par_iter().filter_map(|ranked| {
-            let (id, problem, at) = law(&singles, ranked)?;
-            let is_final = singles.searched.trial(id).is_final;
-            let density =
-                if is_final { forecast.log_density(problem, at) } else { Ok(without) };
-            let evidence = singles.reference.log_evidence + ranked.cause.log_evidence;
-            Some(density.map(|density| (id, evidence + density)))
-        });
-        let weighed = weighed.collect::<Result<Vec<(TrialId, f64)>, _>>()?;
-        if verbose {
-            let mut sorted: Vec<_> = weighed.iter().collect();
-            sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
-            for (id, e) in sorted.iter().take(8) {
-                let c = singles.searched.trial(*id);
-                let ev = singles.causes.iter().find(|r| r.basis == Basis::Simulation(*id)).map_or(0.0, |r| r.cause.log_evidence);
-                eprintln!("  {} {:?} {}: {:.1} of which fitted {:.1}", c.candidate.label, c.candidate.site, c.candidate.law, e - singles.reference.log_evidence - without, ev);
+    }
+    causes.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
+    if verbose() {
+        eprintln!("{:?} done", start.elapsed());
+    }
+    Ok(singles)
+}
+
+fn verbose() -> bool {
+    std::env::var_os("FDIAG_TRACE").is_some()
+}
+
+/// A law that was fitted beside what is unknown without it.
+struct Law<'l, 'a> {
+    id: TrialId,
+    trial: &'l mut Trial<'a>,
+    reference: &'l Reference,
+    without: &'l Beside,
+}
+
+impl Law<'_, '_> {
+    /// The law beside what is unknown besides it, as its cause, with the evidence that it has more than at first;
+    /// `None` when it cannot be simulated.
+    fn settled(self, forecast: &Forecasts<'_>) -> Result<Option<Cause>, FitError> {
+        let Self { id, trial, reference, without } = self;
+        let mut found = without.clone();
+        let mut first = None;
+        let mut best: Option<(Cause, Problem, Option<Minimum>)> = None;
+        for _ in 0..ROUNDS {
+            let cause = weigh_law(id, trial, reference).cause;
+            let Some(at) = &trial.best else { break };
+            let model = cause.model.clone();
+            let first = *first.get_or_insert(cause.log_evidence);
+            let gain = forecast.gain(&found, &model, (&trial.problem, at))?;
+            let log_evidence = cause.log_evidence + gain - first;
+            if verbose() {
+                eprintln!(
+                    "  {} {:?} {}: {:.1} {log_evidence:+.1}, forecasts {gain:+.1}; unknown {:?}",
+                    cause.label, cause.site, cause.law, first, found.places
+                );
             }
-            eprintln!("{:?} weighed; reference {:.1} + {without:.1}", start.elapsed(), singles.reference.log_evidence);
+            if best.as_ref().is_some_and(|(before, ..)| log_evidence <= before.log_evidence) {
+                break;
+            }
+            let problem = trial.problem.clone();
+            best = Some((Cause { log_evidence, ..cause }, problem, trial.best.clone()));
+            let next = beside(forecast.nominal, &model, &trial.problem, &at.z, Some(&without.places));
+            let Some(next) = next else { break };
+            trial.full_fit_with(&next.weights);
+            found = next;
         }
-        let best = weighed.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| *id);
-        table.extend(weighed);
-        let is_settled = first == best || ROUNDS <= round;
-        first = best;
-        if let Some((next, at)) = first.filter(|_| !is_settled).and_then(|id| {
-            let trial = singles.searched.trial(id);
-            Some((trial, trial.best.as_ref()?))
-        }) {
-            model = settle(&next.model, &next.problem, &at.z);
-            (problem, z) = (next.problem.clone(), at.z.clone());
-            searched = singles.searched;
-            continue;
-        }
-        let best = |ranked: RankedCause| {
-            let (id, ..) = law(&singles, &ranked)?;
-            let own = table.iter().filter(|(known, _)| *known == id);
-            let evidence = own.map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
-            let log_evidence = evidence - unknown;
-            let cause = crate::diagnose::Cause { log_evidence, ..ranked.cause };
-            log_evidence.is_finite().then_some(RankedCause { cause, ..ranked })
-        };
-        let mut causes: Vec<RankedCause> =
-            singles.causes.clone().into_iter().filter_map(best).collect();
-        causes.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
-        return Ok(Contested { singles: Singles { causes, ..singles }, unknown });
+        Ok(best.map(|(cause, problem, at)| {
+            (trial.problem, trial.best) = (problem, at);
+            cause
+        }))
     }
-    Err(FitError::Diverged)
 }
 
-/// The fit of a cause that is a law of the simulation.
-fn law<'s>(
-    singles: &'s Singles<'_>,
-    ranked: &RankedCause,
-) -> Option<(TrialId, &'s Problem, &'s Minimum)> {
-    let Basis::Simulation(id) = ranked.basis else { return None };
-    let trial = singles.searched.trial(id);
-    let best = trial.best.as_ref().filter(|_| !follows_anything(trial.candidate))?;
-    Some((id, &trial.problem, best))
-}
-
-/// Forecasts of held-out logs, and what is unknown of them.
-struct Forecast<'a> {
-    nominal: Box<dyn fd_sim::simulate::Simulator>,
+/// Forecasts of held-out logs.
+struct Forecasts<'a> {
+    nominal: &'a dyn Nominal,
     logs: &'a [Log],
-    unknown: Option<crate::diagnose::unknown::Forecasts>,
+    horizon: Horizon,
+    /// Logarithm of the density of the logs without any effect.
+    reference: f64,
 }
 
-impl<'a> Forecast<'a> {
-    fn new(
+impl Forecasts<'_> {
+    /// Logarithm of the density of the logs over the reference; zero where there are none, or what is unknown cannot be
+    /// simulated there.
+    fn gain(
+        &self,
         found: &Beside,
-        model: &fd_sim::model::Model,
-        problem: &Problem,
-        logs: &'a [Log],
-        context: &Context<'_>,
-    ) -> Result<Self, FitError> {
-        let nominal = problem.simulator().ts();
-        let nominal = context.case.nominal.simulator(nominal)?;
-        let unknown = (!logs.is_empty())
-            .then(|| found.of_forecasts(context.case.nominal, model, problem, logs))
-            .flatten();
-        Ok(Self { nominal, logs, unknown })
-    }
-
-    /// Logarithm of the density of the logs; zero where there are none, or what is unknown cannot be simulated there.
-    fn log_density(&self, problem: &Problem, at: &Minimum) -> Result<f64, FitError> {
-        let Some(unknown) = &self.unknown else { return Ok(0.0) };
+        model: &Model,
+        (problem, at): (&Problem, &Minimum),
+    ) -> Result<f64, FitError> {
+        let Self { nominal, logs, horizon, reference } = *self;
+        if logs.is_empty() {
+            return Ok(0.0);
+        }
+        let simulator = nominal.simulator(problem.simulator().ts())?;
         let values = FittedValues::of(problem, at);
-        let settled = values.settled();
-        let free = Horizon::FreeRun;
-        let errors = forecast_errors(&*self.nominal, settled, self.logs, free, &unknown.sigma)?;
-        Ok(errors.map_or(f64::NEG_INFINITY, |errors| unknown.log_density(&errors)))
+        let sigma = &problem.weights().sigma;
+        let forecast = forecast(&*simulator, values.settled(), logs, horizon, sigma)?;
+        let Some(forecast) = forecast else { return Ok(f64::NEG_INFINITY) };
+        let density = found.log_density(nominal, model, problem, logs, &forecast);
+        Ok(density.map_or(0.0, |density| density - reference))
     }
 }
 
 /// Gives causes their probabilities, and "none of these" the rest.
-fn believe(
-    mut causes: Vec<RankedCause>,
-    _unknown: f64,
-    context: &Context<'_>,
-) -> (Vec<RankedCause>, Probabilities) {
-    let settings = context.settings;
+fn believe(causes: &mut [RankedCause], settings: &Settings) -> Probabilities {
     let priors = Priors::of(settings, causes.len());
     let prior = priors.no_gap * settings.unknown / (1.0 - settings.unknown);
     let mut answers = vec![(0.0, prior)];
     answers.extend(causes.iter().map(|ranked| (ranked.cause.log_evidence, priors.cause)));
     let found = probabilities(&answers, settings.temperature);
     causes.iter_mut().zip(&found[1..]).for_each(|(r, p)| r.cause.probability = *p);
-    (causes, Probabilities { no_gap: 0.0, none_of_these: found[0] })
+    Probabilities { no_gap: 0.0, none_of_these: found[0] }
 }
 
 /// The same search with other weights: everything is fitted again.
@@ -224,12 +234,11 @@ fn reweighed<'a>(
     weights: &Weights,
     finalists: usize,
 ) -> Result<Searched<'a>, FitError> {
-    let Searched { null: before, mut trials, mut noise, .. } = searched;
-    noise.sigma.clone_from(&weights.sigma);
+    let Searched { null: before, mut trials, .. } = searched;
     let null = null_fit(before.problem.plan(), before.problem.simulator(), weights)?;
     trials.par_iter_mut().for_each(|trial| trial.reweigh(weights));
     let least = trials.iter().map(|trial| trial.cost()).fold(f64::INFINITY, f64::min);
     trials.par_iter_mut().for_each(|trial| trial.recolour(&null, weights, least));
     finish(&mut trials, &null, finalists);
-    Ok(Searched { null, trials, noise, ..searched })
+    Ok(Searched { null, trials, ..searched })
 }

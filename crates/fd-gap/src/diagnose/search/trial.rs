@@ -246,9 +246,19 @@ impl<'a> Trial<'a> {
 
     /// The same place with other weights.
     pub(in crate::diagnose) fn reweigh(&mut self, weights: &Weights) {
+        self.fit_with(weights, LOOK);
+    }
+
+    /// Goes on to the end with other weights.
+    pub(in crate::diagnose) fn full_fit_with(&mut self, weights: &Weights) {
+        self.fit_with(weights, FULL);
+    }
+
+    fn fit_with(&mut self, weights: &Weights, search: Search) {
         self.problem.set_weights(weights.clone());
         if let Some(best) = self.best.take() {
-            let found = minimise(&mut self.problem, &best.z, None, LOOK);
+            let search = self.patient(search);
+            let found = minimise(&mut self.problem, &best.z, None, search);
             self.best = found.map(|minimum| self.lean(minimum));
         }
     }

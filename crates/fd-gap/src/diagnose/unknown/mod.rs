@@ -11,4 +11,4 @@
 mod responses;
 mod size;
 
-pub(super) use self::size::{Beside, Forecasts, beside};
+pub(super) use self::size::{Beside, beside};

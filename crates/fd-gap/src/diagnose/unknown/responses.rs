@@ -13,6 +13,7 @@ use fd_sim::{
 use crate::{
     diagnose::result::Start,
     fit::{Log, Problem, Segment},
+    shrink::Forecast,
     locate::{
         bench::{Bench, Rows, settled},
         with_free_input,
@@ -31,8 +32,15 @@ const TRIES: usize = 40;
 pub(super) struct Disturbance {
     pub(super) site: SiteRef,
     pub(super) columns: Vec<Vec<f64>>,
-    /// Root of the intensity of a disturbance of unit coefficients, in the unit of the place and samples.
-    pub(super) unit: f64,
+}
+
+impl Disturbance {
+    /// The part of it that acts within one segment, and responds there.
+    pub(super) fn within(&self, rows: &Range<usize>) -> Self {
+        let columns = self.columns.iter().map(|column| column[rows.clone()].to_vec());
+        let columns = columns.filter(|column| column.iter().any(|v| v.abs() > 0.0)).collect();
+        Self { site: self.site.clone(), columns }
+    }
 }
 
 /// A simulation of logs that disturbances are added to.
@@ -42,9 +50,8 @@ pub(super) struct Disturbed<'a> {
     /// With all values settled.
     model: &'a Model,
     starts: Vec<Start>,
-    /// Knots of each segment, and the samples between them.
+    /// Knots of each segment.
     knots: Vec<usize>,
-    spacing: f64,
     /// Residuals of each segment.
     rows: Vec<Range<usize>>,
 }
@@ -63,18 +70,26 @@ impl<'a> Disturbed<'a> {
         Self::new(nominal, model, problem, (plan.logs.clone(), segments), starts)
     }
 
-    /// Other logs, from where the model begins.
-    pub(super) fn of_logs(
+    /// Forecasts of other logs by this model.
+    pub(super) fn forecast(
         nominal: &'a dyn Nominal,
         model: &'a Model,
         problem: &Problem,
         logs: &[Log],
+        forecast: &Forecast,
     ) -> Self {
-        let whole = |(l, log): (usize, &Log)| Segment { log: l, from: 0, to: log.samples() };
-        let segments: Vec<Segment> = logs.iter().enumerate().map(whole).collect();
-        let initial: Vec<f64> = problem.simulator().initial().iter().map(|s| s.value).collect();
-        let starts = vec![initial; segments.len()];
-        Self::new(nominal, model, problem, (logs.to_vec(), segments), starts)
+        let Forecast { errors, segments, starts, .. } = forecast;
+        let mut logs = logs.to_vec();
+        // What is no forecast, since it tells where that begins, is not compared.
+        for (s, segment) in segments.iter().enumerate() {
+            let log = &mut logs[segment.log];
+            for (c, signals) in errors.iter().enumerate() {
+                for (k, _) in signals[s].iter().enumerate().filter(|(_, e)| !e.is_finite()) {
+                    log.y[(segment.from + k) * log.ny + c] = f64::NAN;
+                }
+            }
+        }
+        Self::new(nominal, model, problem, (logs, segments.clone()), starts.clone())
     }
 
     fn new(
@@ -100,9 +115,8 @@ impl<'a> Disturbed<'a> {
             from..end
         });
         let rows = rows.collect();
-        let spacing = samples as f64 / all as f64;
         let bench = Bench { simulator: problem.simulator().boxed(), logs, segments, sigma };
-        Self { nominal, bench, model, starts, knots, spacing, rows }
+        Self { nominal, bench, model, starts, knots, rows }
     }
 
     /// Residuals of each segment.
@@ -168,8 +182,7 @@ impl<'a> Disturbed<'a> {
             }
         }
         let name = self.bench.simulator.outputs()[output].name.clone();
-        let unit = self.bench.sigma[output] * self.spacing.sqrt();
-        Disturbance { site: SiteRef::Output(output, name), columns, unit }
+        Disturbance { site: SiteRef::Output(output, name), columns }
     }
 
     /// Responses to hats at a place of the plant; `None` where nothing can be added or nothing is seen of it.
@@ -204,8 +217,7 @@ impl<'a> Disturbed<'a> {
                 }
             }
         }
-        let unit = size * self.spacing.sqrt();
-        Some(Disturbance { site, columns, unit })
+        Some(Disturbance { site, columns })
     }
 
     /// The change of the outputs from `base` to `moved` in the order of the residuals, in units of the noise.
@@ -227,27 +239,40 @@ impl<'a> Disturbed<'a> {
         all
     }
 
-    /// Size of a constant signal whose response is once the noise in the mean: large against rounding, small against the
-    /// motion.
+    /// Size of a constant signal whose response is about once the noise in the mean: large against rounding, small against
+    /// the motion. Where it breaks loose what dry friction holds, the least that does.
     fn visible_size(
         &self,
         run: &mut dyn FnMut(&Rows) -> Option<Rows>,
         base: &Rows,
     ) -> Option<f64> {
-        let mut size = 1.0;
+        let (mut size, mut small, mut large) = (1.0, None, None);
         for _ in 0..TRIES {
             let constant = self.bench.logs.iter().map(|log| vec![size; log.samples]).collect();
-            match run(&constant).map(|moved| rms(self.change(base, &moved))) {
+            let seen = run(&constant).map(|moved| rms(self.change(base, &moved)));
+            let guess = match seen {
                 Some(rms) if (0.5..2.0).contains(&rms) => return Some(size / rms),
-                Some(rms) if rms <= 1e-9 => size *= 1e3,
-                Some(rms) if rms.is_finite() => size /= rms.clamp(1e-6, 1e6),
-                _ => size *= 1e-3,
-            }
+                Some(rms) if rms < 0.5 => {
+                    small = Some(size);
+                    if rms <= 1e-9 { size * 1e3 } else { size / rms }
+                }
+                Some(rms) if rms.is_finite() => {
+                    large = Some(size);
+                    size / rms.min(1e6)
+                }
+                _ => size * 1e-3,
+            };
+            size = match (small, large) {
+                (Some(small), Some(large)) if !(small..large).contains(&guess) => {
+                    f64::sqrt(small * large)
+                }
+                _ => guess,
+            };
             if !(1e-30..1e30).contains(&size) {
                 return None;
             }
         }
-        None
+        large
     }
 
     /// Value of a hat at sample `k` of a segment. A single knot is a constant.

@@ -12,7 +12,7 @@ use fd_sim::{model::Model, simulate::Nominal};
 use super::responses::{Disturbance, Disturbed};
 use crate::{
     fit::{LeastSquares, Log, Minimum, Problem, Search, Unknown, Weights, minimise},
-    shrink::FREE_RUN_SHARE,
+    shrink::Forecast,
 };
 
 /// Places that disturbances act at together.
@@ -33,33 +33,35 @@ const FLAT: f64 = 1e-6;
 pub(in crate::diagnose) struct Beside {
     /// The noise and what the disturbances add to it.
     pub(in crate::diagnose) weights: Weights,
-    /// Where they act, with the root of their intensity, in the unit of the place and samples.
-    pub(in crate::diagnose) places: Vec<(SiteRef, f64)>,
+    /// Where they act.
+    pub(in crate::diagnose) places: Vec<SiteRef>,
 }
 
-/// What is unknown beside a fitted problem at `z`, of which `model` is the settled model, where the noise is `sigma` or
-/// stronger; `None` when it cannot be simulated.
+/// What is unknown beside a fitted problem at `z`, of which `model` is the settled model, where the noise is that of its
+/// weights or stronger. Disturbances act at these places, or anywhere. `None` when the problem cannot be simulated.
 pub(in crate::diagnose) fn beside(
     nominal: &dyn Nominal,
     model: &Model,
     problem: &Problem,
     z: &[f64],
-    sigma: &[f64],
+    places: Option<&[SiteRef]>,
 ) -> Option<Beside> {
     let mut problem = problem.clone();
-    problem.set_weights(Weights::white(sigma.to_vec()));
+    let white = Weights::white(problem.weights().sigma.clone());
+    problem.set_weights(white.clone());
     let look = Search { iterations: 0, ..Search::PLAIN };
     let at = minimise(&mut problem, z, None, look)?;
     let disturbed = Disturbed::fitted(nominal, model, &problem, z);
-    let disturbances = disturbed.disturbances();
-    let regression = Regression::new(&problem, &at, &disturbances);
-    let (noise, sizes) = regression.sized()?;
+    let disturbances = match places {
+        Some(places) => places.iter().filter_map(|site| disturbed.at(site)).collect(),
+        None => disturbed.disturbances(),
+    };
+    let (noise, sizes, _) = sized(&[Regression::of(&problem, &at, &disturbances)])?;
     let sized: Vec<(Disturbance, f64)> =
         disturbances.into_iter().zip(sizes).filter(|(_, size)| 0.0 < *size).collect();
     let unknown = covariance(&sized, &noise, disturbed.rows())?;
-    let places = sized.into_iter().map(|(d, size)| (d.site, size * d.unit)).collect();
-    let sigma = sigma.iter().zip(&noise).map(|(sigma, noise)| sigma * noise).collect();
-    let weights = Weights { unknown: Some(Arc::new(unknown)), ..Weights::white(sigma) };
+    let places = sized.into_iter().map(|(d, _)| d.site).collect();
+    let weights = Weights { unknown: Some(Arc::new(unknown)), ..white };
     Some(Beside { weights, places })
 }
 
@@ -82,62 +84,37 @@ fn covariance(
             columns.push(column);
         }
     }
-    Unknown::new(&columns, rows)
+    Unknown::new(noise.to_vec(), &columns, rows)
 }
 
 impl Beside {
-    /// The same for forecasts of other logs by this model.
-    pub(in crate::diagnose) fn of_forecasts(
+    /// Logarithm of the density of a forecast of other `logs` by a settled `model`, in units of the noise of its `problem`;
+    /// `None` when it cannot be simulated there. Disturbances act at the same places. How strong they and the noise are
+    /// there is decided by the errors: another run excites other parts of what is unknown.
+    pub(in crate::diagnose) fn log_density(
         &self,
         nominal: &dyn Nominal,
         model: &Model,
         problem: &Problem,
         logs: &[Log],
-    ) -> Option<Forecasts> {
-        let mut problem = problem.clone();
-        problem.set_weights(Weights::white(self.weights.sigma.clone()));
-        let mut logs = logs.to_vec();
-        for log in &mut logs {
-            // What tells where it begins is not forecast.
-            let known = log.samples().div_ceil(FREE_RUN_SHARE) * log.ny;
-            log.y[..known].fill(f64::NAN);
-        }
-        let disturbed = Disturbed::of_logs(nominal, model, &problem, &logs);
-        let at = |(site, size): &(SiteRef, f64)| {
-            let disturbance = disturbed.at(site)?;
-            let size = size / disturbance.unit;
-            Some((disturbance, size))
-        };
-        let sized = self.places.iter().map(at).collect::<Option<Vec<_>>>()?;
-        let ones = vec![1.0; self.weights.sigma.len()];
-        let unknown = covariance(&sized, &ones, disturbed.rows())?;
-        Some(Forecasts { sigma: self.weights.sigma.clone(), unknown })
-    }
-}
-
-/// The noise of forecasts of some logs, and what is unknown beside it.
-#[derive(Clone, Debug)]
-pub(in crate::diagnose) struct Forecasts {
-    pub(in crate::diagnose) sigma: Vec<f64>,
-    unknown: Unknown,
-}
-
-impl Forecasts {
-    /// Logarithm of the density of forecast errors in sigma: outputs, logs, samples.
-    pub(in crate::diagnose) fn log_density(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        let logs = errors.first().map_or(0, Vec::len);
-        let mut log = -0.5 * self.unknown.log_determinant();
-        for l in 0..logs {
-            let all = errors.iter().flat_map(|signals| &signals[l]);
-            let mut r: Vec<f64> = all.map(|e| if e.is_finite() { *e } else { 0.0 }).collect();
-            self.unknown.whiten(l, &mut r);
-            log -= 0.5 * r.iter().map(|r| r * r).sum::<f64>();
-        }
-        for (signals, sigma) in errors.iter().zip(&self.sigma) {
-            let samples = signals.iter().flatten().filter(|e| e.is_finite()).count();
-            log -= samples as f64 * sigma.ln();
-        }
-        log
+        forecast: &Forecast,
+    ) -> Option<f64> {
+        let disturbed = Disturbed::forecast(nominal, model, problem, logs, forecast);
+        let places = self.places.iter().map(|site| disturbed.at(site));
+        let disturbances = places.collect::<Option<Vec<_>>>()?;
+        let each = (0..forecast.segments.len())
+            .flat_map(|s| forecast.errors.iter().flat_map(move |signals| &signals[s]));
+        let r: Vec<f64> = each.map(|e| if e.is_finite() { *e } else { 0.0 }).collect();
+        // Nothing is common to the segments but how strong disturbances are.
+        let parts = disturbed.rows().iter().enumerate().map(|(s, rows)| {
+            let count = |signals: &Vec<Vec<f64>>| signals[s].iter().filter(|e| e.is_finite()).count();
+            let samples: Vec<f64> =
+                forecast.errors.iter().map(|signals| count(signals) as f64).collect();
+            let within = disturbances.iter().map(|d| d.within(rows)).collect::<Vec<_>>();
+            Regression::new(&r[rows.clone()], Vec::new(), &within, &[0..rows.len()], &samples)
+        });
+        let (.., log_evidence) = sized(&parts.collect::<Vec<_>>())?;
+        Some(log_evidence)
     }
 }
 
@@ -169,11 +146,11 @@ struct Solution {
 }
 
 impl Regression {
-    fn new(problem: &Problem, at: &Minimum, disturbances: &[Disturbance]) -> Self {
+    /// Of a problem, with its unknowns.
+    fn of(problem: &Problem, at: &Minimum, disturbances: &[Disturbance]) -> Self {
         let layout = problem.layout();
         let ny = problem.weights().sigma.len();
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        let mut precisions = Vec::new();
+        let mut unknowns = Vec::new();
         let precision = |i: usize| {
             let [low, high] = problem.bounds()[i];
             let prior = problem.prior()[i][1];
@@ -186,44 +163,55 @@ impl Regression {
         };
         for (i, slope) in at.slopes.iter().enumerate() {
             if i < layout.shared {
-                columns.push(slope.to_vec());
-                precisions.push(precision(i));
+                unknowns.push((slope.to_vec(), precision(i)));
                 continue;
             }
             for (s, rows) in layout.segments.iter().enumerate() {
                 let mut column = vec![0.0; slope.len()];
                 column[rows.clone()].copy_from_slice(&slope[rows.clone()]);
-                columns.push(column);
-                precisions.push(precision(layout.first_own(s) + i - layout.shared));
+                unknowns.push((column, precision(layout.first_own(s) + i - layout.shared)));
             }
         }
+        let plan = problem.plan();
+        let samples = (0..ny).map(|c| {
+            let each = plan.logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
+            each.filter(|y| y.is_finite()).count() as f64
+        });
+        let samples: Vec<f64> = samples.collect();
+        Self::new(&at.r, unknowns, disturbances, &layout.segments, &samples)
+    }
+
+    /// Of residuals (output by output within each segment), columns of unknowns with their precisions, and so many
+    /// samples of each output.
+    fn new(
+        r: &[f64],
+        unknowns: Vec<(Vec<f64>, f64)>,
+        disturbances: &[Disturbance],
+        segments: &[Range<usize>],
+        samples: &[f64],
+    ) -> Self {
+        let (mut columns, precisions): (Vec<_>, Vec<_>) = unknowns.into_iter().unzip();
         let mut places = Vec::new();
         for disturbance in disturbances {
             let first = columns.len();
             columns.extend(disturbance.columns.iter().cloned());
             places.push(first..columns.len());
         }
-        let plan = problem.plan();
-        let outputs = (0..ny).map(|c| {
-            let own: Vec<usize> = layout
-                .segments
-                .iter()
-                .flat_map(|rows| {
-                    let length = rows.len() / ny;
-                    rows.start + c * length..rows.start + (c + 1) * length
-                })
-                .collect();
+        let ny = samples.len();
+        let outputs = samples.iter().enumerate().map(|(c, samples)| {
+            let of_segment = |rows: &Range<usize>| {
+                let length = rows.len() / ny;
+                rows.start + c * length..rows.start + (c + 1) * length
+            };
+            let own: Vec<usize> = segments.iter().flat_map(of_segment).collect();
             let w = Mat::from_fn(own.len(), columns.len(), |i, j| columns[j][own[i]]);
-            let r: Vec<f64> = own.iter().map(|i| at.r[*i]).collect();
-            let right =
-                (0..columns.len()).map(|j| w.col(j).iter().zip(&r).map(|(w, r)| w * r).sum());
-            let right = right.collect();
-            let each = plan.logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
+            let r = Mat::from_fn(own.len(), 1, |i, _| r[own[i]]);
+            let right = w.transpose() * &r;
             Products {
                 gram: w.transpose() * &w,
-                right,
-                squares: r.iter().map(|r| r * r).sum(),
-                samples: each.filter(|y| y.is_finite()).count() as f64,
+                right: (0..columns.len()).map(|j| right[(j, 0)]).collect(),
+                squares: r.squared_norm_l2(),
+                samples: *samples,
             }
         });
         let outputs = outputs.collect();
@@ -269,14 +257,12 @@ impl Regression {
         Some(Solution { chosen, precisions, factor, solution, log_evidence })
     }
 
-    /// The noise of each output that fits what a solution leaves.
-    fn noise(&self, at: &Solution) -> Vec<f64> {
+    /// What a solution leaves of the squares of each output, and the number of unknowns that the data decide.
+    fn left(&self, at: &Solution) -> (Vec<f64>, f64) {
         let Solution { chosen, precisions, factor, solution, .. } = at;
         let m = chosen.len();
-        // Unknowns that the data decide take samples from what is left.
         let inverse = factor.solve(&Mat::<f64>::identity(m, m));
-        let decided: f64 = (0..m).map(|i| 1.0 - precisions[i] * inverse[(i, i)]).sum();
-        let all: f64 = self.outputs.iter().map(|output| output.samples).sum();
+        let decided = (0..m).map(|i| 1.0 - precisions[i] * inverse[(i, i)]).sum();
         let of = |output: &Products| {
             let mut squares = output.squares;
             for i in 0..m {
@@ -284,51 +270,70 @@ impl Regression {
                     (0..m).map(|j| output.gram[(chosen[i], chosen[j])] * solution[(j, 0)]).sum();
                 squares += solution[(i, 0)] * (along - 2.0 * output.right[chosen[i]]);
             }
-            let samples = output.samples * (1.0 - decided / all).max(0.1);
-            (squares.max(0.0) / samples.max(1.0)).sqrt().max(1.0)
+            squares.max(0.0)
         };
-        self.outputs.iter().map(of).collect()
+        (self.outputs.iter().map(of).collect(), decided)
     }
+}
 
-    /// The noise of each output and the size of the disturbance at each place that have the most evidence.
-    fn sized(&self) -> Option<(Vec<f64>, Vec<f64>)> {
-        let mut noise = vec![1.0; self.outputs.len()];
-        let mut sizes = vec![0.0; self.places.len()];
-        for _ in 0..ROUNDS {
-            sizes = self.sizes(&noise, &sizes)?;
-            let found = self.noise(&self.solve(&noise, &sizes)?);
-            // Measured against the noise as it was.
-            noise = found;
+/// Evidence of independent parts with the same noise and sizes.
+fn log_evidence(parts: &[Regression], noise: &[f64], sizes: &[f64]) -> Option<f64> {
+    parts.iter().map(|part| Some(part.solve(noise, sizes)?.log_evidence)).sum()
+}
+
+/// The noise of each output that fits what is left of it. Unknowns that the data decide take samples from that.
+fn noise_of(parts: &[Regression], noise: &[f64], sizes: &[f64]) -> Option<Vec<f64>> {
+    let (mut squares, mut samples) = (vec![0.0; noise.len()], vec![0.0; noise.len()]);
+    let mut decided = 0.0;
+    for part in parts {
+        let (left, own) = part.left(&part.solve(noise, sizes)?);
+        decided += own;
+        squares.iter_mut().zip(left).for_each(|(sum, left)| *sum += left);
+        samples.iter_mut().zip(&part.outputs).for_each(|(sum, output)| *sum += output.samples);
+    }
+    let share = (1.0 - decided / samples.iter().sum::<f64>()).max(0.1);
+    let of = |(squares, samples): (f64, f64)| (squares / (share * samples).max(1.0)).sqrt().max(1.0);
+    Some(squares.into_iter().zip(samples).map(of).collect())
+}
+
+/// The noise of each output and the size of the disturbance at each place that have the most evidence, with that.
+fn sized(parts: &[Regression]) -> Option<(Vec<f64>, Vec<f64>, f64)> {
+    let first = parts.first()?;
+    let mut noise = vec![1.0; first.outputs.len()];
+    let mut best = vec![0.0; first.places.len()];
+    for _ in 0..ROUNDS {
+        best = sizes(parts, &noise, &best)?;
+        noise = noise_of(parts, &noise, &best)?;
+    }
+    let log_evidence = log_evidence(parts, &noise, &best)?;
+    Some((noise, best, log_evidence))
+}
+
+/// Sizes with the most evidence, from known ones on: places are added while they are worth it.
+fn sizes(parts: &[Regression], noise: &[f64], known: &[f64]) -> Option<Vec<f64>> {
+    let mut best = known.to_vec();
+    let mut most = log_evidence(parts, noise, &best)?;
+    loop {
+        let before = most;
+        let count = best.iter().filter(|size| 0.0 < **size).count();
+        let start = best.clone();
+        for place in 0..best.len() {
+            let is_new = start[place] <= 0.0;
+            if is_new && PLACES <= count {
+                continue;
+            }
+            for power in POWERS[0]..=POWERS[1] {
+                let mut tried = start.clone();
+                tried[place] = 2.0_f64.powi(power);
+                let Some(found) = log_evidence(parts, noise, &tried) else { continue };
+                let price = if is_new { WORTH_A_PLACE } else { 0.0 };
+                if most + price < found {
+                    (best, most) = (tried, found);
+                }
+            }
         }
-        Some((noise, sizes))
-    }
-
-    /// Sizes with the most evidence, from known ones on: places are added while they are worth it.
-    fn sizes(&self, noise: &[f64], known: &[f64]) -> Option<Vec<f64>> {
-        let mut best = known.to_vec();
-        let mut most = self.solve(noise, &best)?.log_evidence;
-        loop {
-            let before = most;
-            let count = best.iter().filter(|size| 0.0 < **size).count();
-            let start = best.clone();
-            for place in 0..best.len() {
-                let is_new = start[place] <= 0.0;
-                if is_new && PLACES <= count {
-                    continue;
-                }
-                for power in POWERS[0]..=POWERS[1] {
-                    let mut tried = start.clone();
-                    tried[place] = 2.0_f64.powi(power);
-                    let Some(found) = self.solve(noise, &tried) else { continue };
-                    let price = if is_new { WORTH_A_PLACE } else { 0.0 };
-                    if most + price < found.log_evidence {
-                        (best, most) = (tried, found.log_evidence);
-                    }
-                }
-            }
-            if most <= before + 0.1 {
-                return Some(best);
-            }
+        if most <= before + 0.1 {
+            return Some(best);
         }
     }
 }
