@@ -234,7 +234,7 @@ fn parameters(report: &Report) -> Table {
                 0 => (words::cause(cause), cause.law),
                 _ => (String::new(), ""),
             };
-            let value = words::estimate(cause.label, parameter);
+            let value = words::estimate_of(cause, parameter);
             table.push([name, value, parameter.name.clone(), law.to_owned()]);
         }
     }

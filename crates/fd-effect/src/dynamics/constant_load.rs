@@ -2,13 +2,12 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::{BETWEEN, each_site};
 use crate::{Effect, InAnotherRun, Offers};
 
-/// A constant force, from the start of the log or, `applied-late`, since some time: it grows from
-/// nothing within the integration step before that time, so that outputs follow the time smoothly.
-/// `put-on-slowly` it grows in a straight line for some time (a vessel that is filled, a brake that
-/// is tightened).
+/// A constant force, from the start of the log or, `applied-late`, since some time: in the integration step of that time it
+/// counts with the part in which it is there, so that what it adds up to is exact. `between` two times it is there and goes
+/// again; `put-on-slowly` it grows in a straight line for some time (a vessel that is filled, a brake that is tightened).
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantLoad;
 
@@ -43,16 +42,22 @@ impl Effect for ConstantLoad {
                 load("constant").force("constant_load", "c").starts([[0.1]]),
                 load("applied-late")
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
-                    .force("late_load", "c*clamp((t - since)/dt + 1, 0, 1)")
+                    .onset("on", "on", "since")
+                    .force("late_load", "c*on")
                     .in_another_run(InAnotherRun::GoesOn)
                     .starts((0..ONSETS).map(|i| [0.1, (f64::from(i) + 0.5) / f64::from(ONSETS)])),
+                load("between")
+                    .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .shape("lasts", "lasts", "s", scales.duration, [0.0, 1.0], 1.0)
+                    .onset("on", "on", "since")
+                    .onset("off", "off", "since + lasts")
+                    .force("load_for_a_time", "c*(on - off)")
+                    .in_another_run(InAnotherRun::GoesOn)
+                    .starts(BETWEEN.map(|[since, lasts]| [0.1, since, lasts])),
                 load("put-on-slowly")
                     .shape("since", "since", "s", scales.duration, [0.0, 1.0], 0.0)
                     .shape("lasts", "lasts", "s", scales.duration, [0.0, 1.0], 0.0)
-                    .force(
-                        "growing_load",
-                        "c*clamp((t - since)/max(lasts, dt) + dt/max(lasts, dt), 0, 1)",
-                    )
+                    .force("growing_load", "c*clamp((t - since)/max(lasts, dt), 0, 1)")
                     .in_another_run(InAnotherRun::GoesOn)
                     .starts(SLOW.map(|[since, lasts]| [0.1, since, lasts])),
             ]

@@ -13,7 +13,8 @@ const STARTS: [f64; 5] = [3.0, 12.0, 50.0, 200.0, 800.0];
 ///
 /// With `w` the level of the store that the site works on (its position, or the state it enters), the hidden one
 /// follows it with time constant `T`, `s' = (w - s)/T`, and takes away `k (w - s)`. A run starts in equilibrium.
-/// The level `s` is exact over an integration step for held `w`, and the plant sees its mean.
+/// The level `s` is exact over an integration step for held `w`, and the plant sees its mean; for a `w` that moves the error
+/// shrinks with the square of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct HiddenStore;
 
@@ -46,7 +47,11 @@ impl Effect for HiddenStore {
                 .shape("T", "exchange_time", "s", scales.ts, [shortest, longest], shortest)
                 .memory("s", "hidden_level", &unit, "w")
                 .abbreviate("e", "exp(-dt/T)")
-                .becomes("s", "w + (s - w)*e")
+                .memory("o", "level_before", &unit, "w")
+                .becomes("o", "w")
+                // The mean of the level in the step, if it goes on as in the step before.
+                .abbreviate("W", "1.5*w - 0.5*o")
+                .becomes("s", "W + (s - W)*e")
                 .define("m", "hidden_mean", "w + (s - w)*(1 - e)*T/dt")
                 .resist("exchanged", "k*(w - m)");
             vec![sketch.starts(STARTS.map(|time| [0.2, time]))]

@@ -3,8 +3,10 @@
 mod constant_load;
 mod coulomb;
 mod coupling;
+mod dependence;
 mod drag;
 mod end_stop;
+mod event;
 mod gravity;
 mod hidden_store;
 mod hysteresis;
@@ -13,6 +15,7 @@ mod overflow;
 mod parameter;
 mod periodic;
 mod stiffness;
+mod transmission;
 mod viscous;
 mod wander;
 
@@ -23,8 +26,10 @@ pub use self::{
     constant_load::ConstantLoad,
     coulomb::CoulombFriction,
     coupling::StateCoupling,
+    dependence::ParameterDependence,
     drag::Drag,
     end_stop::EndStop,
+    event::ParameterEvent,
     gravity::GravityLoad,
     hidden_store::HiddenStore,
     hysteresis::Hysteresis,
@@ -33,6 +38,7 @@ pub use self::{
     parameter::ParameterError,
     periodic::PeriodicForce,
     stiffness::{LinearStiffness, Stiffening},
+    transmission::ElasticTransmission,
     viscous::ViscousFriction,
     wander::ParameterWander,
 };
@@ -56,14 +62,21 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(PeriodicForce),
         Box::new(Hysteresis),
         Box::new(ResonantMode),
+        Box::new(ElasticTransmission),
         Box::new(EndStop),
         Box::new(Overflow),
         Box::new(HiddenStore),
         Box::new(StateCoupling),
         Box::new(ParameterError),
+        Box::new(ParameterDependence),
+        Box::new(ParameterEvent),
         Box::new(ParameterWander),
     ]
 }
+
+/// Beginning and length, as parts of the log, of what is there between two times, from which to start.
+pub(crate) const BETWEEN: [[f64; 2]; 6] =
+    [[0.1, 0.2], [0.3, 0.2], [0.5, 0.2], [0.7, 0.2], [0.1, 0.5], [0.4, 0.5]];
 
 /// What effects say that need to know what moves the site.
 const NO_EQUATION: Reason = Reason::Missing("equation of motion");

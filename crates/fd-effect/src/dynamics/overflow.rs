@@ -73,6 +73,7 @@ fn spills<'a>(sketch: Sketch<'a>, nominal: &Model, scales: &ReplayScales, i: usi
         .bind("R", store.rate)
         .with_helpers(&site.helpers)
         .bind("C", site.compliance.clone())
+        .said("s", [None, Some("l + 1/s")])
         .define("e", "overflow", "clamp((x - l - 1/max(s, S))/Z, 0, 1)*max(R, 0)/C")
         .force("spilled", "-e")
 }

@@ -7,6 +7,7 @@ mod delay;
 mod gain;
 mod lag;
 mod offset;
+mod power;
 mod quantisation;
 mod rate_limit;
 mod saturation;
@@ -16,7 +17,7 @@ use fd_sim::scales::{ReplayScales, SignalScale};
 
 pub use self::{
     backlash::InputBacklash, cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone,
-    delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset,
+    delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset, power::InputPower,
     quantisation::InputQuantisation, rate_limit::InputRateLimit, saturation::InputSaturation,
 };
 pub(super) use self::{
@@ -36,6 +37,7 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(InputGain),
         Box::new(InputOffset),
         Box::new(InputDeadZone),
+        Box::new(InputPower),
         Box::new(InputSaturation),
         Box::new(InputBacklash),
         Box::new(InputDelay),

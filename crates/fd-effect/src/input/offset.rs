@@ -5,9 +5,12 @@ use fd_sim::{
     scales::{ReplayScales, SignalScale},
 };
 
-use crate::{Effect, Offers, Reason, Sketch};
+use crate::{Effect, InAnotherRun, Offers, Reason, Sketch};
 
-/// Offset `u + o`. A constant input has one too.
+/// Times of a step, as parts of the log, from which to start.
+const ONSETS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// Offset `u + o`, all along or, `stepwise`, since some time. A constant input has one too.
 #[derive(Clone, Copy, Debug)]
 pub struct InputOffset;
 
@@ -25,21 +28,35 @@ impl Effect for InputOffset {
     }
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
-        let offset = |sketch: Sketch<'_>, input: &SignalScale| {
-            let size = if input.moves() { input.std } else { input.peak() };
-            sketch
+        let inputs = scales.inputs.iter().enumerate().flat_map(|(i, input)| {
+            laws(input, scales, |law| Sketch::of_input(self, law, nominal, scales, i))
+        });
+        let signals = scales.signals.iter().enumerate().flat_map(|(i, signal)| {
+            laws(signal, scales, |law| Sketch::of_signal(self, law, nominal, scales, i))
+        });
+        inputs.chain(signals).map(Sketch::finish).collect()
+    }
+}
+
+fn laws<'a>(
+    input: &SignalScale,
+    scales: &ReplayScales,
+    sketch: impl Fn(&'static str) -> Sketch<'a>,
+) -> [Sketch<'a>; 2] {
+    let size = if input.moves() { input.std } else { input.peak() };
+    let offset =
+        |law| {
+            sketch(law)
                 .require(size > 0.0 && size.is_finite(), Reason::Still("the input"))
                 .strength("o", "offset", &input.unit, size, [-5.0, 5.0])
-                .wrap_input("u + o")
-                .starts([[0.1]])
-                .finish()
         };
-        let inputs = scales.inputs.iter().enumerate().map(|(i, input)| {
-            offset(Sketch::of_input(self, "constant", nominal, scales, i), input)
-        });
-        let signals = scales.signals.iter().enumerate().map(|(i, signal)| {
-            offset(Sketch::of_signal(self, "constant", nominal, scales, i), signal)
-        });
-        inputs.chain(signals).collect()
-    }
+    [
+        offset("constant").wrap_input("u + o").starts([[0.1]]),
+        offset("stepwise")
+            .shape("since", "offset_since", "s", scales.duration, [0.0, 1.0], 0.0)
+            .onset("on", "offset_on", "since")
+            .wrap_input("u + o*on")
+            .in_another_run(InAnotherRun::GoesOn)
+            .starts(ONSETS.map(|since| [0.1, since])),
+    ]
 }

@@ -3,9 +3,12 @@
 use fd_sim::{model::Model, scales::ReplayScales};
 
 use super::each_output;
-use crate::{Effect, Offers};
+use crate::{Effect, InAnotherRun, Offers};
 
-/// Bias `y + b`.
+/// Times of a step, as parts of the log, from which to start.
+const ONSETS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// Bias `y + b`, all along or, `stepwise`, since some time.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorBias;
 
@@ -29,6 +32,12 @@ impl Effect for SensorBias {
                     .strength("b", "bias", &output.unit, output.std, [-10.0, 10.0])
                     .wrap_output("y + b")
                     .starts([[0.1]]),
+                sketch("stepwise")
+                    .strength("b", "bias", &output.unit, output.std, [-10.0, 10.0])
+                    .shape("since", "bias_since", "s", scales.duration, [0.0, 1.0], 0.0)
+                    .wrap_output("y + b*clamp((t - since)/dt + 0.5, 0, 1)")
+                    .in_another_run(InAnotherRun::GoesOn)
+                    .starts(ONSETS.map(|since| [0.1, since])),
             ]
         })
     }

@@ -5,6 +5,7 @@ mod bias;
 mod cross_talk;
 mod delay;
 mod drift;
+mod hysteresis;
 mod lag;
 mod noise;
 mod saturation;
@@ -19,6 +20,7 @@ pub use self::{
     cross_talk::SensorCrossTalk,
     delay::SensorDelay,
     drift::SensorDrift,
+    hysteresis::SensorHysteresis,
     lag::SensorLag,
     noise::{SensorJitter, SensorNoise, SensorOutliers},
     saturation::SensorSaturation,
@@ -41,6 +43,7 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(SensorDelay),
         Box::new(SensorSaturation),
         Box::new(SensorBacklash),
+        Box::new(SensorHysteresis),
         Box::new(SensorCrossTalk),
         Box::new(SensorOutliers),
         Box::new(SensorNoise),

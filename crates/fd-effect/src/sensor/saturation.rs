@@ -43,12 +43,14 @@ impl Effect for SensorSaturation {
                 limit(law).shape("c", "middle", &output.unit, half, bounds, shift)
             };
             vec![
-                even("both", "d"),
-                even("upper", "max(d, 0)"),
-                even("lower", "min(d, 0)"),
+                even("both", "d").said("s", [Some("c - 1/s"), Some("c + 1/s")]),
+                even("upper", "max(d, 0)").said("s", [None, Some("c + 1/s")]),
+                even("lower", "min(d, 0)").said("s", [None, Some("c - 1/s")]),
                 cut(uneven("between-limits"), "d")
+                    .said("s", [Some("c - 1/s"), Some("c + 1/s")])
                     .starts([0.96, 0.8, 0.5].map(|level| [1.0 / level, shift])),
                 uneven("rounded")
+                    .said("s", [Some("c - 1/s"), Some("c + 1/s")])
                     .shape("n", "sharpness", "1", 1.0, [1.2, 40.0], 40.0)
                     .abbreviate("d", "y - c")
                     // Below 1e-9 the power is lost in rounding, and its slope stays finite.

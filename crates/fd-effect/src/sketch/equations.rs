@@ -78,6 +78,29 @@ impl Sketch<'_> {
         self.bind(local, Expr::name(name))
     }
 
+    /// Adds what switches from 0 to 1 at `since`, a template in s: the share of the integration step in which it is 1, so that
+    /// what acts in a step adds up exactly.
+    #[must_use]
+    pub fn onset(self, local: &str, name: &str, since: &str) -> Self {
+        // What is known at the start of a step is the share of the next one.
+        self.memory(local, name, "1", &format!("clamp((t + dt - ({since}))/dt, 0, 1)"))
+            .becomes(local, &format!("clamp((t + 2*dt - ({since}))/dt, 0, 1)"))
+    }
+
+    /// Says a strength as a person would, in the coordinate of the plots: a definition beside the parameter of the strength,
+    /// `name_at`, which the law does not use; of two limits the lower one is `name_from`.
+    #[must_use]
+    pub(crate) fn said(mut self, local: &str, ends: [Option<&str>; 2]) -> Self {
+        let parameter = self.expr(local).to_string();
+        for (suffix, template) in ["from", "at"].into_iter().zip(ends) {
+            if let Some(template) = template {
+                let value = self.expr(template);
+                self.patch.add_definition(format!("{parameter}_{suffix}"), value);
+            }
+        }
+        self
+    }
+
     /// Adds a named expression.
     #[must_use]
     pub fn define(mut self, local: &str, name: &str, template: &str) -> Self {

@@ -1,6 +1,6 @@
 //! Where an effect meets the model.
 
-use fd_sim::patch::PatchError;
+use fd_sim::{equation::Expr, model::Model, patch::PatchError};
 
 use super::Sketch;
 use crate::SiteRef;
@@ -22,6 +22,26 @@ impl Sketch<'_> {
     pub fn wrap_output(mut self, template: &str) -> Self {
         let (measured, value) = (self.expr("y").to_string(), self.expr(template));
         let result = self.patch.wrap_output(&self.prefix, &measured, value);
+        self.keep(result)
+    }
+
+    /// Lets an output show what it would if states were less by templates.
+    #[must_use]
+    pub(crate) fn shift_output(
+        mut self,
+        output: &SiteRef,
+        nominal: &Model,
+        less: &[(String, &str)],
+    ) -> Self {
+        let name = output.name().unwrap_or_default();
+        let value = nominal.outputs.iter().find(|known| known.name == name).map(|o| &o.value);
+        let Some(value) = value else { return self };
+        let less: Vec<(&str, Expr)> =
+            less.iter().map(|(state, by)| (state.as_str(), self.expr(by))).collect();
+        let measured = self.patch.fresh_name(&format!("{name}_measured"));
+        // Exactly nothing where both are the same.
+        let change = moved(nominal, value, &less) - value.clone();
+        let result = self.patch.wrap_output(name, &measured, Expr::name(&measured) + change);
         self.keep(result)
     }
 
@@ -73,4 +93,16 @@ impl Sketch<'_> {
         }
         self
     }
+}
+
+/// An expression with less of some states, in the definitions that it uses as well.
+fn moved(model: &Model, expr: &Expr, less: &[(&str, Expr)]) -> Expr {
+    expr.substitute(&|name| {
+        let state = less.iter().find(|(state, _)| *state == name);
+        state.map(|(_, by)| Expr::name(name) - by.clone()).or_else(|| {
+            let definition = model.definitions.iter().find(|known| known.name == name)?;
+            let changed = moved(model, &definition.value, less);
+            (changed != definition.value).then_some(changed)
+        })
+    })
 }

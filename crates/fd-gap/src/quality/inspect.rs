@@ -8,6 +8,7 @@ use super::{
     feedback::feedback,
     finding::{Defect, Finding},
     inputs::input_defects,
+    unresponsive::unresponsive,
 };
 use crate::fit::{FitError, Log};
 
@@ -94,6 +95,13 @@ pub fn inspect(
             if !is_noise && able / FOLLOWED < spread(late) {
                 add(&channel.name, Defect::Undriven);
             }
+        }
+    }
+    for [i, c] in unresponsive(&*simulator, &log, known) {
+        let is_unit = unit_factor(&measured[c], &simulated[c]).is_some();
+        if !is_unit {
+            let input = simulator.inputs()[i].name.clone();
+            add(&outputs[c].name, Defect::Unresponsive { input });
         }
     }
     let at_once = passes_at_once(&*simulator, &log);

@@ -11,6 +11,7 @@ mod inspect;
 mod noise_floor;
 mod pattern;
 mod spectrum;
+mod unresponsive;
 mod wrong_sample;
 
 pub use self::{

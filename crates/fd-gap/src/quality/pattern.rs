@@ -94,7 +94,7 @@ pub(super) fn remove(unit: &[f64], from: &mut [f64]) {
     from.iter_mut().zip(unit).for_each(|(f, u)| *f -= along * u);
 }
 
-fn normalised(mut column: Vec<f64>) -> Option<Vec<f64>> {
+pub(super) fn normalised(mut column: Vec<f64>) -> Option<Vec<f64>> {
     let size = dot(&column, &column).sqrt();
     let is_fine = size.is_finite() && 0.0 < size;
     is_fine.then(|| {

@@ -118,7 +118,13 @@ impl LogDefect {
     #[must_use]
     pub fn is_mislabelled(&self) -> bool {
         let Self::Channel(defect) = self else { return false };
-        matches!(defect, Defect::WrongUnit { .. } | Defect::Swapped { .. } | Defect::Undriven)
+        matches!(
+            defect,
+            Defect::WrongUnit { .. }
+                | Defect::Swapped { .. }
+                | Defect::Undriven
+                | Defect::Unresponsive { .. }
+        )
     }
 
     /// Whether the channel says nothing.

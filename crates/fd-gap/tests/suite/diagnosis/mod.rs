@@ -24,6 +24,7 @@ mod laplace;
 mod locate;
 mod measurement;
 mod motion;
+mod peoples_systems;
 mod quality;
 mod reading;
 mod reproduce;

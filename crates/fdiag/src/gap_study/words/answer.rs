@@ -3,6 +3,8 @@
 use fd_effect::{Side, SiteRef};
 use fd_gap::diagnose::{Cause, Estimate, Group, Pair};
 
+use fd_sim::equation::Expr;
+
 use super::{
     labels::{at, family, label, site},
     numbers::with_error,
@@ -20,7 +22,8 @@ pub fn effect(cause: &Cause) -> String {
 pub fn cause(cause: &Cause) -> String {
     let mut name = effect(cause);
     if let Some(partner) = &cause.partner {
-        name = format!("{name} with {}", site(partner));
+        let word = if cause.label == "parameter-dependence" { "on" } else { "with" };
+        name = format!("{name} {word} {}", site(partner));
     }
     if let SiteRef::Signal(i, signal) = &cause.site
         && let Some(known) = cause.model.definitions.get(*i).filter(|known| known.name == *signal)
@@ -73,12 +76,46 @@ pub fn strength(cause: &Cause) -> String {
     let prefix = format!("{}_", cause.site.name().unwrap_or("plant"));
     let named = |p: &&Estimate| {
         let name = p.name.strip_prefix(&prefix).unwrap_or(&p.name).replace('_', " ");
-        format!("{name} {}", estimate(cause.label, p))
+        format!("{name} {}", estimate_of(cause, p))
     };
     match &strengths[..] {
-        [only] => estimate(cause.label, only),
+        [only] => estimate_of(cause, only),
         several => several.iter().map(named).collect::<Vec<_>>().join(", "),
     }
+}
+
+/// Value, standard error and unit of a parameter of a cause, as a person would state them: where its model says at which value
+/// of the signal something sets in, that value.
+#[must_use]
+pub fn estimate_of(cause: &Cause, of: &Estimate) -> String {
+    let [from, at] = ["from", "at"].map(|suffix| place(cause, of, suffix));
+    let (.., unit) = shown(cause.label, of);
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    match (from, at) {
+        (Some(from), Some(at)) => format!("{from} to {at}{unit}"),
+        (None, Some(at)) => format!("at {at}{unit}"),
+        _ => estimate(cause.label, of),
+    }
+}
+
+/// The value of a definition that stands beside a parameter, with its standard error.
+fn place(cause: &Cause, of: &Estimate, suffix: &str) -> Option<String> {
+    let name = format!("{}_{suffix}", of.name);
+    let definition = cause.model.definitions.iter().find(|known| known.name == name)?;
+    let fitted = |name: &str| cause.parameters.iter().find(|p| p.name == name);
+    let value = |expr: &Expr| {
+        let settled = expr.substitute(&|name| fitted(name).map(|p| Expr::Number(p.value)));
+        match settled.simplify() {
+            Expr::Number(value) if value.is_finite() => Some(value),
+            _ => None,
+        }
+    };
+    let slopes = cause
+        .parameters
+        .iter()
+        .map(|p| value(&definition.value.differentiate(&p.name)).unwrap_or(0.0) * p.standard_error);
+    let error = slopes.map(|change| change * change).sum::<f64>().sqrt();
+    Some(with_error(value(&definition.value)?, error))
 }
 
 /// Value, standard error and unit of a parameter of an effect with a label, as a person would state them.

@@ -3,7 +3,7 @@
 use fd_effect::SiteRef;
 
 /// Labels of the library and of the engine that are more than their dashes turned to spaces.
-const LABELS: [(&str, &str); 19] = [
+const LABELS: [(&str, &str); 22] = [
     ("coulomb-friction", "Coulomb friction"),
     ("drag", "quadratic drag"),
     ("linear-stiffness", "linear stiffness"),
@@ -13,7 +13,10 @@ const LABELS: [(&str, &str); 19] = [
     ("input-gain", "gain error"),
     ("sensor-scale", "scale error of the sensor"),
     ("parameter-error", "error"),
+    ("parameter-dependence", "dependence"),
+    ("parameter-event", "change"),
     ("parameter-wander", "wandering"),
+    ("input-power", "power law"),
     ("input-map", "unknown curve"),
     ("force-map", "unknown force"),
     ("sensor-map", "unknown curve of the sensor"),

@@ -1,0 +1,14 @@
+//! Whether the effects that people's systems have are found, six cases of each, with what they are confused with.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "it prints what was found")]
+
+#[path = "../tests/suite/diagnosis/peoples_systems.rs"]
+mod peoples_systems;
+
+use peoples_systems::{dependences, events, transmissions};
+
+fn main() {
+    for system in dependences().iter().chain(&events()).chain(&transmissions()) {
+        let (is_found, said) = system.is_found();
+        println!("{} {said}", if is_found { "right" } else { "WRONG" });
+    }
+}
