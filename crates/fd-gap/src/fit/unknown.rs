@@ -48,11 +48,7 @@ impl Unknown {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn new(
-        noise: Vec<f64>,
-        columns: &[Vec<f64>],
-        segments: &[Range<usize>],
-    ) -> Option<Self> {
+    pub fn new(noise: Vec<f64>, columns: &[Vec<f64>], segments: &[Range<usize>]) -> Option<Self> {
         let blocks = segments.iter().map(|rows| directions(columns, rows.clone()));
         let blocks = blocks.collect::<Option<_>>()?;
         Some(Self { noise, blocks })

@@ -13,14 +13,14 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::{
-    begun::as_begun,
-    forecast::{Forecast, forecast},
-};
 pub use self::{
     another_run::Paths,
     baselines::Baselines,
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},
+};
+pub(crate) use self::{
+    begun::as_begun,
+    forecast::{Forecast, forecast},
 };

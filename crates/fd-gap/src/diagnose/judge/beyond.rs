@@ -20,9 +20,10 @@ use crate::{
     diagnose::{
         candidates::follows_anything,
         context::Context,
+        prepare::Prepared,
         result::{Cause, Regime},
         search::{
-            finish,
+            finish, search,
             searched::{Searched, TrialId},
             trial::Trial,
         },
@@ -38,7 +39,7 @@ use crate::{
         },
     },
     evidence::probabilities,
-    fit::{FitError, Horizon, Log, Minimum, Problem, Weights, null_fit},
+    fit::{FitError, Horizon, Log, Minimum, NullFit, Problem, minimise_all},
     shrink::forecast,
 };
 
@@ -83,28 +84,24 @@ fn contest<'a>(
     (held_out, horizon): (&[Log], Horizon),
     context: &Context<'a>,
 ) -> Result<Singles<'a>, FitError> {
-    let start = std::time::Instant::now();
     let (nominal, finalists) = (context.case.nominal, context.settings.finalists);
-    let Searched { null, model, .. } = &searched;
-    let model = settle(model, &null.problem, &null.minimum.z);
-    let without = beside(nominal, &model, &null.problem, &null.minimum.z, None);
-    let without = without.ok_or(FitError::Diverged)?;
-    if verbose() {
-        eprintln!("{:?} unknown at {:?}", start.elapsed(), without.places);
-    }
-    let searched = reweighed(searched, &without.weights, finalists)?;
-    if verbose() {
-        eprintln!("{:?} refitted", start.elapsed());
-    }
+    let Searched { model, null, noise, trials: known, .. } = searched;
+    let (null, without) = unsettled(nominal, &model, null).ok_or(FitError::Diverged)?;
+    let mut searched = search(Prepared { model, null, noise }, context)?;
+    // Beside noise alone other valleys are found, which may be deeper here as well.
+    searched.trials.par_iter_mut().for_each(|trial| {
+        let same = known.iter().find(|known| known.index == trial.index);
+        if let Some(best) = same.and_then(|same| same.best.as_ref()) {
+            trial.start_at(&best.z);
+        }
+    });
+    finish(&mut searched.trials, &searched.null, finalists);
     let mut singles = weigh_singles(searched, context)?;
     let Singles { causes, searched, reference, .. } = &mut singles;
     let null = &searched.null;
     let model = settle(&searched.model, &null.problem, &null.minimum.z);
     let mut forecast = Forecasts { nominal, logs: held_out, horizon, reference: 0.0 };
     forecast.reference = forecast.gain(&without, &model, (&null.problem, &null.minimum))?;
-    if verbose() {
-        eprintln!("{:?} reference {:.1} + {:.1}", start.elapsed(), reference.log_evidence, forecast.reference);
-    }
     // Curves and paths draw what is unknown, and causes of the measurement take the errors of one fit for noise.
     causes.retain(|ranked| match ranked.basis {
         Basis::Simulation(id) => {
@@ -120,23 +117,33 @@ fn contest<'a>(
         Ok((Basis::Simulation(id), law.settled(&forecast)?))
     });
     let settled = settled.collect::<Result<Vec<(Basis, Option<Cause>)>, FitError>>()?;
-    for (basis, cause) in settled {
-        let Some(cause) = cause else { continue };
-        for ranked in causes.iter_mut().filter(|ranked| ranked.basis == basis) {
-            // What the laws of a cause have together, over the best of them, stays.
-            ranked.cause.log_evidence += cause.log_evidence;
-            ranked.cause = Cause { log_evidence: ranked.cause.log_evidence, ..cause.clone() };
+    let mut least = f64::INFINITY;
+    for ranked in causes.iter_mut() {
+        match settled.iter().find(|(basis, _)| *basis == ranked.basis) {
+            Some((_, Some(cause))) => {
+                // What the laws of a cause have together, over the best of them, stays.
+                let log_evidence = ranked.cause.log_evidence + cause.log_evidence;
+                ranked.cause = Cause { log_evidence, ..cause.clone() };
+                least = least.min(log_evidence);
+            }
+            // Nothing is known of its forecasts: it comes behind those of which something is.
+            _ => ranked.cause.log_evidence = ranked.cause.log_evidence.min(least),
         }
     }
     causes.sort_by(|a, b| b.cause.log_evidence.total_cmp(&a.cause.log_evidence));
-    if verbose() {
-        eprintln!("{:?} done", start.elapsed());
-    }
     Ok(singles)
 }
 
-fn verbose() -> bool {
-    std::env::var_os("FDIAG_TRACE").is_some()
+/// The fit without any effect beside what is unknown then.
+fn unsettled(nominal: &dyn Nominal, model: &Model, null: NullFit) -> Option<(NullFit, Beside)> {
+    let NullFit { mut problem, minimum: Minimum { z, .. } } = null;
+    let found = beside(nominal, &settle(model, &problem, &z), &problem, &z, None)?;
+    problem.set_weights(found.weights.clone());
+    let search = problem.search();
+    let origin = vec![0.0; z.len()];
+    let fits = minimise_all(&mut problem, &[z, origin], None, search).into_iter().flatten();
+    let minimum = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?.shared(&problem);
+    Some((NullFit { problem, minimum }, found))
 }
 
 /// A law that was fitted beside what is unknown without it.
@@ -162,18 +169,13 @@ impl Law<'_, '_> {
             let first = *first.get_or_insert(cause.log_evidence);
             let gain = forecast.gain(&found, &model, (&trial.problem, at))?;
             let log_evidence = cause.log_evidence + gain - first;
-            if verbose() {
-                eprintln!(
-                    "  {} {:?} {}: {:.1} {log_evidence:+.1}, forecasts {gain:+.1}; unknown {:?}",
-                    cause.label, cause.site, cause.law, first, found.places
-                );
-            }
             if best.as_ref().is_some_and(|(before, ..)| log_evidence <= before.log_evidence) {
                 break;
             }
             let problem = trial.problem.clone();
             best = Some((Cause { log_evidence, ..cause }, problem, trial.best.clone()));
-            let next = beside(forecast.nominal, &model, &trial.problem, &at.z, Some(&without.places));
+            let places = Some(&without.places[..]);
+            let next = beside(forecast.nominal, &model, &trial.problem, &at.z, places);
             let Some(next) = next else { break };
             trial.full_fit_with(&next.weights);
             found = next;
@@ -226,19 +228,4 @@ fn believe(causes: &mut [RankedCause], settings: &Settings) -> Probabilities {
     let found = probabilities(&answers, settings.temperature);
     causes.iter_mut().zip(&found[1..]).for_each(|(r, p)| r.cause.probability = *p);
     Probabilities { no_gap: 0.0, none_of_these: found[0] }
-}
-
-/// The same search with other weights: everything is fitted again.
-fn reweighed<'a>(
-    searched: Searched<'a>,
-    weights: &Weights,
-    finalists: usize,
-) -> Result<Searched<'a>, FitError> {
-    let Searched { null: before, mut trials, .. } = searched;
-    let null = null_fit(before.problem.plan(), before.problem.simulator(), weights)?;
-    trials.par_iter_mut().for_each(|trial| trial.reweigh(weights));
-    let least = trials.iter().map(|trial| trial.cost()).fold(f64::INFINITY, f64::min);
-    trials.par_iter_mut().for_each(|trial| trial.recolour(&null, weights, least));
-    finish(&mut trials, &null, finalists);
-    Ok(Searched { null, trials, ..searched })
 }

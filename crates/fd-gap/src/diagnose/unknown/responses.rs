@@ -13,11 +13,11 @@ use fd_sim::{
 use crate::{
     diagnose::result::Start,
     fit::{Log, Problem, Segment},
-    shrink::Forecast,
     locate::{
         bench::{Bench, Rows, settled},
         with_free_input,
     },
+    shrink::Forecast,
 };
 
 /// Samples per knot, as long as there are not too many knots …
@@ -155,7 +155,9 @@ impl<'a> Disturbed<'a> {
                 }
             };
             self.nominal.model().states.iter().any(|known| known.name == state.name)
-                && is_known(&state.name) && !is_entered(&state.name) && !is_kinematic
+                && is_known(&state.name)
+                && !is_entered(&state.name)
+                && !is_kinematic
         });
         let states = states.map(|(i, state)| SiteRef::State(i, state.name.clone()));
         let plant = forces.chain(states).filter_map(|site| self.in_the_plant(site));
@@ -166,9 +168,7 @@ impl<'a> Disturbed<'a> {
     /// Hats at the sensor of an output, which nothing stands between.
     fn at_a_sensor(&self, output: usize) -> Disturbance {
         let mut columns = Vec::new();
-        for (s, (segment, rows)) in
-            self.bench.segments.iter().zip(&self.rows).enumerate()
-        {
+        for (s, (segment, rows)) in self.bench.segments.iter().zip(&self.rows).enumerate() {
             let log = &self.bench.logs[segment.log];
             let length = segment.to - segment.from;
             for knot in 0..self.knots[s] {
@@ -241,11 +241,7 @@ impl<'a> Disturbed<'a> {
 
     /// Size of a constant signal whose response is about once the noise in the mean: large against rounding, small against
     /// the motion. Where it breaks loose what dry friction holds, the least that does.
-    fn visible_size(
-        &self,
-        run: &mut dyn FnMut(&Rows) -> Option<Rows>,
-        base: &Rows,
-    ) -> Option<f64> {
+    fn visible_size(&self, run: &mut dyn FnMut(&Rows) -> Option<Rows>, base: &Rows) -> Option<f64> {
         let (mut size, mut small, mut large) = (1.0, None, None);
         for _ in 0..TRIES {
             let constant = self.bench.logs.iter().map(|log| vec![size; log.samples]).collect();

@@ -107,7 +107,8 @@ impl Beside {
         let r: Vec<f64> = each.map(|e| if e.is_finite() { *e } else { 0.0 }).collect();
         // Nothing is common to the segments but how strong disturbances are.
         let parts = disturbed.rows().iter().enumerate().map(|(s, rows)| {
-            let count = |signals: &Vec<Vec<f64>>| signals[s].iter().filter(|e| e.is_finite()).count();
+            let count =
+                |signals: &Vec<Vec<f64>>| signals[s].iter().filter(|e| e.is_finite()).count();
             let samples: Vec<f64> =
                 forecast.errors.iter().map(|signals| count(signals) as f64).collect();
             let within = disturbances.iter().map(|d| d.within(rows)).collect::<Vec<_>>();
@@ -252,8 +253,7 @@ impl Regression {
         let priors: f64 = precisions.iter().map(|precision| precision.ln()).sum();
         let noises: f64 =
             self.outputs.iter().zip(noise).map(|(output, noise)| output.samples * noise.ln()).sum();
-        let log_evidence =
-            0.5 * (explained - sum(&|o| o.squares) - determinant + priors) - noises;
+        let log_evidence = 0.5 * (explained - sum(&|o| o.squares) - determinant + priors) - noises;
         Some(Solution { chosen, precisions, factor, solution, log_evidence })
     }
 
@@ -292,7 +292,8 @@ fn noise_of(parts: &[Regression], noise: &[f64], sizes: &[f64]) -> Option<Vec<f6
         samples.iter_mut().zip(&part.outputs).for_each(|(sum, output)| *sum += output.samples);
     }
     let share = (1.0 - decided / samples.iter().sum::<f64>()).max(0.1);
-    let of = |(squares, samples): (f64, f64)| (squares / (share * samples).max(1.0)).sqrt().max(1.0);
+    let of =
+        |(squares, samples): (f64, f64)| (squares / (share * samples).max(1.0)).sqrt().max(1.0);
     Some(squares.into_iter().zip(samples).map(of).collect())
 }
 

@@ -3,9 +3,7 @@
 use fd_effect::{Candidate, library, offers};
 use fd_gap::{
     fit::{Horizon, Log, Variable},
-    shrink::{
-        Paths, Settled, dominant_time_constant, forecast_errors, gap, horizons,
-    },
+    shrink::{Paths, Settled, dominant_time_constant, forecast_errors, gap, horizons},
 };
 use fd_model::{Channel, Record, SampleTime};
 use fd_sim::{
