@@ -325,6 +325,9 @@ pub enum Reason {
     /// The user says that the parameter is exact.
     #[error("the parameter is said to be exact")]
     Exact,
+    /// The input is a column that parameters may follow.
+    #[error("no equation uses the input")]
+    Idle,
     /// The parameter is not used by the plant, or is zero.
     #[error("the plant does not depend on the parameter, or it is zero")]
     Unused,

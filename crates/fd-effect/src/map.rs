@@ -8,7 +8,7 @@
 use fd_sim::model::Model;
 use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
 
-use super::{Candidate, Effect, InAnotherRun, Offers, Reason, Sketch};
+use super::{Candidate, Effect, InAnotherRun, Offers, Reason, Sketch, dynamics::mentions};
 
 /// Number of hat functions.
 const HATS: u8 = 6;
@@ -59,7 +59,8 @@ impl Effect for InputMap {
             [("of-input", "u", range(input)), ("of-time", "t", [0.0, scales.duration])].map(
                 |(law, of, range)| {
                     let sketch = Sketch::of_input(self, law, nominal, scales, i)
-                        .require(input.moves(), Reason::Still("the input"));
+                        .require(input.moves(), Reason::Still("the input"))
+                        .require(mentions(nominal, &nominal.inputs[i].name), Reason::Idle);
                     curve(sketch, &input.unit, input.std, of, range)
                         .wrap_input("u + curve")
                         .in_another_run(in_another_run(of))

@@ -4,10 +4,11 @@
 #[path = "../tests/suite/diagnosis/peoples_systems.rs"]
 mod peoples_systems;
 
-use peoples_systems::{dependences, events, transmissions};
+use peoples_systems::{curves, dependences, events, transmissions};
 
 fn main() {
-    for system in dependences().iter().chain(&events()).chain(&transmissions()) {
+    let all = [dependences(), events(), transmissions(), curves()];
+    for system in all.iter().flatten() {
         let (is_found, said) = system.is_found();
         println!("{} {said}", if is_found { "right" } else { "WRONG" });
     }

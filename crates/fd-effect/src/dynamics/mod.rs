@@ -22,6 +22,7 @@ mod wander;
 use fd_sim::model::Model;
 use fd_sim::scales::{ForceScale, ReplayScales, SignalScale};
 
+pub(crate) use self::parameter::mentions;
 pub use self::{
     constant_load::ConstantLoad,
     coulomb::CoulombFriction,

@@ -41,9 +41,13 @@ impl Effect for ParameterError {
 }
 
 pub(super) fn is_used(model: &Model, parameter: &Parameter) -> bool {
+    parameter.value.abs() > 0.0 && mentions(model, &parameter.name)
+}
+
+/// Whether an equation of the plant has this name in it.
+pub(crate) fn mentions(model: &Model, name: &str) -> bool {
     let mut draft: Draft = model.clone().into_draft();
-    let mut exprs = draft.plant_expressions_mut().into_iter();
-    parameter.value.abs() > 0.0 && exprs.any(|expr: &mut Expr| expr.mentions(&parameter.name))
+    draft.plant_expressions_mut().into_iter().any(|expr: &mut Expr| expr.mentions(name))
 }
 
 /// What the bounds of the parameter leave of the usual ones; 0 is always within.

@@ -2,7 +2,7 @@
 
 use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
 
-use crate::{Effect, Offers, Reason, SiteRef, Sketch, units::per};
+use crate::{Effect, Offers, Reason, SiteRef, Sketch, dynamics::mentions, units::per};
 
 /// A share of another input arrives too: `u_i + c u_j`.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,7 @@ impl Effect for InputCrossCoupling {
                 let scale = input.std / other.std;
                 sketch()
                     .require(input.moves() && other.moves(), super::STILL)
+                    .require(mentions(nominal, &nominal.inputs[i].name), Reason::Idle)
                     .partner(SiteRef::Input(j, other.name.clone()))
                     .bind("w", Expr::name(&other.name))
                     .strength("c", &format!("from_{}", other.name), unit, scale, [-3.0, 3.0])

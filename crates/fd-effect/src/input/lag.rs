@@ -14,9 +14,6 @@ pub(crate) const STARTS: [[f64; 1]; 4] = [[0.5], [2.0], [6.0], [15.0]];
 /// starts at rest. The response to the held input is exact, and the plant sees its mean over the
 /// integration step.
 ///
-/// Asymmetric, the time constant is `T (1 + a)` upwards and `T (1 - a)` downwards: what heats faster than it cools, a valve
-/// with a spring.
-///
 /// With `k = exp(-dt/T)` and `b` the state at the start of the step, the mean of order 1 is
 /// `u + (b - u) (1 - k) T/dt`. Of order 2 the second state is `u + c_1 exp(-t/T) + c_2 exp(-t/(r
 /// T))` with `c_1 = (b_1 - u)/(1 - r)` and `c_2 = b_2 - u - c_1`.
@@ -54,15 +51,6 @@ impl Effect for InputLag {
                     .becomes("b_2", "u + c_1*k + c_2*k_2")
                     .wrap_input("u + (c_1*(1 - k) + c_2*(1 - k_2)*r)*T/dt")
                     .starts([[0.5, 0.5], [2.0, 0.5], [6.0, 0.8], [15.0, 0.5]]),
-                sketch("asymmetric")
-                    .strength("T", "lag", "s", scales.ts, [0.0, longest])
-                    .shape("a", "lag_asymmetry", "1", 1.0, [-0.95, 0.95], 0.0)
-                    .memory("b", "lagged", &input.unit, "u")
-                    .abbreviate("R", "T*(1 + a*sign(u - b))")
-                    .abbreviate("k", "exp(-dt/max(R, dt/1000))")
-                    .becomes("b", "u + (b - u)*k")
-                    .wrap_input("u + (b - u)*(1 - k)*R/dt")
-                    .starts([[4.0, 0.5], [4.0, -0.5], [15.0, 0.5], [15.0, -0.5]]),
             ]
         })
     }

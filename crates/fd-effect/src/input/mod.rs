@@ -1,5 +1,6 @@
 //! Effects between the logged command and the plant.
 
+mod asymmetric_lag;
 mod backlash;
 mod cross_coupling;
 mod dead_zone;
@@ -16,15 +17,16 @@ use fd_sim::model::Model;
 use fd_sim::scales::{ReplayScales, SignalScale};
 
 pub use self::{
-    backlash::InputBacklash, cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone,
-    delay::InputDelay, gain::InputGain, lag::InputLag, offset::InputOffset, power::InputPower,
+    asymmetric_lag::InputAsymmetricLag, backlash::InputBacklash,
+    cross_coupling::InputCrossCoupling, dead_zone::InputDeadZone, delay::InputDelay,
+    gain::InputGain, lag::InputLag, offset::InputOffset, power::InputPower,
     quantisation::InputQuantisation, rate_limit::InputRateLimit, saturation::InputSaturation,
 };
 pub(super) use self::{
     delay::delays,
     lag::{LONGEST, STARTS},
 };
-use super::{Effect, Offers, Reason, Sketch};
+use super::{Effect, Offers, Reason, Sketch, dynamics};
 
 /// All effects between the logged command and the plant.
 ///
@@ -42,6 +44,7 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(InputBacklash),
         Box::new(InputDelay),
         Box::new(InputLag),
+        Box::new(InputAsymmetricLag),
         Box::new(InputRateLimit),
         Box::new(InputQuantisation),
         Box::new(InputCrossCoupling),
@@ -59,8 +62,13 @@ fn each_input<'a>(
     laws: impl Fn(&dyn Fn(&'static str) -> Sketch<'a>, &SignalScale) -> Vec<Sketch<'a>>,
 ) -> Offers {
     let offers = scales.inputs.iter().enumerate().flat_map(|(i, input)| {
-        let sketch =
-            |law| Sketch::of_input(effect, law, nominal, scales, i).require(input.moves(), STILL);
+        // A column that parameters may follow.
+        let is_used = dynamics::mentions(nominal, &nominal.inputs[i].name);
+        let sketch = |law| {
+            Sketch::of_input(effect, law, nominal, scales, i)
+                .require(input.moves(), STILL)
+                .require(is_used, Reason::Idle)
+        };
         laws(&sketch, input)
     });
     offers.map(Sketch::finish).collect()

@@ -5,7 +5,7 @@ use fd_sim::{
     scales::{ReplayScales, SignalScale},
 };
 
-use crate::{Effect, InAnotherRun, Offers, Reason, Sketch};
+use crate::{Effect, InAnotherRun, Offers, Reason, Sketch, dynamics::mentions};
 
 /// Times of a step, as parts of the log, from which to start.
 const ONSETS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
@@ -29,7 +29,10 @@ impl Effect for InputOffset {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let inputs = scales.inputs.iter().enumerate().flat_map(|(i, input)| {
-            laws(input, scales, |law| Sketch::of_input(self, law, nominal, scales, i))
+            let is_used = mentions(nominal, &nominal.inputs[i].name);
+            laws(input, scales, |law| {
+                Sketch::of_input(self, law, nominal, scales, i).require(is_used, Reason::Idle)
+            })
         });
         let signals = scales.signals.iter().enumerate().flat_map(|(i, signal)| {
             laws(signal, scales, |law| Sketch::of_signal(self, law, nominal, scales, i))

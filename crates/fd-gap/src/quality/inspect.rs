@@ -98,8 +98,12 @@ pub fn inspect(
         }
     }
     for [i, c] in unresponsive(&*simulator, &log, known) {
+        // What stands still, or is in another unit, is said to be that.
+        let still = [Defect::Constant, Defect::NotExcited];
+        let is_still =
+            defects(&measured[c], noise[c], false).iter().any(|found| still.contains(found));
         let is_unit = unit_factor(&measured[c], &simulated[c]).is_some();
-        if !is_unit {
+        if !is_unit && !is_still {
             let input = simulator.inputs()[i].name.clone();
             add(&outputs[c].name, Defect::Unresponsive { input });
         }

@@ -11,6 +11,7 @@ mod data;
 mod error;
 mod findings;
 mod follow;
+mod followed;
 mod found;
 mod further;
 mod headline;

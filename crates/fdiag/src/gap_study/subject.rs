@@ -20,6 +20,7 @@ use fd_sim::{
 use super::{
     data::Data,
     error::GapError,
+    followed::with_followed,
     request::{Named, Request},
 };
 
@@ -120,7 +121,10 @@ impl Subject {
     }
 
     fn of_equations(request: &Request, model: &Model) -> Result<Self, GapError> {
-        let model = told(request, &with_default_sites(model))?;
+        let file = request.model.display().to_string();
+        let model =
+            with_followed(request, model).map_err(|error| LoadError::Model { file, error })?;
+        let model = told(request, &with_default_sites(&model))?;
         let simulate = |error| GapError::Simulate(Box::new(error));
         check_limits(&model, SampleTime::new(model.sample_time)?, &request.limits)
             .map_err(simulate)?;

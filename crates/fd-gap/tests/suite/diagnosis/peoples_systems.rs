@@ -302,6 +302,61 @@ pub(crate) fn transmissions() -> Vec<System> {
     ]
 }
 
+/// A cart whose motor makes another force of a command: from the command and what it remembers, the force and the rate of that.
+fn motor(
+    name: &'static str,
+    truth: &'static str,
+    law: impl Fn(f64, f64) -> [f64; 2] + 'static,
+) -> System {
+    let cart = cart(name, (truth, "force"), |_, _| (2.02, 1.45));
+    let rates = move |_: f64, x: &[f64], u: &[f64]| {
+        let [force, rate] = law(u[0], x[1]);
+        vec![(force - 1.45 * x[0]) / 2.02, rate]
+    };
+    System { rates: Box::new(rates), states: 2, ..cart }
+}
+
+/// An arm and what its encoder remembers: from its angle and speed and the memory, the rate of that; and what is shown.
+fn encoder(
+    name: &'static str,
+    truth: &'static str,
+    shown: Shown,
+    memory: impl Fn(f64, f64, f64) -> f64 + 'static,
+) -> System {
+    let rates = move |_: f64, x: &[f64], u: &[f64]| {
+        vec![x[1], (u[0] - 0.048 * x[1] - 0.405 * x[0]) / 0.051, memory(x[0], x[1], x[2])]
+    };
+    let arm = arm(name, 0.5, 1.0, false);
+    System { rates: Box::new(rates), shown, states: 3, truth: (truth, "angle"), ..arm }
+}
+
+pub(crate) fn curves() -> Vec<System> {
+    vec![
+        motor("thrust with the square", "input-power", |u, _| [u * u.abs() / 3.0, 0.0]),
+        motor("flow with the root", "input-power", |u, _| [1.8 * u.signum() * u.abs().sqrt(), 0.0]),
+        motor("slower up than down", "input-asymmetric-lag", |u, a| {
+            [a, (u - a) / if a < u { 0.3 } else { 0.1 }]
+        }),
+        motor("a valve that opens slowly", "input-rate-limit", |u, a| {
+            [a, (300.0 * (u - a)).clamp(-20.0, 6.0)]
+        }),
+        encoder(
+            "play behind",
+            "sensor-backlash",
+            |x| x[2],
+            |q, w, p| {
+                if (q - p) * w > 0.0 && 0.03 <= (q - p).abs() { w } else { 0.0 }
+            },
+        ),
+        encoder(
+            "hysteresis behind",
+            "sensor-hysteresis",
+            |x| x[0] - 0.04 * x[2],
+            |_, w, z| (w - w.abs() * z) / 0.15,
+        ),
+    ]
+}
+
 #[test]
 fn a_resistance_that_follows_a_fan_is_found() {
     let (is_found, said) = dependences()[0].is_found();
@@ -317,5 +372,11 @@ fn a_mass_that_is_loaded_is_found() {
 #[test]
 fn a_belt_is_found() {
     let (is_found, said) = transmissions()[0].is_found();
+    assert!(is_found, "{said}");
+}
+
+#[test]
+fn a_thrust_with_the_square_of_the_command_is_found() {
+    let (is_found, said) = curves()[0].is_found();
     assert!(is_found, "{said}");
 }
