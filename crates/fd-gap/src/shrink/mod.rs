@@ -9,6 +9,7 @@ mod another_run;
 mod baselines;
 mod begun;
 mod carried;
+mod contest;
 mod forecast;
 mod gap;
 mod horizons;
@@ -16,6 +17,7 @@ mod horizons;
 pub use self::{
     another_run::Paths,
     baselines::Baselines,
+    contest::{Contest, Rules, contest},
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},

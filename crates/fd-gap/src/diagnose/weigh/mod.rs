@@ -39,6 +39,9 @@ const NEAR: f64 = 1.15;
 /// Log-likelihood that something else could gain from which second causes are tried.
 pub(super) const SOMETHING: f64 = 3.0;
 
+/// Errors up to so many times the noise are no more than that.
+const DOWN_TO_THE_NOISE: f64 = 1.2;
+
 /// Single causes and pairs with their evidence, and the answer that it prefers.
 #[derive(Debug)]
 pub(super) struct Weighed<'a> {
@@ -60,7 +63,7 @@ impl<'a> Weighed<'a> {
     }
 
     /// Whether even the best answer is so far above the noise that likelihoods are no use. What follows a log as it
-    /// pleases is no answer to that.
+    /// pleases, and still not down to the noise, is no answer to that: the best law is.
     pub(super) fn is_far(&self) -> bool {
         let noise = &self.singles.searched.noise;
         let follows = match self.best.effects {
@@ -68,7 +71,8 @@ impl<'a> Weighed<'a> {
             2 => self.pairs.first().is_some_and(FittedPair::follows_anything),
             _ => false,
         };
-        let law = follows.then(|| self.singles.first_law()).flatten();
+        let is_short_of_it = follows && DOWN_TO_THE_NOISE < noise.reach(&self.best.errors);
+        let law = is_short_of_it.then(|| self.singles.first_law()).flatten();
         noise.is_far(law.as_ref().map_or(&self.best.errors, |law| &law.errors))
     }
 }

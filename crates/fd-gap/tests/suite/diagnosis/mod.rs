@@ -18,6 +18,7 @@ mod experiment;
 mod feedback;
 mod fit;
 mod forecasts;
+mod frequency;
 mod holes;
 mod lanes;
 mod laplace;

@@ -1,0 +1,100 @@
+//! Nothing comes near the noise: forecasts judge instead of evidence.
+//!
+//! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
+//! * models are fitted in windows if the free run is lost without any effect ([`is_lost`]),
+//! * the noise has no colour: what a wrong model leaves is no noise,
+//! * causes compete in forecasts at three horizons, on the logs of the fit and on those held out;
+//!   what to believe is how often they win ([`contest`]),
+//! * a cause that does not clearly close a part of the gap at two horizons is no answer.
+
+use super::{
+    contest::{Contested, contest},
+    horizons::{is_lost, memory, windows},
+    judged::{Judged, NamedPairs},
+    ties::ties,
+    verdict::verdict,
+};
+use crate::{
+    diagnose::{
+        context::Context,
+        prepare::prepare,
+        result::Regime,
+        search::search,
+        weigh::{Weighed, singles::weigh_singles},
+    },
+    fit::{FitError, Horizon, Log},
+    quality::noise_floor,
+    shrink::Rules,
+};
+
+/// Judges by forecasts. Pairs are not named: what is left is the work of many small errors, and two
+/// effects would always take more of it than one.
+pub(super) fn by_forecasts<'a>(
+    weighed: Weighed<'a>,
+    held_out: &[Log],
+    context: &Context<'a>,
+) -> Result<Judged<'a>, FitError> {
+    let settings = context.settings;
+    let simulator = weighed.singles.base.simulator().boxed();
+    let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
+    let Weighed { singles, best, lack_of_fit, .. } =
+        in_windows_where_lost(weighed, windows(&horizons), context)?;
+    let rules = Rules {
+        horizons: &horizons,
+        sigma: &singles.searched.noise.sigma.clone(),
+        floor: floor(&best.errors),
+        replicas: settings.replicas,
+        seed: settings.seed,
+    };
+    let Contested { others: probabilities, singles } =
+        contest(&*simulator, singles, held_out, &rules, settings)?;
+    let in_doubt = singles.causes.iter().take_while(|ranked| 0.0 < ranked.cause.probability);
+    let ties = ties(&singles.causes[..in_doubt.count()], &singles.searched, settings);
+    let (best, lack_of_fit) = match singles.first_answer() {
+        Some(first) => {
+            let lack_of_fit = singles.lack_of_fit(&first);
+            (first, lack_of_fit)
+        }
+        None => (best, lack_of_fit),
+    };
+    let pairs = NamedPairs::default();
+    Ok(Judged {
+        verdict: verdict(probabilities, &singles.causes, &ties, &pairs),
+        regime: Regime::AboveTheFloor,
+        probabilities,
+        singles,
+        ties,
+        pairs,
+        best,
+        lack_of_fit,
+        horizons,
+    })
+}
+
+/// Where the free run is lost, single causes are searched and weighed again in windows.
+fn in_windows_where_lost<'a>(
+    weighed: Weighed<'a>,
+    windows: Horizon,
+    context: &Context<'a>,
+) -> Result<Weighed<'a>, FitError> {
+    let settings = context.settings;
+    let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
+    if !is_free || !is_lost(&weighed.singles.searched.null) {
+        return Ok(weighed);
+    }
+    let prepared = match prepare(&context.case, windows) {
+        Ok(prepared) => prepared,
+        // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
+        Err(FitError::Diverged) => return Ok(weighed),
+        Err(error) => return Err(error),
+    };
+    let searched = search(prepared, context)?;
+    Ok(Weighed::of(weigh_singles(searched, context)?, Vec::new(), settings))
+}
+
+/// The noise floor below errors, in sigma, over all outputs.
+fn floor(errors: &[Vec<Vec<f64>>]) -> f64 {
+    let floors = errors.iter().map(|signals| noise_floor(&signals.join(&f64::NAN), None));
+    let squares: f64 = floors.map(|floor| floor.unwrap_or(1.0).powi(2)).sum();
+    f64::sqrt(squares / errors.len().max(1) as f64)
+}

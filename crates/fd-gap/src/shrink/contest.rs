@@ -1,0 +1,172 @@
+//! Which of several settled models forecasts best, and how sure that is.
+
+use fd_compensate::calibrate::autocorrelation_time;
+use fd_sim::simulate::Simulator;
+
+use super::{
+    forecast::{Forecast, Settled, forecast},
+    gap::{Closed, closed},
+};
+use crate::{
+    evidence::{BlockErrors, win_frequencies_over},
+    fit::{FitError, Horizon, Log},
+};
+
+/// Length of a bootstrap block, in autocorrelation times of the errors without any effect.
+const BLOCK: f64 = 5.0;
+/// A block is at most this part of the logs, or there would be too few.
+const FEWEST_BLOCKS: usize = 8;
+/// Pieces of a block: blocks begin at any of them.
+const PIECES: usize = 4;
+/// How often a catch-all must forecast better than every named law to be in the contest at all.
+const CATCH_ALL: f64 = 0.975;
+
+/// How a contest is run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rules<'a> {
+    /// Horizons.
+    pub horizons: &'a [Horizon],
+    /// Noise of each output, in its unit.
+    pub sigma: &'a [f64],
+    /// Noise floor, in sigma.
+    pub floor: f64,
+    /// Replicas of the bootstrap.
+    pub replicas: usize,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+/// The outcome of a contest on some logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contest {
+    /// Shares of replicas that each contender wins.
+    pub wins: Vec<f64>,
+    /// Per contender and horizon, the share of the reducible gap of the first contender that is
+    /// closed; `None` where a simulation diverges, or there is no gap.
+    pub closed: Vec<Vec<Option<Closed>>>,
+    /// Length of a block of the bootstrap, in samples.
+    pub block: usize,
+}
+
+/// Lets settled models forecast logs at several horizons; the first is the one without any
+/// effect. Wins go by the mean over horizons and outputs of the logarithm of the error, under a
+/// moving-block bootstrap ([`win_frequencies_over`]).
+///
+/// Where `is_catch_all`, a contender (a free curve instead of a law) takes part only if catch-alls
+/// beat every law in 97.5 % of the replicas: a law is preferred to a curve whose interval overlaps.
+///
+/// # Errors
+///
+/// As [`forecast_errors`](super::forecast_errors).
+pub fn contest(
+    nominal: &dyn Simulator,
+    contenders: &[Settled<'_>],
+    is_catch_all: &[bool],
+    logs: &[Log],
+    rules: &Rules<'_>,
+) -> Result<Contest, FitError> {
+    use rayon::prelude::*;
+
+    let forecasts: Vec<Vec<Option<Forecast>>> = contenders
+        .par_iter()
+        .map(|contender| {
+            let each = rules.horizons.iter();
+            each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
+        })
+        .collect::<Result<_, _>>()?;
+    let Some(first) = forecasts.first() else {
+        return Ok(Contest { wins: vec![], closed: vec![], block: 0 });
+    };
+    let samples: usize = logs.iter().map(Log::samples).sum();
+    let block = block_length(first, samples);
+    let cells = Cells::new(logs, block.div_ceil(PIECES));
+    let mut tables: Vec<Vec<Vec<[f64; 2]>>> = Vec::new();
+    for h in 0..rules.horizons.len() {
+        for output in 0..nominal.outputs().len() {
+            let of = |all: &Vec<Option<Forecast>>| cells.sums(all[h].as_ref(), output);
+            tables.push(forecasts.iter().map(of).collect());
+        }
+    }
+    let wins = wins(&tables, is_catch_all, rules);
+    let shares = |all: &Vec<Option<Forecast>>| -> Vec<Option<Closed>> {
+        let pairs = first.iter().zip(all);
+        let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
+            let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
+            closed(before, after, rules.floor, rules.replicas, rules.seed)
+        };
+        pairs.map(share).collect()
+    };
+    Ok(Contest { wins, closed: forecasts.par_iter().map(shares).collect(), block })
+}
+
+/// Wins of all, or of all but the catch-alls, which then win nothing.
+fn wins(tables: &[Vec<Vec<[f64; 2]>>], is_catch_all: &[bool], rules: &Rules<'_>) -> Vec<f64> {
+    let of = |tables: &[Vec<Vec<[f64; 2]>>]| {
+        let tables: Vec<&BlockErrors> = tables.iter().map(Vec::as_slice).collect();
+        win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed)
+    };
+    let all = of(tables);
+    let caught: f64 = all.iter().zip(is_catch_all).filter(|(_, c)| **c).map(|(w, _)| w).sum();
+    if caught == 0.0 || CATCH_ALL <= caught || is_catch_all.iter().all(|c| *c) {
+        return all;
+    }
+    let named = |table: &Vec<Vec<[f64; 2]>>| -> Vec<Vec<[f64; 2]>> {
+        let classes = table.iter().zip(is_catch_all).filter(|(_, c)| !**c);
+        classes.map(|(class, _)| class.clone()).collect()
+    };
+    let mut wins = of(&tables.iter().map(named).collect::<Vec<_>>()).into_iter();
+    is_catch_all.iter().map(|c| if *c { 0.0 } else { wins.next().unwrap_or(0.0) }).collect()
+}
+
+/// Five autocorrelation times of the errors without any effect, at the longest horizon.
+fn block_length(forecasts: &[Option<Forecast>], samples: usize) -> usize {
+    let most = (samples / FEWEST_BLOCKS).max(1);
+    let memory = |signals: &Vec<Vec<f64>>| {
+        let signal: Vec<f64> =
+            signals.iter().flatten().copied().filter(|v| v.is_finite()).collect();
+        autocorrelation_time(&signal)
+    };
+    let Some(errors) = forecasts.iter().flatten().next_back().map(|f| &f.errors) else {
+        return most;
+    };
+    let times = errors.iter().map(memory).collect::<Option<Vec<f64>>>();
+    let Some(times) = times else { return most };
+    let length = BLOCK * times.into_iter().fold(1.0, f64::max);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 5")]
+    let length = length.ceil() as usize;
+    length.min(most)
+}
+
+/// Logs cut into pieces of equal length, but for the last one of each.
+struct Cells {
+    /// Number of the first piece of each log.
+    first: Vec<usize>,
+    length: usize,
+    count: usize,
+}
+
+impl Cells {
+    fn new(logs: &[Log], length: usize) -> Self {
+        let mut count = 0;
+        let first = logs.iter().map(|log| {
+            let first = count;
+            count += log.samples().div_ceil(length);
+            first
+        });
+        Self { first: first.collect(), length, count }
+    }
+
+    /// Sums of squares and numbers of the errors of one output.
+    fn sums(&self, forecast: Option<&Forecast>, output: usize) -> Vec<[f64; 2]> {
+        let Some(forecast) = forecast else { return vec![[f64::INFINITY, 1.0]; self.count] };
+        let mut sums = vec![[0.0; 2]; self.count];
+        for (signal, segment) in forecast.errors[output].iter().zip(&forecast.segments) {
+            for (i, error) in signal.iter().enumerate().filter(|(_, error)| error.is_finite()) {
+                let cell = &mut sums[self.first[segment.log] + (segment.from + i) / self.length];
+                cell[0] += error * error;
+                cell[1] += 1.0;
+            }
+        }
+        sums
+    }
+}
