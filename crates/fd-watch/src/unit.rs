@@ -236,13 +236,13 @@ impl Unit {
                 self.settled = phase == Compensation::Compensating;
                 let (statistic, threshold) = (verdict.statistic, verdict.threshold);
                 self.latest = Latest { time, statistic, threshold };
-                let fault = match decision {
-                    Decision::Fault(fault) => Some(fault.hypothesis),
-                    _ => None,
+                let (is_fault, hypothesis) = match decision {
+                    Decision::Fault(fault) => (true, fault.hypothesis),
+                    _ => (false, None),
                 };
                 let ratio = if threshold > 0.0 { statistic / threshold } else { f64::INFINITY };
                 let is_shelved = plan.alarms.is_shelved(&self.name, time);
-                let heard = Heard { time, fault, ratio, is_shelved };
+                let heard = Heard { time, is_fault, hypothesis, ratio, is_shelved };
                 let name = || format!("{}/{}/{time}", self.name, plan.rule);
                 let said = self.alarm.hear(&plan.alarms, heard, name);
                 // What is not told does not need the residual.

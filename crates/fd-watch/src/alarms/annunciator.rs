@@ -9,8 +9,10 @@ use super::settings::AlarmSettings;
 pub(crate) struct Heard {
     /// Time of the sample in s.
     pub(crate) time: f64,
-    /// Whether it sees a fault, and which; a fault may have no name.
-    pub(crate) fault: Option<Option<usize>>,
+    /// Whether it sees a fault.
+    pub(crate) is_fault: bool,
+    /// Which; a fault may have no name.
+    pub(crate) hypothesis: Option<usize>,
     /// Ratio of statistic to threshold.
     pub(crate) ratio: f64,
     /// Whether nobody wants to hear of it now.
@@ -91,11 +93,11 @@ impl Annunciator {
         heard: Heard,
         name: impl FnOnce() -> String,
     ) -> Option<Said> {
-        let Heard { time, fault, ratio, is_shelved } = heard;
-        let Some(hypothesis) = fault else {
+        let Heard { time, is_fault, hypothesis, ratio, is_shelved } = heard;
+        if !is_fault {
             self.fault_since = None;
             return None;
-        };
+        }
         let since = *self.fault_since.get_or_insert(time);
         if is_shelved || time - since < settings.on_delay_s {
             return None;
@@ -118,8 +120,8 @@ impl Annunciator {
     }
 
     fn while_standing(&mut self, settings: &AlarmSettings, heard: Heard) -> Option<Said> {
-        let Heard { time, fault, ratio, is_shelved } = heard;
-        if fault.is_none() && ratio <= 1.0 - settings.deadband {
+        let Heard { time, is_fault, hypothesis, ratio, is_shelved } = heard;
+        if !is_fault && ratio <= 1.0 - settings.deadband {
             let since = *self.normal_since.get_or_insert(time);
             return (self.off_delay <= time - since).then(|| self.clear(time));
         }
@@ -129,12 +131,12 @@ impl Annunciator {
             return None;
         }
         let severity = settings.severity(ratio);
-        let other = fault.filter(|hypothesis| *hypothesis != self.hypothesis);
+        let is_other = is_fault && hypothesis != self.hypothesis;
         let quiet = time - self.told;
-        let said = if severity > self.severity && fault.is_some() {
+        let said = if severity > self.severity && is_fault {
             self.severity = severity;
             Said::Severity
-        } else if other.is_some() && self.update_after <= quiet {
+        } else if is_other && self.update_after <= quiet {
             self.update_after *= 2.0;
             Said::Cause
         } else if 0.0 < settings.renotify_s && settings.renotify_s <= quiet {
@@ -142,7 +144,9 @@ impl Annunciator {
         } else {
             return None;
         };
-        self.hypothesis = fault.unwrap_or(self.hypothesis);
+        if is_fault {
+            self.hypothesis = hypothesis;
+        }
         self.told = time;
         Some(said)
     }
@@ -168,8 +172,8 @@ mod tests {
         (0..)
             .zip(samples)
             .filter_map(|(k, (is_fault, ratio))| {
-                let fault = is_fault.then_some(None);
-                let heard = Heard { time: f64::from(k), fault, ratio, is_shelved: false };
+                let (time, is_shelved) = (f64::from(k), false);
+                let heard = Heard { time, is_fault, hypothesis: None, ratio, is_shelved };
                 Some((k, alarm.hear(settings, heard, || k.to_string())?))
             })
             .collect()
@@ -220,8 +224,9 @@ mod tests {
         let settings = AlarmSettings { renotify_s: 0.0, ..AlarmSettings::default() };
         let mut alarm = Annunciator::default();
         let told = (0..86_400_u32).filter(|k| {
-            let fault = Some(Some((k % 2) as usize));
-            let heard = Heard { time: f64::from(*k), fault, ratio: 1.5, is_shelved: false };
+            let (time, is_fault, is_shelved) = (f64::from(*k), true, false);
+            let hypothesis = Some((k % 2) as usize);
+            let heard = Heard { time, is_fault, hypothesis, ratio: 1.5, is_shelved };
             alarm.hear(&settings, heard, String::new).is_some()
         });
         assert!((5..=12).contains(&told.count()));
@@ -233,7 +238,8 @@ mod tests {
         let settings = AlarmSettings::default();
         let said = |alarm: &mut Annunciator, k: u32| {
             let (time, is_shelved) = (f64::from(k), k < 50);
-            let heard = Heard { time, fault: Some(None), ratio: 1.5, is_shelved };
+            let (is_fault, hypothesis) = (true, None);
+            let heard = Heard { time, is_fault, hypothesis, ratio: 1.5, is_shelved };
             alarm.hear(&settings, heard, String::new)
         };
         assert!((0..50).all(|k| said(&mut alarm, k).is_none()));

@@ -112,7 +112,9 @@ fn a_thousand_alarms_of_one_cause_are_one_flood() {
     assert_eq!((floods[2].1, floods[2].3), ("p999", false));
 
     let mut audit = Audit::default();
-    messages.iter().for_each(|message| audit.take(message));
+    for message in &messages {
+        audit.take(message);
+    }
     assert_eq!((audit.alarms(), audit.standing(), audit.most_in_ten_minutes()), (1000, 1000, 1000));
     assert_eq!((audit.causes().len(), audit.causes()[0].first_out.as_str()), (1, "p999"));
 }
