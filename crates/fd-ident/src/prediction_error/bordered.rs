@@ -31,8 +31,8 @@ struct Eliminated {
 }
 
 impl Compressed {
-    pub(super) fn new(of: Bordered) -> Self {
-        let Bordered { own, shared, blocks } = &of;
+    pub(super) fn new(of: &Bordered) -> Self {
+        let Bordered { own, shared, blocks } = of;
         let (own, shared) = (*own, *shared);
         let squares = |block: &Mat<f64>, j: usize| block.col(j).squared_norm_l2();
         let length = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };

@@ -12,8 +12,8 @@ use faer::Mat;
 use fdiag::{
     core::stage::Stage,
     model::{Discrete, Record, StateSpace},
-    spec::PipelineSpec,
-    training::{Healthy, Trace, train},
+    spec::{DetectorSpecError, PipelineSpec},
+    training::{Healthy, Trace, TrainingError, train},
 };
 use proptest::{prelude::*, test_runner::TestRunner};
 use rand::{RngExt, SeedableRng};
@@ -89,8 +89,8 @@ fn healthy(plant: &StateSpace<Discrete>, noise: f64, seed: u64) -> Record {
     run(plant, &u, noise, seed)
 }
 
-/// How many of the fresh runs alarm.
-fn alarms(case: &Case) -> u32 {
+/// How many of the fresh runs alarm; none where the memory of the statistic is too long for the logs, which is said.
+fn alarms(case: &Case) -> Option<u32> {
     let Case { order, offset, learning, detector, .. } = case;
     let settle_s = case.settle as f64 * ts().seconds();
     let text = format!(
@@ -108,12 +108,15 @@ fn alarms(case: &Case) -> u32 {
     let logs: Vec<Record> = (0..LOGS).map(run).collect();
     let split: Vec<Healthy<'_>> = logs.iter().map(|log| Healthy::split(log, 0.7)).collect();
     let trained = train(&spec, &model, &split).unwrap();
-    let mut pipeline = trained.compensated().unwrap();
+    let mut pipeline = match trained.compensated() {
+        Err(TrainingError::Detector(DetectorSpecError::Calibration(_))) => return None,
+        pipeline => pipeline.unwrap(),
+    };
     let alarm = |i: &u32| {
         pipeline.reset();
         Trace::of(&mut pipeline, &run(LOGS + i)).unwrap().first_alarm(0).is_some()
     };
-    u32::try_from((0..FRESH).filter(alarm).count()).unwrap()
+    Some(u32::try_from((0..FRESH).filter(alarm).count()).unwrap())
 }
 
 #[test]
@@ -123,7 +126,7 @@ fn the_rate_of_healthy_runs_is_the_stated_one() {
     let found: RefCell<Vec<f64>> = RefCell::default();
     let mut runner = TestRunner::new(config);
     let outcome = runner.run(&case(), |case| {
-        let alarms = alarms(&case);
+        let Some(alarms) = alarms(&case) else { return Ok(()) };
         found.borrow_mut().push(f64::from(alarms) / f64::from(FRESH));
         // The logs calibrate on some six runs, so that the rate of one set of logs may be three times the stated one. At 30 %
         // more than 24 of 40 alarm once in 10⁵ cases; a start that is not calibrated alarms in all of them.
@@ -132,6 +135,7 @@ fn the_rate_of_healthy_runs_is_the_stated_one() {
     });
     assert!(outcome.is_ok(), "{outcome:?}");
     let of = found.borrow();
+    assert!(of.len() > 15, "{} of 30 cases were calibrated", of.len());
     let n = of.len() as f64;
     let mean = of.iter().sum::<f64>() / n;
     let variance = of.iter().map(|rate| (rate - mean).powi(2)).sum::<f64>() / (n - 1.0);
