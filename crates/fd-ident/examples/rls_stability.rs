@@ -59,9 +59,13 @@ fn main() {
          worst share | from the truth, worst lane | QR from the truth | variances | pauses | s |"
     );
     println!("|{}", "---|".repeat(13));
-    for (input, lambda) in
-        [(Input::White, 0.99), (Input::Paper, 0.99), (Input::Stops, 0.99), (Input::Stops, 0.999)]
-    {
+    for (input, lambda) in [
+        (Input::White, 0.99),
+        (Input::Paper, 0.99),
+        (Input::Stops, 0.99),
+        (Input::Stops, 0.999),
+        (Input::Stops, 1.0),
+    ] {
         for forgetting in [Forgetting::Exponential { lambda }, Forgetting::Directional { lambda }] {
             case::<f64>("f64", input, forgetting, samples, &words);
             case::<f32>("f32", input, forgetting, samples, &words);

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`engine`] | what does residual compensation gain on 1000 perturbed engines? |
 //! | [`compare`] | which method wins where, at the same rate of false alarms? |
+//! | [`rates`] | do healthy runs alarm as often as was stated? |
 //! | [`blind`] | how often is the gap diagnosis right on cases whose truth is sealed? |
 //! | [`engine_gap`] | does it name the cause that an engine was given? |
 //! | [`journal`] | finished pieces of work, so that a killed run can resume |
@@ -29,3 +30,4 @@ pub mod engine;
 pub mod engine_gap;
 mod hex;
 pub mod journal;
+pub mod rates;

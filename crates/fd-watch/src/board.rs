@@ -1,7 +1,7 @@
 //! What a monitor shows of itself and its units to whoever looks.
 
 use std::{
-    collections::{HashMap, VecDeque},
+    collections::{HashMap, HashSet, VecDeque},
     fmt::Write,
     sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc::SyncSender},
     time::Duration,
@@ -9,7 +9,11 @@ use std::{
 
 use serde::Serialize;
 
-use crate::{message::Message, monitor::Monitor, unit::Doing};
+use crate::{
+    message::{Event, Message, What},
+    monitor::Monitor,
+    unit::Doing,
+};
 
 /// Messages that a page is shown when it is opened.
 const MESSAGES: usize = 100;
@@ -82,6 +86,9 @@ struct Inner {
     /// Of pictured units: time, statistic, threshold.
     history: HashMap<String, VecDeque<[f64; 3]>>,
     messages: VecDeque<(u64, String)>,
+    /// Causes of floods, and alarms that are part of one: told as one thing.
+    floods: HashSet<String>,
+    drowned: HashSet<String>,
     last: u64,
     /// Counts the looks; a page waits for the next.
     look: u64,
@@ -103,16 +110,45 @@ pub struct Board {
     changed: Condvar,
 }
 
+impl Inner {
+    /// Whether a message is about an alarm of a flood that is shown already.
+    fn is_drowned(&mut self, message: &Message) -> bool {
+        match message {
+            Message::Event(Event { what: What::Flood { cause, ended, .. }, .. }) => {
+                if *ended {
+                    self.floods.remove(cause);
+                } else {
+                    self.floods.insert(cause.clone());
+                }
+                false
+            }
+            Message::Alarm(alarm) => {
+                let is_drowned = self.floods.contains(alarm.cause());
+                if is_drowned {
+                    self.drowned.insert(alarm.id.clone());
+                }
+                is_drowned
+            }
+            Message::Update(alarm) => self.drowned.contains(&alarm.id),
+            Message::Cleared(cleared) => self.drowned.remove(&cleared.id),
+            Message::Event(_) => false,
+        }
+    }
+}
+
 impl Board {
     fn lock(&self) -> MutexGuard<'_, Inner> {
         // Whoever panicked with the lock has left numbers, at worst old ones.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Shows what was said.
+    /// Shows what was said; of the alarms of a flood only the flood, once it was told.
     pub fn say(&self, messages: &[Message]) {
         let mut inner = self.lock();
         for message in messages {
+            if inner.is_drowned(message) {
+                continue;
+            }
             inner.last += 1;
             let entry = (inner.last, message.to_json());
             inner.messages.push_back(entry);

@@ -45,6 +45,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod alarms;
 mod bits;
 mod board;
 mod clock;
@@ -61,10 +62,11 @@ mod unit;
 #[cfg(feature = "http")]
 pub use self::http::{Access, serve};
 pub use self::{
+    alarms::{AlarmSettings, Audit, Counted, SettingsError, Shelf},
     board::{Answer, Board, Health},
     input::{ColumnsError, Format, InputMap, Row, RowReader},
     memory::{LearnedRows, MemoryError, UnitMemory},
-    message::{Alarm, Cleared, Event, Message, What, Why},
+    message::{Alarm, Cleared, Event, Message, Reason, What, Why},
     monitor::{Counts, Monitor, UnitStatus},
     plan::{Learning, Plan, PlanError, Request},
     state::{Identity, Outbox, StateError, StateFolder},

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
+    alarms::Annunciator,
     bits,
     clock::Clock,
     plan::{Plan, PlanError},
-    unit::{Phase, Standing, Unit},
+    unit::{Phase, Unit},
 };
 
 /// Everything of a unit that its future depends on.
@@ -18,7 +19,7 @@ pub struct UnitMemory {
     unit: String,
     clock: Clock,
     phase: PhaseMemory,
-    standing: Option<Standing>,
+    alarm: Annunciator,
     wish: Option<String>,
     time: Option<u64>,
     refused: u64,
@@ -94,7 +95,7 @@ impl UnitMemory {
                     own: unit.is_own,
                 },
             },
-            standing: unit.standing.clone(),
+            alarm: unit.alarm.clone(),
             wish: unit.wish.clone(),
             time: unit.time.map(f64::to_bits),
             refused: unit.refused.count,
@@ -113,6 +114,9 @@ impl UnitMemory {
         }
         if self.time().is_some_and(|time| !time.is_finite()) {
             return number("the time of the last sample", "a finite number");
+        }
+        if !self.alarm.is_sound() {
+            return number("the alarm", "finite times, and a name if it stands");
         }
         match self.phase {
             PhaseMemory::Learning(LearnedRows { rows }) => {
@@ -141,7 +145,7 @@ impl UnitMemory {
         unit.time = self.time.map(f64::from_bits);
         unit.clock = self.clock;
         unit.clock.resume();
-        unit.standing = self.standing;
+        unit.alarm = self.alarm;
         unit.wish = self.wish;
         unit.refused.count = self.refused;
         Ok(unit)

@@ -32,6 +32,12 @@ pub struct Alarm {
     pub time: f64,
     /// Time in s of the first sample that led to it.
     pub since: f64,
+    /// Why this is said.
+    #[serde(default)]
+    pub why: Reason,
+    /// How severe it is, from 1, by the largest ratio of statistic to threshold since it was raised.
+    #[serde(default = "least_severe")]
+    pub severity: u8,
     /// The fault that explains it best, when the spec asks for isolation and one is clear.
     pub fault: Option<String>,
     /// Its size, in `size_unit`.
@@ -50,6 +56,27 @@ pub struct Alarm {
     pub residual: Vec<f64>,
 }
 
+/// Why an alarm is told, or told again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// It is new.
+    #[default]
+    Raised,
+    /// Another fault explains it better.
+    Cause,
+    /// It is more severe than was told.
+    Severity,
+    /// It was over a while ago, and its fault is back.
+    Returned,
+    /// It still stands.
+    Reminder,
+}
+
+fn least_severe() -> u8 {
+    1
+}
+
 /// The end of an alarm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cleared {
@@ -57,8 +84,11 @@ pub struct Cleared {
     pub id: String,
     /// Its unit.
     pub unit: String,
-    /// Time in s of the sample at which it ended.
+    /// Time in s of the sample at which it ended, after the off-delay.
     pub time: f64,
+    /// Time in s of the last sample that spoke for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last: Option<f64>,
     /// Why it ended.
     pub why: Why,
 }
@@ -252,6 +282,20 @@ pub enum What {
         /// Why.
         reason: String,
     },
+    /// Many units have failed of one cause within a short time: told when there are ten, a hundred and so on, and at the
+    /// end. Their alarms are told as well.
+    Flood {
+        /// The fault or the rule that they have in common.
+        cause: String,
+        /// The unit that failed first.
+        first_out: String,
+        /// When it failed, in s.
+        since: f64,
+        /// Units so far.
+        units: u64,
+        /// Whether no more have followed for a while.
+        ended: bool,
+    },
     /// A broker was reached.
     Connected {
         /// Its address.
@@ -272,6 +316,14 @@ pub enum What {
         /// What.
         what: EventKind,
     },
+}
+
+impl Alarm {
+    /// What alarms of other units may have in common with it: the fault, or else the rule.
+    #[must_use]
+    pub fn cause(&self) -> &str {
+        self.fault.as_deref().unwrap_or(&self.rule)
+    }
 }
 
 impl Message {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::{
+    alarms::Floods,
     input::{Row, Runs},
     memory::{LearnedRows, MemoryError, UnitMemory},
     message::{Event, Message, What},
@@ -42,6 +43,7 @@ pub struct Monitor {
     /// Units with something to be saved, in the order in which it happened.
     dirty: std::collections::VecDeque<usize>,
     refused: Runs,
+    floods: Floods,
     messages: Vec<Message>,
     counts: Counts,
 }
@@ -84,6 +86,7 @@ impl Monitor {
             names: HashMap::new(),
             dirty: std::collections::VecDeque::new(),
             refused: Runs::default(),
+            floods: Floods::default(),
             messages: Vec::new(),
             counts: Counts::default(),
         }
@@ -143,8 +146,24 @@ impl Monitor {
         }
         unit.take(&self.plan, row.time, row.values, &mut self.messages);
         self.counts.dropped += std::mem::take(&mut unit.clock.dropped);
+        self.flood(before, row.time);
         self.count(before);
         Ok(())
+    }
+
+    /// Tells of alarms that many units have in common, after those that were raised by now.
+    fn flood(&mut self, from: usize, time: f64) {
+        let settings = &self.plan.alarms;
+        let mut told = Vec::new();
+        for message in &self.messages[from..] {
+            if let Message::Alarm(alarm) = message {
+                told.extend(self.floods.raised(settings, alarm));
+            }
+        }
+        if !self.floods.is_empty() {
+            told.extend(self.floods.pass(settings, time));
+        }
+        self.messages.extend(told.into_iter().map(Message::Event));
     }
 
     /// Answers the question whether to train a unit again, and returns the unit; none when no such question waits.

@@ -11,7 +11,11 @@ use fdiag::{
 };
 use thiserror::Error;
 
-use crate::{clock::ClockPlan, state::Identity};
+use crate::{
+    alarms::{AlarmSettings, SettingsError},
+    clock::ClockPlan,
+    state::Identity,
+};
 
 /// Gaps of so many steps are bridged when nothing else is said, as in logs.
 const BRIDGED_STEPS: f64 = 5.0;
@@ -68,6 +72,8 @@ pub struct Request {
     pub most_units: usize,
     /// Whether somebody is asked before a unit is trained again, see [`Monitor::answer`](crate::Monitor::answer).
     pub ask: bool,
+    /// How alarms are raised, held and repeated.
+    pub alarms: AlarmSettings,
     /// How large numbers of the spec and the learned stretch may be.
     pub limits: Limits,
 }
@@ -113,6 +119,9 @@ pub enum PlanError {
     /// Nothing can be learned, or the spec asks for what cannot be.
     #[error(transparent)]
     Training(#[from] TrainingError),
+    /// Settings of the alarms cannot be.
+    #[error("alarms: {0}")]
+    Alarms(#[from] SettingsError),
 }
 
 /// What every unit is watched by.
@@ -132,6 +141,7 @@ pub struct Plan {
     pub(crate) places: Vec<FaultPlace>,
     pub(crate) rule: String,
     pub(crate) most_units: usize,
+    pub(crate) alarms: AlarmSettings,
     pub(crate) identity: Identity,
 }
 
@@ -148,6 +158,7 @@ impl Request {
             longest_gap: None,
             most_units: 100_000,
             ask: false,
+            alarms: AlarmSettings::default(),
             limits: Limits::default(),
         }
     }
@@ -160,6 +171,7 @@ impl Request {
     pub fn plan(self) -> Result<Plan, PlanError> {
         let Self { model, mut spec, learning, share_to_learn, .. } = self;
         spec.check_limits(&self.limits).map_err(TrainingError::from)?;
+        self.alarms.check()?;
         if !(0.0 < share_to_learn && share_to_learn < 1.0) {
             let expected = "between 0 and 1, both excluded";
             return Err(PlanError::Range {
@@ -218,6 +230,7 @@ impl Request {
             places: spec.isolation.places(&model.inputs, &model.outputs).unwrap_or_default(),
             rule: kind_of(&spec),
             most_units: self.most_units,
+            alarms: self.alarms,
             identity,
             model,
             spec,

@@ -2,14 +2,14 @@
 
 use fd_core::{
     DynPipeline, EventKind, FrameError, Step,
-    stage::{Decision, Fault, Phase as Compensation, Stage},
+    stage::{Decision, Phase as Compensation, Stage},
 };
-use serde::{Deserialize, Serialize};
 
 use crate::{
+    alarms::{Annunciator, Heard, Said},
     clock::{Clock, Tick},
     input::Runs,
-    message::{Alarm, Cleared, Event, Message, What, Why},
+    message::{Alarm, Cleared, Event, Message, Reason, What, Why},
     monitor::UnitStatus,
     plan::{Plan, PlanError},
 };
@@ -28,14 +28,6 @@ pub enum Doing {
     Watched,
     /// It has a standing alarm.
     Alarmed,
-}
-
-/// An alarm that stands.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Standing {
-    pub(crate) id: String,
-    pub(crate) hypothesis: Option<usize>,
 }
 
 pub(crate) enum Phase {
@@ -58,7 +50,7 @@ pub(crate) struct Unit {
     pub(crate) name: String,
     pub(crate) clock: Clock,
     pub(crate) phase: Phase,
-    pub(crate) standing: Option<Standing>,
+    pub(crate) alarm: Annunciator,
     /// The question whether to train again, until it is answered.
     pub(crate) wish: Option<String>,
     /// Time of the last sample on the grid.
@@ -88,7 +80,7 @@ impl Unit {
             clock: Clock::default(),
             is_own: matches!(phase, Phase::Learning { .. }),
             phase,
-            standing: None,
+            alarm: Annunciator::default(),
             wish: None,
             time: None,
             refused: Runs::default(),
@@ -104,7 +96,7 @@ impl Unit {
 
     pub(crate) fn doing(&self) -> Doing {
         match &self.phase {
-            _ if self.standing.is_some() => Doing::Alarmed,
+            _ if self.alarm.standing().is_some() => Doing::Alarmed,
             Phase::Learning { rows } => {
                 Doing::Learning { samples: (rows.len() / self.channels) as u64 }
             }
@@ -166,10 +158,21 @@ impl Unit {
         self.settled = false;
         self.refused = Runs::default();
         self.held = Runs::default();
-        if let Some(Standing { id, .. }) = self.standing.take() {
-            let unit = self.name.clone();
-            messages.push(Message::Cleared(Cleared { id, unit, time, why: Why::Gap }));
+        if self.alarm.standing().is_some() {
+            self.alarm.clear(time);
+            messages.push(self.cleared(time, Why::Gap));
         }
+    }
+
+    fn cleared(&self, time: f64, why: Why) -> Message {
+        let id = self.alarm.id.clone().unwrap_or_default();
+        Message::Cleared(Cleared {
+            id,
+            unit: self.name.clone(),
+            time,
+            last: Some(self.alarm.last),
+            why,
+        })
     }
 
     /// Takes a sample on the grid.
@@ -233,12 +236,17 @@ impl Unit {
                 self.settled = phase == Compensation::Compensating;
                 let (statistic, threshold) = (verdict.statistic, verdict.threshold);
                 self.latest = Latest { time, statistic, threshold };
-                let is_news = match (&self.standing, decision) {
-                    (None, Decision::Fault(_)) => true,
-                    (Some(standing), Decision::Fault(f)) => standing.hypothesis != f.hypothesis,
-                    _ => false,
+                let (is_fault, hypothesis) = match decision {
+                    Decision::Fault(fault) => (true, fault.hypothesis),
+                    _ => (false, None),
                 };
-                let residual = if is_news { step.compensated.to_vec() } else { Vec::new() };
+                let ratio = if threshold > 0.0 { statistic / threshold } else { f64::INFINITY };
+                let is_shelved = plan.alarms.is_shelved(&self.name, time);
+                let heard = Heard { time, is_fault, hypothesis, ratio, is_shelved };
+                let name = || format!("{}/{}/{time}", self.name, plan.rule);
+                let said = self.alarm.hear(&plan.alarms, heard, name);
+                // What is not told does not need the residual.
+                let residual = if said.is_some() { step.compensated.to_vec() } else { Vec::new() };
                 for what in events.iter() {
                     match what {
                         EventKind::SampleHeld => {
@@ -266,7 +274,19 @@ impl Unit {
                 if is_complete && let Some(count) = self.held.end() {
                     self.tell(time, What::Held { count, ended: true }, messages);
                 }
-                self.judge(plan, time, k, decision, residual, messages);
+                match (said, decision) {
+                    (None, _) => {}
+                    (Some(Said::Cleared), _) => messages.push(self.cleared(time, Why::Normal)),
+                    (Some(said), decision) => {
+                        let alarm = self.told(plan, said, (time, k), decision, residual);
+                        let is_new = said == Said::Raised;
+                        messages.push(if is_new {
+                            Message::Alarm(alarm)
+                        } else {
+                            Message::Update(alarm)
+                        });
+                    }
+                }
             }
             Err(FrameError::NonFinite { .. }) => {
                 if let Some(count) = self.refused.more() {
@@ -289,62 +309,40 @@ impl Unit {
         self.tell(self.time.unwrap_or(0.0), what, messages);
     }
 
-    fn judge(
-        &mut self,
-        plan: &Plan,
-        time: f64,
-        k: u64,
-        decision: Decision<f64>,
-        residual: Vec<f64>,
-        messages: &mut Vec<Message>,
-    ) {
-        let Decision::Fault(fault) = decision else {
-            if let Some(Standing { id, .. }) = self.standing.take() {
-                let (unit, why) = (self.name.clone(), Why::Normal);
-                messages.push(Message::Cleared(Cleared { id, unit, time, why }));
-            }
-            return;
-        };
-        let hypothesis = fault.hypothesis;
-        match &mut self.standing {
-            Some(standing) if standing.hypothesis == hypothesis => {}
-            Some(standing) => {
-                standing.hypothesis = hypothesis;
-                let id = standing.id.clone();
-                let alarm = self.alarm(plan, id, time, k, fault, residual);
-                messages.push(Message::Update(alarm));
-            }
-            None => {
-                let id = format!("{}/{}/{time}", self.name, plan.rule);
-                self.standing = Some(Standing { id: id.clone(), hypothesis });
-                let alarm = self.alarm(plan, id, time, k, fault, residual);
-                messages.push(Message::Alarm(alarm));
-            }
-        }
-    }
-
-    fn alarm(
+    fn told(
         &self,
         plan: &Plan,
-        id: String,
-        time: f64,
-        k: u64,
-        fault: Fault<f64>,
+        said: Said,
+        (time, k): (f64, u64),
+        decision: Decision<f64>,
         residual: Vec<f64>,
     ) -> Alarm {
-        let place = fault.hypothesis.and_then(|at| plan.places.get(at));
+        // A reminder may come while the diagnosis sees no fault and the off-delay has not passed.
+        let fault = if let Decision::Fault(fault) = decision { Some(fault) } else { None };
+        let place = self.alarm.hypothesis.and_then(|at| plan.places.get(at));
         let scale = place.map_or(1.0, |place| place.scale);
+        let since = fault.map_or(k, |fault| fault.since);
         Alarm {
-            id,
+            id: self.alarm.id.clone().unwrap_or_default(),
             unit: self.name.clone(),
             rule: plan.rule.clone(),
             time,
-            since: time - k.saturating_sub(fault.since) as f64 * plan.clock.step,
+            since: time - k.saturating_sub(since) as f64 * plan.clock.step,
+            why: match said {
+                Said::Raised | Said::Cleared => Reason::Raised,
+                Said::Cause => Reason::Cause,
+                Said::Severity => Reason::Severity,
+                Said::Returned => Reason::Returned,
+                Said::Reminder => Reason::Reminder,
+            },
+            severity: self.alarm.severity,
             fault: place.map(|place| place.name.clone()),
-            size: fault.size.map(|size| scale * size),
-            size_interval: fault.size_interval.map(|ends| ends.map(|end| scale * end)),
+            size: fault.and_then(|fault| fault.size).map(|size| scale * size),
+            size_interval: fault
+                .and_then(|fault| fault.size_interval)
+                .map(|ends| ends.map(|end| scale * end)),
             size_unit: place.map(|place| place.unit.clone()),
-            confidence: fault.confidence,
+            confidence: fault.and_then(|fault| fault.confidence),
             statistic: self.latest.statistic,
             threshold: self.latest.threshold,
             residual,

@@ -22,9 +22,9 @@ use crate::{
 const WATCHED: Duration = Duration::from_secs(1);
 /// What the bar counts in each piece.
 const GRAIN: u64 = 1000;
-/// Steps of a first piece need not take equally long: from them alone, only what would take this many times too long is
-/// not gone on with.
-const UNSURE: f64 = 3.0;
+/// Steps of a piece need not take equally long: the first may take nearly all of its time. Once this part of the steps of
+/// all pieces at work is done, what is extrapolated is too long by its inverse at most.
+const PART: f64 = 0.5;
 
 /// A bar over work of many alike pieces; invisible when standard error is not a terminal.
 pub struct Bar {
@@ -131,14 +131,17 @@ impl Bar {
         Some((work, finished, ticks as f64 / GRAIN as f64))
     }
 
-    /// Says what is to come, once there is something to go by: steps of the first pieces, and then a round of all
-    /// threads.
+    /// Says what is to come, once there is something to go by: half of the first pieces, and then a round of all threads.
     fn plan(&self, work: Work, finished: u64, done: f64) {
         let elapsed = work.begun.elapsed();
         if elapsed < WATCHED || work.pieces <= finished {
             return;
         }
-        let is_sure = rayon::current_num_threads() as u64 <= finished;
+        let at_work = (rayon::current_num_threads() as u64).min(work.pieces);
+        let is_sure = at_work <= finished;
+        if done < PART * at_work as f64 {
+            return;
+        }
         let looked = if is_sure { &self.is_planned } else { &self.is_guessed };
         if looked.set(()).is_err() {
             return;
@@ -157,7 +160,7 @@ impl Bar {
             Plan::Refused(_)
                 if !is_sure
                     && matches!(
-                        self.patience.plan(seconds / UNSURE, bytes),
+                        self.patience.plan(PART * seconds, bytes),
                         Plan::Short | Plan::Told(_)
                     ) =>
             {
@@ -212,10 +215,10 @@ impl Watcher for Bar {
     }
 }
 
-/// The time that is left, as far as it is known.
+/// The time that is left, once a piece is done.
 fn left(finished: u64, eta: Duration) -> String {
     match eta.as_secs() {
-        _ if finished == 0 => String::new(),
+        _ if finished < GRAIN => String::new(),
         0 => ", less than 1 s left".to_owned(),
         // Minutes of what takes hours are no news.
         seconds => format!(", {} left", duration(seconds as f64)),
@@ -229,7 +232,7 @@ mod tests {
     #[test]
     fn nobody_is_told_that_nothing_is_left() {
         let texts = [(0, 0), (3, 0), (3, 7), (3, 600)]
-            .map(|(finished, seconds)| left(finished, Duration::from_secs(seconds)));
+            .map(|(pieces, seconds)| left(GRAIN * pieces, Duration::from_secs(seconds)));
         assert_eq!(texts, ["", ", less than 1 s left", ", 7 s left", ", 10 min left"]);
     }
 
@@ -248,16 +251,30 @@ mod tests {
     }
 
     #[test]
-    fn steps_of_a_first_piece_say_what_is_far_too_large() {
+    fn half_of_the_first_pieces_says_what_is_far_too_large() {
         let patience = PatienceArgs::default();
-        // A hundredth of a piece in a second: 200 pieces would take hours, 10 would take a quarter of one.
-        for (pieces, is_too_large) in [(200, true), (10, false)] {
+        let threads = rayon::current_num_threads() as u64;
+        // Two seconds a piece and thread: hours, or a quarter of one.
+        for (pieces, is_too_large) in [(10_000, true), (400, false)] {
             let bar = Bar::new("engines").within(&patience, 0.0);
-            bar.begin(pieces, 0);
+            bar.begin(pieces * threads, 0);
             std::thread::sleep(WATCHED);
-            bar.step(1, 100);
+            (0..threads).for_each(|_| bar.step(1, 2));
             assert_eq!(bar.is_stopped(), is_too_large, "{pieces}");
             assert_eq!(bar.finish().is_err(), is_too_large, "{pieces}");
         }
+    }
+
+    /// The first of a hundred steps takes a second, all others nothing: 95 minutes were said of what took half of one.
+    #[test]
+    fn a_slow_first_step_says_nothing() {
+        let patience = PatienceArgs::default();
+        let bar = Bar::new("engines").within(&patience, 0.0);
+        bar.begin(60, 0);
+        std::thread::sleep(WATCHED);
+        bar.step(1, 100);
+        assert!(bar.is_guessed.get().is_none() && !bar.is_stopped());
+        (0..rayon::current_num_threads()).for_each(|_| bar.advance());
+        assert!(bar.is_planned.get().is_some() && !bar.is_stopped());
     }
 }

@@ -36,13 +36,12 @@ impl<T: LaneScalar> LaneDesign<T> {
         };
         let t = T::from_design;
         let silence = match design.forgetting {
-            Forgetting::Equation18 { alpha, .. } if design.guard.skip_silence => {
-                T::default_epsilon() * t(alpha)
+            Forgetting::Equation18 { alpha, .. } => {
+                design.guard.silence::<T>(&design.forgetting) * t(alpha)
             }
-            _ if design.guard.skip_silence => T::default_epsilon(),
             // Its weight has φᵀPφ as divisor.
-            Forgetting::Directional { .. } => T::zero(),
-            _ => -T::one(),
+            Forgetting::Directional { .. } if !design.guard.skip_silence => T::zero(),
+            _ => design.guard.silence(&design.forgetting),
         };
         let prior_variance = t(design.prior_variance);
         let largest_trace = match design.forgetting {

@@ -6,6 +6,7 @@ use faer::Mat;
 use fd_model::Record;
 
 use super::{
+    bordered::Compressed,
     gauss_newton::{Minimum, Patience, SumOfSquares, minimise},
     predictor::{NoiseStructure, Predictor, Stretch},
     problem::Problem,
@@ -219,11 +220,17 @@ impl PredictionError {
 fn channel_fit(problem: &Problem, best: &Minimum) -> Result<ChannelFit, IdentError> {
     let predictor = problem.predictor;
     let shared = predictor.shared();
-    let (jacobian, errors) = problem.linearise(&best.parameters);
-    let errors: Vec<f64> = (0..errors.nrows()).map(|i| errors[(i, 0)]).collect();
+    let eliminated = Compressed::new(&problem.linearise(&best.parameters)).shared_rows();
+    // A row of nothing more, as the solver wants more rows than columns.
+    let x = Mat::from_fn(eliminated.nrows() + shared + 1, shared, |i, j| {
+        if i < eliminated.nrows() { eliminated[(i, j)] } else { 0.0 }
+    });
+    let errors: Vec<f64> = (0..x.nrows())
+        .map(|i| if i < eliminated.nrows() { eliminated[(i, shared)] } else { 0.0 })
+        .collect();
     let solver = LeastSquares::new().when_deficient(Deficient::MinimumNorm);
-    let local = solver.solve(jacobian.as_ref(), &errors)?;
-    let inverse_gram = Mat::from_fn(shared, shared, |i, j| local.inverse_gram[(i, j)]);
+    let local = solver.solve(x.as_ref(), &errors)?;
+    let own = problem.parameters() - shared;
     let coefficients = best.parameters[..shared].to_vec();
     let (nc, _) = predictor.noise.own();
     let n = predictor.orders.parameters(predictor.nu);
@@ -232,7 +239,14 @@ fn channel_fit(problem: &Problem, best: &Minimum) -> Result<ChannelFit, IdentErr
         NoiseStructure::Armax { .. } => coefficients[..predictor.orders.na].to_vec(),
         _ => coefficients[n + nc..].to_vec(),
     };
-    let fit = LinearFit { coefficients, inverse_gram, rss: best.cost, ..local };
+    let fit = LinearFit {
+        coefficients,
+        inverse_gram: local.inverse_gram,
+        rss: best.cost,
+        rows: problem.rows(),
+        rank: local.rank + own,
+        condition: local.condition,
+    };
     let noise = NoiseModel { c, d };
     Ok(ChannelFit { noise, fit, rounds: best.rounds, converged: best.converged })
 }

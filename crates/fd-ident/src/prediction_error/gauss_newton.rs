@@ -1,7 +1,6 @@
 //! Damped Gauss-Newton search (Levenberg-Marquardt) for small nonlinear least-squares problems.
 
-use faer::{Mat, MatRef, prelude::SolveLstsq};
-
+use super::bordered::{Bordered, Compressed};
 use crate::error::IdentError;
 
 /// A sum of squares that depends on parameters.
@@ -10,7 +9,7 @@ pub(super) trait SumOfSquares {
     fn cost(&self, p: &[f64]) -> f64;
 
     /// Errors and their Jacobian at `p`.
-    fn linearise(&self, p: &[f64]) -> (Mat<f64>, Mat<f64>);
+    fn linearise(&self, p: &[f64]) -> Bordered;
 
     /// Brings parameters back to where the problem is defined.
     fn admit(&self, p: Vec<f64>) -> Result<Vec<f64>, IdentError>;
@@ -58,7 +57,7 @@ pub(super) fn minimise(
             break;
         }
         best.rounds += 1;
-        let local = Linearised::new(problem.linearise(&best.parameters));
+        let local = Compressed::new(&problem.linearise(&best.parameters));
         if local.promise(best.cost) <= patience.tolerance {
             best.converged = true;
             break;
@@ -86,52 +85,4 @@ pub(super) fn minimise(
         }
     }
     Ok(best)
-}
-
-/// The linear problem of one round, compressed by QR.
-struct Linearised {
-    /// Scaled triangular factor.
-    r: Mat<f64>,
-    /// `Qᵀ ε`.
-    errors: Mat<f64>,
-    /// Column lengths of the Jacobian, 1 for empty columns.
-    lengths: Vec<f64>,
-}
-
-impl Linearised {
-    fn new((jacobian, errors): (Mat<f64>, Mat<f64>)) -> Self {
-        let n = jacobian.ncols();
-        let length = |j: usize| {
-            let length = jacobian.col(j).norm_l2();
-            if length > 0.0 { length } else { 1.0 }
-        };
-        let lengths: Vec<f64> = (0..n).map(length).collect();
-        let scaled = Mat::from_fn(jacobian.nrows(), n, |i, j| jacobian[(i, j)] / lengths[j]);
-        let qr = scaled.qr();
-        let r = qr.thin_R().to_owned();
-        let errors = qr.compute_thin_Q().transpose() * errors;
-        Self { r, errors, lengths }
-    }
-
-    /// Share of the cost that an undamped step promises to remove.
-    fn promise(&self, cost: f64) -> f64 {
-        self.errors.squared_norm_l2() / cost
-    }
-
-    fn step(&self, damping: f64) -> Vec<f64> {
-        let (rows, n) = (self.r.nrows(), self.r.ncols());
-        let stacked = Mat::from_fn(rows + n, n, |i, j| match i.checked_sub(rows) {
-            None => self.r[(i, j)],
-            Some(i) if i == j => damping.sqrt(),
-            Some(_) => 0.0,
-        });
-        let target =
-            Mat::from_fn(rows + n, 1, |i, _| if i < rows { -self.errors[(i, 0)] } else { 0.0 });
-        let step = solve(stacked.as_ref(), target.as_ref());
-        (0..n).map(|j| step[(j, 0)] / self.lengths[j]).collect()
-    }
-}
-
-fn solve(x: MatRef<'_, f64>, y: MatRef<'_, f64>) -> Mat<f64> {
-    x.qr().solve_lstsq(y)
 }

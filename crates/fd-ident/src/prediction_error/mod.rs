@@ -32,6 +32,7 @@
 //! `B` do not suffer, standard errors of `c` and `d` do. The covariance assumes that the noise
 //! structure is right: output error in coloured noise is unbiased, but its errors are understated.
 
+mod bordered;
 mod fit;
 mod gauss_newton;
 mod predictor;

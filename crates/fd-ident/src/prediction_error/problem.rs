@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::{
+    bordered::Bordered,
     gauss_newton::SumOfSquares,
     predictor::{Predictor, Stretch},
 };
@@ -52,19 +53,19 @@ impl SumOfSquares for Problem {
         cost
     }
 
-    fn linearise(&self, p: &[f64]) -> (Mat<f64>, Mat<f64>) {
-        let (shared, past, n) = (self.predictor.shared(), self.predictor.past(), self.parameters());
-        let (mut errors, mut rows) = (Vec::new(), Vec::new());
+    fn linearise(&self, p: &[f64]) -> Bordered {
+        let (shared, own) = (self.predictor.shared(), self.predictor.past());
+        let width = own + shared + 1;
+        let mut rows: Vec<Vec<f64>> = vec![Vec::new(); self.stretches.len()];
         self.each(p, true, |stretch, error, gradient| {
-            errors.push(error);
-            let start = rows.len();
-            rows.resize(start + n, 0.0);
-            let row = &mut rows[start..];
-            row[..shared].copy_from_slice(&gradient[..shared]);
-            row[shared + stretch * past..][..past].copy_from_slice(&gradient[shared..]);
+            let rows = &mut rows[stretch];
+            rows.extend_from_slice(&gradient[shared..]);
+            rows.extend_from_slice(&gradient[..shared]);
+            rows.push(error);
         });
-        let jacobian = Mat::from_fn(errors.len(), n, |i, j| rows[i * n + j]);
-        (jacobian, Mat::from_fn(errors.len(), 1, |i, _| errors[i]))
+        let block =
+            |rows: &Vec<f64>| Mat::from_fn(rows.len() / width, width, |i, j| rows[i * width + j]);
+        Bordered { own, shared, blocks: rows.iter().map(block).collect() }
     }
 
     fn admit(&self, mut p: Vec<f64>) -> Result<Vec<f64>, IdentError> {

@@ -75,7 +75,7 @@ impl<T: Scalar, C: Covariance<T>> Rls<T, C> {
             | Forgetting::Bounded { lambda, .. }
             | Forgetting::Resetting { lambda, .. } => (T::one(), T::one() / lambda),
         };
-        let silence = if design.guard.skip_silence { T::default_epsilon() } else { -T::one() };
+        let silence = design.guard.silence(&design.forgetting);
         // Learning lowers the trace. What the factors are rounded by is less than the margin.
         let margin = T::one() + T::from_design(8.0) * T::default_epsilon();
         Ok(Self {

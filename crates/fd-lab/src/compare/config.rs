@@ -232,6 +232,12 @@ impl CompareConfig {
         std::iter::once(wanted).chain(others.filter(differs)).collect()
     }
 
+    /// Samples of a fresh run.
+    #[must_use]
+    pub fn samples_of_run(&self) -> usize {
+        self.samples(self.duration_s())
+    }
+
     /// Length of a fresh run in s.
     pub(super) fn duration_s(&self) -> f64 {
         self.fresh.duration_s

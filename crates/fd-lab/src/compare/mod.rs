@@ -47,3 +47,7 @@ pub use self::{
     run::begin_anew,
     share::Share,
 };
+pub(crate) use self::{
+    own::OwnPlants,
+    scene::{Ask, Plants, Runs},
+};

@@ -18,7 +18,7 @@ use super::{
 };
 
 /// The plants of a scenario.
-pub(super) trait Plants: Sync {
+pub(crate) trait Plants: Sync {
     /// The faults that are looked for.
     fn kinds(&self) -> &[FaultKind];
 
@@ -31,31 +31,31 @@ pub(super) trait Plants: Sync {
 
 /// Which runs are wanted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ask {
+pub(crate) struct Ask {
     /// Which plant.
-    pub(super) seed: u64,
+    pub(crate) seed: u64,
     /// How many runs without an injected fault, for thresholds or, if `tested`, for results.
-    pub(super) fresh_runs: u64,
+    pub(crate) fresh_runs: u64,
     /// Whether the results are taken from it, so that runs with faults are needed.
-    pub(super) tested: bool,
+    pub(crate) tested: bool,
 }
 
 /// The runs of one plant.
-pub(super) struct Runs {
+pub(crate) struct Runs {
     /// The model that watches it.
-    pub(super) model: StateSpace<Discrete>,
+    pub(crate) model: StateSpace<Discrete>,
     /// What its signals are in physical units.
-    pub(super) scaling: Scaling,
+    pub(crate) scaling: Scaling,
     /// The run that the bias is learned from.
-    pub(super) training: Record,
+    pub(crate) training: Record,
     /// Fault-free runs that scale the detectors.
-    pub(super) calibration: Vec<Record>,
+    pub(crate) calibration: Vec<Record>,
     /// Runs without an injected fault that thresholds or results are taken from.
-    pub(super) healthy: Vec<Record>,
+    pub(crate) healthy: Vec<Record>,
     /// The first of them with each kind of fault in each size; none for plants that set thresholds.
-    pub(super) faulty: Vec<Vec<Vec<Record>>>,
+    pub(crate) faulty: Vec<Vec<Vec<Record>>>,
     /// Samples at the start of a run that no detector sees, as residual and simulated bias do not begin at rest there.
-    pub(super) unseen: usize,
+    pub(crate) unseen: usize,
 }
 
 impl Runs {

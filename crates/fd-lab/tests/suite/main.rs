@@ -8,4 +8,5 @@ mod engine_benchmark;
 mod engine_on_line;
 mod gap_engine;
 mod input_following;
+mod rates;
 mod real_logs;

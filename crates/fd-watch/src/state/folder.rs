@@ -25,7 +25,7 @@ use crate::{
 };
 
 /// Version of the way in which states are kept.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Longest name of a file that is made of the name of a unit.
 const LONGEST_NAME: usize = 120;
 

@@ -3,6 +3,7 @@
 #[path = "../../../fdiag/tests/suite/support/mod.rs"]
 mod support;
 
+mod alarms;
 mod ask;
 mod common;
 mod input;

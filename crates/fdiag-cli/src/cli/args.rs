@@ -130,7 +130,7 @@ pub(crate) struct CompensateArgs {
     pub(crate) model: PathBuf,
     /// Log of the real plant (CSV); may be repeated; without --healthy the first one is
     /// the healthy log, the others are diagnosed
-    #[arg(long = "log", value_name = "FILE", required_unless_present = "healthy")]
+    #[arg(long = "log", value_name = "FILE", required_unless_present_any = ["healthy", "print_spec"])]
     pub(crate) logs: Vec<PathBuf>,
     /// Log of the healthy plant (CSV) to learn from; may be repeated
     #[arg(long, value_name = "FILE")]
@@ -145,7 +145,7 @@ pub(crate) struct CompensateArgs {
     /// taken from the rest
     #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = share)]
     pub(crate) learn_share: f64,
-    /// Print the spec that would run, and stop
+    /// Print the spec that would run on the model, that of --spec or the defaults, and stop; needs no log
     #[arg(long)]
     pub(crate) print_spec: bool,
     /// Exit with code 1 when a later log raises an alarm

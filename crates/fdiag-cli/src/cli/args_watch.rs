@@ -12,6 +12,7 @@ Examples:
   fdiag watch --model model.toml --healthy healthy.csv --format csv < later.csv
   fdiag watch --model model.toml --learn 1400 --sample-time 0.1 --state state < samples.ndjson
   fdiag watch --model model.toml --healthy healthy.csv --format csv --follow growing.csv
+  fdiag watch --replay state
   mosquitto_sub -t 'plant/+' | fdiag watch --model model.toml --learn 1400 --sample-time 0.1
 
 Exit codes: as for all commands; 0 also after SIGTERM or Ctrl-C, when all units have been saved.";
@@ -19,13 +20,13 @@ Exit codes: as for all commands; 0 also after SIGTERM or Ctrl-C, when all units 
 #[derive(Debug, Args)]
 pub(crate) struct WatchArgs {
     /// Model file of the nominal plant (TOML)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) model: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "replay")]
+    pub(crate) model: Option<PathBuf>,
     /// Choice of residual generator, bias model, detector and rule (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) spec: Option<PathBuf>,
     /// Log of the healthy plant (CSV) that all units learn from; may be repeated
-    #[arg(long, value_name = "FILE", required_unless_present = "learn")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["learn", "replay"])]
     pub(crate) healthy: Vec<PathBuf>,
     /// Let each unit learn what is normal from its own first N samples instead
     #[arg(long, value_name = "N", conflicts_with = "healthy")]
@@ -40,6 +41,12 @@ pub(crate) struct WatchArgs {
     /// Folder that keeps what must survive a restart; made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
+    /// How alarms are raised, held, repeated and shelved (TOML); docs/watch.md has the keys
+    #[arg(long, value_name = "FILE")]
+    pub(crate) alarms: Option<PathBuf>,
+    /// Watch nothing: print what the journal of a state folder, which may be in use, or a file of messages tells
+    #[arg(long, value_name = "PATH", exclusive = true)]
+    pub(crate) replay: Option<PathBuf>,
     /// Column that tells units apart; without it there is one, called `plant`
     #[arg(long, value_name = "COLUMN")]
     pub(crate) unit: Option<String>,

@@ -3,7 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::logs::{LogStudy, LogStudyError, Request};
-use fdiag::{core::Limits, training::TrainingError};
+use fdiag::{
+    core::Limits,
+    model::file::LinearModel,
+    spec::PipelineSpec,
+    training::{TrainingError, settling_time},
+};
 
 use super::{
     args::CompensateArgs,
@@ -18,8 +23,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
     let spec = spec.unwrap_or_default();
     if args.print_spec {
-        say(&toml::to_string(&spec).map_err(Failure::analysis)?)?;
-        return Ok(ExitCode::SUCCESS);
+        return print(&spec, &args.model);
     }
     let mut logs = args.logs.clone();
     let mut healthy = args.healthy.clone();
@@ -63,4 +67,21 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     output.finish(&study.headline(), &study.tables(), page, &study, &inputs)?;
     let alarmed = study.logs.iter().any(|log| !log.healthy && log.first_alarm_s.1.is_some());
     Ok(if args.fail_on_alarm && alarmed { ExitCode(1) } else { ExitCode::SUCCESS })
+}
+
+/// The spec as it would run on a model, with what it leaves to the model as a comment.
+fn print(spec: &PipelineSpec, model: &Path) -> Result<ExitCode, Failure> {
+    let model = LinearModel::read(model).map_err(Failure::of_input)?;
+    let mut text = toml::to_string(spec).map_err(Failure::analysis)?;
+    let sampled = model.system.sample_time().and_then(|ts| model.system.sampled(ts).ok());
+    // What is learned from logs has no settling time before.
+    let settling = sampled.and_then(|system| settling_time(spec, &system).ok());
+    if spec.settle_s.is_none()
+        && let Some(seconds) = settling
+    {
+        let is = "five time constants of the residual generator on this model";
+        text.insert_str(0, &format!("# settle_s = {seconds:?} # {is}\n"));
+    }
+    say(&text)?;
+    Ok(ExitCode::SUCCESS)
 }

@@ -152,8 +152,9 @@ fn help_is_worth_reading() {
 #[test]
 fn what_it_prints_as_configuration_it_reads() {
     let desk = Desk::new();
-    let line = "compensate --model model.toml --log healthy.csv --print-spec";
+    let line = "compensate --model model.toml --print-spec";
     let spec = stdout(&desk.fdiag(line));
+    assert!(spec.starts_with("# settle_s = "), "{spec}");
     desk.put("spec.toml", &spec);
     assert_eq!(stdout(&desk.fdiag(&format!("{line} --spec spec.toml"))), spec);
     assert!(!desk.path("fdiag-report").exists());

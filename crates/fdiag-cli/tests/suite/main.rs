@@ -15,6 +15,7 @@ mod limits;
 mod log_info;
 mod logs;
 mod nonlinear;
+mod outputs_alone;
 mod pages;
 mod simulator;
 mod structure;

@@ -5,7 +5,7 @@ use fd_model::{Discrete, Record, StateSpace};
 use fd_residual::GeneratorDesign;
 
 use super::error::TrainingError;
-use crate::spec::PipelineSpec;
+use crate::spec::{NominalPlant, PipelineSpec};
 
 /// Ranges of the learning data, complete samples only.
 pub(super) fn pre_fitted(theta: Vec<f64>, records: &[Record]) -> Result<PreFitted, TrainingError> {
@@ -46,6 +46,33 @@ pub(super) fn settling_samples(
     }
     let radius = design.form()?.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
     Ok(forgotten_after(radius))
+}
+
+/// Seconds that a diagnosis waits for its residual generator to settle, as the spec says or as the model needs: five time
+/// constants of its slowest pole.
+///
+/// ```
+/// use faer::mat;
+/// use fdiag::{model::{Discrete, SampleTime, StateSpace}, spec::PipelineSpec, training::settling_time};
+///
+/// let domain = Discrete { ts: SampleTime::new(0.1)? };
+/// let model = StateSpace::new(mat![[0.9]], mat![[0.1]], mat![[1.0]], mat![[0.0]], domain)?;
+/// // −5 / ln 0.9 is 47.5 samples.
+/// assert!((settling_time(&PipelineSpec::default(), &model)? - 4.8).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// Returns an error when the generator cannot be designed for the model, or is learned from logs.
+pub fn settling_time(
+    spec: &PipelineSpec,
+    model: &StateSpace<Discrete>,
+) -> Result<f64, TrainingError> {
+    let design =
+        spec.generator.design(NominalPlant::from(model), spec.weighting.as_deref(), &[])?;
+    let samples = settling_samples(spec, design.as_ref(), model)?;
+    Ok(samples as f64 * model.domain().ts.seconds())
 }
 
 /// Five time constants of a pole in samples, which leave e⁻⁵ = 0.7 % of an initial error; none for one that never

@@ -25,6 +25,7 @@ mod trace;
 mod train;
 
 pub use self::{
+    begin::settling_time,
     bias::LearnedBias,
     choose::Compared,
     error::TrainingError,

@@ -10,6 +10,7 @@ use fd_core::{
 use fd_model::Record;
 
 use super::{error::TrainingError, running::RunningBias, structure::DynIdentifier, train::Trained};
+use crate::spec::DetectorSpec;
 
 /// The residual generator alone.
 pub struct Primary {
@@ -109,6 +110,12 @@ impl Subtracted {
 }
 
 impl Trained {
+    /// Judges the same residuals by another detector from now on: nothing is learned again.
+    pub fn judge_by(&mut self, detector: DetectorSpec) -> &Self {
+        self.spec.detector = detector;
+        self
+    }
+
     /// The residual generator alone.
     ///
     /// # Errors

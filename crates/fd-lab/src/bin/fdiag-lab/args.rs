@@ -21,6 +21,7 @@ const AFTER_HELP: &str = "\
 Which command:
   fdiag-lab engine   shows on simulated jet engines what compensation gains
   fdiag-lab compare  says which residual, compensation and detector find the smallest faults there
+  fdiag-lab rates    says whether healthy runs alarm as often as was stated
   fdiag-lab blind    says how often the gap diagnosis names the right cause
 
 Exit codes are those of fdiag. Results are the same for any number of threads.";
@@ -42,6 +43,11 @@ pub(crate) enum Command {
     /// stopped when it is started again with the same settings and directory. docs/compare.md says
     /// which method to choose when.
     Compare(CompareArgs),
+    /// Count how often healthy runs alarm where a rate was stated
+    ///
+    /// Trains on healthy logs of plants of one's own (docs/compare.md), as a user does, and counts the fresh healthy runs
+    /// in which each detector alarms that states 5 % of the runs, beginning with a fitted bias and in training.
+    Rates(RatesArgs),
     /// Test the gap diagnosis on cases whose cause it does not know
     ///
     /// `make` simulates plants with hidden effects and seals the truth, `run` diagnoses them without
@@ -103,4 +109,26 @@ pub(crate) struct CompareArgs {
     pub(crate) patience: PatienceArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RatesArgs {
+    /// Configuration of a comparison with a plant of one's own (TOML); may be repeated
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) config: Vec<PathBuf>,
+    /// Number of plants
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seeds: u64,
+    /// First seed
+    #[arg(long, value_name = "S", default_value_t = 9001)]
+    pub(crate) first_seed: u64,
+    /// Healthy logs of each plant
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    pub(crate) healthy: usize,
+    /// Fresh healthy runs of each plant
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub(crate) fresh: usize,
+    /// Settling time in seconds; without it what the model needs
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) settle: Option<f64>,
 }

@@ -7,6 +7,7 @@ mod compare;
 #[cfg(test)]
 mod documented;
 mod engine;
+mod rates;
 
 use clap::{CommandFactory, Parser};
 use fd_console::{
@@ -36,6 +37,7 @@ fn run(command: Option<Command>) -> Result<ExitCode, Failure> {
         None => say(&Cli::command().render_help().to_string()).map(|()| ExitCode::SUCCESS),
         Some(Command::Engine(args)) => engine::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Rates(args)) => rates::run(&args),
         Some(Command::Blind { command }) => blind::run_command(&command),
         Some(Command::Completions(args)) => shell::completions(&args, Cli::command()),
         Some(Command::Man(args)) => shell::man(&args, Cli::command()),

@@ -13,4 +13,4 @@ mod linear;
 mod plants;
 
 pub use self::config::{OwnError, OwnFault, OwnPlant};
-pub(super) use self::plants::OwnPlants;
+pub(crate) use self::plants::OwnPlants;

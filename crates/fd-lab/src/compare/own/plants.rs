@@ -3,7 +3,7 @@
 use fd_model::{
     Channel, Discrete, Record, SampleTime, Scaling, StateSpace,
     fault::{FaultSpec, Site},
-    signal::{SignalSpec, WhiteNoise},
+    signal::{MultiSine, Phases, SignalSpec, WhiteNoise},
 };
 use fd_sim::{
     model::Model,
@@ -237,6 +237,7 @@ fn reseeded(signal: &SignalSpec, stream: u64) -> SignalSpec {
         SignalSpec::Staircase(signal) => signal.seed ^= stream,
         SignalSpec::WhiteNoise(signal) => signal.seed ^= stream,
         SignalSpec::ArNoise(signal) => signal.seed ^= stream,
+        SignalSpec::MultiSine(MultiSine { phases: Phases::Random { seed }, .. }) => *seed ^= stream,
         SignalSpec::Sum { terms } => {
             for term in terms {
                 *term = reseeded(term, stream);

@@ -4,7 +4,7 @@
 use crate::support::physical::{self, MODEL};
 use fd_log::LogMap;
 use fd_model::{Record, file::LinearModel};
-use fd_watch::{InputMap, Learning, Message, Monitor, Plan, Request, Row};
+use fd_watch::{AlarmSettings, InputMap, Learning, Message, Monitor, Plan, Request, Row};
 
 pub const SPEC: &str = r#"
 hold_missing = 3
@@ -19,7 +19,9 @@ pub fn model() -> LinearModel {
 }
 
 pub fn request(learning: Learning) -> Request {
-    Request { spec: toml::from_str(SPEC).unwrap(), ..Request::new(model(), learning) }
+    // As logs are judged: nothing is delayed or held.
+    let alarms = AlarmSettings::immediate();
+    Request { spec: toml::from_str(SPEC).unwrap(), alarms, ..Request::new(model(), learning) }
 }
 
 /// Learned from a healthy log.

@@ -18,7 +18,9 @@ pub(super) fn of_state(error: StateError) -> Failure {
 pub(super) fn of_plan(error: PlanError) -> Failure {
     match error {
         PlanError::NoSampleTime => Failure::of_input(format!("{error} (--sample-time)")),
-        PlanError::SampleTime { .. } | PlanError::Range { .. } => Failure::of_input(error),
+        PlanError::SampleTime { .. } | PlanError::Range { .. } | PlanError::Alarms(_) => {
+            Failure::of_input(error)
+        }
         error => Failure::analysis(error),
     }
 }

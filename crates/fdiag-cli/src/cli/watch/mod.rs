@@ -8,6 +8,7 @@ mod feed;
 mod mqtt;
 mod nightly;
 mod pulse;
+mod replay;
 mod study;
 mod watching;
 
@@ -15,6 +16,7 @@ mod watching;
 use std::sync::mpsc::Receiver;
 use std::{
     io::BufWriter,
+    path::Path,
     sync::{Arc, atomic::AtomicBool},
     time::Duration,
 };
@@ -41,6 +43,9 @@ use super::{
 };
 
 pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
+    if let Some(journal) = &args.replay {
+        return replay::run(journal);
+    }
     if asks_nobody(args) {
         return Err(Failure::of_input(
             "--ask: nobody could answer; say --http, --mqtt-out or both",
@@ -128,7 +133,7 @@ fn asks_nobody(args: &WatchArgs) -> bool {
 /// Studies of units that have moved away from their model, if they are wanted.
 fn diagnosing(args: &WatchArgs, plan: &Plan) -> Result<Option<(Nightly, Studies)>, Failure> {
     let Some(hours) = args.diagnose else { return Ok(None) };
-    let model = args.diagnose_model.as_ref().unwrap_or(&args.model).clone();
+    let model = args.diagnose_model.as_deref().map_or_else(|| model_file(args), Ok)?.to_owned();
     // What is found to be wrong in some night should be found now.
     if let Err(error) = std::fs::File::open(&model) {
         return Err(Failure::input(model, error));
@@ -224,10 +229,15 @@ fn board(_: &WatchArgs) -> Result<Option<Arc<Board>>, Failure> {
     Ok(None)
 }
 
+/// The file of the model, without which clap lets only a replay through.
+fn model_file(args: &WatchArgs) -> Result<&Path, Failure> {
+    args.model.as_deref().ok_or_else(|| Failure::of_input("--model: expected a file"))
+}
+
 /// What is watched, and where it is found in the stream.
 fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
     let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
-    let model = LinearModel::read(&args.model).map_err(Failure::of_input)?;
+    let model = LinearModel::read(model_file(args)?).map_err(Failure::of_input)?;
     let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
     let mut channels = map.inputs.iter().chain(&map.outputs);
@@ -268,6 +278,7 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         most_units: args.most_units,
         #[cfg(any(feature = "http", feature = "mqtt"))]
         ask: args.ask,
+        alarms: args.alarms.as_deref().map(toml_file::read).transpose()?.unwrap_or_default(),
         ..Request::new(model, learning)
     };
     Ok((request.plan().map_err(failures::of_plan)?, map))

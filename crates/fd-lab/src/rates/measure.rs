@@ -1,0 +1,126 @@
+//! From plants to the shares of healthy runs that alarm.
+
+use fd_compensate::calibrate::Beyond;
+use fd_core::stage::Stage;
+use fd_model::Record;
+use fdiag::{
+    spec::{NominalPlant, PipelineSpec, StartSpec},
+    training::{Healthy, Trace, Trained, TrainingError, train},
+};
+
+use super::detectors::Stated;
+use crate::compare::{Ask, CompareConfig, CompareError, OwnPlants, Plants, Runs, Share};
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Plants, each with logs of its own.
+    pub plants: u64,
+    /// Healthy logs that a diagnosis is trained on.
+    pub healthy: usize,
+    /// Healthy runs per plant that are counted.
+    pub fresh: usize,
+    /// Share of each healthy log, from its start, that the bias is learned from.
+    pub learn_share: f64,
+    /// Settling time in s; none is what the model needs.
+    pub settle_s: Option<f64>,
+    /// Whether a diagnosis begins with the fitted bias or in training.
+    pub start: StartSpec,
+}
+
+/// How often a detector alarms on healthy runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rate {
+    /// The detector.
+    pub detector: &'static str,
+    /// Of all plants together, with an interval that knows that runs of one plant are alike.
+    pub share: Share,
+    /// Alarms and runs of each plant.
+    pub plants: Vec<(u64, u64)>,
+    /// Why there is none of a plant.
+    pub refused: Vec<String>,
+}
+
+/// Trains on healthy logs of each plant of the first scenario, which is one of one's own, and counts the fresh healthy
+/// runs in which each detector alarms. The residual is that of the first generator of the configuration, all other
+/// settings are as they come.
+///
+/// # Errors
+///
+/// Returns an error when there is no such plant, or it cannot be run. A detector that cannot be calibrated is in its
+/// [`Rate`].
+pub fn measure(
+    config: &CompareConfig,
+    plan: &Plan,
+    detectors: &[Stated],
+) -> Result<Vec<Rate>, CompareError> {
+    let setting = |setting: &str, expected| CompareError::Setting {
+        setting: setting.to_owned(),
+        expected,
+        found: "none".to_owned(),
+    };
+    let own = config.scenarios.first().and_then(|scenario| scenario.own.as_ref());
+    let own = own.ok_or_else(|| setting("scenarios.own", "a plant of one's own"))?;
+    let generator =
+        config.generators.first().ok_or_else(|| setting("generators", "at least one"))?;
+    let plants = OwnPlants::new(config, own)?;
+    let mut rates: Vec<Rate> = detectors.iter().map(Rate::of).collect();
+    for seed in (config.first_seed..).take(usize::try_from(plan.plants).unwrap_or(usize::MAX)) {
+        let fresh_runs = (plan.healthy + plan.fresh) as u64;
+        let runs = plants.runs(Ask { seed, fresh_runs, tested: false })?;
+        let mut spec = PipelineSpec {
+            generator: generator.spec.clone(),
+            start: plan.start,
+            settle_s: plan.settle_s,
+            ..PipelineSpec::default()
+        };
+        // So many logs as users have do not resolve a rate. The interval of the threshold is of no interest here.
+        (spec.calibration.beyond, spec.calibration.records) = (Beyond::Extrapolate, 1);
+        count(&runs, &spec, plan, detectors, &mut rates);
+    }
+    for rate in &mut rates {
+        rate.share = Share::clustered(&rate.plants);
+    }
+    Ok(rates)
+}
+
+/// Adds the runs of one plant.
+fn count(runs: &Runs, spec: &PipelineSpec, plan: &Plan, detectors: &[Stated], rates: &mut [Rate]) {
+    let (learned, fresh) = runs.healthy.split_at(plan.healthy.min(runs.healthy.len()));
+    let healthy: Vec<Healthy<'_>> =
+        learned.iter().map(|log| Healthy::split(log, plan.learn_share)).collect();
+    let model = NominalPlant::from(&runs.model).in_units(runs.scaling.clone());
+    let mut trained = train(spec, model, &healthy);
+    for (Stated { spec, .. }, rate) in detectors.iter().zip(rates) {
+        let alarms = match &mut trained {
+            Ok(trained) => alarms(trained.judge_by(spec.clone()), fresh),
+            Err(error) => Err(error.clone()),
+        };
+        match alarms {
+            Ok(alarms) => rate.plants.push((alarms, fresh.len() as u64)),
+            Err(error) => rate.refused.push(error.to_string()),
+        }
+    }
+}
+
+/// The runs in which an alarm is raised.
+fn alarms(trained: &Trained, fresh: &[Record]) -> Result<u64, TrainingError> {
+    let mut pipeline = trained.compensated()?;
+    let mut alarms = 0;
+    for run in fresh {
+        pipeline.reset();
+        alarms += u64::from(Trace::of(&mut pipeline, run)?.first_alarm(0).is_some());
+    }
+    Ok(alarms)
+}
+
+impl Rate {
+    fn of(detector: &Stated) -> Self {
+        Self {
+            detector: detector.name,
+            share: Share::new(0, 0),
+            plants: Vec::new(),
+            refused: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Stated rates of false alarms hold on plants of users: a little in the gate, all of it by `fdiag-lab rates`.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failure here is a failed test")]
+
+use std::path::Path;
+
+use fd_lab::{
+    compare::CompareConfig,
+    rates::{Plan, detectors, measure},
+};
+use fdiag::spec::StartSpec;
+
+const STATED: f64 = 0.05;
+
+fn plant(name: &str) -> CompareConfig {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/plants").join(name);
+    let text = std::fs::read_to_string(folder.join("compare.toml")).unwrap();
+    let mut config: CompareConfig = toml::from_str(&text).unwrap();
+    config.begin_in(&folder);
+    config
+}
+
+/// The rate of no detector is further from the stated one than its interval and `by`, of the plants of these seeds.
+fn hold(name: &str, plan: &Plan, only: &[&str], by: [f64; 2]) {
+    let mut config = plant(name);
+    config.first_seed = 77_001;
+    let mut detectors = detectors(STATED, config.samples_of_run());
+    detectors.retain(|stated| only.is_empty() || only.contains(&stated.name));
+    for rate in measure(&config, plan, &detectors).unwrap() {
+        println!(
+            "{name} {:?} {}: {} {:?}",
+            plan.start,
+            rate.detector,
+            rate.share.text(),
+            rate.refused
+        );
+        if rate.share.of > 0 {
+            assert!(rate.share.low <= by[1] && by[0] <= rate.share.high, "{rate:?}");
+        }
+    }
+}
+
+/// A motor with friction that its model lacks: with the start of the bias model uncalibrated all of its runs alarmed.
+#[test]
+fn rates_hold_on_a_motor_with_friction() {
+    let settle_s = None;
+    let plan =
+        |start| Plan { plants: 2, healthy: 10, fresh: 20, learn_share: 0.7, settle_s, start };
+    for start in [StartSpec::Fitted, StartSpec::Training] {
+        hold("friction_motor", &plan(start), &["n-sigma", "chi-square of 20"], [0.02, 0.1]);
+    }
+}
+
+#[test]
+#[ignore = "an hour; `fdiag-lab rates` prints the table"]
+fn rates_hold_on_all_plants() {
+    for name in [
+        "three_tanks",
+        "dc_motor",
+        "valve",
+        "wind_turbine",
+        "friction_motor",
+        "heater",
+        "elastic_drive",
+    ] {
+        // Runs of the tanks are shorter than five of their time constants.
+        let settle_s = (name == "three_tanks").then_some(200.0);
+        for start in [StartSpec::Fitted, StartSpec::Training] {
+            let plan =
+                Plan { plants: 10, healthy: 20, fresh: 30, learn_share: 0.7, settle_s, start };
+            hold(name, &plan, &[], [0.02, 0.1]);
+        }
+    }
+}
