@@ -69,7 +69,9 @@ impl Unknown {
     fn scale(&self, r: &mut [f64], factor: impl Fn(f64) -> f64) {
         let length = r.len() / self.noise.len().max(1);
         for (rows, noise) in r.chunks_mut(length.max(1)).zip(&self.noise) {
-            rows.iter_mut().for_each(|r| *r *= factor(*noise));
+            for r in rows {
+                *r *= factor(*noise);
+            }
         }
     }
 

@@ -112,7 +112,8 @@ impl Beside {
             let samples: Vec<f64> =
                 forecast.errors.iter().map(|signals| count(signals) as f64).collect();
             let within = disturbances.iter().map(|d| d.within(rows)).collect::<Vec<_>>();
-            Regression::new(&r[rows.clone()], Vec::new(), &within, &[0..rows.len()], &samples)
+            let whole = std::iter::once(0..rows.len()).collect::<Vec<_>>();
+            Regression::new(&r[rows.clone()], Vec::new(), &within, &whole, &samples)
         });
         let (.., log_evidence) = sized(&parts.collect::<Vec<_>>())?;
         Some(log_evidence)
@@ -142,7 +143,7 @@ struct Solution {
     chosen: Vec<usize>,
     precisions: Vec<f64>,
     factor: Llt<f64>,
-    solution: Mat<f64>,
+    unknowns: Mat<f64>,
     log_evidence: f64,
 }
 
@@ -246,20 +247,20 @@ impl Regression {
         }
         let b = Mat::from_fn(m, 1, |i, _| sum(&|o| o.right[chosen[i]]));
         let factor = a.llt(Side::Lower).ok()?;
-        let solution = factor.solve(&b);
-        let explained: f64 = (0..m).map(|i| b[(i, 0)] * solution[(i, 0)]).sum();
+        let unknowns = factor.solve(&b);
+        let explained: f64 = (0..m).map(|i| b[(i, 0)] * unknowns[(i, 0)]).sum();
         let l = factor.L();
         let determinant: f64 = (0..m).map(|i| 2.0 * l[(i, i)].ln()).sum();
         let priors: f64 = precisions.iter().map(|precision| precision.ln()).sum();
         let noises: f64 =
             self.outputs.iter().zip(noise).map(|(output, noise)| output.samples * noise.ln()).sum();
         let log_evidence = 0.5 * (explained - sum(&|o| o.squares) - determinant + priors) - noises;
-        Some(Solution { chosen, precisions, factor, solution, log_evidence })
+        Some(Solution { chosen, precisions, factor, unknowns, log_evidence })
     }
 
     /// What a solution leaves of the squares of each output, and the number of unknowns that the data decide.
     fn left(&self, at: &Solution) -> (Vec<f64>, f64) {
-        let Solution { chosen, precisions, factor, solution, .. } = at;
+        let Solution { chosen, precisions, factor, unknowns, .. } = at;
         let m = chosen.len();
         let inverse = factor.solve(&Mat::<f64>::identity(m, m));
         let decided = (0..m).map(|i| 1.0 - precisions[i] * inverse[(i, i)]).sum();
@@ -267,8 +268,8 @@ impl Regression {
             let mut squares = output.squares;
             for i in 0..m {
                 let along: f64 =
-                    (0..m).map(|j| output.gram[(chosen[i], chosen[j])] * solution[(j, 0)]).sum();
-                squares += solution[(i, 0)] * (along - 2.0 * output.right[chosen[i]]);
+                    (0..m).map(|j| output.gram[(chosen[i], chosen[j])] * unknowns[(j, 0)]).sum();
+                squares += unknowns[(i, 0)] * (along - 2.0 * output.right[chosen[i]]);
             }
             squares.max(0.0)
         };
