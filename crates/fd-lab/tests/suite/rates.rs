@@ -49,25 +49,3 @@ fn rates_hold_on_a_motor_with_friction() {
         hold("friction_motor", &plan(start), &["n-sigma", "chi-square of 20"], [0.02, 0.1]);
     }
 }
-
-#[test]
-#[ignore = "an hour; `fdiag-lab rates` prints the table"]
-fn rates_hold_on_all_plants() {
-    for name in [
-        "three_tanks",
-        "dc_motor",
-        "valve",
-        "wind_turbine",
-        "friction_motor",
-        "heater",
-        "elastic_drive",
-    ] {
-        // Runs of the tanks are shorter than five of their time constants.
-        let settle_s = (name == "three_tanks").then_some(200.0);
-        for start in [StartSpec::Fitted, StartSpec::Training] {
-            let plan =
-                Plan { plants: 10, healthy: 20, fresh: 30, learn_share: 0.7, settle_s, start };
-            hold(name, &plan, &[], [0.02, 0.1]);
-        }
-    }
-}

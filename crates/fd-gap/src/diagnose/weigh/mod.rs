@@ -39,9 +39,6 @@ const NEAR: f64 = 1.15;
 /// Log-likelihood that something else could gain from which second causes are tried.
 pub(super) const SOMETHING: f64 = 3.0;
 
-/// Errors up to so many times the noise are no more than that.
-const DOWN_TO_THE_NOISE: f64 = 1.2;
-
 /// Single causes and pairs with their evidence, and the answer that it prefers.
 #[derive(Debug)]
 pub(super) struct Weighed<'a> {
@@ -71,7 +68,7 @@ impl<'a> Weighed<'a> {
             2 => self.pairs.first().is_some_and(FittedPair::follows_anything),
             _ => false,
         };
-        let is_short_of_it = follows && DOWN_TO_THE_NOISE < noise.reach(&self.best.errors);
+        let is_short_of_it = follows && NEAR < noise.reach(&self.best.errors);
         let law = is_short_of_it.then(|| self.singles.first_law()).flatten();
         noise.is_far(law.as_ref().map_or(&self.best.errors, |law| &law.errors))
     }
