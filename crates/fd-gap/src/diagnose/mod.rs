@@ -142,7 +142,6 @@ mod report;
 mod result;
 mod search;
 mod settings;
-mod unknown;
 mod weigh;
 
 use self::{

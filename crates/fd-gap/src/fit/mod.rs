@@ -24,7 +24,6 @@ mod null;
 mod plan;
 mod problem;
 mod screen;
-mod unknown;
 mod variable;
 mod weights;
 
@@ -39,7 +38,6 @@ pub use self::{
     plan::{Horizon, Plan, Segment},
     problem::Problem,
     screen::{Projection, Score},
-    unknown::Unknown,
     variable::Variable,
     weights::Weights,
 };

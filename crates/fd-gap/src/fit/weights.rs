@@ -1,8 +1,5 @@
 //! The scale and the colour of the noise of each output.
 
-use std::sync::Arc;
-
-use super::unknown::Unknown;
 use crate::quality::Autoregression;
 
 /// What residuals are divided by and filtered with.
@@ -12,8 +9,6 @@ pub struct Weights {
     pub sigma: Vec<f64>,
     /// Colour of the noise of each output.
     pub colour: Vec<Autoregression>,
-    /// What unknown disturbances add to that, in units of the noise.
-    pub unknown: Option<Arc<Unknown>>,
 }
 
 impl Weights {
@@ -27,6 +22,6 @@ impl Weights {
     #[must_use]
     pub fn white(sigma: Vec<f64>) -> Self {
         let colour = vec![Autoregression::white(); sigma.len()];
-        Self { sigma, colour, unknown: None }
+        Self { sigma, colour }
     }
 }

@@ -37,12 +37,10 @@ pub struct Settled<'a> {
 
 /// Errors of a forecast, and where they are in the logs.
 #[derive(Clone, Debug)]
-pub(crate) struct Forecast {
+pub(super) struct Forecast {
     /// As [`forecast_errors`] returns them.
-    pub(crate) errors: Vec<Vec<Vec<f64>>>,
-    pub(crate) segments: Vec<Segment>,
-    /// The state in which each segment begins, in the order of the simulator.
-    pub(crate) starts: Vec<Vec<f64>>,
+    pub(super) errors: Vec<Vec<Vec<f64>>>,
+    pub(super) segments: Vec<Segment>,
     pub(super) begin: Begin,
 }
 
@@ -84,20 +82,18 @@ pub fn forecast_errors(
 }
 
 /// Log by log: a free run of each log tells what its effects remember.
-pub(crate) fn forecast(
+pub(super) fn forecast(
     nominal: &dyn Simulator,
     settled: Settled<'_>,
     logs: &[Log],
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
-    let errors = vec![Vec::new(); sigma.len()];
-    let (segments, starts) = (Vec::new(), Vec::new());
-    let mut all = Forecast { errors, segments, starts, begin: Begin::default() };
+    let (errors, segments) = (vec![Vec::new(); sigma.len()], Vec::new());
+    let mut all = Forecast { errors, segments, begin: Begin::default() };
     for (i, log) in logs.iter().enumerate() {
         let one = forecast_one(nominal, settled, log, horizon, sigma)?;
-        let Some(Forecast { errors, segments, starts, begin }) = one else { return Ok(None) };
-        all.starts.extend(starts);
+        let Some(Forecast { errors, segments, begin }) = one else { return Ok(None) };
         all.begin.squares += begin.squares;
         all.begin.samples += begin.samples;
         all.begin.unknowns += begin.unknowns;
@@ -169,9 +165,7 @@ pub(super) fn forecast_one(
         begin.z[..shared].iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())),
         "only states move"
     );
-    let mut whole = build(plan)?;
-    let starts = (0..segments.len()).map(|s| whole.start_of(s, &begin.z)).collect();
-    let Some(mut errors) = whole.errors(&begin.z) else { return Ok(None) };
+    let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
     // Without what the estimate pays for states that are far from where the model says.
     let mut squares = 0.0;
     for signals in &mut errors {
@@ -181,7 +175,7 @@ pub(super) fn forecast_one(
             known.fill(f64::NAN);
         }
     }
-    Ok(Some(Forecast { errors, segments, starts, begin: Begin { squares, samples, unknowns } }))
+    Ok(Some(Forecast { errors, segments, begin: Begin { squares, samples, unknowns } }))
 }
 
 /// A log and its beginning, from which initial states and what belongs to this run are estimated.

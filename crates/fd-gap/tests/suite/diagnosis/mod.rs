@@ -31,4 +31,3 @@ mod reading;
 mod reproduce;
 mod road;
 mod slow_noise;
-mod unknown;
