@@ -5,8 +5,7 @@ use std::cell::Cell;
 use fd_compensate::SampleRows;
 use fd_model::Record;
 use fdiag::{
-    ident::arx::ArxOrders,
-    spec::{BiasSpec, OrderSpec},
+    spec::{ApplySpec, BiasSpec},
     training::{Trained, TrainingError, sensor_signatures},
 };
 
@@ -68,10 +67,7 @@ impl Scene<'_> {
             let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
                 fit
             } else {
-                learned = train(&BiasSpec {
-                    orders: OrderSpec::Fixed(ArxOrders::paper(2)),
-                    ..BiasSpec::default()
-                });
+                learned = train(&BiasSpec { apply: ApplySpec::Never, ..BiasSpec::default() });
                 &learned
             };
             let primary = plain.as_ref().map_err(String::clone).and_then(|trained| {

@@ -228,5 +228,5 @@ fn shipped_configurations_run() {
         assert!(found > 0, "{}: nothing found", folder.display());
         count += 1;
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 7);
 }

@@ -25,7 +25,7 @@ fn log(seed: u64, fault: f64) -> Record {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     // The sum of twelve uniform numbers has the variance of one.
     let mut normal = || (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>();
-    let (mut x, samples) = ([0.0; 2], 4000);
+    let (mut x, samples) = ([0.0; 2], 5000);
     let mut y = Vec::new();
     for k in 0..samples {
         x = x.map(|x| 0.9 * x + 0.4 * normal());

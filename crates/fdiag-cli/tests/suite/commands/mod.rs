@@ -15,7 +15,8 @@ use desk::Desk;
 use fd_console::documented::{Shown, of_documents, of_help};
 
 /// The beginning of a line that is not run, and why.
-const PARSED: [(&str, &str); 8] = [
+const PARSED: [(&str, &str); 9] = [
+    ("fdiag watch --replay", "the folder of a monitor that has run; its test is in `fd-watch`"),
     ("fdiag log info pusht", "LeRobot is read with the feature `parquet` only"),
     (
         "fdiag simulator check -- python3",

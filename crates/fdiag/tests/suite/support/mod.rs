@@ -77,7 +77,8 @@ pub fn input(samples: usize, variant: u32) -> Vec<f64> {
 pub fn run(plant: &StateSpace<Discrete>, u: &[f64], noise: f64, seed: u64) -> Record {
     let nu = plant.nu();
     let inputs = Inputs::new(Channel::numbered("u", nu), u.to_vec(), u.len() / nu, ts()).unwrap();
-    let sensors = (0..plant.ny() as u64).map(|i| WhiteNoise::new(noise, 1000 * seed + i).into());
+    let sensors = (0..plant.ny() as u64)
+        .map(|i| WhiteNoise::new(noise, seed.wrapping_mul(1000).wrapping_add(i)).into());
     let output_noise = if noise > 0.0 { sensors.collect() } else { Vec::new() };
     let simulation = Simulation { output_noise, ..Simulation::default() };
     let running = plant.freeze::<f64, Heap>().unwrap();
