@@ -167,12 +167,11 @@ fn so_101() {
     assert!(closed(&diagnosis).iter().all(|closed| 0.3 < *closed));
 }
 
-/// Friction wins, and does not close enough to be named.
 #[test]
 #[ignore = "needs the logs of ../shared/data"]
 fn xl330() {
     let diagnosis = run("xl330");
-    assert_eq!(diagnosis.verdict, Verdict::NoneOfThese);
+    assert_eq!(diagnosis.verdict, Verdict::Cause);
     assert_eq!(first(&diagnosis), ("coulomb-friction", "friction", Some("joint")));
 }
 
