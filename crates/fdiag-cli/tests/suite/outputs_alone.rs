@@ -73,7 +73,7 @@ fn a_wrong_sensor_is_found_among_the_others() {
         let [_, fresh, faulty] = &study.logs[..] else { panic!("{study:?}") };
         assert_eq!(fresh.alarms_s, Vec::<[f64; 2]>::new(), "{generator}");
         let first = faulty.alarms_s.first().unwrap();
-        assert!((200.0..202.0).contains(&first[0]), "{generator}: {first:?}");
+        assert!((250.0..252.0).contains(&first[0]), "{generator}: {first:?}");
         assert_eq!(faulty.first_alarm_s.1, Some(first[0]));
     }
 }
