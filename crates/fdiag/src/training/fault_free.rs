@@ -135,12 +135,15 @@ impl Trained {
         let end = log.calibrate.end.min(trace.len());
         let samples = end.saturating_sub(log.calibrate.start);
         let filling = usize::try_from(self.fit.filling).unwrap_or(usize::MAX);
-        let length = filling.saturating_add(self.start_up()?);
-        if length > samples {
+        // In a stretch shorter than a start-up as much of it is seen as there is: the largest of it comes first.
+        let length = filling.saturating_add(self.start_up()?).min(samples);
+        if length <= filling {
             return Ok(());
         }
+        let places = samples - length + 1;
+        let beginnings = beginnings.min(places);
         for i in 0..beginnings {
-            let from = log.calibrate.start + i * (samples - length) / beginnings;
+            let from = log.calibrate.start + i * places / beginnings;
             if (from..from + length).all(|k| log.record.is_complete(k)) {
                 self.begin_at(from..from + length, log.record, &trace)?;
             }

@@ -110,8 +110,17 @@ fn learn_equations(
         let (bias, events) = learn_on_line(spec, structure, orders, record)?;
         return Ok(Learned { bias, selection, compared: Vec::new(), events });
     }
-    let bias = fit(structure, &spec.bias.learning, orders, records)?;
+    let bias = fit(structure, &spec.bias.learning, orders, records, Search::AsFarAsItCame)?;
     Ok(Learned { bias, selection, compared: Vec::new(), events: Vec::new() })
+}
+
+/// What is made of a search that has not come to rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Search {
+    /// Its last model.
+    AsFarAsItCame,
+    /// None: where it stopped is a matter of rounding, and so of units.
+    ToRest,
 }
 
 /// A model of given structure and orders from all records in one go.
@@ -120,8 +129,9 @@ pub(super) fn fit(
     learning: &LearningSpec,
     orders: ArxOrders,
     records: &[Record],
+    search: Search,
 ) -> Result<LearnedBias, TrainingError> {
-    let equations = |seen: &[Record]| batch(learning, orders, seen);
+    let equations = |seen: &[Record]| batch(learning, orders, seen, search);
     Ok(match structure {
         Structure::Linear => LearnedBias::Linear(equations(records)?),
         Structure::Hammerstein(expansion) => {
@@ -159,11 +169,16 @@ fn batch(
     learning: &LearningSpec,
     orders: ArxOrders,
     records: &[Record],
+    search: Search,
 ) -> Result<ArxModel, IdentError> {
     let search = |noise: NoiseStructure, from_rest: bool| {
-        let search = PredictionError::new(orders, noise);
-        let search = if from_rest { search.from_rest() } else { search };
-        Ok(search.fit(records)?.model)
+        let estimator = PredictionError::new(orders, noise);
+        let estimator = if from_rest { estimator.from_rest() } else { estimator };
+        let estimate = estimator.fit(records)?;
+        if search == Search::ToRest && !estimate.channels.iter().all(|channel| channel.converged) {
+            return Err(IdentError::NoConvergence { what: "prediction-error search" });
+        }
+        Ok(estimate.model)
     };
     match learning {
         LearningSpec::Batch { prefilter_rad_s } => {

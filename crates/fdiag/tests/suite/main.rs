@@ -13,5 +13,6 @@ mod nonlinear;
 mod outside;
 mod pipeline_laws;
 mod start_in_training;
+mod stated_rates;
 mod static_and_spec;
 mod support;

@@ -5,7 +5,11 @@ use fd_model::Record;
 
 use crate::{
     spec::{LearningSpec, StructureSpec},
-    training::{error::TrainingError, learn::fit, structure::Structure},
+    training::{
+        error::TrainingError,
+        learn::{Search, fit},
+        structure::Structure,
+    },
 };
 
 /// Delays in samples that are tried with each order; powers of two, since an order more takes in the next delay.
@@ -40,7 +44,8 @@ pub(super) fn structures(
     let basis = |degree| Basis::Polynomial { degree };
     let mut all: Vec<StructureSpec> =
         [2, 3].map(|degree| StructureSpec::Hammerstein { basis: basis(degree) }).into();
-    let model = fit(&Structure::Linear, &found.learning, found.orders, records)?;
+    let model =
+        fit(&Structure::Linear, &found.learning, found.orders, records, Search::AsFarAsItCame)?;
     let slowest = model.pole_radii()?.into_iter().flatten().fold(0.0, f64::max);
     let samples = if slowest > 0.0 && slowest < 1.0 { -slowest.ln().recip() } else { 1.0 };
     let longest = records.iter().map(Record::len).max().unwrap_or(1);

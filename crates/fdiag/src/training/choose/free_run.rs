@@ -10,7 +10,12 @@ use fd_model::Record;
 use super::candidates::Candidate;
 use crate::{
     spec::{LearningSpec, StructureSpec},
-    training::{bias::LearnedBias, error::TrainingError, learn::fit, structure::Structure},
+    training::{
+        bias::LearnedBias,
+        error::TrainingError,
+        learn::{Search, fit},
+        structure::Structure,
+    },
 };
 
 /// Parts that the samples are dealt into; each is judged by models that have learned from the others.
@@ -99,8 +104,8 @@ impl<'r> Judge<'r> {
         })
     }
 
-    /// The losses of every candidate of a structure and a way of learning; none for one that cannot be fitted, is
-    /// unstable or diverges.
+    /// The losses of every candidate of a structure and a way of learning; none for one that cannot be fitted,
+    /// whose search comes to no rest, that is unstable or diverges.
     pub(super) fn losses(
         &self,
         spec: &StructureSpec,
@@ -205,7 +210,8 @@ fn fit_all(
     let shares = matches!(structure, Structure::Linear | Structure::Hammerstein(_))
         && *learning == LearningSpec::default();
     let Some(seen) = structure.seen(records).ok().filter(|_| shares) else {
-        return orders.iter().map(|o| fit(structure, learning, *o, records).ok()).collect();
+        let fitted = |o: &ArxOrders| fit(structure, learning, *o, records, Search::ToRest).ok();
+        return orders.iter().map(fitted).collect();
     };
     let seen: Vec<&Record> = seen.iter().collect();
     let Ok(table) = select_orders(orders, &LeastSquares::new(), &seen, &[]) else {

@@ -62,7 +62,7 @@ pub(super) fn choose(
     };
     let orders = candidates::orders(most);
     tried.extend(judge.losses(&spec.bias.structure, &learning, &orders)?);
-    let found = best(&tried, 1).next().cloned();
+    let found = best(&tried).cloned();
     let has_free_structure = spec.bias.structure == StructureSpec::default() && nu > 0;
     if let Some(found) = &found {
         if has_free_structure {
@@ -72,27 +72,20 @@ pub(super) fn choose(
         }
         if is_open {
             // Output error needs fewer poles than least squares, which spend some on the noise.
-            let fewer =
-                (1..=found.orders.na).map(|n| ArxOrders { na: n, nb: n + 1, ..found.orders });
+            let fewer: Vec<ArxOrders> = (1..=found.orders.na)
+                .map(|n| ArxOrders { na: n, nb: n + 1, ..found.orders })
+                .collect();
             let output_error = LearningSpec::OutputError { from_rest: false };
-            let fewer: Vec<ArxOrders> = fewer.collect();
             tried.extend(judge.losses(&spec.bias.structure, &output_error, &fewer)?);
         }
     }
     Ok(decide(tried, judge.without_bias(), nu))
 }
 
-/// The candidates of least loss, the best first.
-fn best(
-    tried: &[(Candidate, Option<Losses>)],
-    count: usize,
-) -> impl Iterator<Item = &Candidate> + use<'_> {
-    let mut sorted: Vec<(&Candidate, f64)> = tried
-        .iter()
-        .filter_map(|(candidate, losses)| Some((candidate, losses.as_ref()?.mean())))
-        .collect();
-    sorted.sort_by(|(_, a), (_, b)| a.total_cmp(b));
-    sorted.into_iter().map(|(candidate, _)| candidate).take(count)
+/// The candidate of least loss.
+fn best(tried: &[(Candidate, Option<Losses>)]) -> Option<&Candidate> {
+    let judged = tried.iter().filter_map(|(tried, losses)| Some((tried, losses.as_ref()?.mean())));
+    judged.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(candidate, _)| candidate)
 }
 
 fn decide(tried: Vec<(Candidate, Option<Losses>)>, without_bias: Losses, nu: usize) -> Choice {
@@ -102,9 +95,13 @@ fn decide(tried: Vec<(Candidate, Option<Losses>)>, without_bias: Losses, nu: usi
         Some(candidate) => candidate.parameters(nu),
         None => 0,
     };
-    all.sort_by_key(|(candidate, _)| (parameters(candidate), candidate.is_some()));
-    let means = all.iter().map(|(_, losses)| losses.as_ref().map_or(f64::INFINITY, Losses::mean));
-    let least = means.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(i, _)| i);
+    let loss = |losses: &Option<Losses>| losses.as_ref().map_or(f64::INFINITY, Losses::mean);
+    // Of equally simple forms the better one comes first, whatever the order of the inputs.
+    all.sort_by(|(a, loss_a), (b, loss_b)| {
+        parameters(a).cmp(&parameters(b)).then(loss(loss_a).total_cmp(&loss(loss_b)))
+    });
+    let least = (0..all.len()).min_by(|&i, &j| loss(&all[i].1).total_cmp(&loss(&all[j].1)));
+    let least = least.unwrap_or(0);
     // Without a bias there always is a loss.
     let reference = all[least].1.clone();
     let above = |losses: &Option<Losses>| Some(losses.as_ref()?.above(reference.as_ref()?));
