@@ -26,6 +26,8 @@ pub struct Search {
     pub own_only: bool,
     /// Damping at which it gives up; it grows tenfold with each step that leads up.
     pub give_up: f64,
+    /// Slopes are rough: steps go by what those before them have shown as well.
+    pub by_secants: bool,
 }
 
 impl Default for Search {
@@ -43,10 +45,11 @@ impl Search {
         frozen: 0,
         own_only: false,
         give_up: 1e8,
+        by_secants: false,
     };
 
-    /// The same where a step is a run that is dear, and slopes are so rough that the end comes slowly: it ends a
-    /// fiftieth of a nat before, and does not insist.
+    /// The same where a step is a run that is dear, and slopes are rough, so that steps go by secants: it ends a fiftieth
+    /// of a nat before, and does not insist.
     #[must_use]
     pub fn of_dear_runs(self) -> Self {
         Self {
@@ -54,6 +57,7 @@ impl Search {
             absolute: self.absolute.max(0.04),
             relative: self.relative.max(1e-5),
             give_up: 1e3,
+            by_secants: true,
             ..self
         }
     }
@@ -203,7 +207,7 @@ pub fn minimise_all(
 /// By how much the sum of squares at a place would fall if residuals were as linear as their slopes say.
 pub(crate) fn promised(problem: &dyn LeastSquares, at: &Minimum) -> f64 {
     let setting = Setting::of(problem, Search::PLAIN);
-    let equations = setting.linear_equations(at);
+    let equations = setting.linear_equations(at, None);
     let Some(factor) = equations.factor() else { return f64::INFINITY };
     let mut step = equations.gradient.clone();
     factor.solve(&mut step);
@@ -228,11 +232,16 @@ impl Setting {
         }
     }
 
-    /// Normal equations at a place, with held unknowns taken out.
-    fn linear_equations(&self, at: &Minimum) -> Arrow {
+    /// Normal equations at a place, by secants where there are any, with held unknowns taken out.
+    fn linear_equations(&self, at: &Minimum, secants: Option<&Secants>) -> Arrow {
         let Self { layout, bounds, prior, search } = self;
         let z = &at.z;
-        let mut equations = at.equations_in(layout, prior, 1.0);
+        let mut equations = match secants {
+            Some(Secants(slopes)) => {
+                Arrow::of_slopes(layout, slopes, &at.r).with_prior(prior, z, 1.0)
+            }
+            None => at.equations_in(layout, prior, 1.0),
+        };
         for (i, [low, high]) in bounds.iter().enumerate() {
             let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
             let is_held = search.own_only && i < layout.shared
@@ -270,6 +279,7 @@ struct Descent<'a> {
     /// Normal equations at this place, with held unknowns taken out.
     equations: Option<Arrow>,
     iterations: usize,
+    secants: Option<Secants>,
 }
 
 impl<'a> Descent<'a> {
@@ -287,7 +297,7 @@ impl<'a> Descent<'a> {
         slopes.splice(columns, there.slopes);
         let (r, converged, products) = (there.r, false, None);
         let at = Minimum { z, cost, prior_cost, r, slopes, products, converged };
-        Self { setting, at, damping: DAMPING, equations: None, iterations: 0 }
+        Self { setting, at, damping: DAMPING, equations: None, iterations: 0, secants: None }
     }
 
     /// Where to look next; `None` at the end.
@@ -299,7 +309,7 @@ impl<'a> Descent<'a> {
         }
         let equations = match self.equations.take() {
             Some(equations) => equations,
-            None => self.setting.linear_equations(&self.at),
+            None => self.setting.linear_equations(&self.at, self.secants.as_ref()),
         };
         let mut next = None;
         while next.is_none() && self.damping < give_up {
@@ -329,6 +339,13 @@ impl<'a> Descent<'a> {
     fn look_at(&mut self, z: Vec<f64>, there: Option<Linearization>, first_column: usize) {
         if let Some(there) = there {
             let [cost, prior_cost] = self.setting.cost(&z, &there.r);
+            if self.setting.search.by_secants {
+                let secants = self.secants.take();
+                let mut secants = secants.unwrap_or_else(|| Secants(self.at.slopes.clone()));
+                secants.learn(&self.setting.layout, &self.at, (&z, &there.r));
+                self.secants = Some(secants);
+                self.equations = None;
+            }
             if cost < self.at.cost {
                 let gain = self.at.cost - cost;
                 let columns = first_column..first_column + there.slopes.len();
@@ -343,5 +360,35 @@ impl<'a> Descent<'a> {
             }
         }
         self.damping *= 10.0;
+    }
+}
+
+/// Slopes that steps have shown: Broyden's update, the least change of slopes that agrees with the last step, where each
+/// unknown is measured by what it does to the residuals (Dennis & Schnabel 1996, section 8.1 and theorem 8.2.2).
+struct Secants(Columns);
+
+impl Secants {
+    fn learn(&mut self, layout: &Layout, from: &Minimum, (z, r): (&[f64], &[f64])) {
+        let mut slopes: Vec<Vec<f64>> = self.0.iter().map(<[f64]>::to_vec).collect();
+        for (s, rows) in layout.segments.iter().enumerate() {
+            let own = layout.first_own(s);
+            let unknowns = (0..layout.shared).chain(own..own + layout.own);
+            let step: Vec<f64> = unknowns.map(|i| z[i] - from.z[i]).collect();
+            let here = slopes.iter().map(|column| &column[rows.clone()]);
+            let along: Vec<f64> =
+                here.zip(&step).map(|(column, step)| dot(column, column) * step).collect();
+            let length = dot(&along, &step);
+            if length.is_nan() || length <= 0.0 {
+                continue;
+            }
+            for row in rows.clone() {
+                let foretold: f64 = slopes.iter().zip(&step).map(|(c, step)| c[row] * step).sum();
+                let missing = r[row] - from.r[row] - foretold;
+                for (column, along) in slopes.iter_mut().zip(&along) {
+                    column[row] += missing * along / length;
+                }
+            }
+        }
+        self.0 = Columns::new(slopes);
     }
 }

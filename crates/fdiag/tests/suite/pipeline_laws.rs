@@ -120,7 +120,7 @@ fn floats(bits: &[u64]) -> impl Iterator<Item = f64> + '_ {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40,
+    #![proptest_config(ProptestConfig { cases: 16,
  max_global_rejects: 40,
  failure_persistence: None, ..ProptestConfig::default() })]
 

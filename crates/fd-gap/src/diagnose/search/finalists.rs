@@ -18,9 +18,10 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
             chosen.push(trial.candidate);
         }
     }
+    // Of a cause that is worth it, all laws are: where slopes are rough, what they promise says little of the right one.
     trials
         .par_iter_mut()
-        .filter(|trial| is_among(&chosen, trial) && !trial.is_not_worth_a_run(best))
+        .filter(|trial| is_among(&chosen, trial))
         .for_each(|trial| trial.full_fit(null));
     // A law starts from the best one of its cause as well, by the names of the parameters.
     let mut starts: Vec<Option<Vec<f64>>> = Vec::with_capacity(trials.len());
@@ -28,9 +29,7 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
         let peers = trials.iter().filter(|peer| is_same_cause(peer.candidate, trial.candidate));
         let best = peers.min_by(|a, b| a.cost().total_cmp(&b.cost()));
         let is_chosen = is_among(&chosen, trial);
-        // Where runs are dear it has done so on the stand-in.
-        let is_open = is_chosen && !trial.problem.begins_on_stand_in();
-        let other = best.filter(|best| is_open && best.index != trial.index);
+        let other = best.filter(|best| is_chosen && best.index != trial.index);
         starts.push(other.and_then(|best| best.values_for(trial.candidate)));
     }
     trials.par_iter_mut().zip(starts).for_each(|(trial, start)| {

@@ -273,10 +273,11 @@ impl<'a> Trial<'a> {
         Some(other.parameters.iter().map(value).collect())
     }
 
-    /// A short fit from other values; says whether it is better than what was known.
+    /// A short fit from other values, where runs are dear a look at them; says whether it is better than what was known.
     pub(in crate::diagnose) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
         let before = self.cost();
-        self.short_fit(null, &[values.to_vec()], SHORT);
+        let search = if self.problem.begins_on_stand_in() { LOOK } else { SHORT };
+        self.short_fit(null, &[values.to_vec()], search);
         self.cost() < before
     }
 

@@ -57,7 +57,17 @@ pub(super) struct Judge<'r> {
 }
 
 impl<'r> Judge<'r> {
-    pub(super) fn new(records: &'r [Record], lag: usize) -> Result<Self, TrainingError> {
+    /// With as many samples before what is judged as there is room for, up to `lag`, and how many these are: logs that are
+    /// too short for long histories choose among shorter ones.
+    pub(super) fn of_widest(
+        records: &'r [Record],
+        lag: usize,
+    ) -> Result<(Self, usize), TrainingError> {
+        let found = (1..=lag).rev().find_map(|lag| Some((Self::new(records, lag).ok()?, lag)));
+        found.map_or_else(|| Ok((Self::new(records, 0)?, 0)), Ok)
+    }
+
+    fn new(records: &'r [Record], lag: usize) -> Result<Self, TrainingError> {
         let samples: usize = records.iter().map(Record::len).sum();
         let share = (MOST_SAMPLES as f64 / samples.max(1) as f64).min(1.0);
         let mut parts = Vec::new();

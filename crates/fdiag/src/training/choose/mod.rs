@@ -50,8 +50,8 @@ pub(super) fn choose(
     most: usize,
     records: &[Record],
 ) -> Result<Choice, TrainingError> {
-    let widest = most + 1 + candidates::DELAYS.iter().max().copied().unwrap_or(0);
-    let judge = Judge::new(records, widest)?;
+    let widest = most + candidates::DELAYS.iter().max().copied().unwrap_or(0);
+    let (judge, lag) = Judge::of_widest(records, widest)?;
     let nu = records[0].inputs().len();
     let mut tried: Vec<(Candidate, Option<Losses>)> = Vec::new();
     let is_open = spec.bias.learning == LearningSpec::default();
@@ -60,7 +60,8 @@ pub(super) fn choose(
         learning if learning.is_on_line() => LearningSpec::default(),
         learning => learning.clone(),
     };
-    let orders = candidates::orders(most);
+    let mut orders = candidates::orders(most);
+    orders.retain(|orders| orders.lag() <= lag);
     tried.extend(judge.losses(&spec.bias.structure, &learning, &orders)?);
     let found = best(&tried).cloned();
     let has_free_structure = spec.bias.structure == StructureSpec::default() && nu > 0;
