@@ -217,13 +217,17 @@ impl<'a> Trial<'a> {
         self.fall_back(null);
     }
 
+    /// A short fit; where fits have begun on the stand-in, a look at the simulator.
+    fn short(&self) -> Search {
+        if self.problem.begins_on_stand_in() { LOOK } else { SHORT }
+    }
+
     /// Starts where the effect is absent, if that is better.
     fn fall_back(&mut self, null: &NullFit) {
         if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
             return;
         }
-        let search = if self.problem.begins_on_stand_in() { LOOK } else { SHORT };
-        self.short_fit(null, &[self.neutral()], search);
+        self.short_fit(null, &[self.neutral()], self.short());
     }
 
     /// The effect is absent.
@@ -273,11 +277,10 @@ impl<'a> Trial<'a> {
         Some(other.parameters.iter().map(value).collect())
     }
 
-    /// A short fit from other values, where runs are dear a look at them; says whether it is better than what was known.
+    /// A short fit from other values; says whether it is better than what was known.
     pub(in crate::diagnose) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
         let before = self.cost();
-        let search = if self.problem.begins_on_stand_in() { LOOK } else { SHORT };
-        self.short_fit(null, &[values.to_vec()], search);
+        self.short_fit(null, &[values.to_vec()], self.short());
         self.cost() < before
     }
 
