@@ -69,6 +69,7 @@ pub(super) enum Time {
 pub(super) fn time_source(
     file: &str,
     header: &[HeaderColumn],
+    dates: Option<usize>,
     map: &LogMap,
 ) -> Result<Time, LogError> {
     let index = match (&map.time.column, map.time.sample_time) {
@@ -76,13 +77,12 @@ pub(super) fn time_source(
         (None, Some(ts)) => {
             let ts = SampleTime::new(ts).map_err(|source| LogError::TimeBase {
                 file: file.to_owned(),
+                column: None,
                 source: source.into(),
             })?;
             return Ok(Time::Rows(ts));
         }
-        (None, None) => header
-            .iter()
-            .position(|column| is_time(column, map))
+        (None, None) => time_column(header, dates, map)
             .ok_or_else(|| LogError::NoTime { file: file.to_owned(), known: texts(header) })?,
     };
     let seconds = ColumnMap {
@@ -96,12 +96,25 @@ pub(super) fn time_source(
     Ok(Time::Column(resolve(file, header, map, &seconds)?.0))
 }
 
-/// Whether a column is the one of time: the one of the map, or one with a name that says so.
-pub(super) fn is_time(column: &HeaderColumn, map: &LogMap) -> bool {
-    match &map.time.column {
-        Some(wanted) => column.text == *wanted || column.name == *wanted,
-        None => ["time", "t", "time_s"].iter().any(|t| column.name.eq_ignore_ascii_case(t)),
+/// The column of time: the one of the map, else one with a name that says so, else the one that holds dates.
+pub(super) fn time_column(
+    header: &[HeaderColumn],
+    dates: Option<usize>,
+    map: &LogMap,
+) -> Option<usize> {
+    if let Some(wanted) = &map.time.column {
+        return header.iter().position(|column| column.text == *wanted || column.name == *wanted);
     }
+    // A capital T is a temperature, unless its unit says otherwise.
+    let is_time = |column: &HeaderColumn| {
+        column.unit.as_deref().is_some_and(|unit| Conversion::between(unit, "s").is_ok())
+    };
+    let is_called = |column: &HeaderColumn, name: &str| {
+        column.name == name
+            || column.name.eq_ignore_ascii_case(name) && (name.len() > 1 || is_time(column))
+    };
+    let named = |name: &&str| header.iter().position(|column| is_called(column, name));
+    ["time", "t", "time_s", "timestamp"].iter().find_map(named).or(dates)
 }
 
 /// Columns of the rules about rows, in the unit they have, and what is computed from columns.
@@ -109,17 +122,10 @@ pub(super) fn rule_columns(
     file: &str,
     header: &[HeaderColumn],
     map: &LogMap,
-    time: &Time,
 ) -> Result<Vec<(RowRule, Column)>, LogError> {
     let column = |rule: &RowRule| {
         if let Some(text) = &rule.expression {
-            let column = rule_expression(file, header, map, rule, text)?;
-            let has_time = matches!(time, Time::Column(_));
-            if column.needs_time() && !has_time {
-                let problem = "expected a column of time for `t`, found rows that are counted";
-                return Err(wrong_rule(file, problem));
-            }
-            return Ok((rule.clone(), column));
+            return Ok((rule.clone(), rule_expression(file, header, map, rule, text)?));
         }
         let index = find(file, header, &rule.column)?;
         let text = header[index].text.clone();

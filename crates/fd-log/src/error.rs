@@ -2,7 +2,7 @@
 
 use std::io;
 
-use fd_model::{Shown, ShownList, TimeBaseError, file::FileAction, unit::UnitError};
+use fd_model::{Shown, ShownList, ShownMessage, TimeBaseError, file::FileAction, unit::UnitError};
 use thiserror::Error;
 
 use crate::map::RowRule;
@@ -55,7 +55,7 @@ pub enum LogError {
         feature: &'static str,
     },
     /// A folder or archive holds nothing that can be read as a log.
-    #[error("{file}: expected {expected}, {}", Shown(found))]
+    #[error("{file}: expected {expected}, {}", ShownMessage(found))]
     NoLog {
         /// Name of the file.
         file: String,
@@ -63,6 +63,16 @@ pub enum LogError {
         expected: &'static str,
         /// What is there.
         found: String,
+    },
+    /// A file of another program that has no reader here.
+    #[error("{file}: found {format}, which is not read: {way_out}")]
+    Foreign {
+        /// Name of the file.
+        file: String,
+        /// What it is, as people say it.
+        format: &'static str,
+        /// How it becomes something that is read.
+        way_out: &'static str,
     },
     /// What a name stands for is in the file, but is no column of numbers.
     #[error(
@@ -151,7 +161,7 @@ pub enum LogError {
         file: String,
     },
     /// The rules about rows let none through.
-    #[error("{file}: expected rows that fit {rules:?}, found none")]
+    #[error("{file}: expected rows that fit {}, found none", all_of(rules))]
     NoneSelected {
         /// Name of the file.
         file: String,
@@ -174,9 +184,9 @@ pub enum LogError {
         /// Separator in the map.
         found: char,
     },
-    /// A cell or header is not UTF-8 text.
-    #[error("{file}, row {row}: expected UTF-8 text, found {}", Shown(found))]
-    NotUtf8 {
+    /// A cell or header is no text.
+    #[error("{file}, row {row}: expected text in UTF-8 or Windows-1252, found {}", Shown(found))]
+    NotText {
         /// Name of the file.
         file: String,
         /// Line of the file.
@@ -203,7 +213,9 @@ pub enum LogError {
     },
     /// No column looks like time, and no sample time is given.
     #[error(
-        "{file}: expected a column `time` or `t`, or a sample time in the column map; the columns are {}",
+        "{file}: expected a column `time`, `t`, `time_s` or `timestamp`, or `time.column` or `time.sample_time` in a \
+         column map{}; the columns are {}",
+        maybe_time(known),
         ShownList(known)
     )]
     NoTime {
@@ -284,11 +296,29 @@ pub enum LogError {
     },
     /// A cell is not a number.
     #[error(
-        "column `{}` of {file}, row {row}: expected a finite number, found `{}`",
+        "column `{}` of {file}, row {row}: expected a finite number, found `{}`{}",
+        Shown(column),
+        Shown(found),
+        if is_comma(found) { ": with `decimal_comma = true` in a column map?" } else { "" }
+    )]
+    Number {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Line of the file.
+        row: u64,
+        /// Text of the cell.
+        found: String,
+    },
+    /// A date may be two, and it matters which.
+    #[error(
+        "column `{}` of {file}, row {row}: `{}` may have day or month first: state it in a column map: \
+         time = {{ date_order = \"day-first\" }} or \"month-first\"",
         Shown(column),
         Shown(found)
     )]
-    Number {
+    UnclearDate {
         /// Name of the file.
         file: String,
         /// Name of the column.
@@ -349,10 +379,12 @@ pub enum LogError {
         time: f64,
     },
     /// The times do not make an even time base.
-    #[error("{file}: {source}")]
+    #[error("{file}{}: {source}", column.as_ref().map_or(String::new(), |c| format!(", time from column `{}`", Shown(c))))]
     TimeBase {
         /// Name of the file.
         file: String,
+        /// The column of time; nothing where rows are counted.
+        column: Option<String>,
         /// Why not.
         source: TimeBaseError,
     },
@@ -381,4 +413,28 @@ pub enum LogError {
         /// Unit of the channel.
         unit: String,
     },
+}
+
+/// Rules about rows, as a column map has them.
+fn all_of(rules: &[RowRule]) -> String {
+    let shown: Vec<String> = rules.iter().map(|rule| format!("`{rule}`")).collect();
+    shown.join(" and ")
+}
+
+/// Columns that may well be time, offered.
+fn maybe_time(columns: &[String]) -> String {
+    const PARTS: [&str; 6] = ["time", "stamp", "zeit", "date", "datum", "clock"];
+    let may_be = |column: &&String| {
+        let name = column.to_lowercase();
+        *column == "T" || PARTS.iter().any(|part| name.contains(part))
+    };
+    let offered = columns.iter().find(may_be);
+    offered.map_or(String::new(), |column| {
+        format!(", perhaps `time = {{ column = \"{}\" }}`", Shown(column))
+    })
+}
+
+/// Whether a text is a number but for its comma.
+pub(crate) fn is_comma(text: &str) -> bool {
+    text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }

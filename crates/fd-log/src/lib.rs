@@ -70,7 +70,7 @@ pub use self::{
     header::HeaderColumn,
     info::{ClockInfo, ColumnInfo, LogInfo, TableInfo, info},
     limit::MOST_BYTES,
-    map::{ColumnMap, FileRows, LogMap, MergeMap, RowRule, TimeMap},
+    map::{ColumnMap, DateOrder, FileRows, LogMap, MergeMap, RowRule, TimeMap},
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
     recording::{Recording, Topic},
     source::LogSource,

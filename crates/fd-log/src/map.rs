@@ -1,8 +1,8 @@
 //! Which columns of a log are time, inputs and outputs.
 
-use std::path::Path;
+use std::{fmt, path::Path};
 
-use fd_model::{Channel, ResamplePolicy, SampleTime, file::LinearModel};
+use fd_model::{Channel, ResamplePolicy, SampleTime, Shown, file::LinearModel};
 use serde::{Deserialize, Serialize};
 
 use crate::derived::names;
@@ -136,7 +136,8 @@ pub struct RowRule {
     /// number is computed.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub column: String,
-    /// How the number is computed, as [`ColumnMap::expression`]; `t` needs a column of time.
+    /// How the number is computed, as [`ColumnMap::expression`]; without a column of time, `t` counts all rows of the
+    /// file, and so does the time of those that are let through.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expression: Option<String>,
     /// The number.
@@ -157,7 +158,9 @@ pub struct RowRule {
 /// | given | | that column, resampled if it is not even |
 /// | given | given | that column, resampled to that sample time |
 /// | | given | rows are samples, the first at 0 s |
-/// | | | a column called `time`, `t` or `time_s`, in any case |
+/// | | | a column called `time`, `t`, `time_s` or `timestamp`; else the one that holds dates |
+///
+/// A capital `T` is a temperature, unless its header gives a unit of time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeMap {
@@ -170,6 +173,27 @@ pub struct TimeMap {
     /// Time between samples, in seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_time: Option<f64>,
+    /// Whether dates such as `03/04/2026` have the day or the month first, where the file does not show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date_order: Option<DateOrder>,
+}
+
+/// What stands first in dates with strokes.
+///
+/// ```
+/// use fd_log::{DateOrder, TimeMap};
+///
+/// let time: TimeMap = toml::from_str("date_order = 'month-first'")?;
+/// assert_eq!(time.date_order, Some(DateOrder::MonthFirst));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DateOrder {
+    /// `31/12/2026`.
+    DayFirst,
+    /// `12/31/2026`.
+    MonthFirst,
 }
 
 /// The way from a column to a channel.
@@ -313,6 +337,21 @@ impl RowRule {
             && self.from.is_none_or(|least| least <= number)
             && self.until.is_none_or(|end| number < end)
             && !number.is_nan()
+    }
+}
+
+/// As a condition: `run = 3`, `2 <= time_s < 5`.
+impl fmt::Display for RowRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = self.expression.as_ref().unwrap_or(&self.column);
+        if let Some(from) = self.from {
+            write!(f, "{from} <= ")?;
+        }
+        write!(f, "{}", Shown(what))?;
+        if let Some(number) = self.equals {
+            write!(f, " = {number}")?;
+        }
+        self.until.map_or(Ok(()), |until| write!(f, " < {until}"))
     }
 }
 

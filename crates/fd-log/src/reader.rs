@@ -19,6 +19,8 @@ pub struct Log {
     pub record: Record,
     /// The time base of the file.
     pub time_base: TimeBaseReport,
+    /// The column that was taken for time; nothing where rows are counted.
+    pub time_column: Option<String>,
 }
 
 /// One row of a log.
@@ -41,6 +43,8 @@ pub struct LogReader<S> {
     time: Time,
     rules: Vec<(RowRule, Column)>,
     columns: Vec<Column>,
+    /// Rows of the file, and those of them that belong to the log.
+    rows_seen: u64,
     rows_read: u64,
     inputs: Vec<Channel>,
     outputs: Vec<Channel>,
@@ -105,7 +109,7 @@ impl<S: LogSource> LogReader<S> {
         if map.outputs.is_empty() {
             return Err(LogError::NoOutputs { file: file.to_owned() });
         }
-        let time = time_source(file, header, map)?;
+        let time = time_source(file, header, source.date_column(), map)?;
         let (mut columns, mut inputs, mut outputs) = (Vec::new(), Vec::new(), Vec::new());
         for (channels, maps) in [(&mut inputs, &map.inputs), (&mut outputs, &map.outputs)] {
             for map in maps {
@@ -115,10 +119,11 @@ impl<S: LogSource> LogReader<S> {
             }
         }
         Ok(Self {
-            rules: rule_columns(file, header, map, &time)?,
+            rules: rule_columns(file, header, map)?,
             values: vec![f64::NAN; columns.len()],
             time,
             columns,
+            rows_seen: 0,
             rows_read: 0,
             inputs,
             outputs,
@@ -147,10 +152,15 @@ impl<S: LogSource> LogReader<S> {
     /// Returns an error when the file cannot be read, the row has the wrong number of cells, or a
     /// cell is not a number.
     pub fn next_row(&mut self) -> Result<Option<LogRow<'_>>, LogError> {
-        let Some(row) = self.next_admitted()? else { return Ok(None) };
-        let Self { source, time, columns, values, rows_read, .. } = &mut *self;
+        let needs_time = self.rules.iter().any(|(_, column)| column.needs_time());
+        let Some(row) = self.next_admitted(needs_time)? else { return Ok(None) };
+        let Self { source, time, columns, values, rows_seen, rows_read, .. } = &mut *self;
         let time = match time {
-            Time::Rows(ts) => *rows_read as f64 * ts.seconds(),
+            // Where a rule names the time, rows that are left out take time, too.
+            Time::Rows(ts) => {
+                let rows = if needs_time { *rows_seen - 1 } else { *rows_read };
+                rows as f64 * ts.seconds()
+            }
             Time::Column(column) => {
                 let time = column.number(source, Moment { row, time: f64::NAN })?;
                 if time.is_nan() {
@@ -169,14 +179,17 @@ impl<S: LogSource> LogReader<S> {
     }
 
     /// Goes on to a row that all rules admit, and returns its number.
-    fn next_admitted(&mut self) -> Result<Option<u64>, LogError> {
-        let needs_time = self.rules.iter().any(|(_, column)| column.needs_time());
+    fn next_admitted(&mut self, needs_time: bool) -> Result<Option<u64>, LogError> {
         while let Some(row) = self.source.next_row()? {
             let mut is_admitted = true;
             let mut now = Moment { row, time: f64::NAN };
-            if let (true, Time::Column(column)) = (needs_time, &mut self.time) {
-                now.time = column.number(&self.source, now)?;
+            if needs_time {
+                now.time = match &mut self.time {
+                    Time::Column(column) => column.number(&self.source, now)?,
+                    Time::Rows(ts) => self.rows_seen as f64 * ts.seconds(),
+                };
             }
+            self.rows_seen += 1;
             for (rule, column) in &mut self.rules {
                 // What a row is that is out already is not asked.
                 is_admitted = is_admitted && rule.admits(column.number(&self.source, now)?);
@@ -219,7 +232,9 @@ impl<S: LogSource> LogReader<S> {
         let stated = self.map.time.sample_time.or(policy.sample_time);
         policy.sample_time = stated.or(self.source.sample_time());
         match series.resample(&policy) {
-            Ok((record, time_base)) => Ok(Log { record, time_base }),
+            Ok((record, time_base)) => {
+                Ok(Log { record, time_base, time_column: self.time_column() })
+            }
             Err(source) => Err(self.time_error(source, &rows)),
         }
     }
@@ -232,7 +247,14 @@ impl<S: LogSource> LogReader<S> {
                 let (column, row) = (column.text.clone(), rows[index]);
                 LogError::NotIncreasing { file, column, row, before, time }
             }
-            (source, _) => LogError::TimeBase { file, source },
+            (source, _) => LogError::TimeBase { file, column: self.time_column(), source },
+        }
+    }
+
+    fn time_column(&self) -> Option<String> {
+        match &self.time {
+            Time::Column(column) => Some(column.text.clone()),
+            Time::Rows(_) => None,
         }
     }
 }

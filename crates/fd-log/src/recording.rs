@@ -1,5 +1,7 @@
 //! What a file of columns holds, before it is known which of them are wanted.
 
+use fd_model::Shown;
+
 use crate::{
     error::LogError,
     header::{HeaderColumn, find},
@@ -76,6 +78,27 @@ impl Recording {
             }
             None => self.topics.push(table),
         }
+    }
+
+    /// The recording, if it holds a column at all.
+    #[allow(dead_code, reason = "each format that is a recording is a feature")]
+    pub(crate) fn with_columns(self, expected: &'static str) -> Result<Self, LogError> {
+        /// Most of what is no column that is named.
+        const MOST_NAMED: usize = 8;
+        if !self.topics.is_empty() {
+            return Ok(self);
+        }
+        let named = self.unfit.iter().take(MOST_NAMED);
+        let named: Vec<String> =
+            named.map(|(name, why)| format!("`{}` ({})", Shown(name), Shown(why))).collect();
+        let more = self.unfit.len() - named.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let found = if named.is_empty() {
+            "found nothing".to_owned()
+        } else {
+            format!("found only {}{more}", named.join(", "))
+        };
+        Err(LogError::NoLog { file: self.file, expected, found })
     }
 
     /// The columns that a map asks for, on one time base.

@@ -60,6 +60,16 @@ pub trait LogSource {
         None
     }
 
+    /// The column whose cells are dates, if there is one such column: time, where no name says which is.
+    fn date_column(&self) -> Option<usize> {
+        None
+    }
+
+    /// How the file was read where that is not said by the file itself: an encoding, lines that were skipped.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Goes on to the next row and returns its number as a person would look it up: the line of a text
     /// file, from 1; nothing at the end.
     ///
@@ -87,6 +97,14 @@ impl<S: LogSource + ?Sized> LogSource for Box<S> {
 
     fn sample_time(&self) -> Option<f64> {
         (**self).sample_time()
+    }
+
+    fn date_column(&self) -> Option<usize> {
+        (**self).date_column()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        (**self).notes()
     }
 
     fn next_row(&mut self) -> Result<Option<u64>, LogError> {

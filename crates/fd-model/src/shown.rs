@@ -22,6 +22,7 @@ const LINES: usize = 60;
 /// assert_eq!(Shown("a\nb\u{1b}[31m").to_string(), "a\\nb\\u{1b}[31m");
 /// let long = Shown(&"x".repeat(1_000_000)).to_string();
 /// assert!(long.len() < 150 && long.ends_with("xxx (1000000 characters)"));
+/// assert!(Shown(&"word ".repeat(99)).to_string().ends_with("word word…word word word  (495 characters)"));
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a>(pub &'a str);
@@ -87,9 +88,14 @@ fn cut(f: &mut fmt::Formatter<'_>, text: &str, most: usize) -> fmt::Result {
     if length <= most {
         return escaped(f, text.chars());
     }
-    escaped(f, text.chars().take(most - TAIL))?;
+    // Between words, unless a word is as long as what is shown of the text.
+    let at = |n: usize| text.char_indices().nth(n).map_or(text.len(), |(at, _)| at);
+    let (head, tail) = (&text[..at(most - TAIL)], &text[at(length - TAIL)..]);
+    let head = head.rsplit_once(' ').map_or(head, |(words, _)| words);
+    let tail = tail.split_once(' ').map_or(tail, |(_, words)| words);
+    escaped(f, head.chars())?;
     f.write_str("…")?;
-    escaped(f, text.chars().skip(length - TAIL))?;
+    escaped(f, tail.chars())?;
     write!(f, " ({length} characters)")
 }
 

@@ -89,6 +89,7 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["ns"], Quantity::Time, 1e-9, 0.0),
     (&["min"], Quantity::Time, 60.0, 0.0),
     (&["h"], Quantity::Time, 3600.0, 0.0),
+    (&["day", "days", "d"], Quantity::Time, 86_400.0, 0.0),
     (&["m"], Quantity::Length, 1.0, 0.0),
     (&["mm"], Quantity::Length, 1e-3, 0.0),
     (&["cm"], Quantity::Length, 1e-2, 0.0),

@@ -8,7 +8,7 @@
 use std::{collections::BTreeSet, fs::File, io::Read};
 
 use hdf5_reader::{
-    ByteOrder, Dataset, Datatype, Hdf5File, OpenOptions, error::Error, group::Group,
+    Attribute, ByteOrder, Dataset, Datatype, Hdf5File, OpenOptions, error::Error, group::Group,
 };
 
 use super::number::Number;
@@ -75,11 +75,7 @@ impl Reader {
         let root = root.map_err(|error| reader.damaged(&error))?;
         reader.group(&root, "", 0)?;
         let Self { recording, .. } = reader;
-        if recording.topics.is_empty() {
-            let (expected, found) = ("columns of numbers", format!("found {:?}", recording.unfit));
-            return Err(LogError::NoLog { file: file.to_owned(), expected, found });
-        }
-        Ok(recording)
+        recording.with_columns("columns of numbers")
     }
 
     fn damaged(&self, error: &Error) -> LogError {
@@ -104,6 +100,11 @@ impl Reader {
             if self.is_matlab && inner.name().starts_with(MATLABS_OWN) {
                 continue;
             }
+            let attributes = |name: &str| inner.attribute(name).ok();
+            if let Some(why) = self.is_matlab.then(|| matlab_group(attributes)).flatten() {
+                self.recording.unfit.push((self.below(path, inner.name()), why));
+                continue;
+            }
             self.group(inner, &self.below(path, inner.name()), depth + 1)?;
         }
         Ok(())
@@ -120,6 +121,10 @@ impl Reader {
 
     fn dataset(&mut self, dataset: &Dataset, name: &str) -> Result<(), LogError> {
         let mut unfit = |why: String| self.recording.unfit.push((name.to_owned(), why));
+        if let Some(why) = self.is_matlab.then(|| matlab_dataset(dataset)).flatten() {
+            unfit(why);
+            return Ok(());
+        }
         let Some(fields) = fields(dataset.dtype()) else {
             unfit("something else than numbers".to_owned());
             return Ok(());
@@ -136,7 +141,8 @@ impl Reader {
             [rows, across] if !is_vector && across <= MOST_COLUMNS => (rows, Some(across)),
             _ => {
                 let is_single = shape.iter().all(|n| *n == 1);
-                let array = || format!("an array of shape {shape:?}");
+                let size: Vec<String> = shape.iter().map(u64::to_string).collect();
+                let array = || format!("an array of {}", size.join(" x "));
                 unfit(if is_single { "a single value".to_owned() } else { array() });
                 return Ok(());
             }
@@ -183,6 +189,52 @@ impl Reader {
         }
         self.recording.add_table(topic);
         Ok(())
+    }
+}
+
+/// Why a group of MATLAB is no struct of columns, by its attributes.
+fn matlab_group(attribute: impl Fn(&str) -> Option<Attribute>) -> Option<String> {
+    if attribute("MATLAB_sparse").is_some() {
+        return Some("a sparse matrix".to_owned());
+    }
+    matlab_class(attribute, &["struct"])
+}
+
+/// Why a dataset of MATLAB is no column: it holds texts, cells, objects or complex numbers by numbers.
+fn matlab_dataset(dataset: &Dataset) -> Option<String> {
+    const NUMBERS: [&str; 11] = [
+        "double", "single", "logical", "int8", "uint8", "int16", "uint16", "int32", "uint32",
+        "int64", "uint64",
+    ];
+    let attribute = |name: &str| dataset.attribute(name).ok();
+    // The numbers of what is empty are its dimensions.
+    if attribute("MATLAB_empty").is_some() {
+        return Some("empty".to_owned());
+    }
+    if let Datatype::Compound { fields, .. } = dataset.dtype()
+        && fields.iter().map(|field| field.name.as_str()).eq(["real", "imag"])
+    {
+        return Some("complex numbers".to_owned());
+    }
+    matlab_class(attribute, &NUMBERS)
+}
+
+/// What a class of MATLAB is, unless it is one of those that are read.
+fn matlab_class(attribute: impl Fn(&str) -> Option<Attribute>, read: &[&str]) -> Option<String> {
+    let class = attribute("MATLAB_class").and_then(|class| class.read_string().ok());
+    let class = class.map(|class| class.trim_end_matches('\0').trim().to_owned());
+    if attribute("MATLAB_object_decode").is_some() {
+        return Some(
+            class.map_or("an object".to_owned(), |class| format!("an object (`{class}`)")),
+        );
+    }
+    match class?.as_str() {
+        class if read.contains(&class) => None,
+        "char" => Some("text".to_owned()),
+        "cell" => Some("cells".to_owned()),
+        "struct" => Some("an array of structs".to_owned()),
+        "function_handle" => Some("a function".to_owned()),
+        class => Some(format!("an object (`{class}`)")),
     }
 }
 

@@ -3,6 +3,7 @@
 #[cfg(feature = "rosbag")]
 mod bag;
 mod csv;
+mod foreign;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 #[cfg(feature = "mat")]
@@ -89,7 +90,7 @@ pub const FORMATS: &[LogFormat] = &[
         name: "NDJSON",
         extensions: &["ndjson", "jsonl"],
         magic: &[],
-        read: Reading::Text(|file, from, _| Ok(Box::new(NdjsonSource::new(file, from)?))),
+        read: Reading::Text(|file, from, map| Ok(Box::new(NdjsonSource::new(file, from, map)?))),
     },
     LogFormat {
         name: "gzip",
@@ -182,6 +183,16 @@ pub const FORMATS: &[LogFormat] = &[
         #[cfg(not(feature = "mat"))]
         read: Reading::NotBuilt("mat"),
     },
+    // Has no first bytes of its own: what is called MAT and is no other.
+    LogFormat {
+        name: "MAT 4",
+        extensions: &["mat"],
+        magic: &[],
+        #[cfg(feature = "mat")]
+        read: Reading::Columns(mat::read_v4),
+        #[cfg(not(feature = "mat"))]
+        read: Reading::NotBuilt("mat"),
+    },
     LogFormat {
         name: "ULog",
         extensions: &["ulg", "ulog"],
@@ -201,9 +212,13 @@ pub const FORMATS: &[LogFormat] = &[
 /// ```
 #[must_use]
 pub fn format_of(path: impl AsRef<Path>) -> &'static LogFormat {
-    let extension = path.as_ref().extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let known = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()));
-    known.unwrap_or(&FORMATS[0])
+    named(path.as_ref()).next().unwrap_or(&FORMATS[0])
+}
+
+/// All formats with the ending of a name.
+fn named(path: &Path) -> impl Iterator<Item = &'static LogFormat> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    FORMATS.iter().filter(move |format| format.extensions.contains(&extension.as_str()))
 }
 
 /// Opens a log file as a table. Its first bytes say the format, and where they do not, the ending of its name.
@@ -268,7 +283,7 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
     }
     let mut first = Vec::new();
     (&mut from).take(MAGIC).read_to_end(&mut first).map_err(unreadable)?;
-    let format = recognised(&file, &first, format_of(path))?;
+    let format = recognised(&file, &first, path)?;
     let name = format.name.to_owned();
     // Text is not wound back: a pipe has no way back.
     let text = |from: File| Box::new(Cursor::new(first.clone()).chain(from));
@@ -295,26 +310,30 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
 }
 
 /// First bytes that are looked at.
-const MAGIC: u64 = 16;
+const MAGIC: u64 = 20;
 
-/// The format that begins with these bytes, else the one that the name says, if it may begin so.
-fn recognised(
-    file: &str,
-    first: &[u8],
-    named: &'static LogFormat,
-) -> Result<&'static LogFormat, LogError> {
+/// The format that begins with these bytes, else the one that the name says, if it may begin so. Where several begin
+/// alike (archives), the name decides.
+fn recognised(file: &str, first: &[u8], path: &Path) -> Result<&'static LogFormat, LogError> {
     let begins = |format: &&LogFormat| format.magic.iter().any(|magic| first.starts_with(magic));
-    if let Some(format) = FORMATS.iter().find(begins) {
+    if let Some(format) = named(path).find(begins).or_else(|| FORMATS.iter().find(begins)) {
         return Ok(format);
     }
-    if named.magic.is_empty() {
-        return Ok(named);
+    if let Some(error) = foreign::of_bytes(file, first) {
+        return Err(error);
     }
     if first.is_empty() {
         return Err(LogError::Empty { file: file.to_owned() });
     }
-    let found = format!("found `{}` at its beginning", first.escape_ascii());
-    Err(LogError::Damaged { file: file.to_owned(), format: named.name, found })
+    let mut named = named(path).peekable();
+    let expected = named.peek().map_or(FORMATS[0].name, |format| format.name);
+    if expected == FORMATS[0].name {
+        return Ok(&FORMATS[0]);
+    }
+    named.find(|format| format.magic.is_empty()).ok_or_else(|| {
+        let found = format!("found `{}` at its beginning", first.escape_ascii());
+        LogError::Damaged { file: file.to_owned(), format: expected, found }
+    })
 }
 
 /// The format of what is packed: `run.ndjson.gz` holds NDJSON.

@@ -10,9 +10,10 @@ use std::io::{BufRead, BufReader, Read};
 use serde_json::{Map, Value};
 
 use crate::{
-    date::Dates,
+    date::{self, Dates, When},
     error::LogError,
     header::HeaderColumn,
+    map::LogMap,
     source::{LogSource, cannot_read},
 };
 
@@ -27,16 +28,17 @@ pub struct NdjsonSource<R> {
     row: u64,
     cells: Map<String, Value>,
     dates: Dates,
+    date_column: Option<usize>,
 }
 
 impl<R: Read> NdjsonSource<R> {
-    /// Reads the first object; `file` is the name for errors.
+    /// Reads the first object; `file` is the name for errors. Of the map, only the order of dates matters here.
     ///
     /// ```
-    /// use fd_log::{LogSource, NdjsonSource};
+    /// use fd_log::{LogMap, LogSource, NdjsonSource};
     ///
     /// let text = "{\"t\": 0, \"y [K]\": 20.5}\n{\"t\": 1, \"y [K]\": null}\n";
-    /// let mut log = NdjsonSource::new("run.ndjson", text.as_bytes())?;
+    /// let mut log = NdjsonSource::new("run.ndjson", text.as_bytes(), &LogMap::default())?;
     /// assert_eq!(log.columns()[1].name, "y");
     /// assert_eq!(log.next_row()?, Some(1));
     /// assert_eq!(log.number(1)?, 20.5);
@@ -48,7 +50,7 @@ impl<R: Read> NdjsonSource<R> {
     /// # Errors
     ///
     /// Returns an error when the file cannot be read, is empty, or does not begin with an object.
-    pub fn new(file: &str, from: R) -> Result<Self, LogError> {
+    pub fn new(file: &str, from: R, map: &LogMap) -> Result<Self, LogError> {
         let mut source = Self {
             file: file.to_owned(),
             from: BufReader::new(from),
@@ -56,11 +58,19 @@ impl<R: Read> NdjsonSource<R> {
             first: None,
             row: 0,
             cells: Map::new(),
-            dates: Dates::default(),
+            dates: Dates::new(map.time.date_order),
+            date_column: None,
         };
         let first = source.object()?.filter(|object| !object.is_empty());
         let first = first.ok_or_else(|| LogError::Empty { file: file.to_owned() })?;
         source.columns = first.keys().map(|key| HeaderColumn::parse(key)).collect();
+        let is_date = |cell: &Value| cell.as_str().is_some_and(|text| date::kind(text).is_some());
+        let dates: Vec<usize> =
+            (0..).zip(first.values()).filter(|(_, v)| is_date(v)).map(|(i, _)| i).collect();
+        for date in &dates {
+            source.columns[*date].unit = Some("s".to_owned());
+        }
+        source.date_column = if let [only] = dates[..] { Some(only) } else { None };
         source.first = Some(first);
         Ok(source)
     }
@@ -98,6 +108,10 @@ impl<R: Read> LogSource for NdjsonSource<R> {
         &self.columns
     }
 
+    fn date_column(&self) -> Option<usize> {
+        self.date_column
+    }
+
     fn next_row(&mut self) -> Result<Option<u64>, LogError> {
         self.cells = match self.first.take() {
             Some(first) => first,
@@ -120,7 +134,15 @@ impl<R: Read> LogSource for NdjsonSource<R> {
         let number = match cell {
             None | Some(Value::Null) => return Ok(f64::NAN),
             Some(Value::Bool(is_on)) => Some(f64::from(u8::from(*is_on))),
-            Some(Value::String(text)) => self.dates.seconds(text),
+            Some(Value::String(text)) => match self.dates.seconds(column, text) {
+                When::At(seconds) => Some(seconds),
+                When::Unclear => {
+                    let (file, column) = (self.file.clone(), wanted.clone());
+                    let (row, found) = (self.row, text.clone());
+                    return Err(LogError::UnclearDate { file, column, row, found });
+                }
+                When::Never => None,
+            },
             Some(value) => value.as_f64().filter(|number| number.is_finite()),
         };
         number.ok_or_else(|| LogError::Number {
@@ -141,7 +163,7 @@ mod tests {
 
     fn read(text: &str) -> Result<crate::Log, LogError> {
         let map = LogMap::for_channels(&[Channel::new("on", "1")], &[Channel::new("T_7", "K")]);
-        LogReader::new(NdjsonSource::new("run.ndjson", text.as_bytes())?, &map)?.read_all()
+        LogReader::new(NdjsonSource::new("run.ndjson", text.as_bytes(), &map)?, &map)?.read_all()
     }
 
     #[test]

@@ -77,7 +77,9 @@ impl ClockInfo {
         doubt(self.gaps, "gaps");
     }
 
-    /// Doubts that a time without a unit is in seconds: no log lasts a year, and clocks since 1970 are large numbers.
+    /// Doubts that a time without a unit is in seconds: clocks since 1970 are large numbers, days of a spreadsheet have
+    /// steps that are whole seconds as days and no whole milliseconds as seconds, and few clocks that count from a start
+    /// count for a year.
     pub(super) fn doubt_seconds(&mut self) {
         let units = [(1e17, "ns"), (1e14, "us"), (1e11, "ms")];
         let since = units.into_iter().find(|(least, _)| self.first_s >= *least);
@@ -85,10 +87,29 @@ impl ClockInfo {
             self.doubts.push(format!(
                 "times of this size are {unit} since 1970, and no unit is stated: say `time.unit = \"{unit}\"`"
             ));
-        } else if self.median_step_s >= 1.0 && self.last_s - self.first_s > 31_536_000.0 {
+        } else if self.counts_days() {
+            let step = (86_400.0 * self.median_step_s).round();
+            self.doubts.push(format!(
+                "days of a spreadsheet? As days the rows are {step} s apart: say `time.unit = \"day\"`"
+            ));
+        } else if self.first_s < 1e9
+            && self.median_step_s >= 1.0
+            && self.last_s - self.first_s > 31_536_000.0
+        {
             self.doubts
                 .push("more than a year, if these are seconds: another `time.unit`?".to_owned());
         }
+    }
+}
+
+impl ClockInfo {
+    /// Whether times may be days since 1899-12-30, between the years 1970 and 2100.
+    fn counts_days(&self) -> bool {
+        let is_whole =
+            |number: f64| number.round() >= 1.0 && (number - number.round()).abs() < 0.01;
+        (25_569.0..73_051.0).contains(&self.first_s)
+            && is_whole(86_400.0 * self.median_step_s)
+            && !is_whole(1e3 * self.median_step_s)
     }
 }
 
@@ -113,8 +134,19 @@ mod tests {
             clock.doubt_seconds();
             assert!(clock.doubts[0].contains(&format!("\"{unit}\"")), "{:?}", clock.doubts);
         }
-        let mut clock = ClockInfo::new("t", vec![1.76e9, 1.76e9 + 0.1]);
-        clock.doubt_seconds();
-        assert_eq!(clock.doubts, Vec::<String>::new());
+        let doubts = |times: Vec<f64>| {
+            let mut clock = ClockInfo::new("t", times);
+            clock.doubt_seconds();
+            clock.doubts
+        };
+        // The second of them is seconds since 1970 for two years, and the last are seconds since midnight.
+        for fine in
+            [[1.76e9, 1.76e9 + 0.1], [1.7e9, 1.76e9], [45_323.5, 45_323.51], [45_323.0, 45_324.0]]
+        {
+            assert_eq!(doubts(fine.to_vec()), Vec::<String>::new(), "{fine:?}");
+        }
+        let days = doubts(vec![45_323.999_305_56, 45_323.999_652_78, 45_324.0, 45_324.000_347_22]);
+        assert!(days[0].contains("30 s apart") && days[0].contains("\"day\""), "{days:?}");
+        assert!(doubts(vec![0.0, 4e7])[0].contains("more than a year"));
     }
 }

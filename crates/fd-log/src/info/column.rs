@@ -3,7 +3,7 @@
 use fd_model::unit::KNOWN_UNITS;
 use serde::Serialize;
 
-use crate::header::HeaderColumn;
+use crate::{error::is_comma, header::HeaderColumn};
 
 /// One column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,8 +60,7 @@ impl Tally {
         let guess = if header.unit.is_some() { None } else { guess(&header.name) };
         let mut doubts = Vec::new();
         if let Some(text) = &self.text {
-            let is_comma = text.replacen(',', ".", 1).parse::<f64>().is_ok();
-            let why = if is_comma { ": `decimal_comma = true`?" } else { "" };
+            let why = if is_comma(text) { ": `decimal_comma = true`?" } else { "" };
             doubts.push(format!("{} cells are no numbers, the first is `{text}`{why}", self.texts));
         }
         if self.values == 0 {
@@ -113,7 +112,8 @@ fn guess(name: &str) -> Option<String> {
     };
     let is_known =
         KNOWN_UNITS.iter().any(|(names, ..)| names.contains(&plain) && !plain.is_empty());
-    (is_known && plain != "1" && plain != "-").then(|| plain.to_owned())
+    // `q_d` is what is demanded of `q`.
+    (is_known && !matches!(plain, "1" | "-" | "d")).then(|| plain.to_owned())
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use serde::Serialize;
 use self::column::Tally;
 pub use self::{clock::ClockInfo, column::ColumnInfo};
 use crate::{
-    columns::is_time,
+    columns::time_column,
     error::LogError,
     format::{Opened, read},
     header::HeaderColumn,
@@ -32,6 +32,8 @@ pub struct LogInfo {
     pub tables: Vec<TableInfo>,
     /// What is in the file and is no column of numbers, and why.
     pub left: Vec<(String, String)>,
+    /// How the file was read where that is not said by the file itself.
+    pub notes: Vec<String>,
     /// What should be looked at before the log is trusted, about the file as a whole.
     pub doubts: Vec<String>,
 }
@@ -76,11 +78,13 @@ pub fn info(path: impl AsRef<Path>, map: &LogMap) -> Result<LogInfo, LogError> {
         sample_time: None,
         tables: Vec::new(),
         left: Vec::new(),
+        notes: Vec::new(),
         doubts: Vec::new(),
     };
     match opened {
         Opened::Rows(source) => {
             info.sample_time = source.sample_time();
+            info.notes = source.notes();
             info.tables.push(of_rows(source, map)?);
         }
         Opened::Columns(recording) => {
@@ -107,7 +111,7 @@ pub fn info(path: impl AsRef<Path>, map: &LogMap) -> Result<LogInfo, LogError> {
 
 fn of_rows(mut source: Box<dyn LogSource>, map: &LogMap) -> Result<TableInfo, LogError> {
     let header = source.columns().to_vec();
-    let time = header.iter().position(|column| is_time(column, map));
+    let time = time_column(&header, source.date_column(), map);
     let mut tallies: Vec<Tally> = header.iter().map(|_| Tally::default()).collect();
     let mut times = Vec::new();
     let mut rows = 0;
@@ -131,7 +135,7 @@ fn of_rows(mut source: Box<dyn LogSource>, map: &LogMap) -> Result<TableInfo, Lo
 
 fn of_topic(topic: Topic, map: &LogMap) -> TableInfo {
     let rows = topic.rows();
-    let time = topic.columns.iter().position(|column| is_time(column, map));
+    let time = time_column(&topic.columns, None, map);
     let clock = match (time, &topic.times) {
         (Some(index), _) => Some(clock_of(&topic.columns[index], topic.values[index].clone(), map)),
         (None, Some(times)) => Some(ClockInfo::new("", times.clone())),

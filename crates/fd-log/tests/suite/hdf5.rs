@@ -64,7 +64,7 @@ fn what_is_in_a_file_is_said() {
     let left = |name: &str| found.left.iter().find(|(known, _)| known == name).unwrap().1.clone();
     assert_eq!(left("dt"), "a single value");
     assert_eq!(left("name"), "something else than numbers");
-    assert_eq!(left("cube"), "an array of shape [4, 2, 2]");
+    assert_eq!(left("cube"), "an array of 4 x 2 x 2");
     let error = read_log(data("run.h5"), &map("outputs = [{ name = 'name' }]")).unwrap_err();
     assert!(matches!(error, LogError::Unfit { .. }), "{error}");
 }

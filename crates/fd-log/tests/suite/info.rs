@@ -55,7 +55,7 @@ fn text_that_is_read_wrongly_is_doubted() {
     let path = folder.path().join("run.csv");
     std::fs::write(
         &path,
-        "time;x;note\n1763899200000;1,5;a\n1763899200010;1,6;b\n1763899200090;;c\n",
+        "time;x;note\n1763899200000;1,500;a\n1763899200010;1,600;b\n1763899200090;;c\n",
     )
     .unwrap();
     let found = info(&path, &LogMap::default()).unwrap();

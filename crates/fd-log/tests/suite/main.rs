@@ -3,6 +3,7 @@
 mod derived;
 mod hdf5;
 mod info;
+mod loggers;
 mod mat;
 mod npz;
 mod packed;

@@ -68,6 +68,9 @@ fn describe(found: &LogInfo) -> String {
     for (name, why) in &found.left {
         let _ = writeln!(text, "left out: `{name}`: {why}");
     }
+    for note in &found.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
     for doubt in &found.doubts {
         let _ = writeln!(text, "DOUBT: {doubt}");
     }

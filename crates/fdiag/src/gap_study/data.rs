@@ -70,7 +70,8 @@ impl Data {
             let (expected, found) = (model.sample_time, log.time_base.median_step_s);
             let ratio = (found / expected).max(expected / found);
             if pace != Pace::Stated && ABSURD_PACE < ratio {
-                return Err(GapError::Pace { file: path.to_owned(), expected, found });
+                let (file, column) = (path.to_owned(), log.time_column);
+                return Err(GapError::Pace { file, column, expected, found });
             }
             // All logs are brought onto the time base of the first, and begin at 0 s.
             map.resample.sample_time.get_or_insert(log.record.ts().seconds());

@@ -114,13 +114,14 @@ pub enum GapError {
     },
     /// Samples come at another pace than the model says, by so much that a unit must be wrong.
     #[error(
-        "{}: samples are {} s apart, the model says {} s: is the time column in \
-         another unit than seconds? State it in a column map (`time = {{ unit = \"{}\" }}`)",
-        file.display(), figure(*found), figure(*expected), time_unit(found / expected)
+        "{}: samples are {} s apart, the model says {} s: {}",
+        file.display(), figure(*found), figure(*expected), other_time(column.as_deref(), found / expected)
     )]
     Pace {
         /// The log.
         file: PathBuf,
+        /// The column that was taken for time; nothing where rows are counted.
+        column: Option<String>,
         /// Sample time of the model, in seconds.
         expected: f64,
         /// Sample time of the log, in seconds.
@@ -135,6 +136,18 @@ pub enum GapError {
     /// The model does not fit the logs.
     #[error(transparent)]
     Fit(Box<FitError>),
+}
+
+/// What is to be looked at where the pace is absurd: the column of time, or the sample time that was stated.
+fn other_time(column: Option<&str>, times: f64) -> String {
+    column.map_or("is `time.sample_time` of the column map right?".to_owned(), |column| {
+        format!(
+            "time was read from column `{}`: is it that column, and in seconds? State it in a column map \
+             (`time = {{ column = \"...\", unit = \"{}\" }}`)",
+            fd_model::Shown(column),
+            time_unit(times)
+        )
+    })
 }
 
 /// The unit of a time column that makes samples so many times too far apart; milliseconds where none does.

@@ -13,6 +13,10 @@ use self::sqlite::{Database, Value};
 use super::message::{Definitions, NoMessage, Topics, definition};
 use crate::{error::LogError, recording::Recording};
 
+/// What to do where definitions are missing.
+const CONVERT: &str =
+    "`ros2 bag convert` to MCAP, where ROS knows the message, writes it into the file";
+
 /// Reads all messages that are columns.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     // What was recorded last may be in a file beside, which SQLite itself has to bring in.
@@ -93,7 +97,9 @@ fn messages(from: File, topics: &mut Topics) -> Result<(), NoMessage> {
         } else if known.contains_key(&kind) || usual.contains_key(&definition::short(&kind)) {
             channels.insert(id(number, key), (name, kind));
         } else {
-            topics.pass_over(name, format!("messages `{kind}`, without a definition in the file"));
+            let why =
+                format!("messages of `{kind}`, whose definition is not in the file: {CONVERT}");
+            topics.pass_over(name, why);
         }
         Ok(())
     })?;

@@ -1,44 +1,90 @@
-//! What stands before the rows of a log, and where in the file each row is.
+//! The beginning of a file: its encoding, what stands before the header, and where in the file rows are.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, Cursor, Read};
 
+use super::utf16::Utf16;
 use crate::{error::LogError, source::cannot_read};
 
-/// The lines of a file up to and including the header.
+/// Bytes at the beginning of a file that its form is found from; more only where no header is within them.
+const LOOKED_AT: u64 = 1 << 16;
+const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// Text of one byte a character or several, whatever the file has.
+#[derive(Debug)]
+pub(super) enum Text<R> {
+    Bytes(R),
+    Utf16(Utf16<R>),
+}
+
+impl<R: Read> Read for Text<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Bytes(from) => from.read(into),
+            Self::Utf16(from) => from.read(into),
+        }
+    }
+}
+
+/// The beginning of a file.
+#[derive(Debug)]
 pub(super) struct Head {
-    pub(super) header: Vec<u8>,
+    /// From the first line on that is neither blank nor a comment.
+    pub(super) block: Vec<u8>,
+    /// Whether that is all that follows.
+    pub(super) is_whole: bool,
     pub(super) lines_before: u64,
     /// Whether the file begins with the version line of the format.
     pub(super) written_here: bool,
     pub(super) sample_time: Option<f64>,
+    pub(super) is_utf16: bool,
 }
 
 impl Head {
-    pub(super) fn read<R: Read>(file: &str, from: R) -> Result<(Self, BufReader<R>), LogError> {
-        const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
-        let mut from = BufReader::new(from);
-        let mut head =
-            Self { header: Vec::new(), lines_before: 0, written_here: false, sample_time: None };
-        loop {
-            let mut line = Vec::new();
-            from.read_until(b'\n', &mut line).map_err(|error| cannot_read(file, &error))?;
-            if head.lines_before == 0 {
-                if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
-                    let found = "a UTF-16 byte order mark".to_owned();
-                    return Err(LogError::NotUtf8 { file: file.to_owned(), row: 1, found });
-                }
-                line = line.strip_prefix(UTF8_MARK).map_or(line.clone(), <[u8]>::to_vec);
+    /// Reads it; what follows is left in the reader.
+    pub(super) fn read<R: Read>(file: &str, mut from: R) -> Result<(Self, Text<R>), LogError> {
+        let unreadable = |error| cannot_read(file, &error);
+        let mut mark = Vec::new();
+        from.by_ref().take(UTF8_MARK.len() as u64).read_to_end(&mut mark).map_err(unreadable)?;
+        let utf16 = match mark[..] {
+            [0xff, 0xfe, ..] => Some(false),
+            [0xfe, 0xff, ..] => Some(true),
+            _ => None,
+        };
+        let (mut block, mut from) = match utf16 {
+            Some(is_big_endian) => {
+                (Vec::new(), Text::Utf16(Utf16::new(&mark[2..], from, is_big_endian)))
             }
-            if line.is_empty() {
+            None if mark == UTF8_MARK => (Vec::new(), Text::Bytes(from)),
+            None => (mark, Text::Bytes(from)),
+        };
+        let mut head = Self {
+            block: Vec::new(),
+            is_whole: false,
+            lines_before: 0,
+            written_here: false,
+            sample_time: None,
+            is_utf16: utf16.is_some(),
+        };
+        loop {
+            let read = (&mut from).take(LOOKED_AT).read_to_end(&mut block).map_err(unreadable)?;
+            head.is_whole = (read as u64) < LOOKED_AT;
+            let mut begin = 0;
+            while let Some(length) = line(&block[begin..], head.is_whole) {
+                let line = &block[begin..begin + length];
+                if !line.starts_with(b"#") && !line.trim_ascii().is_empty() {
+                    head.block = block.split_off(begin);
+                    return Ok((head, from));
+                }
+                if line.starts_with(b"#") {
+                    head.comment(file, line)?;
+                }
+                head.lines_before += 1;
+                begin += length;
+            }
+            if head.is_whole {
                 return Err(LogError::Empty { file: file.to_owned() });
             }
-            if line.starts_with(b"#") {
-                head.comment(file, &line)?;
-            } else if !line.trim_ascii().is_empty() {
-                head.header = line;
-                return Ok((head, from));
-            }
-            head.lines_before += 1;
+            block.drain(..begin);
         }
     }
 
@@ -72,6 +118,16 @@ impl Head {
     }
 }
 
+/// Length of the first line with its end; of a line without one only where nothing follows, or it is a header already.
+fn line(bytes: &[u8], is_whole: bool) -> Option<usize> {
+    if bytes.is_empty() {
+        return None;
+    }
+    let end = bytes.iter().position(|byte| *byte == b'\n').map(|at| at + 1);
+    let is_header = !bytes.starts_with(b"#") && !bytes.trim_ascii().is_empty();
+    end.or((is_whole || is_header).then_some(bytes.len()))
+}
+
 /// From the line counts of the CSV reader to lines of the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineCounter {
@@ -90,44 +146,5 @@ impl LineCounter {
     }
 }
 
-/// Most bytes of what is no text that a message shows.
-const MOST_SHOWN: usize = 24;
-
-pub(super) fn utf8<'a>(file: &str, row: u64, cell: &'a [u8]) -> Result<&'a str, LogError> {
-    // Zeros are text by the letter, and the mark of anything but text.
-    let text = std::str::from_utf8(cell).ok().filter(|text| !text.contains('\0'));
-    text.ok_or_else(|| {
-        let shown = &cell[..cell.len().min(MOST_SHOWN)];
-        let more = if shown.len() < cell.len() { "..." } else { "" };
-        let found = format!("`{}{more}`", shown.escape_ascii());
-        LogError::NotUtf8 { file: file.to_owned(), row, found }
-    })
-}
-
-/// The separator that occurs most often outside quotes in the header line: `,`, `;` or tab.
-pub(super) fn detect_delimiter(line: &[u8]) -> u8 {
-    const DELIMITERS: [u8; 3] = [b';', b'\t', b','];
-    let mut quoted = false;
-    let mut counts = [0_usize; 3];
-    for byte in line {
-        quoted ^= *byte == b'"';
-        if let Some(i) = DELIMITERS.iter().position(|d| d == byte).filter(|_| !quoted) {
-            counts[i] += 1;
-        }
-    }
-    // The last of several maxima wins: a comma, when there is no separator at all.
-    (0..3).max_by_key(|&i| counts[i]).map_or(b',', |i| DELIMITERS[i])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn separators_are_found_outside_quotes() {
-        assert_eq!(detect_delimiter(b"a,b"), b',');
-        assert_eq!(detect_delimiter(b"\"a,b,c\";d"), b';');
-        assert_eq!(detect_delimiter(b"a\tb\tc"), b'\t');
-        assert_eq!(detect_delimiter(b"alone"), b',');
-    }
-}
+/// What is read: the beginning again, and what follows.
+pub(super) type Whole<R> = io::Chain<Cursor<Vec<u8>>, Text<R>>;

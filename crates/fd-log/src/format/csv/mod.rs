@@ -1,14 +1,21 @@
 //! Text with one row per line: columns between commas, semicolons or tabs, a header with names and units.
 
+mod cell;
+mod dialect;
 mod head;
+mod utf16;
 
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, Cursor, Read};
 
 use csv::ByteRecord;
 
-use self::head::{Head, LineCounter, detect_delimiter, utf8};
+use self::{
+    cell::{is_missing, number, text},
+    dialect::Dialect,
+    head::{Head, LineCounter, Whole},
+};
 use crate::{
-    date::Dates,
+    date::{Dates, When},
     error::LogError,
     header::HeaderColumn,
     map::LogMap,
@@ -19,28 +26,28 @@ use crate::{
 #[derive(Debug)]
 pub struct CsvSource<R> {
     file: String,
-    csv: csv::Reader<io::Chain<Cursor<Vec<u8>>, BufReader<R>>>,
+    csv: csv::Reader<Whole<R>>,
     cells: ByteRecord,
     row: u64,
     lines: LineCounter,
-    decimal_comma: bool,
-    columns: Vec<HeaderColumn>,
+    dialect: Dialect,
     sample_time: Option<f64>,
     dates: Dates,
 }
 
 impl<R: Read> CsvSource<R> {
-    /// Reads the header; `file` is the name for errors. Of the map, only separators matter here.
+    /// Reads the header; `file` is the name for errors. Of the map, separators and the order of dates matter here.
+    ///
+    /// What the map does not say is found from the first 64 KiB: the separator, lines before the header, units in the
+    /// line behind it, a decimal comma, columns of dates. The text is UTF-8, UTF-16 with a mark, or Windows-1252.
     ///
     /// ```
     /// use fd_log::{CsvSource, LogMap, LogSource};
     ///
-    /// let mut csv = CsvSource::new("run.csv", "t;y [K]\n0;5,5\n".as_bytes(), &LogMap {
-    ///     decimal_comma: true,
-    ///     ..LogMap::default()
-    /// })?;
+    /// let text = "Logger 7\nt;y [K]\n0;5,5\n";
+    /// let mut csv = CsvSource::new("run.csv", text.as_bytes(), &LogMap::default())?;
     /// assert_eq!(csv.columns()[1].unit.as_deref(), Some("K"));
-    /// assert_eq!(csv.next_row()?, Some(2));
+    /// assert_eq!(csv.next_row()?, Some(3));
     /// assert_eq!(csv.number(1)?, 5.5);
     /// # Ok::<(), fd_log::LogError>(())
     /// ```
@@ -49,36 +56,43 @@ impl<R: Read> CsvSource<R> {
     ///
     /// Returns an error when the file is empty, is no text, or was written in an unknown version.
     pub fn new(file: &str, from: R, map: &LogMap) -> Result<Self, LogError> {
-        let (head, rest) = Head::read(file, from)?;
-        let delimiter = match map.delimiter {
-            Some(found) if found.is_ascii() => found as u8,
-            Some(found) => return Err(LogError::Delimiter { file: file.to_owned(), found }),
-            None if head.written_here => b',',
-            None => detect_delimiter(&head.header),
-        };
-        let crlf = head.header.ends_with(b"\r\n");
+        let (mut head, rest) = Head::read(file, from)?;
+        let dialect = Dialect::find(file, &head, map)?;
+        let (bytes, lines) = dialect.skipped;
+        head.block.drain(..bytes);
+        let first = head.block.split_inclusive(|byte| *byte == b'\n').next();
+        let crlf = first.is_some_and(|line| line.ends_with(b"\r\n"));
         let mut csv = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
+            .delimiter(dialect.delimiter)
             .flexible(true)
             .has_headers(false)
-            .from_reader(Cursor::new(head.header).chain(rest));
+            .from_reader(Cursor::new(head.block).chain(rest));
         let mut cells = ByteRecord::new();
-        csv.read_byte_record(&mut cells).map_err(|error| csv_error(file, &error))?;
-        let row = head.lines_before + 1;
-        let columns = cells
-            .iter()
-            .map(|cell| Ok(HeaderColumn::parse(utf8(file, row, cell)?)))
-            .collect::<Result<Vec<_>, LogError>>()?;
+        for _ in 0..=usize::from(dialect.has_units) {
+            csv.read_byte_record(&mut cells).map_err(|error| csv_error(file, &error))?;
+        }
+        let before_header = head.lines_before + lines;
         Ok(Self {
             file: file.to_owned(),
             csv,
             cells,
-            row,
-            lines: LineCounter { before_header: head.lines_before, crlf },
-            decimal_comma: map.decimal_comma,
-            columns,
+            row: before_header + 1,
+            lines: LineCounter { before_header, crlf },
+            dialect,
             sample_time: head.sample_time,
-            dates: Dates::default(),
+            dates: Dates::new(map.time.date_order),
+        })
+    }
+
+    /// The text in a column of the row; of a day and a time in two columns both.
+    fn text(&self, column: usize) -> Result<String, LogError> {
+        let text = |column: usize| text(&self.file, self.row, &self.cells[column]);
+        let own = text(column)?;
+        Ok(match self.dialect.pair {
+            Some((day, time)) if time == column && !is_missing(own.trim()) => {
+                format!("{} {}", text(day)?.trim(), own.trim())
+            }
+            _ => own.trim().to_owned(),
         })
     }
 }
@@ -89,11 +103,19 @@ impl<R: Read> LogSource for CsvSource<R> {
     }
 
     fn columns(&self) -> &[HeaderColumn] {
-        &self.columns
+        &self.dialect.columns
     }
 
     fn sample_time(&self) -> Option<f64> {
         self.sample_time
+    }
+
+    fn date_column(&self) -> Option<usize> {
+        self.dialect.date_column
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.dialect.notes.clone()
     }
 
     fn next_row(&mut self) -> Result<Option<u64>, LogError> {
@@ -102,7 +124,7 @@ impl<R: Read> LogSource for CsvSource<R> {
             return Ok(None);
         }
         self.row = self.lines.row(before, self.csv.position().line());
-        let (expected, found) = (self.columns.len(), self.cells.len());
+        let (expected, found) = (self.dialect.columns.len(), self.cells.len());
         if found != expected {
             let (file, row) = (self.file.clone(), self.row);
             return Err(LogError::Cells { file, row, expected, found });
@@ -111,28 +133,35 @@ impl<R: Read> LogSource for CsvSource<R> {
     }
 
     fn number(&self, column: usize) -> Result<f64, LogError> {
-        let text = utf8(&self.file, self.row, &self.cells[column])?.trim();
-        if is_missing(text) {
+        let is_date = self.dialect.dates[column];
+        // A plain number is by far the most frequent cell.
+        if !is_date && !self.dialect.decimal_comma {
+            let plain = std::str::from_utf8(&self.cells[column]).ok();
+            let plain = plain.and_then(|text| text.trim().parse::<f64>().ok());
+            if let Some(number) = plain.filter(|number| number.is_finite()) {
+                return Ok(number);
+            }
+        }
+        let found = self.text(column)?;
+        if is_missing(&found) {
             return Ok(f64::NAN);
         }
-        let parsed = if self.decimal_comma {
-            text.replace(',', ".").parse::<f64>()
-        } else {
-            text.parse::<f64>()
-        };
-        let number = parsed.ok().filter(|value| value.is_finite());
-        number.or_else(|| self.dates.seconds(text)).ok_or_else(|| LogError::Number {
-            file: self.file.clone(),
-            column: self.columns[column].text.clone(),
-            row: self.row,
-            found: text.to_owned(),
+        let name = || (self.file.clone(), self.dialect.columns[column].text.clone());
+        if is_date {
+            match self.dates.seconds(column, &found) {
+                When::At(seconds) => return Ok(seconds),
+                When::Unclear => {
+                    let ((file, column), row) = (name(), self.row);
+                    return Err(LogError::UnclearDate { file, column, row, found });
+                }
+                When::Never => {}
+            }
+        }
+        number(&found, self.dialect.decimal_comma).ok_or_else(|| {
+            let ((file, column), row) = (name(), self.row);
+            LogError::Number { file, column, row, found }
         })
     }
-}
-
-/// Whether a cell says that there is no value.
-fn is_missing(text: &str) -> bool {
-    text.is_empty() || ["nan", "na", "n/a", "null"].iter().any(|m| text.eq_ignore_ascii_case(m))
 }
 
 fn csv_error(file: &str, error: &csv::Error) -> LogError {

@@ -1,46 +1,40 @@
-//! MAT-files of version 5, "MAT-File Format" (MathWorks): what MATLAB saves up to version 7, and scipy writes.
+//! MAT-files, "MAT-File Format" (MathWorks): version 5 is what MATLAB saves up to version 7, and scipy writes; version 4
+//! is older, and what Modelica tools write ([`v4`]).
 //!
 //! A vector, lying or standing, is a column under its name; a matrix has columns `name[0]`, `name[1]`..., and the fields
 //! of a struct are `log.u`. What has equally many rows is one table. Texts, cells, struct arrays, sparse matrices and
 //! objects (`table`, `timeseries`) are named and left: save them as plain vectors.
 
 mod element;
+mod numbers;
+mod v4;
 
 use std::{fs::File, io::Read};
 
 use self::element::{Element, Elements};
-use crate::{
-    error::LogError,
-    header::HeaderColumn,
-    limit::Budget,
-    recording::{Recording, Topic},
-};
+use crate::{error::LogError, limit::Budget, recording::Recording};
 
 /// Text, where subsystem data begin, version, order of bytes.
 const HEADER: usize = 128;
 /// Structs within structs.
 const DEEPEST: usize = 16;
-/// Most columns that a matrix may have.
-const MOST_COLUMNS: u32 = 4096;
 /// Classes of arrays.
 const STRUCT: u8 = 2;
 /// The first class of numbers.
 const DOUBLE: u8 = 6;
 /// The last class of numbers.
 const UINT64: u8 = 15;
+/// A class of its own (`table`, `timeseries`, `string`); has no dimensions.
+const OPAQUE: u8 = 17;
 /// Where an array says that it is complex.
 const COMPLEX: u8 = 0x08;
 
 /// A MAT-file.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
+    let mut left = Budget::new(file);
+    let raw = whole(file, from, &mut left)?;
     let recording = Recording { file: file.to_owned(), ..Recording::default() };
-    let mut reader = Reader { recording, left: Budget::new(file) };
-    let length = from.metadata().map_or(0, |about| about.len());
-    reader.left.take("the file", length)?;
-    let mut raw = Vec::new();
-    from.take(length)
-        .read_to_end(&mut raw)
-        .map_err(|error| damaged(file, &format!("found: {error}")))?;
+    let mut reader = Reader { recording, left };
     let is_big_endian = match raw.get(HEADER - 2..HEADER) {
         Some(b"IM") => false,
         Some(b"MI") => true,
@@ -60,11 +54,23 @@ pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
         }
     }
     let Reader { recording, .. } = reader;
-    if recording.topics.is_empty() {
-        let (expected, found) = ("columns of numbers", format!("found {:?}", recording.unfit));
-        return Err(LogError::NoLog { file: file.to_owned(), expected, found });
-    }
-    Ok(recording)
+    recording.with_columns("columns of numbers")
+}
+
+/// A MAT-file of version 4.
+pub(super) fn read_v4(file: &str, from: File) -> Result<Recording, LogError> {
+    let mut left = Budget::new(file);
+    let raw = whole(file, from, &mut left)?;
+    v4::read(file, &raw, &mut left)
+}
+
+fn whole(file: &str, from: File, left: &mut Budget) -> Result<Vec<u8>, LogError> {
+    let length = from.metadata().map_or(0, |about| about.len());
+    left.take("the file", length)?;
+    let mut raw = Vec::new();
+    let read = from.take(length).read_to_end(&mut raw);
+    read.map_err(|error| damaged(file, &format!("found: {error}")))?;
+    Ok(raw)
 }
 
 /// What is read, and what there is still room for.
@@ -91,17 +97,23 @@ impl Reader {
             let found = format!("found an array without its {what}");
             parts.next_or(|what| damaged(&file, what))?.ok_or_else(|| damaged(&file, &found))
         };
-        let (flags, shape, name) = (part("flags")?, part("dimensions")?, part("name")?);
+        let flags = part("flags")?;
         // The class is the lowest byte, and flags the one above.
         let [class, flags, ..] =
             flags.words(is_big_endian).first().map_or([0; 4], |w| w.to_le_bytes());
+        let shape = if class == OPAQUE { None } else { Some(part("dimensions")?) };
+        let name = part("name")?;
         let own = String::from_utf8_lossy(name.data).into_owned();
         let name = match (within, own.as_str()) {
             ("", own) => own.to_owned(),
             (within, "") => within.to_owned(),
             (within, own) => format!("{within}.{own}"),
         };
-        let shape = shape.words(is_big_endian);
+        // What objects are made of stands behind all arrays, without a name.
+        if name.is_empty() {
+            return Ok(());
+        }
+        let shape = shape.map_or(Vec::new(), |shape| shape.words(is_big_endian));
         match class {
             STRUCT if shape.iter().all(|n| *n == 1) && depth < DEEPEST => {
                 let (length, names) = (part("lengths")?, part("names of fields")?);
@@ -120,7 +132,9 @@ impl Reader {
             _ => {
                 let why = match class {
                     DOUBLE..=UINT64 => "complex numbers".to_owned(),
-                    STRUCT => format!("structs of shape {shape:?}"),
+                    STRUCT => {
+                        format!("{} structs", shape.iter().map(|n| u64::from(*n)).product::<u64>())
+                    }
                     1 => "cells".to_owned(),
                     4 => "text".to_owned(),
                     5 => "a sparse matrix".to_owned(),
@@ -139,42 +153,24 @@ impl Reader {
         values: &Element<'_>,
         is_big_endian: bool,
     ) -> Result<(), LogError> {
-        let (rows, across) = match *shape {
-            [1, n] | [n, 1] if n != 1 => (u64::from(n), None),
-            [rows, across] if rows != 1 && across <= MOST_COLUMNS => {
-                (u64::from(rows), Some(u64::from(across)))
-            }
-            _ => {
-                let is_single = shape.iter().all(|n| *n == 1);
-                let array = || format!("an array of shape {shape:?}");
-                let why = if is_single { "a single value".to_owned() } else { array() };
-                self.recording.unfit.push((name.to_owned(), why));
-                return Ok(());
-            }
-        };
+        let Self { recording, left } = self;
+        let file = recording.file.clone();
         let Some(number) = values.number(is_big_endian) else {
             let found = format!("found numbers of the unknown type {} in `{name}`", values.kind);
-            return Err(damaged(&self.recording.file, &found));
+            return Err(damaged(&file, &found));
         };
-        let cells = rows.saturating_mul(across.unwrap_or(1));
-        let bytes = cells.saturating_mul(number.bytes as u64);
-        if bytes != values.data.len() as u64 {
-            let found = format!("the array `{name}` has {} of {bytes} bytes", values.data.len());
-            return Err(damaged(&self.recording.file, &found));
-        }
-        self.left.take(&format!("array `{name}`"), cells.saturating_mul(8))?;
-        let mut topic = Topic::default();
-        // Column by column, which is how MATLAB stores them.
-        let column_bytes = usize::try_from(rows).unwrap_or(0).saturating_mul(number.bytes);
-        for (i, column) in values.data.chunks(column_bytes.max(1)).enumerate() {
-            topic.values.push(number.values(column.chunks(number.bytes)));
-            let index = across.map_or(String::new(), |_| format!("[{i}]"));
-            topic.columns.push(HeaderColumn::parse(&format!("{name}{index}")));
-        }
-        if !topic.columns.is_empty() {
-            self.recording.add_table(topic);
-        }
-        Ok(())
+        let shape: Vec<u64> = shape.iter().map(|n| u64::from(*n)).collect();
+        numbers::add(recording, name, &shape, &mut |(rows, across)| {
+            let cells = rows.saturating_mul(across);
+            let bytes = cells.saturating_mul(number.bytes as u64);
+            if bytes != values.data.len() as u64 {
+                let found =
+                    format!("the array `{name}` has {} of {bytes} bytes", values.data.len());
+                return Err(damaged(&file, &found));
+            }
+            left.take(&format!("array `{name}`"), cells.saturating_mul(8))?;
+            Ok(number.values(values.data.chunks(number.bytes)))
+        })
     }
 }
 

@@ -15,6 +15,7 @@ use flate2::read::DeflateDecoder;
 use rawzip::{CompressionMethod, ZipArchive};
 
 use self::array::NoArray;
+use super::foreign;
 use crate::{
     error::LogError,
     limit::Budget,
@@ -75,10 +76,12 @@ pub(super) fn read_archive(file: &str, from: File) -> Result<Recording, LogError
         add(&mut recording, name, read)?;
     }
     if recording.topics.is_empty() {
-        let (expected, found) = ("arrays of numbers", format!("found {:?}", recording.unfit));
-        return Err(LogError::NoLog { file: file.to_owned(), expected, found });
+        let names = recording.unfit.iter().map(|(name, _)| name.as_str());
+        if let Some(error) = foreign::of_archive(file, names) {
+            return Err(error);
+        }
     }
-    Ok(recording)
+    recording.with_columns("arrays of numbers")
 }
 
 /// Puts an array into the table of its length.

@@ -149,8 +149,7 @@ fn read_columns(
         }
     }
     if topic.columns.is_empty() {
-        let (expected, found) = ("columns of numbers", format!("found {:?}", recording.unfit));
-        return Err(LogError::NoLog { file: file.to_owned(), expected, found }.into());
+        return Ok(recording.with_columns("columns of numbers")?);
     }
     recording.topics.push(topic);
     Ok(recording)
