@@ -9,7 +9,7 @@
 
 use std::cell::RefCell;
 
-use crate::map::DateOrder;
+use crate::time_map::DateOrder;
 
 /// Seconds of a minute, an hour and a day.
 const MINUTE: i64 = 60;

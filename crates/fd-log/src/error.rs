@@ -5,7 +5,10 @@ use std::io;
 use fd_model::{Shown, ShownList, ShownMessage, TimeBaseError, file::FileAction, unit::UnitError};
 use thiserror::Error;
 
-use crate::map::RowRule;
+use crate::{
+    hints::{all_of, is_comma, no_time, of_column, unclear_date},
+    map::RowRule,
+};
 
 /// A log cannot be read or written. Rows are lines of the file, counted from 1, as an editor
 /// shows them.
@@ -64,21 +67,11 @@ pub enum LogError {
         /// What is there.
         found: String,
     },
-    /// A file of another program that has no reader here.
-    #[error("{file}: found {format}, which is not read: {way_out}")]
-    Foreign {
-        /// Name of the file.
-        file: String,
-        /// What it is, as people say it.
-        format: &'static str,
-        /// How it becomes something that is read.
-        way_out: &'static str,
-    },
     /// What a name stands for is in the file, but is no column of numbers.
     #[error(
         "column `{}` of {file}: expected one number per row, found {}",
         Shown(column),
-        Shown(reason)
+        ShownMessage(reason)
     )]
     Unfit {
         /// Name of the file.
@@ -212,12 +205,7 @@ pub enum LogError {
         known: Vec<String>,
     },
     /// No column looks like time, and no sample time is given.
-    #[error(
-        "{file}: expected a column `time`, `t`, `time_s` or `timestamp`, or `time.column` or `time.sample_time` in a \
-         column map{}; the columns are {}",
-        maybe_time(known),
-        ShownList(known)
-    )]
+    #[error("{file}: {}", no_time(known))]
     NoTime {
         /// Name of the file.
         file: String,
@@ -312,12 +300,7 @@ pub enum LogError {
         found: String,
     },
     /// A date may be two, and it matters which.
-    #[error(
-        "column `{}` of {file}, row {row}: `{}` may have day or month first: state it in a column map: \
-         time = {{ date_order = \"day-first\" }} or \"month-first\"",
-        Shown(column),
-        Shown(found)
-    )]
+    #[error("column `{}` of {file}, row {row}: {}", Shown(column), unclear_date(found))]
     UnclearDate {
         /// Name of the file.
         file: String,
@@ -379,7 +362,7 @@ pub enum LogError {
         time: f64,
     },
     /// The times do not make an even time base.
-    #[error("{file}{}: {source}", column.as_ref().map_or(String::new(), |c| format!(", time from column `{}`", Shown(c))))]
+    #[error("{file}{}: {source}", of_column(column.as_ref()))]
     TimeBase {
         /// Name of the file.
         file: String,
@@ -413,28 +396,4 @@ pub enum LogError {
         /// Unit of the channel.
         unit: String,
     },
-}
-
-/// Rules about rows, as a column map has them.
-fn all_of(rules: &[RowRule]) -> String {
-    let shown: Vec<String> = rules.iter().map(|rule| format!("`{rule}`")).collect();
-    shown.join(" and ")
-}
-
-/// Columns that may well be time, offered.
-fn maybe_time(columns: &[String]) -> String {
-    const PARTS: [&str; 6] = ["time", "stamp", "zeit", "date", "datum", "clock"];
-    let may_be = |column: &&String| {
-        let name = column.to_lowercase();
-        *column == "T" || PARTS.iter().any(|part| name.contains(part))
-    };
-    let offered = columns.iter().find(may_be);
-    offered.map_or(String::new(), |column| {
-        format!(", perhaps `time = {{ column = \"{}\" }}`", Shown(column))
-    })
-}
-
-/// Whether a text is a number but for its comma.
-pub(crate) fn is_comma(text: &str) -> bool {
-    text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }

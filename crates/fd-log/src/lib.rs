@@ -55,6 +55,7 @@ mod derived;
 mod error;
 mod format;
 mod header;
+mod hints;
 mod info;
 mod limit;
 mod map;
@@ -62,6 +63,7 @@ mod reader;
 mod recording;
 mod source;
 mod table;
+mod time_map;
 mod writer;
 
 pub use self::{
@@ -70,11 +72,12 @@ pub use self::{
     header::HeaderColumn,
     info::{ClockInfo, ColumnInfo, LogInfo, TableInfo, info},
     limit::MOST_BYTES,
-    map::{ColumnMap, DateOrder, FileRows, LogMap, MergeMap, RowRule, TimeMap},
+    map::{ColumnMap, FileRows, LogMap, MergeMap, RowRule},
     reader::{Log, LogReader, LogRow, read_log, read_log_from},
     recording::{Recording, Topic},
     source::LogSource,
     table::LogTable,
+    time_map::{DateOrder, TimeMap},
     writer::{write_log, write_log_to},
 };
 

@@ -90,7 +90,7 @@ impl Recording {
         }
         let named = self.unfit.iter().take(MOST_NAMED);
         let named: Vec<String> =
-            named.map(|(name, why)| format!("`{}` ({})", Shown(name), Shown(why))).collect();
+            named.map(|(name, why)| format!("`{}` ({why})", Shown(name))).collect();
         let more = self.unfit.len() - named.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let found = if named.is_empty() {

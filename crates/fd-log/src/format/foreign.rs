@@ -12,7 +12,7 @@ const MAGIC: &[Foreign] = &[
         "convert it to MCAP: `mcap convert run.bag run.mcap` keeps it as ROS 1, `rosbags-convert --src run.bag --dst run` \
          makes it one of ROS 2",
     ),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a file of old Office (.xls)", "save it as .xlsx or CSV"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a file of old Office (.xls)", "save the sheet as CSV"),
     (b"TDSm", "TDMS of LabVIEW", "export it as CSV, or with npTDMS as HDF5"),
     (b"MDF     ", "MDF of measurement tools", "export it with asammdf as CSV, HDF5 or MAT"),
     (
@@ -41,8 +41,8 @@ const ARCHIVES: &[(&str, &str, &str)] = &[
         "a file of PyTorch",
         "write its tensors as arrays: `numpy.savez(\"run.npz\", **{name: t.numpy() for name, t in data.items()})`",
     ),
-    ("xl/workbook.xml", "a workbook of Excel", "name it `.xlsx`, or save it as CSV"),
-    ("content.xml", "an OpenDocument file", "save it as .xlsx or CSV"),
+    ("xl/workbook.xml", "a workbook of Excel", "save the sheet as CSV"),
+    ("content.xml", "an OpenDocument file", "save the sheet as CSV"),
     ("modelDescription.xml", "an FMU", "that is a model; a log is what a plant did"),
     ("word/document.xml", "a document of Word", "export the numbers as CSV"),
 ];
@@ -50,7 +50,7 @@ const ARCHIVES: &[(&str, &str, &str)] = &[
 /// The error for a file that begins so; nothing where it may be read.
 pub(super) fn of_bytes(file: &str, first: &[u8]) -> Option<LogError> {
     let (_, format, way_out) = MAGIC.iter().find(|(magic, ..)| first.starts_with(magic))?;
-    Some(LogError::Foreign { file: file.to_owned(), format, way_out })
+    Some(error(file, format, way_out))
 }
 
 /// The error for an archive without arrays, by the names in it.
@@ -61,5 +61,10 @@ pub(super) fn of_archive<'a>(
 ) -> Option<LogError> {
     let known = |name: &str| ARCHIVES.iter().find(|(end, ..)| name.ends_with(end));
     let (_, format, way_out) = names.find_map(known)?;
-    Some(LogError::Foreign { file: file.to_owned(), format, way_out })
+    Some(error(file, format, way_out))
+}
+
+fn error(file: &str, format: &str, way_out: &str) -> LogError {
+    let found = format!("found {format}, which is not read: {way_out}");
+    LogError::NoLog { file: file.to_owned(), expected: "a log", found }
 }

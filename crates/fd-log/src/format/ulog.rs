@@ -23,11 +23,9 @@ pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     reader.file(file, &mut BufReader::new(from)).map_err(|error| error.of(file, "ULog"))?;
     let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
     for (_, topic) in reader.topics.into_values() {
-        let (topic, unfit) = topic.finish();
+        let (topics, unfit) = topic.finish();
         recording.unfit.extend(unfit);
-        if topic.rows() > 0 {
-            recording.topics.push(topic);
-        }
+        recording.topics.extend(topics.into_iter().filter(|topic| topic.rows() > 0));
     }
     if recording.topics.is_empty() {
         let (expected, found) = ("messages of data", "found none".to_owned());

@@ -3,7 +3,7 @@
 use fd_model::unit::KNOWN_UNITS;
 use serde::Serialize;
 
-use crate::{error::is_comma, header::HeaderColumn};
+use crate::{header::HeaderColumn, hints::is_comma};
 
 /// One column.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,6 +2,12 @@
 
 #![cfg(feature = "mat")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "letters are written as bytes"
+)]
 
 use std::path::PathBuf;
 
@@ -86,5 +92,116 @@ proptest! {
             bytes[at] ^= mask;
             drop(read(&bytes));
         }
+    }
+}
+
+/// A matrix of version 4, column by column.
+fn v4(kind: u32, name: &str, [rows, columns]: [usize; 2], values: &[f64]) -> Vec<u8> {
+    let word = |n: usize| u32::try_from(n).unwrap().to_le_bytes();
+    let head = [kind.to_le_bytes(), word(rows), word(columns), word(0), word(name.len() + 1)];
+    let letters = |value: &f64| vec![*value as u8];
+    let data = values.iter().flat_map(|value| match kind {
+        51 => letters(value),
+        _ => value.to_le_bytes().to_vec(),
+    });
+    let name = [name.as_bytes(), b"\0"].concat();
+    head.concat().into_iter().chain(name).chain(data).collect()
+}
+
+/// Lines of text as a matrix of letters: each a row, or each a column.
+fn v4_text(name: &str, lines: &[&str], is_transposed: bool) -> Vec<u8> {
+    let length = lines.iter().map(|line| line.len()).max().unwrap_or(0);
+    let letter = |line: usize, k: usize| f64::from(*lines[line].as_bytes().get(k).unwrap_or(&b' '));
+    let (rows, columns) = if is_transposed { (length, lines.len()) } else { (lines.len(), length) };
+    let at = |cell: usize| {
+        let (row, column) = (cell % rows, cell / rows);
+        if is_transposed { letter(column, row) } else { letter(row, column) }
+    };
+    v4(51, name, [rows, columns], &(0..rows * columns).map(at).collect::<Vec<_>>())
+}
+
+fn read_as(bytes: &[u8], outputs: &str) -> Result<fd_log::Log, LogError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mat");
+    std::fs::write(&path, bytes).unwrap();
+    read_log(&path, &toml::from_str(&format!("outputs = [{outputs}]")).unwrap())
+}
+
+#[test]
+fn version_4_is_read() {
+    let ramp: Vec<f64> = (0..40).map(|k| f64::from(k) / 4.0).collect();
+    let q: Vec<f64> = ramp.iter().copied().chain(ramp.iter().map(|x| -x)).collect();
+    let file = [
+        v4(0, "t", [1, 40], &ramp),
+        v4(0, "q", [40, 2], &q),
+        v4_text("note", &["hello"], false),
+        v4(0, "gain", [1, 1], &[2.0]),
+    ]
+    .concat();
+    let log = read_as(&file, "{ name = 'q[1]' }").unwrap().record;
+    assert_eq!((log.len(), log.y(39), log.ts().seconds()), (40, &[-9.75][..], 0.25));
+    let error = read_as(&file, "{ name = 'note' }").unwrap_err().to_string();
+    assert!(error.ends_with("found text"), "{error}");
+    for length in 20..file.len() {
+        drop(read_as(&file[..length], "{ name = 'q[1]' }"));
+    }
+    let other = read_as(&[b'x'; 200], "{ name = 'q' }").unwrap_err().to_string();
+    assert!(other.contains("found neither version 5 or 7.3, nor a matrix of version 4"), "{other}");
+}
+
+#[test]
+fn results_of_modelica_tools_are_read_by_the_names_of_their_variables() {
+    let time = [0.0, 0.5, 1.0, 1.0, 1.5, 2.0];
+    let x = [1.0, 2.0, 3.0, 7.0, 8.0, 9.0];
+    for is_transposed in [true, false] {
+        let form = if is_transposed { "binTrans" } else { "binNormal" };
+        // Variables by rows or by columns.
+        let table = |series: &[&[f64]]| {
+            let (count, length) = (series.len(), series[0].len());
+            let cells = (0..count * length).map(|cell| {
+                if is_transposed {
+                    series[cell % count][cell / count]
+                } else {
+                    series[cell / length][cell % length]
+                }
+            });
+            let shape = if is_transposed { [count, length] } else { [length, count] };
+            (shape, cells.collect::<Vec<_>>())
+        };
+        let places: [[f64; 4]; 4] = [
+            [0.0, 1.0, 0.0, -1.0],
+            [2.0, 2.0, 0.0, -1.0],
+            [2.0, -2.0, 0.0, -1.0],
+            [1.0, 2.0, 0.0, 0.0],
+        ];
+        // `dataInfo` stands the other way round.
+        let (shape, cells) = if is_transposed {
+            ([4, 4], places.concat())
+        } else {
+            ([4, 4], (0..16).map(|cell| places[cell % 4][cell / 4]).collect())
+        };
+        let info = v4(0, "dataInfo", shape, &cells);
+        let (shape, cells) = table(&[&[0.0, 2.0], &[4.0, 4.0]]);
+        let first = v4(0, "data_1", shape, &cells);
+        let (shape, cells) = table(&[&time, &x]);
+        let second = v4(0, "data_2", shape, &cells);
+        let names = ["time", "motor.phi", "motor.minus", "J"];
+        let said = ["Time [s]", "Angle [deg|rad]", "", "Inertia [kg.m2]"];
+        let file = [
+            v4_text("Aclass", &["Atrajectory", "1.1", "", form], false),
+            v4_text("name", &names, is_transposed),
+            v4_text("description", &said, is_transposed),
+            info,
+            first,
+            second,
+        ]
+        .concat();
+        let log = read_as(&file, "{ name = 'motor.phi', unit = 'rad' }, { name = 'motor.minus' }");
+        let log = log.unwrap_or_else(|error| panic!("{form}: {error}")).record;
+        // Of the two rows of an event the later one.
+        assert_eq!((log.len(), log.ts().seconds()), (5, 0.5));
+        assert!((log.y(2)[0] - 7_f64.to_radians()).abs() < 1e-15 && log.y(2)[1] == -7.0, "{form}");
+        let error = read_as(&file, "{ name = 'J' }").unwrap_err().to_string();
+        assert!(error.ends_with("found a value that never changes: 4"), "{error}");
     }
 }

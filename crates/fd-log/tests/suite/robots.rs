@@ -101,7 +101,6 @@ fn what_is_no_column_says_why() {
     let said =
         |column: &str| read_log(data("robot.mcap"), &output(column)).unwrap_err().to_string();
     assert!(said("/say").ends_with("found messages without numbers"), "{}", said("/say"));
-    assert!(said("/note").ends_with("found messages in json"), "{}", said("/note"));
     assert!(said("/imu.angular_velocity.w").contains("did you mean `/imu.angular_velocity."));
 }
 

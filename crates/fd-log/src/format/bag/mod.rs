@@ -120,7 +120,7 @@ fn messages(from: File, topics: &mut Topics) -> Result<(), NoMessage> {
         topics.note(time);
         let Some((name, kind)) = channels.get(&topic) else { return Ok(()) };
         let definitions = known.get(kind).unwrap_or(&usual);
-        topics.add((channel, name), (&definition::short(kind), definitions), time, data)
+        topics.add_cdr((channel, name), (&definition::short(kind), definitions), time, data)
     })
 }
 

@@ -1,5 +1,5 @@
-//! Recordings of ROS 2 in MCAP, <https://mcap.dev/spec>: every topic whose messages are CDR with a definition in the
-//! file (`ros2msg`) is a table with a clock of its own.
+//! Recordings in MCAP, <https://mcap.dev/spec>: every topic whose messages are CDR with a definition in the file
+//! (`ros2msg`), protocol buffers with theirs, or JSON is a table with a clock of its own.
 //!
 //! Columns are `/topic.field`, `/topic.list[0]`, and `/joint_states.position[elbow]` where the message names its
 //! entries. Time is the time of logging, in seconds since the first message of the file; stamps inside messages are
@@ -17,7 +17,7 @@ use lz4_flex::frame::FrameDecoder;
 
 use self::record::{Content, HEAD, crc32};
 use super::{
-    message::{Definitions, NoMessage, Topics, definition},
+    message::{Definitions, NoMessage, Topics, definition, json, protobuf},
     zstd::Frames,
 };
 use crate::{error::LogError, recording::Recording, source::cannot_read};
@@ -40,13 +40,29 @@ pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
     reader.topics.finish(file)
 }
 
+/// What messages are made of.
+#[derive(Debug)]
+enum Schema {
+    /// Name and definitions of ROS 2.
+    Ros(String, Definitions),
+    Protobuf(protobuf::Schema),
+    /// Its name, and in what it is written.
+    Other(String),
+}
+
+/// A topic, how its messages are written, and their schema.
+#[derive(Debug)]
+struct Channel {
+    topic: String,
+    encoding: String,
+    schema: u16,
+}
+
 /// What is known of a file so far.
 #[derive(Debug, Default)]
 struct Reader {
-    /// Name and definitions; nothing for those of another kind, with the name of the kind.
-    schemas: BTreeMap<u16, Result<(String, Definitions), String>>,
-    /// Topic and schema.
-    channels: BTreeMap<u16, (String, u16)>,
+    schemas: BTreeMap<u16, Schema>,
+    channels: BTreeMap<u16, Channel>,
     topics: Topics,
 }
 
@@ -144,22 +160,24 @@ impl Reader {
     }
 
     fn schema(&mut self, mut content: Content<'_>) -> Option<()> {
-        let (id, name, encoding, text) =
-            (content.u16()?, content.text()?, content.text()?, content.text()?);
-        let parsed = if encoding == "ros2msg" { definition::parse(&name, &text) } else { None };
-        let parsed = parsed.map(|definitions| (definition::short(&name), definitions));
-        self.schemas.insert(id, parsed.ok_or_else(|| format!("`{name}` ({encoding})")));
+        let (id, name, encoding) = (content.u16()?, content.text()?, content.text()?);
+        let length = content.u32()?;
+        let data = content.bytes(u64::from(length))?;
+        let parsed = match encoding.as_str() {
+            "ros2msg" => definition::parse(&name, &String::from_utf8_lossy(data))
+                .map(|definitions| Schema::Ros(definition::short(&name), definitions)),
+            "protobuf" => protobuf::Schema::parse(&name, data).map(Schema::Protobuf),
+            _ => None,
+        };
+        let other = || Schema::Other(format!("`{name}` ({encoding})"));
+        self.schemas.insert(id, parsed.unwrap_or_else(other));
         Some(())
     }
 
     fn channel(&mut self, mut content: Content<'_>) -> Option<()> {
         let (id, schema, topic, encoding) =
             (content.u16()?, content.u16()?, content.text()?, content.text()?);
-        if encoding == "cdr" {
-            self.channels.insert(id, (topic, schema));
-        } else {
-            self.topics.pass_over(topic, format!("messages in {encoding}"));
-        }
+        self.channels.insert(id, Channel { topic, encoding, schema });
         Some(())
     }
 
@@ -173,15 +191,32 @@ impl Reader {
         };
         let (id, time) = head().ok_or_else(cut)?;
         self.topics.note(time);
-        let Some((topic, schema)) = self.channels.get(&id) else { return Ok(()) };
-        match self.schemas.get(schema) {
-            Some(Ok((kind, definitions))) => {
-                let channel = (u64::from(id), topic.as_str());
-                self.topics.add(channel, (kind, definitions), time, content.0)
+        let Some(Channel { topic, encoding, schema }) = self.channels.get(&id) else {
+            return Ok(());
+        };
+        let channel = (u64::from(id), topic.as_str());
+        match (encoding.as_str(), self.schemas.get(schema)) {
+            ("cdr", Some(Schema::Ros(kind, definitions))) => {
+                self.topics.add_cdr(channel, (kind, definitions), time, content.0)
             }
-            other => {
-                let of = other.and_then(|schema| schema.as_ref().err()).map_or("", String::as_str);
-                self.topics.pass_over(topic, format!("messages of another kind {of}"));
+            ("protobuf", Some(Schema::Protobuf(schema))) => {
+                self.topics.add(channel, time, |start, into, left| {
+                    schema.decode(content.0, start, into, left)
+                })
+            }
+            ("json", _) => self
+                .topics
+                .add(channel, time, |start, into, left| json::decode(content.0, start, into, left)),
+            ("cdr" | "protobuf", other) => {
+                let of = match other {
+                    Some(Schema::Other(of)) => of.as_str(),
+                    _ => "without a definition in the file",
+                };
+                self.topics.pass_over(topic, format!("messages of another kind: {of}"));
+                Ok(())
+            }
+            (encoding, _) => {
+                self.topics.pass_over(topic, format!("messages in {encoding}"));
                 Ok(())
             }
         }

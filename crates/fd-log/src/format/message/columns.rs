@@ -7,6 +7,15 @@ use crate::{error::LogError, header::HeaderColumn, limit::Budget, recording::Top
 /// Most columns of one topic.
 const MOST_COLUMNS: usize = 4096;
 
+/// Most sensors that send in turn on one topic; more are names of single messages.
+const MOST_FRAMES: usize = 16;
+
+/// Whether a text at this place names the sensor: `frame_id` of the header of a message, or of the message.
+#[cfg(any(feature = "mcap", feature = "rosbag"))]
+fn is_frame(path: &str) -> bool {
+    path == "header.frame_id" || path == "frame_id"
+}
+
 /// A topic that grows message by message.
 #[derive(Debug, Default)]
 pub(in crate::format) struct TopicColumns {
@@ -17,6 +26,9 @@ pub(in crate::format) struct TopicColumns {
     names: Vec<String>,
     values: Vec<Vec<f64>>,
     has_too_many: bool,
+    /// Names of frames, and which of them each row is in.
+    frames: Vec<String>,
+    frame_of: Vec<usize>,
 }
 
 impl TopicColumns {
@@ -35,6 +47,7 @@ impl TopicColumns {
         left: &mut Budget,
     ) -> Result<(), LogError> {
         self.times.push(time);
+        self.frame_of.push(usize::MAX);
         // A row has a value in every column, or will have.
         left.take(&format!("topic `{}`", self.name), 8 * (1 + self.values.len() as u64))
     }
@@ -69,8 +82,52 @@ impl TopicColumns {
         Ok(())
     }
 
-    /// The topic, with its name before every column; and what did not fit.
-    pub(in crate::format) fn finish(self) -> (Topic, Option<(String, String)>) {
+    /// Says that a text of the row is this; what is called `frame_id` at its top tells sensors from each other.
+    #[cfg(any(feature = "mcap", feature = "rosbag"))]
+    pub(super) fn note_frame(&mut self, path: &str, text: &str) {
+        let Some(row) = self.frame_of.last_mut().filter(|_| is_frame(path)) else { return };
+        let known = self.frames.iter().position(|frame| frame == text);
+        *row = known.unwrap_or_else(|| {
+            if self.frames.len() <= MOST_FRAMES {
+                self.frames.push(text.to_owned());
+            }
+            self.frames.len() - 1
+        });
+    }
+
+    /// The topic, with its name before every column; where several sensors send in turn, one topic for each, called
+    /// `topic[frame]`. And what did not fit.
+    pub(in crate::format) fn finish(mut self) -> (Vec<Topic>, Option<(String, String)>) {
+        let frames = std::mem::take(&mut self.frames);
+        if frames.len() < 2 || frames.len() > MOST_FRAMES {
+            let (topic, unfit) = self.all();
+            return (vec![topic], unfit);
+        }
+        let mut topics = Vec::new();
+        for (number, frame) in frames.iter().enumerate() {
+            let rows: Vec<usize> =
+                (0..self.times.len()).filter(|row| self.frame_of[*row] == number).collect();
+            let of = |column: &Vec<f64>| {
+                rows.iter().map(|row| column.get(*row).copied().unwrap_or(f64::NAN)).collect()
+            };
+            let part = Self {
+                name: format!("{}[{frame}]", self.name),
+                times: of(&self.times),
+                names: self.names.clone(),
+                values: self.values.iter().map(of).collect(),
+                has_too_many: self.has_too_many,
+                ..Self::default()
+            };
+            topics.push(part.all().0);
+        }
+        let names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
+        let why = format!("several sensors in turn, by `frame_id`: {}", names.join(", "));
+        let unfit = Some((self.name, why));
+        (topics, unfit)
+    }
+
+    /// All rows as one topic.
+    fn all(self) -> (Topic, Option<(String, String)>) {
         let Self { name, times, names, mut values, has_too_many, .. } = self;
         for column in &mut values {
             column.resize(times.len(), f64::NAN);

@@ -157,9 +157,13 @@ impl Walk<'_> {
             Kind::Text => {
                 let length = bytes.length().ok_or_else(too_short)?;
                 let text = bytes.take(length).ok_or_else(too_short)?;
-                if let Some(texts) = texts {
-                    let text = text.strip_suffix(b"\0").unwrap_or(text);
-                    texts.push(String::from_utf8_lossy(text).into_owned());
+                let text = String::from_utf8_lossy(text.strip_suffix(b"\0").unwrap_or(text));
+                match texts {
+                    Some(texts) => texts.push(text.into_owned()),
+                    #[cfg(any(feature = "mcap", feature = "rosbag"))]
+                    None => self.into.note_frame(&self.path, &text),
+                    #[cfg(not(any(feature = "mcap", feature = "rosbag")))]
+                    None => {}
                 }
                 Ok(())
             }

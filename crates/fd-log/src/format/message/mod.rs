@@ -5,6 +5,10 @@ mod columns;
 mod decode;
 #[cfg(any(feature = "mcap", feature = "rosbag"))]
 pub(super) mod definition;
+#[cfg(feature = "mcap")]
+pub(super) mod json;
+#[cfg(feature = "mcap")]
+pub(super) mod protobuf;
 #[cfg(any(feature = "mcap", feature = "rosbag"))]
 mod topics;
 

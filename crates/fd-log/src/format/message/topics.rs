@@ -31,37 +31,49 @@ impl Topics {
         self.start.get_or_insert(time);
     }
 
-    /// Adds a message in CDR of a kind; `time` in nanoseconds since 1970.
+    /// Adds a message; `time` in nanoseconds since 1970. `decode` puts its numbers into the row, and is told where the
+    /// recording begins.
     pub(in crate::format) fn add(
         &mut self,
         (channel, topic): (u64, &str),
-        (kind, definitions): (&str, &Definitions),
         time: u64,
-        data: &[u8],
+        decode: impl FnOnce(u64, &mut TopicColumns, &mut Budget) -> Result<(), NoMessage>,
     ) -> Result<(), NoMessage> {
         let start = *self.start.get_or_insert(time);
-        let bytes = Bytes::cdr(data).ok_or_else(|| {
-            NoMessage::Unsound(format!("found a message of `{topic}` that is no CDR"))
-        })?;
         let into = self.by_channel.entry(channel).or_insert_with(|| TopicColumns::new(topic));
         // One that was logged earlier than the first comes before 0.
         let seconds = (i128::from(time) - i128::from(start)) as f64 * 1e-9;
         into.begin(seconds, &mut self.left)?;
-        decode(kind, definitions, bytes, start, into, &mut self.left)
-            .map_err(|error| error.in_topic(topic))
+        decode(start, into, &mut self.left).map_err(|error| error.in_topic(topic))
+    }
+
+    /// Adds a message in CDR of a kind.
+    pub(in crate::format) fn add_cdr(
+        &mut self,
+        of: (u64, &str),
+        (kind, definitions): (&str, &Definitions),
+        time: u64,
+        data: &[u8],
+    ) -> Result<(), NoMessage> {
+        let bytes = Bytes::cdr(data).ok_or_else(|| {
+            NoMessage::Unsound(format!("found a message of `{}` that is no CDR", of.1))
+        })?;
+        self.add(of, time, |start, into, left| decode(kind, definitions, bytes, start, into, left))
     }
 
     /// All of it.
     pub(in crate::format) fn finish(self, file: &str) -> Result<Recording, LogError> {
         let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
         for topic in self.by_channel.into_values() {
-            let (topic, unfit) = topic.finish();
+            let (topics, unfit) = topic.finish();
             recording.unfit.extend(unfit);
-            // A topic of texts has messages and no columns.
-            if topic.columns.is_empty() {
-                recording.unfit.push((topic.name, "messages without numbers".to_owned()));
-            } else {
-                recording.topics.push(topic);
+            for topic in topics {
+                // A topic of texts has messages and no columns.
+                if topic.columns.is_empty() {
+                    recording.unfit.push((topic.name, "messages without numbers".to_owned()));
+                } else {
+                    recording.topics.push(topic);
+                }
             }
         }
         recording.unfit.extend(self.unfit);
