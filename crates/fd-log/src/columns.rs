@@ -78,7 +78,7 @@ pub(super) fn time_source(
             let ts = SampleTime::new(ts).map_err(|source| LogError::TimeBase {
                 file: file.to_owned(),
                 column: None,
-                source: source.into(),
+                source: Box::new(source.into()),
             })?;
             return Ok(Time::Rows(ts));
         }

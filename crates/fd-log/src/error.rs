@@ -369,7 +369,7 @@ pub enum LogError {
         /// The column of time; nothing where rows are counted.
         column: Option<String>,
         /// Why not.
-        source: TimeBaseError,
+        source: Box<TimeBaseError>,
     },
     /// Two channels of a record would make columns of the same name.
     #[error("{file}: two channels of the record are called `{}`", Shown(column))]

@@ -247,7 +247,9 @@ impl<S: LogSource> LogReader<S> {
                 let (column, row) = (column.text.clone(), rows[index]);
                 LogError::NotIncreasing { file, column, row, before, time }
             }
-            (source, _) => LogError::TimeBase { file, column: self.time_column(), source },
+            (source, _) => {
+                LogError::TimeBase { file, column: self.time_column(), source: Box::new(source) }
+            }
         }
     }
 

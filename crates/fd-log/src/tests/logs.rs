@@ -146,10 +146,9 @@ fn empty_files_and_headers_alone_are_errors() {
         assert!(matches!(read(csv), Err(LogError::Empty { .. })), "{csv:?}");
     }
     assert_eq!(message("t,wf,T_7\n"), "run3.csv: expected rows after the header, found none");
-    assert!(matches!(
-        read("t,wf,T_7\n0,1,2\n"),
-        Err(LogError::TimeBase { source: TimeBaseError::TooShort { samples: 1 }, .. })
-    ));
+    let error = read("t,wf,T_7\n0,1,2\n").unwrap_err();
+    let LogError::TimeBase { source, .. } = error else { panic!("{error}") };
+    assert_eq!(*source, TimeBaseError::TooShort { samples: 1 });
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! MAT-files of version 4, "MAT-File Format" (MathWorks), and the results of Modelica tools, which are such files.
+//! MAT-files of version 4, "MAT-File Format" (`MathWorks`), and the results of Modelica tools, which are such files.
 //!
 //! Every matrix has a head of five words: type, rows, columns, whether it is complex, length of its name. Results of
 //! Dymola and `OpenModelica` (`Aclass` is `Atrajectory`) keep names, places and values in matrices of their own; here
@@ -221,7 +221,7 @@ impl<'a> Trajectory<'a> {
         };
         let (table, index) = (at(0)?, at(1)?);
         let is_place = index.is_finite() && index.abs() >= 1.0 && index.abs() < 1e9;
-        let table = if (1.0..=1.0).contains(&table) { 0 } else { 1 };
+        let table = usize::from(!(1.0..=1.0).contains(&table));
         is_place.then(|| (table, index.abs() as usize - 1, index.signum()))
     }
 }

@@ -66,10 +66,8 @@ impl Walk<'_> {
             Value::Array(list) => {
                 for (place, value) in list.iter().enumerate() {
                     let before = self.path.len();
-                    match labels.get(place).filter(|_| labels.len() == list.len()) {
-                        Some(label) => self.path.push_str(&format!("[{label}]")),
-                        None => self.path.push_str(&format!("[{place}]")),
-                    }
+                    let label = labels.get(place).filter(|_| labels.len() == list.len());
+                    self.path += &label.map_or_else(|| format!("[{place}]"), |l| format!("[{l}]"));
                     self.value(value, &[])?;
                     self.path.truncate(before);
                 }

@@ -194,6 +194,12 @@ struct Walk<'a> {
     path: String,
 }
 
+/// An entry of a list: a number that is packed with others, or what is by itself.
+enum Entry<'a> {
+    Number(f64),
+    Wire(Wire<'a>),
+}
+
 fn unsound() -> NoMessage {
     NoMessage::Unsound("found a message that its definition does not describe".to_owned())
 }
@@ -261,7 +267,7 @@ impl Walk<'_> {
             self.path.push_str(&field.name);
             if field.is_list {
                 self.list(field, of(*number), &labels, depth)?;
-            } else if let Some(wire) = of(*number).last() {
+            } else if let Some(wire) = of(*number).next_back() {
                 self.one(&field.kind, wire, depth)?;
             } else if let Some(zero) = field.kind.number(0).filter(|_| field.is_zero_if_missing) {
                 self.into.put(&self.path, zero, self.left)?;
@@ -279,27 +285,27 @@ impl Walk<'_> {
         depth: usize,
     ) -> Result<(), NoMessage> {
         let is_number = field.kind.number(0).is_some();
-        let mut values: Vec<Wire<'_>> = Vec::new();
-        let mut numbers = Vec::new();
+        let mut entries = Vec::new();
         for wire in wires {
             match wire {
                 Wire::Bytes(bytes) if is_number => {
-                    numbers.extend(field.kind.packed(bytes).ok_or_else(unsound)?);
+                    let numbers = field.kind.packed(bytes).ok_or_else(unsound)?;
+                    entries.extend(numbers.into_iter().map(Entry::Number));
                 }
-                Wire::Number(bits) if is_number => numbers.extend(field.kind.number(bits)),
-                other => values.push(other),
+                Wire::Number(bits) if is_number => {
+                    entries.extend(field.kind.number(bits).map(Entry::Number));
+                }
+                other => entries.push(Entry::Wire(other)),
             }
         }
-        let count = numbers.len().max(values.len());
         let before = self.path.len();
-        for place in 0..count {
-            match labels.get(place).filter(|_| labels.len() == count) {
-                Some(label) => self.path.push_str(&format!("[{label}]")),
-                None => self.path.push_str(&format!("[{place}]")),
-            }
-            match numbers.get(place) {
-                Some(number) => self.into.put(&self.path, *number, self.left)?,
-                None => self.one(&field.kind, values[place], depth)?,
+        let is_labelled = labels.len() == entries.len();
+        for (place, entry) in entries.into_iter().enumerate() {
+            let label = labels.get(place).filter(|_| is_labelled);
+            self.path += &label.map_or_else(|| format!("[{place}]"), |label| format!("[{label}]"));
+            match entry {
+                Entry::Number(number) => self.into.put(&self.path, number, self.left)?,
+                Entry::Wire(wire) => self.one(&field.kind, wire, depth)?,
             }
             self.path.truncate(before);
         }
