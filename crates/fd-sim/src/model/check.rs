@@ -20,9 +20,10 @@ type Checked = Result<(), ModelError>;
 pub(super) fn check(draft: &Draft) -> Checked {
     numbers::check(draft)?;
     let names = names::collect(draft)?;
-    for (key, place, expr) in expressions(draft) {
-        Checker { draft, names: &names, key: &key, place }.check(expr)?;
-    }
+    let wrong = |(key, place, expr): (String, Setting, &Expr)| {
+        Checker { draft, names: &names, key: &key, place }.check(expr).err()
+    };
+    ModelError::all(expressions(draft).into_iter().filter_map(wrong).collect())?;
     check_references(draft, &names)?;
     check_circles(draft)
 }

@@ -37,9 +37,11 @@ pub struct ModelError {
     /// Line and column in the file, if the model came from one.
     pub place: Option<Place>,
     /// The expression and the part of it that is wrong, if the mistake is in an expression.
-    pub expression: Option<(String, Span)>,
+    pub expression: Option<Box<(String, Span)>>,
     /// What is wrong.
     pub mistake: Box<Mistake>,
+    /// What is wrong besides, in the order of the file.
+    pub others: Vec<ModelError>,
 }
 
 /// A place in a file, counted from 1, in characters.
@@ -176,20 +178,29 @@ pub(super) type Places = HashMap<String, Range<usize>>;
 
 impl ModelError {
     pub(crate) fn new(key: impl Into<String>, mistake: Mistake) -> Self {
-        Self { key: key.into(), place: None, expression: None, mistake: Box::new(mistake) }
+        let (key, mistake) = (key.into(), Box::new(mistake));
+        Self { key, place: None, expression: None, mistake, others: Vec::new() }
+    }
+
+    /// All of them as one; nothing is wrong where there is none.
+    pub(super) fn all(errors: Vec<Self>) -> Result<(), Self> {
+        let mut errors = errors.into_iter();
+        errors.next().map_or(Ok(()), |first| Err(Self { others: errors.collect(), ..first }))
     }
 
     pub(super) fn in_expression(mut self, text: String, span: Span) -> Self {
-        self.expression = Some((text, span));
+        self.expression = Some(Box::new((text, span)));
         self
     }
 
     /// Adds line and column. A mistake inside an expression is pointed at where the expression
     /// stands in the file, as it is written there; with escapes in it, its beginning is.
     pub(super) fn found_in(mut self, places: &Places, file: &str) -> Self {
+        let others = std::mem::take(&mut self.others).into_iter();
+        self.others = others.map(|other| other.found_in(places, file)).collect();
         let Some(range) = nearest_key(places, &self.key) else { return self };
         let mut at = range.start;
-        if let Some((text, span)) = &mut self.expression {
+        if let Some((text, span)) = self.expression.as_deref_mut() {
             let raw = file.get(range).unwrap_or_default();
             let written = raw.trim_matches(['"', '\'']);
             let start = at + (raw.len() - raw.trim_start_matches(['"', '\'']).len());
@@ -237,10 +248,10 @@ impl fmt::Display for ModelError {
             write!(f, "{}: ", Shown(&self.key))?;
         }
         write!(f, "{}", self.mistake)?;
-        if let Some((text, span)) = &self.expression {
+        if let Some((text, span)) = self.expression.as_deref() {
             write!(f, "\n{}", picture(text, span))?;
         }
-        Ok(())
+        self.others.iter().try_for_each(|other| write!(f, "\n{other}"))
     }
 }
 

@@ -31,8 +31,9 @@ pub(super) fn read(text: &str) -> Result<(Draft, Places), ModelError> {
         return refuse("version", Mistake::Version { found: head.version });
     }
     let file: FileModel = from_toml(text)?;
-    let mut reader = Reader { text, places: Places::new() };
-    let draft = reader.model(file)?;
+    let mut reader = Reader { text, places: Places::new(), errors: Vec::new() };
+    let draft = reader.model(file);
+    ModelError::all(reader.errors)?;
     Ok((draft, reader.places))
 }
 
@@ -47,19 +48,21 @@ fn from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, ModelError
 struct Reader<'a> {
     text: &'a str,
     places: Places,
+    /// What is wrong with entries, which are then left out.
+    errors: Vec<ModelError>,
 }
 
 type Read<T> = Result<T, ModelError>;
 
 impl Reader<'_> {
-    fn model(&mut self, file: FileModel) -> Read<Draft> {
+    fn model(&mut self, file: FileModel) -> Draft {
         for (key, place) in [("sample_time", &file.sample_time)]
             .into_iter()
             .chain(file.step.as_ref().map(|s| ("step", s)))
         {
             self.places.insert(key.to_owned(), place.span());
         }
-        Ok(Draft {
+        Draft {
             name: file.name,
             description: file.description,
             sample_time: file.sample_time.into_inner(),
@@ -73,65 +76,60 @@ impl Reader<'_> {
                     tolerance: p.tolerance.unwrap_or(DEFAULT_TOLERANCE),
                     bounds: p.bounds,
                 })
-            })?,
+            }),
             inputs: self.each("inputs", file.inputs, |reader, key, name, i| {
                 let limits = i.saturation.map(|[low, high]| {
                     let key = format!("{key}.saturation");
                     Ok([reader.expr(&key, low)?, reader.expr(&key, high)?])
                 });
                 Ok(Input { name, unit: i.unit, saturation: limits.transpose()? })
-            })?,
-            states: self.each("states", file.states, Self::state)?,
+            }),
+            states: self.each("states", file.states, Self::state),
             outputs: self.each("outputs", file.outputs, |reader, key, name, o| {
                 let value = reader.expr(&format!("{key}.value"), o.value)?;
                 Ok(Output { name, unit: o.unit, value, noise: o.noise })
-            })?,
-            definitions: self.each("definitions", file.definitions, Self::definition)?,
+            }),
+            definitions: self.each("definitions", file.definitions, Self::definition),
             sites: self.each("sites", file.sites, |reader, key, name, s| {
                 let enters = reader.each(
                     &format!("{key}.enters"),
                     s.enters,
                     |reader, key, state, factor| Ok((state, reader.expr(key, factor)?)),
-                )?;
+                );
                 let mut optional = |entry: &str, text: Option<Spanned<Text>>| {
                     text.map(|text| reader.expr(&format!("{key}.{entry}"), text)).transpose()
                 };
                 let (position, velocity) =
                     (optional("position", s.position)?, optional("velocity", s.velocity)?);
                 Ok(Site { name, unit: s.unit, enters, position, velocity })
-            })?,
+            }),
             delays: self.each("delays", file.delays, |reader, key, name, d| {
                 let value = reader.expr(&format!("{key}.value"), d.value)?;
                 Ok(Delay { name, value, time: reader.expr(&format!("{key}.time"), d.time)? })
-            })?,
+            }),
             signs: self.each("signs", file.signs, |reader, key, name, text| {
                 Ok(Sign { name, velocity: reader.expr(key, text)? })
-            })?,
+            }),
             tables: self.each("tables", file.tables, |_, key, name, t| {
                 let table = Table::new(t.x, t.y, t.outside);
                 Ok(NamedTable { name, table: table.map_err(|e| ModelError::new(key, e.into()))? })
-            })?,
-            controller: file
-                .controller
-                .map(|controller| self.controller(controller))
-                .transpose()?,
-        })
+            }),
+            controller: file.controller.map(|controller| self.controller(controller)),
+        }
     }
 
-    fn controller(&mut self, file: FileController) -> Read<Controller> {
-        Ok(Controller {
+    fn controller(&mut self, file: FileController) -> Controller {
+        Controller {
             sample_time: file.sample_time,
             references: self.each("controller.references", file.references, |_, _, name, r| {
                 Ok(Reference { name, unit: r.unit })
-            })?,
-            states: self.each("controller.states", file.states, Self::state)?,
-            definitions: self.each("controller.definitions", file.definitions, Self::definition)?,
-            signals: self.each(
-                "controller.signals",
-                file.signals,
-                |reader, key, input, text| Ok(Signal { input, value: reader.expr(key, text)? }),
-            )?,
-        })
+            }),
+            states: self.each("controller.states", file.states, Self::state),
+            definitions: self.each("controller.definitions", file.definitions, Self::definition),
+            signals: self.each("controller.signals", file.signals, |reader, key, input, text| {
+                Ok(Signal { input, value: reader.expr(key, text)? })
+            }),
+        }
     }
 
     fn state(&mut self, key: &str, name: String, file: FileState) -> Read<State> {
@@ -153,18 +151,18 @@ impl Reader<'_> {
         room: &str,
         entries: Ordered<F>,
         mut read: impl FnMut(&mut Self, &str, String, F) -> Read<T>,
-    ) -> Read<Vec<T>> {
+    ) -> Vec<T> {
         let mut all = Vec::with_capacity(entries.0.len());
         for (name, value) in entries.0 {
             let key = format!("{room}.{}", name.get_ref());
             self.places.insert(key.clone(), name.span());
-            let entry = read(self, &key, name.into_inner(), value);
-            all.push(entry.map_err(|error| match error.place {
-                Some(_) => error,
-                None => error.found_in(&self.places, self.text),
-            })?);
+            match read(self, &key, name.into_inner(), value) {
+                Ok(entry) => all.push(entry),
+                Err(error) if error.place.is_some() => self.errors.push(error),
+                Err(error) => self.errors.push(error.found_in(&self.places, self.text)),
+            }
         }
-        Ok(all)
+        all
     }
 
     fn expr(&mut self, key: &str, text: Spanned<Text>) -> Read<Expr> {

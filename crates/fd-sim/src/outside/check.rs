@@ -316,13 +316,18 @@ impl Bench<'_> {
         }
         let nu = self.simulator.inputs().len();
         for i in 0..nu {
-            self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += TRIAL * self.sizes[i]);
-            let x0 = self.x0.clone();
-            let y = self.run(&theta, &x0);
-            if self.is_still(base, &y) {
+            // A valve that is shut, or a switch: what a small change does not move, a large one may.
+            let changes = [TRIAL, 1.0, -1.0, 100.0].map(|share| share * self.sizes[i].max(TRIAL));
+            let is_dead = changes.iter().all(|change| {
+                self.u.iter_mut().skip(i).step_by(nu).for_each(|u| *u += change);
+                let x0 = self.x0.clone();
+                let y = self.run(&theta, &x0);
+                self.u.clone_from(&u);
+                self.is_still(base, &y)
+            });
+            if is_dead {
                 dead[1].push(self.simulator.inputs()[i].name.clone());
             }
-            self.u.clone_from(&u);
         }
         let nf = self.simulator.ports().len();
         for i in 0..nf {
@@ -341,7 +346,10 @@ impl Bench<'_> {
             if !dead.is_empty() {
                 let names: Vec<&str> = dead.iter().map(String::as_str).collect();
                 let text = format!("no output moves with {}{}", quoted(&names), self.beyond());
-                self.say(what, self.of_still(), text);
+                // Other values of an input, or another state of the plant, may be needed.
+                let is_input = what == "inputs";
+                let text = if is_input { text + " at the values that were tried" } else { text };
+                self.say(what, if is_input { Grade::Doubt } else { self.of_still() }, text);
             } else if 0 < count {
                 self.say(what, Grade::Fine, format!("each of {count} moves an output"));
             }

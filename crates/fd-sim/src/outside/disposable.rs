@@ -32,6 +32,10 @@ impl Source for Disposables {
         Ok(Box::new(Disposable { source, tally, instance, is_used: false }))
     }
 
+    fn note(&self) -> Option<String> {
+        self.source.note()
+    }
+
     fn lanes(&self) -> usize {
         self.source.lanes()
     }

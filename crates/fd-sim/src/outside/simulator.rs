@@ -169,6 +169,12 @@ impl OutsideSimulator {
         self.shared.tally.counts()
     }
 
+    /// What was found out about it while it ran, and its user should know.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        self.shared.source.note()
+    }
+
     /// What went wrong last, with this or any of its copies.
     #[must_use]
     pub fn trouble(&self) -> Option<OutsideError> {

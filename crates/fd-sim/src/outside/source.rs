@@ -208,6 +208,11 @@ pub trait Source: Debug + Send + Sync {
     /// Returns why that is not possible.
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError>;
 
+    /// What was found out about the simulator while it ran, and its user should know.
+    fn note(&self) -> Option<String> {
+        None
+    }
+
     /// How many whole runs one of them takes in one call.
     fn lanes(&self) -> usize {
         1

@@ -2,8 +2,9 @@
 //!
 //! Inputs, outputs, parameters, initial states and ports are variables of type `Real` (`Float64` in 3.0); ports are
 //! inputs that the user names as such. The communication step is the sample time. An instance is reused for the next
-//! run with `fmi2Reset` or `fmi3Reset`; parameters and initial states are set before it is initialised. Of 3.0 there
-//! are no events, no intermediate updates, no clocks and no arrays.
+//! run with `fmi2Reset` or `fmi3Reset`; parameters and initial states are set before it is initialised. Where a run
+//! then begins otherwise than the same run in a fresh instance, the reset is not trusted, and each run has an instance
+//! of its own. Of 3.0 there are no events, no intermediate updates, no clocks and no arrays.
 //!
 //! *When not to use:* FMUs for model exchange, or of another version; FMUs that crash, because this process
 //! crashes with them: serve those from a separate process. Whether outputs with direct feedthrough reflect the
@@ -17,7 +18,10 @@ mod instance;
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+    },
 };
 
 use fd_model::nearest;
@@ -50,6 +54,10 @@ struct Unpacked {
     /// Before the directory, so that the library is unloaded first.
     api: Arc<Api>,
     description: Description,
+    /// Variables that show where a run begins: outputs and locals.
+    visible: Vec<u32>,
+    /// Whether its reset was seen to leave something of the run before: then each run has an instance of its own.
+    keeps_runs: AtomicBool,
     resources: String,
     _directory: Option<TempDir>,
 }
@@ -79,6 +87,25 @@ fn platform(version: Version) -> Result<&'static str, &'static str> {
         (_, "linux", "aarch64") => "aarch64-linux",
         _ => return Err("a platform that FMUs have a name for"),
     })
+}
+
+/// References of what a run shows, each once.
+fn visible(description: &Description) -> Vec<u32> {
+    let is_seen = |v: &&Variable| matches!(v.causality.as_str(), "output" | "local");
+    let mut seen: Vec<u32> =
+        description.variables.iter().filter(is_seen).map(|v| v.reference).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    seen
+}
+
+/// The library in a folder, if there is one only.
+fn only_library(folder: &Path) -> Option<PathBuf> {
+    let ending = std::env::consts::DLL_EXTENSION;
+    let files = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let mut libraries = files.filter(|file| file.extension().is_some_and(|e| e == ending));
+    let first = libraries.next()?;
+    libraries.next().is_none().then_some(first)
 }
 
 /// How an FMU of a version is told where its resources are: by a URI, in 3.0 by a path that ends with a separator.
@@ -131,7 +158,13 @@ impl Fmu {
             platform(version).map_err(|e| wrong("this machine", e, "another".to_owned()))?;
         let binaries = root.join("binaries");
         let name = format!("{}{}", description.identifier, std::env::consts::DLL_SUFFIX);
-        let library = binaries.join(platform).join(&name);
+        let mut library = binaries.join(platform).join(&name);
+        if !library.exists()
+            && let Some(only) = only_library(&binaries.join(platform))
+        {
+            // Some exporters rename the library and not what the description says of it.
+            library = only;
+        }
         if !library.exists() {
             let names = fs::read_dir(&binaries).into_iter().flatten().flatten();
             let mut names: Vec<_> =
@@ -148,7 +181,14 @@ impl Fmu {
         Ok(Self {
             contract,
             references: Arc::new(references),
-            unpacked: Arc::new(Unpacked { api, description, resources, _directory: directory }),
+            unpacked: Arc::new(Unpacked {
+                visible: visible(&description),
+                keeps_runs: AtomicBool::new(false),
+                api,
+                description,
+                resources,
+                _directory: directory,
+            }),
             file,
         })
     }
@@ -173,6 +213,15 @@ impl Fmu {
 impl Source for Fmu {
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
         Ok(Box::new(FmuInstance::open(self)?))
+    }
+
+    fn note(&self) -> Option<String> {
+        let keeps = self.unpacked.keeps_runs.load(Relaxed);
+        keeps.then(|| {
+            "its reset says that it is done and leaves something of the run before: each run has a fresh instance, as \
+             with `[powers] resets = false`"
+                .to_owned()
+        })
     }
 }
 

@@ -177,6 +177,34 @@ fn one_that_cannot_be_reset_is_made_anew() {
     }
 }
 
+/// As `../shared/data/people/p02-fmu-reset`, after exports of a tool that does so.
+#[test]
+fn one_whose_reset_resets_nothing_is_seen_and_made_anew() {
+    let without_states = FILE.replace("[states]\nplace = { tolerance = 0.02 }\nspeed = {}\n", "");
+    for (macros, keeps) in [(&["EMPTY_RESET"][..], true), (&[], false)] {
+        let directory = fmu(macros);
+        let mut simulator = file(&directory, &without_states).open().unwrap().without_memory();
+        for m in [1.5, 1.5, 2.0, 1.5] {
+            let found = run(&mut simulator, &[m, 0.8, 6.0], &[]);
+            assert_eq!(found, expected([m, 0.8, 6.0], [0.1, 0.0], 0.0), "{macros:?}");
+        }
+        assert_eq!(simulator.note().is_some(), keeps);
+        let forces = forces();
+        assert!(simulator.measure_spread(0, &forces, forces.len()).is_none(), "{macros:?}");
+    }
+}
+
+#[test]
+fn a_library_of_another_name_is_found() {
+    let directory = fmu(&[]);
+    let folder = fs::read_dir(directory.path().join("binaries")).unwrap().next().unwrap().unwrap();
+    let library = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+    fs::rename(&library, library.with_file_name(format!("other{}", std::env::consts::DLL_SUFFIX)))
+        .unwrap();
+    let found = run(&mut open(&directory), &[1.5, 0.8, 6.0], &[0.1, 0.0]);
+    assert_eq!(found, expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0));
+}
+
 #[test]
 fn an_error_in_a_step_is_a_divergence_from_there_and_a_fatal_one_the_end() {
     let each = [("FAULT=2", false), ("FAULT=3", false), ("FAULT=4", true)];

@@ -340,3 +340,29 @@ fn the_example_of_the_manual_is_a_model() {
         assert_eq!(model.to_string().parse::<Model>().unwrap(), model);
     }
 }
+
+#[test]
+fn all_mistakes_of_a_file_are_said_at_once() {
+    let file = |x: &str, v: &str, y: &str| {
+        format!(
+            "version = 1\nkind = \"equations\"\nname = \"m\"\nsample_time = 0.1\n[inputs]\nP = {{ unit = \"W\" }}\n\
+             [states]\nx = {{ unit = \"1\", initial = 0.0, derivative = \"{x}\" }}\n\
+             v = {{ unit = \"1\", initial = 0.0, derivative = \"{v}\" }}\n[outputs]\ny = {{ unit = \"1\", value = \"{y}\" }}\n"
+        )
+    };
+    let said = |text: &str| text.parse::<Model>().unwrap_err().to_string();
+    // Expressions that are none, and names that nobody knows.
+    for (x, v, y, parts) in [
+        ("(P - x", "P +", "x", ["states.x.derivative: expected `)`", "9:", "states.v.derivative"]),
+        (
+            "P*b",
+            "v",
+            "z",
+            ["states.x.derivative: `b` is not known", "11:", "outputs.y.value: `z` is not known"],
+        ),
+    ] {
+        let error = said(&file(x, v, y));
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+    assert!(!said(&file("P*b", "v", "x")).contains("outputs"));
+}
