@@ -9,6 +9,7 @@ from . import errors
 from ._fdiag import __version__
 from ._gap import gap
 from ._stated import Initial, Native, Output, Port, Uncertain
+from .calibration import Calibration, calibrate
 from .checks import Check, Checked, Cost, check
 from .effects import Effect
 from .errors import AnalysisError, Diverged, Error, InputError, SimulatorError
@@ -24,6 +25,7 @@ from .simulators import Channel, Model, Simulator, Steps
 
 __all__ = [
     "AnalysisError",
+    "Calibration",
     "Cause",
     "Channel",
     "Check",
@@ -62,6 +64,7 @@ __all__ = [
     "Work",
     "WrittenScene",
     "__version__",
+    "calibrate",
     "check",
     "errors",
     "gap",

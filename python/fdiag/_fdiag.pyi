@@ -15,6 +15,7 @@ __all__ = [
     "Study",
     "Trained",
     "__version__",
+    "calibrate",
     "check",
     "column_map",
     "command",
@@ -119,6 +120,7 @@ def study(
     progress: Callable[[str, int, int], object] | None,
     /,
 ) -> Study: ...
+def calibrate(simulator: Simulator, logs: Sequence[_Log], settings: str, /) -> tuple[str, str]: ...
 def check(
     simulator: Simulator,
     logs: Sequence[_Log],

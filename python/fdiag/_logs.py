@@ -16,7 +16,9 @@ Log = Any
 #: As the native half takes it.
 Native = str | tuple[str, list[tuple[str, npt.NDArray[np.float64]]]]
 
-_TIMES = ("time", "t", "time_s")
+_TIMES = ("time", "time_s", "timestamp")
+#: Most columns that lists may become.
+_MOST_COLUMNS = 4096
 
 
 def native(
@@ -44,7 +46,11 @@ def _one(
     unfit: dict[str, str] = {}
     for header, values in _columns(log, name):
         try:
-            columns.append((header, _numbers(values)))
+            parts = _parts(header, values)
+            columns.extend(parts)
+            if parts[:1] and parts[0][0] != header:
+                shape = [len(parts[0][1]), len(parts)]
+                unfit[header.split(" [")[0]] = f"expected one number per row, found an array of shape {shape}"
         except (TypeError, ValueError) as why:
             unfit[header.split(" [")[0]] = str(why)
     if unfit:
@@ -59,7 +65,9 @@ def _one(
 
 
 def _is_time(header: str) -> bool:
-    return header.split("[")[0].strip().lower() in _TIMES
+    name = header.split("[")[0].strip()
+    # A capital T is a temperature.
+    return name == "t" or name.lower() in _TIMES
 
 
 def _columns(log: Log, name: str) -> Iterator[tuple[str, Any]]:
@@ -87,6 +95,30 @@ def _columns(log: Log, name: str) -> Iterator[tuple[str, Any]]:
             f"{name}: expected a path, a dict of arrays, a data frame, a dataset or a structured array, "
             f"found a value of type `{type(log).__name__}`"
         )
+
+
+def _parts(header: str, values: Any) -> list[tuple[str, npt.NDArray[np.float64]]]:
+    """The column, or one for each entry where its cells are lists of one length: `q[0]`, `q[1]`."""
+    array = np.asarray(values)
+    if array.ndim == 1 and array.dtype.kind == "O" and len(array):
+        first = next((cell for cell in array if cell is not None), None)
+        if isinstance(first, (list, tuple, np.ndarray)):
+            length = len(first)
+            empty = np.full(length, np.nan)
+            cells = [empty if cell is None else np.asarray(cell, dtype=np.float64) for cell in array]
+            odd = next((k for k, cell in enumerate(cells) if cell.shape != (length,)), None)
+            if odd is not None:
+                raise ValueError(
+                    f"expected lists of {length} numbers, as in the first row, found {list(cells[odd].shape)} in row {odd}"
+                )
+            array = np.stack(cells)
+    if array.ndim != 2:
+        return [(header, _numbers(array))]
+    if array.shape[1] > _MOST_COLUMNS:
+        raise ValueError(f"expected lists of at most {_MOST_COLUMNS} numbers, found {array.shape[1]}")
+    name, bracket, unit = header.partition(" [")
+    columns = (array[:, i] for i in range(array.shape[1]))
+    return [(f"{name}[{i}]{bracket}{unit}", _numbers(column)) for i, column in enumerate(columns)]
 
 
 def _numbers(values: Any) -> npt.NDArray[np.float64]:

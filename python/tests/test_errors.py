@@ -83,3 +83,20 @@ def test_text_of_a_file_cannot_command_a_terminal() -> None:
     with pytest.raises(fdiag.InputError) as caught:
         fdiag.gap(CART, log(), only=["\x1b[31mred"])
     assert "\x1b" not in str(caught.value)
+
+
+def test_columns_of_lists_are_a_column_for_each_entry() -> None:
+    from fdiag import _logs
+
+    rows = np.empty(3, dtype=object)
+    rows[:] = [[1.0, 2.0], None, np.array([5.0, 6.0])]
+    log = {"time": [0.0, 1.0, 2.0], "state [rad]": rows, "action": np.ones((3, 2)), "T": [1.0, 2.0, 3.0]}
+    [(_, columns)] = _logs.native(log, "log")
+    found = dict(columns)
+    assert list(found) == ["time", "state[0] [rad]", "state[1] [rad]", "action[0]", "action[1]", "T"]
+    assert found["state[1] [rad]"][2] == 6.0 and np.isnan(found["state[0] [rad]"][1])
+    rows[2] = [1.0]
+    with pytest.raises(fdiag.InputError, match=r"column `state`: expected lists of 2 numbers.*found \[1\] in row 2"):
+        _logs.native(log, "log", needed=lambda: ["state"])
+    # A capital T is a temperature.
+    assert _logs.native({"T": [1.0, 2.0]}, "log", 0.5)[0][1][0][0] == "time [s]"

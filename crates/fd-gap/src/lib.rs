@@ -61,6 +61,7 @@
 pub mod calibrate;
 pub mod ceiling;
 pub mod diagnose;
+pub mod estimate;
 pub mod evidence;
 pub mod experiment;
 pub mod few_runs;

@@ -29,6 +29,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "Python hands values over")]
 #![allow(clippy::type_complexity, reason = "tuples are taken apart on the side of Python")]
 
+mod calibrate;
 mod check;
 mod command;
 mod errors;
@@ -59,6 +60,7 @@ fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<online::Trained>()?;
     module.add_class::<online::Pipeline>()?;
     module.add_function(wrap_pyfunction!(study::study, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
     module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_function(wrap_pyfunction!(online::linear_channels, module)?)?;

@@ -122,6 +122,7 @@ impl<'a> Arena<'a> {
             row: None,
             holes: Vec::new(),
             restarts: Vec::new(),
+            lead: 0,
         };
         let mut states = Vec::with_capacity(samples * x0.len());
         let note = |_, now: &[f64]| states.extend_from_slice(now);

@@ -29,6 +29,8 @@ pub struct Log {
     pub(crate) holes: Vec<Range<usize>>,
     /// Samples at which a simulation begins anew, with states that nobody knows.
     pub(crate) restarts: Vec<usize>,
+    /// Samples of the run before, at its front: simulated, and compared with nothing.
+    pub(crate) lead: usize,
 }
 
 impl Log {
@@ -121,6 +123,7 @@ impl Log {
             row: None,
             holes,
             restarts: Vec::new(),
+            lead: 0,
         })
     }
 
@@ -138,7 +141,7 @@ impl Log {
             let log = Self::new(record, simulator, i + 1)?
                 .without_still_outputs()
                 .without_unknown_outputs(simulator);
-            Ok(Self { row, ..log.continuing(record, earlier) })
+            Ok(Self { row, ..log.continuing(record, earlier, simulator)? })
         });
         each.collect()
     }
@@ -154,22 +157,47 @@ impl Log {
         // A stretch of a run is in motion whatever its run began with.
         let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion && log.first == 0);
         for log in &mut logs {
-            log.is_in_motion |= is_in_motion;
+            log.is_in_motion |= is_in_motion && log.lead == 0;
             log.row = None;
         }
         Ok(logs)
     }
 
-    /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force
-    /// keeps its phase, a drift goes on, and the states are wherever that run had brought them, so that
-    /// they are free. Any other log has a clock of its own, and begins where the model says.
-    #[must_use]
-    pub fn continuing(mut self, record: &Record, earlier: &[Record]) -> Self {
-        if let Some(before) = earlier.iter().find(|e| record.continues(e)) {
-            self.first = before.samples_before() + before.len();
-            self.is_in_motion = true;
+    /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force keeps its phase, a
+    /// drift goes on, and the states are wherever that run had brought them. They are free, or, where the `simulator`
+    /// shows none, found by simulating that run first. Any other log has a clock of its own, and begins where the model
+    /// says.
+    ///
+    /// # Errors
+    ///
+    /// As [`Log::new`], for the earlier record.
+    pub fn continuing(
+        mut self,
+        record: &Record,
+        earlier: &[Record],
+        simulator: &dyn Simulator,
+    ) -> Result<Self, FitError> {
+        let before = (1..).zip(earlier).find(|(_, before)| record.continues(before));
+        let Some((number, before)) = before else { return Ok(self) };
+        if simulator.initial().is_empty() {
+            return Ok(self.behind(Self::new(before, simulator, number)?));
         }
-        self
+        self.first = before.samples_before() + before.len();
+        self.is_in_motion = true;
+        Ok(self)
+    }
+
+    /// The log with the inputs of the one before at its front.
+    fn behind(mut self, before: Self) -> Self {
+        let lead = before.samples;
+        let moved = self.holes.iter().map(|hole| hole.start + lead..hole.end + lead);
+        let (holes, restarts) = (moved.collect(), self.restarts.iter().map(|k| k + lead).collect());
+        let Self { mut u, first, is_in_motion, nu, ny, .. } = before;
+        u.append(&mut self.u);
+        let mut y = vec![f64::NAN; lead * ny];
+        y.append(&mut self.y);
+        let samples = lead + self.samples;
+        Self { u, y, nu, ny, samples, first, is_in_motion, row: self.row, holes, restarts, lead }
     }
 
     /// The same log without outputs that stand still beside others that move: what a sensor in coarse steps, or a
@@ -202,7 +230,13 @@ impl Log {
 
     /// Whether nobody knows how its clock goes with that of other logs: it goes on from none of them.
     pub(crate) fn has_own_clock(&self) -> bool {
-        self.first == 0
+        self.first == 0 && self.lead == 0
+    }
+
+    /// Samples of the run before at its front, which are simulated and compared with nothing.
+    #[must_use]
+    pub fn lead(&self) -> usize {
+        self.lead
     }
 
     /// Number of samples.

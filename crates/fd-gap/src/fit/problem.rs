@@ -334,6 +334,22 @@ impl Problem {
         x0
     }
 
+    /// Covariance of the uncertain parameters of the nominal model with everything else unknown as well, in units of what
+    /// was known before, when noise is `scale` times as large as the weights say.
+    #[must_use]
+    pub fn covariance(&self, at: &Minimum, scale: f64) -> Option<faer::Mat<f64>> {
+        let factor = at.equations(self, 1.0 / scale).factor()?;
+        let (n, all) = (self.plan.shared.len(), self.layout.unknowns());
+        let column = |i: usize| {
+            let mut unit = vec![0.0; all];
+            unit[i] = 1.0;
+            factor.solve(&mut unit);
+            unit
+        };
+        let columns: Vec<Vec<f64>> = (0..n).map(column).collect();
+        Some(faer::Mat::from_fn(n, n, |i, j| columns[j][i]))
+    }
+
     /// Standard deviation of each parameter of the effect, in its unit, when noise is `scale`
     /// times as large as the weights say.
     #[must_use]

@@ -2,4 +2,5 @@
 
 mod constants;
 mod diagnosis;
+mod estimate;
 mod shell;

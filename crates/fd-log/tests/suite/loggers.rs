@@ -122,9 +122,8 @@ fn american_loggers_are_read_where_the_order_of_the_date_shows() {
 
 #[test]
 fn lines_before_the_header_and_units_behind_it_are_seen() {
-    let body: String = (0..12)
-        .map(|k| format!("{};{};{:.1}\n", 30 * k, 100 + k, 20.0 + k as f64 / 10.0))
-        .collect();
+    let row = |k: usize| format!("{};{};{:.1}\n", 30 * k, 100 + k, 20.0 + k as f64 / 10.0);
+    let body: String = (0..12).map(row).collect();
     let logger = "Logger: ABC-12\nSerial: 1234\nStart;01.02.2024\n\n";
     let text = format!("{logger}time;P [W];T [degC]\n{body}");
     is_read(text.as_bytes(), &map("P", "T"));
@@ -148,9 +147,8 @@ fn doubts_about_time_are_the_right_ones() {
     let days =
         clock("time,y\n45323.99930556,1\n45323.99965278,2\n45324.00000000,3\n45324.00034722,4\n");
     assert!(days.doubts[0].starts_with("days of a spreadsheet?"), "{:?}", days.doubts);
-    let years: String = (0..730)
-        .map(|k| format!("{}-{:02}-15 00:00:00,{k}\n", 2020 + k / 12, 1 + k % 12))
-        .collect();
+    let month = |k: usize| format!("{}-{:02}-15 00:00:00,{k}\n", 2020 + k / 12, 1 + k % 12);
+    let years: String = (0..730).map(month).collect();
     let years = clock(&format!("time,y\n{years}"));
     assert!(years.last_s > 3e7 && years.doubts.is_empty(), "{:?}", years.doubts);
     let ns = clock("timestamp,y\n1706831940000000005,1\n1706831970000000005,2\n");

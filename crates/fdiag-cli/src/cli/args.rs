@@ -73,6 +73,13 @@ pub(crate) enum Command {
     /// simulator with the cause in it. How to read the answer: docs/gap.md.
     #[command(after_help = GAP_HELP)]
     Gap(Box<GapArgs>),
+    /// Fit all uncertain parameters of a simulator to logs: values, errors, and what the logs cannot tell
+    ///
+    /// Takes simulators and logs as `fdiag gap` does, and fits every parameter that has a tolerance to all logs at once.
+    /// Says of each its value and standard error, which are fixed only in combination with others, which are at the edge
+    /// of what is allowed, which these logs do not move; and what is left then. docs/gap.md, "Calibration".
+    #[command(after_help = super::calibrate::CALIBRATE_HELP)]
+    Calibrate(super::calibrate::CalibrateArgs),
     /// Say which faults a model can reveal at all, by which tests, and what more sensors would add
     ///
     /// Looks only at which quantity is in which equation of a model file (docs/model-equations.md, docs/formats.md),

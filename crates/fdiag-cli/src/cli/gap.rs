@@ -134,7 +134,7 @@ fn work(counts: &Counts) -> String {
 }
 
 /// What cannot be simulated or fitted is no mistake of a file.
-fn refusal(error: &GapError) -> Failure {
+pub(super) fn refusal(error: &GapError) -> Failure {
     let reason = error.to_string();
     let is_analysis = match error {
         GapError::Outside { error, .. } => {

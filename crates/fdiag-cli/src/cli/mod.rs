@@ -2,6 +2,7 @@
 
 mod args;
 mod args_watch;
+mod calibrate;
 mod compensate;
 mod demo;
 #[cfg(test)]
@@ -51,6 +52,7 @@ pub fn run<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T>) ->
         Some(Command::Demo(args)) => demo::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
         Some(Command::Gap(args)) => gap::run(&args),
+        Some(Command::Calibrate(args)) => calibrate::run(&args),
         Some(Command::Log { command }) => log::run(&command),
         Some(Command::Structure(args)) => structure::run(&args),
         Some(Command::Simulator { command }) => simulator::run(&command),

@@ -110,6 +110,9 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
 
     let mut text = describe(&contract);
     text += &findings(&check);
+    if let Some(note) = &check.note {
+        let _ = writeln!(text, "note: {note}");
+    }
     if let Some(trouble) = &check.trouble {
         let _ = writeln!(text, "BROKEN: {trouble}");
     }

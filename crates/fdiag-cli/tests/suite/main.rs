@@ -17,6 +17,7 @@ mod logs;
 mod nonlinear;
 mod outputs_alone;
 mod pages;
+mod people;
 mod simulator;
 mod structure;
 mod watch;

@@ -157,7 +157,8 @@ impl Data {
                 source: Box::new(source),
             })?;
             let earlier = if part.role == Role::HeldOut { &self.fit[..] } else { &[] };
-            logs[usize::from(part.role == Role::HeldOut)].push(log.continuing(record, earlier));
+            logs[usize::from(part.role == Role::HeldOut)]
+                .push(log.continuing(record, earlier, simulator)?);
         }
         Ok(logs)
     }

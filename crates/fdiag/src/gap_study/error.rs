@@ -127,6 +127,11 @@ pub enum GapError {
         /// Sample time of the log, in seconds.
         found: f64,
     },
+    /// There is nothing to calibrate.
+    #[error(
+        "expected a parameter with a tolerance, found none: all parameters of the model are stated to be exact"
+    )]
+    NothingUncertain,
     /// The sample time is none.
     #[error("sample time: {0}")]
     SampleTime(Box<ModelError>),

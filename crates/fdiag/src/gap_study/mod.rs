@@ -7,6 +7,7 @@
 mod attempt;
 mod black_box;
 mod budget;
+mod calibrated;
 mod data;
 mod error;
 mod findings;
@@ -34,6 +35,7 @@ pub mod words;
 
 pub use self::{
     budget::Budget,
+    calibrated::{CalibratedModel, calibrate, calibrate_on},
     error::GapError,
     findings::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
     follow::follow,

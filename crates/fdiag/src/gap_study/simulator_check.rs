@@ -42,6 +42,8 @@ pub struct SimulatorCheck {
     pub costs: Vec<Cost>,
     /// What went wrong last with a simulator outside of this program.
     pub trouble: Option<OutsideError>,
+    /// What was found out about it while it ran, and its user should know.
+    pub note: Option<String>,
 }
 
 /// What a diagnosis will cost.
@@ -130,6 +132,7 @@ impl SimulatorCheck {
         let drive = Drive { by_steps: drive.by_steps && contract.powers.step, ..drive };
         let found = check_driven(&mut simulator, drive);
         let mut check = Self::new(found.clone(), simulator.trouble());
+        check.note = simulator.note();
         let units = contract.parameters.iter().map(|p| p.unit.as_str());
         check.units([&contract.inputs, &contract.outputs], units);
         check.noise(contract.noise.iter().any(Option::is_none));
@@ -148,7 +151,7 @@ impl SimulatorCheck {
 
     fn new(found: Conformance, trouble: Option<OutsideError>) -> Self {
         let Conformance { findings, samples, run, steps, precision, .. } = found;
-        Self { findings, samples, run, steps, precision, costs: Vec::new(), trouble }
+        Self { findings, samples, run, steps, precision, costs: Vec::new(), trouble, note: None }
     }
 
     /// The worst of all findings.

@@ -155,7 +155,7 @@ impl GapStudy {
 const MOST_THREADS: usize = 64;
 
 /// Works on as many threads as a simulator has instances, where that is more than there are: most of them wait.
-fn on_threads<T: Send>(workers: usize, act: impl FnOnce() -> T + Send) -> T {
+pub(super) fn on_threads<T: Send>(workers: usize, act: impl FnOnce() -> T + Send) -> T {
     let threads = workers.min(MOST_THREADS);
     if threads <= rayon::current_num_threads() {
         return act();

@@ -363,7 +363,8 @@ fn told(request: &Request, model: &Model) -> Result<Model, GapError> {
     settled(draft, &request.model)
 }
 
-fn settled(draft: Draft, file: &Path) -> Result<Model, GapError> {
+/// A draft as the model of a file.
+pub(super) fn settled(draft: Draft, file: &Path) -> Result<Model, GapError> {
     let file = file.display().to_string();
     Ok(Model::try_from(draft).map_err(|error| LoadError::Model { file, error })?)
 }

@@ -70,7 +70,7 @@ pub(super) fn trace(
         if let (Some(before), Some(after)) = (before, after) {
             let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
             let simulated = |errors: &[Vec<Vec<f64>>], c: usize| -> Vec<f64> {
-                let errors = errors[c].iter().flatten().enumerate();
+                let errors = errors[c].iter().flatten().enumerate().skip(log.lead());
                 errors.map(|(k, e)| log.output(k)[c] + e * diagnosis.sigma[c]).collect()
             };
             return Ok(part.map(|part| {
@@ -100,14 +100,14 @@ fn of(
         Signals {
             name: output.name.clone(),
             unit: output.unit.clone(),
-            measured: (0..log.samples()).map(|k| log.output(k)[c]).collect(),
+            measured: (log.lead()..log.samples()).map(|k| log.output(k)[c]).collect(),
             before,
             after,
         }
     });
     let inputs = nominal.model().external_inputs();
     let inputs = inputs.into_iter().enumerate().map(|(i, input)| {
-        let values = (0..log.samples()).filter_map(|k| log.input(k).get(i).copied());
+        let values = (log.lead()..log.samples()).filter_map(|k| log.input(k).get(i).copied());
         Drive { name: input.name, unit: input.unit, values: values.collect() }
     });
     let is_measured = |signals: &Signals| signals.measured.iter().any(|value| value.is_finite());

@@ -44,7 +44,7 @@ pub(super) fn held_out_gaps(
         return Ok(Vec::new());
     }
     let ts = nominal.ts().seconds();
-    let longest = logs.iter().map(Log::samples).max().unwrap_or(0);
+    let longest = logs.iter().map(|log| log.samples() - log.lead()).max().unwrap_or(0);
     // Where runs are dear, all of them are made at the same time.
     let run = |settled, horizon| forecast_errors(nominal, settled, logs, horizon, sigma);
     let models = [as_it_came, refit.settled(), best.settled()];

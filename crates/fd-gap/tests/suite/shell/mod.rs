@@ -10,6 +10,7 @@
 mod allocation;
 mod diagnosis;
 mod few_runs;
+mod hidden;
 mod laws;
 mod natives;
 mod pendulum;

@@ -173,6 +173,6 @@ fn fresh(scene: &Scene<'_>, run: u64, nominal: &dyn Simulator) -> Result<Run, Bl
     let nominal = EquationSimulator::<f64>::at(&free, log.record.ts())?;
     let earlier = scene.log_of(run, Part::First, true)?.map(|first| first.record);
     let earlier: Vec<_> = earlier.into_iter().filter(|_| conditions.is_cut).collect();
-    let own = Log::new(&log.record, &nominal, 1)?.continuing(&log.record, &earlier);
+    let own = Log::new(&log.record, &nominal, 1)?.continuing(&log.record, &earlier, &nominal)?;
     Ok(Some((Box::new(nominal), own)))
 }
