@@ -1,6 +1,6 @@
 //! Files of other kinds are named for what they are, with the way out.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use fd_log::{LogError, LogMap, read_log};
 

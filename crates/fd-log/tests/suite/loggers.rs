@@ -1,7 +1,8 @@
 //! Logs as European and US loggers and spreadsheets write them; `../shared/data/people/p11-loggers` has files of these
 //! kinds.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(clippy::needless_pass_by_value, reason = "what a test makes, it may hand over")]
 #![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
 use fd_log::{DateOrder, LogError, LogInfo, LogMap, info, read_log_from};

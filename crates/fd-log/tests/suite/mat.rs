@@ -1,7 +1,7 @@
 //! MAT-files of version 5, as scipy writes them, and as nobody should.
 
 #![cfg(feature = "mat")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 #![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 #![allow(
     clippy::cast_possible_truncation,

@@ -1,7 +1,12 @@
 //! Recordings whose messages are JSON or protocol buffers, and sensors that send in turn on one topic.
 
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "bytes are cut out of small numbers"
+)]
 #![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
 use fd_log::{LogInfo, LogMap, info, read_log};

@@ -1,6 +1,6 @@
 //! Other people's files, `../shared/data/people`: what each `expected.md` says is right.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 #![allow(clippy::float_cmp, reason = "what is compared so was written exactly")]
 
 use std::path::PathBuf;
