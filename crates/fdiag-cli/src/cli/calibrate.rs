@@ -21,7 +21,7 @@ pub(crate) const CALIBRATE_HELP: &str = "\
 Examples:
   fdiag calibrate --model cart.toml --log monday.csv --log friday.csv
   fdiag calibrate --model cart.toml --log monday.csv --write calibrated.toml
-  fdiag calibrate --model arm.toml --log run.csv --tolerance mass=0.2 --json";
+  fdiag calibrate --model cart.toml --log monday.csv --tolerance m=0.2 --json";
 
 /// Correlations from which two parameters are said to make up for each other.
 const CORRELATED: f64 = 0.9;
