@@ -264,8 +264,8 @@ fn files_of_another_kind_are_refused() {
         (b"version = 1\nkind = \"equations\"\n", &["expected a column `time`", "version = 1"]),
         (b"<html><body>hello</body></html>\n", &["expected a column `time`", "<html>"]),
         (b"time [s],force [N],speed [m/s]\n", &["expected rows after the header"]),
-        (&rubbish, &["row 1", "expected UTF-8 text"]),
-        (&[0; 4000], &["row 1", "expected UTF-8 text", "\\x00"]),
+        (&rubbish, &["row 1", "expected text in UTF-8 or Windows-1252"]),
+        (&[0; 4000], &["row 1", "expected text in UTF-8 or Windows-1252", "\\x00"]),
         (b"time [s],force [N],speed [m/s]\n0.0,1.0\n", &["row 2"]),
     ];
     for (content, parts) in logs {
