@@ -77,7 +77,7 @@ def odd(fault: str) -> Any:
         ("something left", "doubt", "repeatability", "of the output"),
         ("noise", "doubt", "repeatability", "equal runs differ in `speed` by"),
         ("single precision", "doubt", "precision", "single precision"),
-        ("no input", "broken", "inputs", "no output moves with `force`"),
+        ("no input", "doubt", "inputs", "no output moves with `force`"),
         ("nan", "broken", "a run", "`speed` is not finite at sample"),
     ],
 )

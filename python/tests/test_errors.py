@@ -25,7 +25,7 @@ def log(**columns: Any) -> dict[str, Any]:
         ({"force": ["x"] * 100}, {}, "column `force`: expected numbers"),
         ({"speed": np.full(100, np.inf)}, {}, "row 1: expected a finite number, found `inf`"),
         ({"speed": np.full(100, np.nan)}, {}, "column of output `speed`: expected numbers, found none in"),
-        ({"t": None}, {}, "expected a column `time` or `t`"),
+        ({"t": None}, {}, "expected a column `time`, `t`, `time_s` or `timestamp`"),
         ({}, {"only": ["coulomb-frictio"]}, "coulomb-friction"),
         ({}, {"tolerance": {"mass": 0.1}}, "no parameter `mass`"),
         ({}, {"noise": {"speed": -1.0}}, "noise: `speed`: expected a number from 0 on, found -1.0"),
