@@ -50,7 +50,7 @@ class Odd(Cart):
 
     def step(self, u: np.ndarray, f: np.ndarray) -> float:
         Odd.count += 1
-        y = super().step(0.0 * u if self.fault == "no input" else u, f)
+        y = super().step(np.ones_like(u) if self.fault == "no input" else u, f)
         match self.fault:
             case "single precision":
                 self.v = float(np.float32(self.v))
