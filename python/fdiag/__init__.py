@@ -18,7 +18,7 @@ from .gymnasium import Gymnasium
 from ._mjcf import WrittenScene
 from .mujoco import MuJoCo
 from .online import Pipeline, Run, Step, Trained, spec
-from .programs import Fmu, Process
+from .programs import Fmu, Process, forbid_programs
 from .result import Cause, Closed, Finding, HeldOut, Parameter, Result, Signals, Trace, Work
 from .rollouts import Rollout, rollout
 from .simulators import Channel, Model, Simulator, Steps
@@ -67,6 +67,7 @@ __all__ = [
     "calibrate",
     "check",
     "errors",
+    "forbid_programs",
     "gap",
     "next_experiment",
     "rollout",

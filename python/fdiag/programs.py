@@ -11,7 +11,16 @@ from . import _fdiag, _stated
 from ._stated import Entries, Uncertain
 from .simulators import Simulator, rooms_of
 
-__all__ = ["Fmu", "Process"]
+__all__ = ["Fmu", "Process", "forbid_programs"]
+
+
+def forbid_programs() -> None:
+    """Start no program and load no library that a model names, from now on and in this process.
+
+    `Process`, `Fmu` and model files of these kinds end in `InputError` then, whoever wrote them. There is no way back.
+    Objects and functions of Python are simulators as before: they are code of this program already.
+    """
+    _fdiag.forbid_programs()
 
 
 class Process(Simulator):

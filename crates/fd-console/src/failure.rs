@@ -42,6 +42,8 @@ pub enum Failure {
         /// What went wrong.
         reason: String,
     },
+    /// What the command may take is used up: time or memory.
+    Limit(String),
 }
 
 impl Failure {
@@ -72,6 +74,7 @@ impl Failure {
             Self::Input { .. } => ExitCode(3),
             Self::Analysis(_) => ExitCode(4),
             Self::Output { .. } => ExitCode(5),
+            Self::Limit(_) => ExitCode(6),
         }
     }
 }
@@ -80,7 +83,9 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let message = match self {
             Self::Input { file: Some(file), reason } => format!("{}: {reason}", file.display()),
-            Self::Input { file: None, reason } | Self::Analysis(reason) => reason.clone(),
+            Self::Input { file: None, reason } | Self::Analysis(reason) | Self::Limit(reason) => {
+                reason.clone()
+            }
             Self::Output { file, reason } => {
                 format!("cannot write {}: {reason}", file.display())
             }

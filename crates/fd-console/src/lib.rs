@@ -7,11 +7,13 @@
 //! | [`say`] | standard output and standard error, tamed for terminals |
 //! | [`progress`] | bars on standard error, only when somebody is looking |
 //! | [`patience`] | `--time-limit`, `--yes`: what is announced, and what must be wanted |
+//! | [`bounds`] | `--time-limit`, `--memory-limit`: what any command may take |
 //! | [`failure`] | why a command failed, and its exit code |
 //! | [`provenance`] | what a page says of where it is from |
 //! | [`toml_file`] | settings from TOML files |
 //! | [`shell`] | completions and pages of `man` |
 
+pub mod bounds;
 #[cfg(feature = "testing")]
 pub mod documented;
 pub mod failure;

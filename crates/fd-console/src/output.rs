@@ -12,6 +12,7 @@ use fdiag::model::file::write_atomically;
 use serde::Serialize;
 
 use crate::{
+    bounds,
     failure::Failure,
     provenance::provenance,
     say::{is_watched, remark, say},
@@ -64,7 +65,8 @@ impl<'a> Output<'a> {
     /// A directory that cannot be made.
     pub fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
-        let made = args.out.ancestors().take_while(missing).collect();
+        let made: Vec<&Path> = args.out.ancestors().take_while(missing).collect();
+        bounds::made(&made);
         let (directory, json, written) = (&*args.out, args.json, RefCell::default());
         let output = Self { directory, json, compact: false, made, written };
         fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
@@ -86,8 +88,8 @@ impl<'a> Output<'a> {
     /// A file that cannot be written.
     pub fn write(&self, name: &str, content: &str) -> Result<(), Failure> {
         let path = self.directory.join(name);
-        write_atomically(&path, |out| out.write_all(content.as_bytes()))
-            .map_err(|e| Failure::output(&path, e))?;
+        let write = || write_atomically(&path, |out| out.write_all(content.as_bytes()));
+        bounds::writing(write).map_err(|e| Failure::output(&path, e))?;
         self.written.borrow_mut().push(name.to_owned());
         Ok(())
     }

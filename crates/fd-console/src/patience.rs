@@ -66,7 +66,7 @@ fn rounded(seconds: f64) -> f64 {
 }
 
 /// A time above zero.
-fn time(text: &str) -> Result<Duration, String> {
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
     match text.parse::<Budget>() {
         Ok(Budget::Time(time)) if !time.is_zero() => Ok(time),
         _ => {

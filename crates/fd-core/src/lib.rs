@@ -12,6 +12,7 @@
 //! |---|---|
 //! | run a diagnosis | [`Pipeline`], [`MissingSamples`], [`Step`] |
 //! | write a method of your own | [`stage`], then the one trait that it implements |
+//! | bound what a file may claim | [`Limits`], [`memory`] |
 //! | save and restore | [`stage::Stage`], [`Snapshot`] |
 //! | write one implementation for stack and heap, `f32` and `f64` | [`Storage`], [`Scalar`] |
 //!
@@ -56,6 +57,7 @@ mod event;
 mod frame;
 mod limits;
 mod linmap;
+pub mod memory;
 mod pipeline;
 mod scalar;
 mod sink;

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use fd_core::memory::MemoryError;
 use fd_model::{Shown, ShownList, ShownMessage, TimeBaseError, file::FileAction, unit::UnitError};
 use thiserror::Error;
 
@@ -35,17 +36,13 @@ pub enum LogError {
         /// What is wrong with it.
         found: String,
     },
-    /// A file would take more memory than a log may.
-    #[error("{file}: {}: expected at most {most} bytes, found {found}", Shown(what))]
+    /// A file would take more memory than a log may, or than the system gives.
+    #[error("{file}: {}", ShownMessage(&error.to_string()))]
     TooLarge {
         /// Name of the file.
         file: String,
-        /// Which part of it.
-        what: String,
-        /// How much it may be.
-        most: u64,
-        /// How much it is.
-        found: u64,
+        /// Which part of it, how much it may be and how much it is.
+        error: MemoryError,
     },
     /// The format is known, and its reader was left out of this program.
     #[error("{file}: this program was built without its reader of {format} (feature `{feature}`)")]

@@ -1,33 +1,60 @@
 //! How much memory a log may take.
 
+use std::fs::File;
+
+use fd_core::memory::{self, MemoryError};
+
 use crate::error::LogError;
 
-/// Most bytes of a log: of the unpacked text of a packed file, or of the numbers that are held in memory.
-pub const MOST_BYTES: u64 = 4 << 30;
+/// Most bytes of the unpacked text of a packed file.
+pub const MOST_BYTES: u64 = memory::MOST;
 
-/// What is left of [`MOST_BYTES`] while a file is read.
-#[derive(Clone, Debug, Default)]
+/// What a file may claim however short it is.
 #[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
+const FREE: u64 = 64 << 20;
+/// Bytes that a byte of Deflate can become at most (1032), and a little for what is around it.
+#[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
+const INFLATED: u64 = 1100;
+
+/// What is left of the [budget of memory](fd_core::memory) while a file is read.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Budget {
     file: String,
-    left: u64,
+    left: memory::Budget,
 }
 
-#[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
+#[allow(dead_code, reason = "only readers of columns need all of it, and each is a feature")]
 impl Budget {
     /// The whole of it.
     pub(crate) fn new(file: &str) -> Self {
-        Self { file: file.to_owned(), left: MOST_BYTES }
+        Self { file: file.to_owned(), left: memory::Budget::default() }
+    }
+
+    /// The same, and no more than the bytes of the file can stand for where nothing packs better than Deflate: what a
+    /// file claims beyond that was never written into it.
+    pub(crate) fn of_file(file: &str, from: &File) -> Self {
+        let length = from.metadata().map_or(0, |about| about.len());
+        let most = FREE.saturating_add(length.saturating_mul(INFLATED));
+        Self { file: file.to_owned(), left: memory::Budget::of(memory::budget().min(most)) }
+    }
+
+    /// What is left, in bytes.
+    pub(crate) fn left(&self) -> u64 {
+        self.left.left()
+    }
+
+    /// The error of this file where the system has no memory.
+    pub(crate) fn refused(&self, error: MemoryError) -> LogError {
+        refused(&self.file, error)
     }
 
     /// Takes bytes for a part of the file, before they are asked of the system.
     pub(crate) fn take(&mut self, what: &str, bytes: u64) -> Result<(), LogError> {
-        self.left = self.left.checked_sub(bytes).ok_or_else(|| LogError::TooLarge {
-            file: self.file.clone(),
-            what: what.to_owned(),
-            most: self.left,
-            found: bytes,
-        })?;
-        Ok(())
+        self.left.take(what, bytes).map_err(|error| refused(&self.file, error))
     }
+}
+
+/// The error of a file that wants too much.
+pub(crate) fn refused(file: &str, error: MemoryError) -> LogError {
+    LogError::TooLarge { file: file.to_owned(), error }
 }

@@ -8,9 +8,13 @@ use crate::{
     columns::{Column, Moment, Time, resolve, rule_columns, time_source},
     error::LogError,
     format::{CsvSource, open},
+    limit::Budget,
     map::{LogMap, RowRule},
     source::LogSource,
 };
+
+/// Rows that memory is taken for at a time.
+const BLOCK: usize = 1 << 10;
 
 /// A log on an even time base, and what its own time base was like.
 #[derive(Clone, Debug, PartialEq)]
@@ -213,7 +217,12 @@ impl<S: LogSource> LogReader<S> {
             ..TimeSeries::default()
         };
         let mut rows = Vec::new();
+        let mut left = Budget::new(self.source.file());
+        let (what, width) = ("rows of the log", 2 + self.columns.len());
         while let Some(LogRow { row, time, u, y }) = self.next_row()? {
+            if rows.len().is_multiple_of(BLOCK) {
+                left.take(what, (8 * BLOCK * width) as u64)?;
+            }
             rows.push(row);
             series.t.push(time);
             series.u.extend_from_slice(u);

@@ -28,7 +28,7 @@ pub struct LogTable {
     name: String,
     columns: Vec<HeaderColumn>,
     /// One list per column, all of the same length.
-    values: Vec<Arc<[f64]>>,
+    values: Vec<Arc<Vec<f64>>>,
     /// Time between rows in seconds, if whoever made the table states it.
     sample_time: Option<f64>,
 }
@@ -64,7 +64,8 @@ impl LogTable {
                 return Err(LogError::Ragged { file, column, expected, found });
             }
             table.columns.push(header);
-            table.values.push(values.into());
+            // Not copied: a column may be a good part of the memory.
+            table.values.push(Arc::new(values));
         }
         if table.columns.is_empty() {
             return Err(LogError::Empty { file: table.name });

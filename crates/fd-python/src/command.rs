@@ -2,6 +2,12 @@
 
 use pyo3::prelude::*;
 
+/// From now on nothing in this process starts a program or loads a library that a model file names.
+#[pyfunction]
+pub(crate) fn forbid_programs() {
+    fdiag::forbid_programs();
+}
+
 /// Runs the command line `fdiag`, the name of the program first, and returns its exit code.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {

@@ -2,7 +2,7 @@
 
 use fd_gap::fit::FitError;
 use fd_model::ShownMessage;
-use fdiag::{core::Resource, gap_study::GapError};
+use fdiag::{core::Resource, gap_study::GapError, sim::outside::OutsideError};
 use pyo3::prelude::*;
 
 /// Which class an exception has.
@@ -52,6 +52,9 @@ pub(crate) fn class(error: &GapError) -> Class {
         GapError::Budget { .. } | GapError::Simulate(_) | GapError::Fit(_) => Class::Analysis,
         GapError::Unfit { source, .. } if matches!(**source, FitError::TooShort { .. }) => {
             Class::Analysis
+        }
+        GapError::Simulator(error) if matches!(**error, OutsideError::Forbidden { .. }) => {
+            Class::Input
         }
         GapError::Simulator(_) | GapError::Outside { .. } => Class::Simulator,
         _ => Class::Input,

@@ -71,6 +71,7 @@ pub use fd_model as model;
 pub use fd_nonlinear as nonlinear;
 pub use fd_residual as residual;
 pub use fd_sim as sim;
+pub use fd_sim::outside::{NoPrograms, forbid_programs};
 pub use fd_structure as structure;
 
 pub use crate::watcher::Watcher;

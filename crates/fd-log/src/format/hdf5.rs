@@ -15,7 +15,7 @@ use super::number::Number;
 use crate::{
     error::LogError,
     header::HeaderColumn,
-    limit::{Budget, MOST_BYTES},
+    limit::Budget,
     recording::{Recording, Topic},
 };
 
@@ -60,7 +60,7 @@ impl Reader {
         is_matlab: bool,
     ) -> Result<Recording, LogError> {
         let recording = Recording { file: file.to_owned(), ..Recording::default() };
-        let left = Budget::new(file);
+        let left = Budget::of_file(file, &from);
         let seen = BTreeSet::new();
         let mut reader = Self { recording, left, format, is_matlab, seen, members: 0 };
         let length = from.metadata().map_or(0, |about| about.len());
@@ -68,7 +68,7 @@ impl Reader {
         let mut raw = Vec::new();
         // Not mapped: a file that is cut off while it is read must not end the program.
         from.take(length).read_to_end(&mut raw).map_err(|e| reader.damaged(&e.into()))?;
-        let most = usize::try_from(MOST_BYTES).unwrap_or(usize::MAX);
+        let most = usize::try_from(reader.left.left()).unwrap_or(usize::MAX);
         let options = OpenOptions::default().with_max_read_bytes(most).with_chunk_cache_bytes(0);
         let opened = Hdf5File::from_vec_with_options(raw, options);
         let root = opened.and_then(|opened| opened.root_group());
@@ -138,7 +138,11 @@ impl Reader {
         let (rows, across) = match shape[..] {
             [a, b] if is_vector && (a, b) != (1, 1) => (a.max(b), None),
             [rows] => (rows, None),
-            [rows, across] if !is_vector && across <= MOST_COLUMNS => (rows, Some(across)),
+            [rows, across]
+                if !is_vector && across.saturating_mul(fields.len() as u64) <= MOST_COLUMNS =>
+            {
+                (rows, Some(across))
+            }
             _ => {
                 let is_single = shape.iter().all(|n| *n == 1);
                 let size: Vec<String> = shape.iter().map(u64::to_string).collect();
@@ -184,7 +188,8 @@ impl Reader {
                     Some(_) => HeaderColumn { name: text.clone(), text, unit: unit.clone() },
                     None => HeaderColumn::parse(&text),
                 });
-                topic.values.push(number.values((0..rows).map(cell)));
+                let values = number.values(&what, (0..rows).map(cell));
+                topic.values.push(values.map_err(|error| self.left.refused(error))?);
             }
         }
         self.recording.add_table(topic);

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "rosbag")]
 mod bag;
+mod bounded;
 mod csv;
 mod foreign;
 #[cfg(feature = "hdf5")]
@@ -32,6 +33,7 @@ use std::{
     path::Path,
 };
 
+use self::bounded::Bounded;
 pub use self::{csv::CsvSource, ndjson::NdjsonSource};
 use crate::{
     error::LogError,
@@ -276,6 +278,10 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
             LogError::NoLog { file, expected, found }
         });
     }
+    if fd_model::file::is_named_pipe(path) {
+        let (expected, found) = ("a file", fd_model::file::NAMED_PIPE.to_owned());
+        return Err(LogError::NoLog { file, expected, found });
+    }
     let mut from = File::open(path).map_err(unreadable)?;
     if is_device(&from) {
         let (expected, found) = ("a file", "found a device, which may never end".to_owned());
@@ -288,7 +294,10 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
     // Text is not wound back: a pipe has no way back.
     let text = |from: File| Box::new(Cursor::new(first.clone()).chain(from));
     match format.read {
-        Reading::Text(read) => Ok((name, Opened::Rows(read(&file, text(from), map)?))),
+        Reading::Text(read) => {
+            let from = Box::new(Bounded::new(format.name, text(from), u64::MAX));
+            Ok((name, Opened::Rows(read(&file, from, map)?)))
+        }
         #[cfg(feature = "packed")]
         Reading::Packed(unpack) => {
             let inner = packed_format(path);
@@ -307,6 +316,18 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
             Err(LogError::NotBuilt { file, format: format.name, feature })
         }
     }
+}
+
+/// Most columns of a text.
+const MOST_COLUMNS: usize = 10_000;
+
+/// Refuses a header whose columns would be a memory of their own.
+fn check_columns(file: &str, found: usize) -> Result<(), LogError> {
+    if found <= MOST_COLUMNS {
+        return Ok(());
+    }
+    let (file, found) = (file.to_owned(), format!("found {found}"));
+    Err(LogError::NoLog { file, expected: "at most 10000 columns", found })
 }
 
 /// First bytes that are looked at.

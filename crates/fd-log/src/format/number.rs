@@ -1,5 +1,7 @@
 //! Types of the numbers in arrays, by the names that numpy gives them, and their values as `f64`.
 
+use fd_core::memory::{self, MemoryError};
+
 /// How one number is stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number {
@@ -40,13 +42,18 @@ impl Number {
         Some(Self { kind, bytes, is_big_endian })
     }
 
-    /// Numbers that lie one behind the other.
-    pub(super) fn values<'a>(self, raw: impl Iterator<Item = &'a [u8]>) -> Vec<f64> {
+    /// Numbers that lie one behind the other; `what` they are, where the system has no memory for them.
+    pub(super) fn values<'a>(
+        self,
+        what: &str,
+        raw: impl ExactSizeIterator<Item = &'a [u8]>,
+    ) -> Result<Vec<f64>, MemoryError> {
+        let mut values = memory::reserve(what, raw.len())?;
         let bits = raw.map(|cell| self.bits(cell));
         match self.kind {
-            Kind::Float => bits.map(|bits| self.float(bits)).collect(),
-            Kind::Unsigned => bits.map(|bits| bits as f64).collect(),
-            Kind::Signed => bits.map(|bits| self.signed(bits) as f64).collect(),
+            Kind::Float => values.extend(bits.map(|bits| self.float(bits))),
+            Kind::Unsigned => values.extend(bits.map(|bits| bits as f64)),
+            Kind::Signed => values.extend(bits.map(|bits| self.signed(bits) as f64)),
             Kind::Time { tick_s, is_date } => {
                 let mut first = (!is_date).then_some(0);
                 let seconds = bits.map(|bits| {
@@ -58,9 +65,10 @@ impl Number {
                     // Subtracted as whole numbers: nanoseconds since 1970 have no room in an f64.
                     ticks.wrapping_sub(*first.get_or_insert(ticks)) as f64 * tick_s
                 });
-                seconds.collect()
+                values.extend(seconds);
             }
         }
+        Ok(values)
     }
 
     fn bits(self, cell: &[u8]) -> u64 {

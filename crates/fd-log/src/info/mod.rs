@@ -14,10 +14,14 @@ use crate::{
     error::LogError,
     format::{Opened, read},
     header::HeaderColumn,
+    limit::Budget,
     map::LogMap,
     recording::Topic,
     source::LogSource,
 };
+
+/// Rows that memory is taken for at a time.
+const BLOCK: usize = 1 << 10;
 
 /// What a log file holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -114,8 +118,13 @@ fn of_rows(mut source: Box<dyn LogSource>, map: &LogMap) -> Result<TableInfo, Lo
     let time = time_column(&header, source.date_column(), map);
     let mut tallies: Vec<Tally> = header.iter().map(|_| Tally::default()).collect();
     let mut times = Vec::new();
-    let mut rows = 0;
+    let mut rows = 0_usize;
+    let mut left = Budget::new(source.file());
     while source.next_row()?.is_some() {
+        if rows.is_multiple_of(BLOCK) {
+            // Times are kept, and sorted once more.
+            left.take("times of the log", (16 * BLOCK) as u64)?;
+        }
         rows += 1;
         for (index, tally) in tallies.iter_mut().enumerate() {
             match source.number(index) {

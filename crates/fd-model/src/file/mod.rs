@@ -14,7 +14,7 @@ pub use self::{
     model::{LinearModel, LinearSystem, ModelChannel},
     model_error::{FileAction, ModelFileError},
     settings::{SettingsError, parse_settings, read_settings},
-    text::read_text,
+    text::{NAMED_PIPE, is_named_pipe, read_text},
 };
 
 #[cfg(test)]

@@ -34,6 +34,17 @@ pub enum OutsideError {
         /// What the operating system says.
         message: String,
     },
+    /// It would be executed, and that was forbidden.
+    #[error(
+        "{place}: {what} would be executed, and programs are forbidden here; where you trust it, run the command \
+         without `--no-programs` (in a program of your own: without `forbid_programs`)"
+    )]
+    Forbidden {
+        /// The file that names it, or where it would run.
+        place: String,
+        /// The program or the library.
+        what: String,
+    },
     /// There was no answer in time.
     #[error("`{command}` has not answered to {what} within {seconds} s{}", quoted(.last_words))]
     Silent {

@@ -13,6 +13,7 @@ use super::{
     contract::{Entry, Stated},
     error::OutsideError,
     powers::Powers,
+    programs,
     simulator::OutsideSimulator,
 };
 use crate::{
@@ -208,8 +209,14 @@ impl OutsideFile {
     ///
     /// # Errors
     ///
-    /// Returns why it cannot be started, or what is wrong with what it says.
+    /// Returns why it cannot be started, or what is wrong with what it says; and an error where programs are forbidden
+    /// ([`forbid_programs`](super::forbid_programs)).
     pub fn open(&self) -> Result<OutsideSimulator, OutsideError> {
+        // Again where it is started: this one knows the file.
+        programs::check(&self.file, || match &self.fmu {
+            Some(fmu) => format!("the library in `{}`", fmu.display()),
+            None => format!("`{}`", self.command.join(" ")),
+        })?;
         match &self.fmu {
             Some(path) => self.open_fmu(&self.directory.join(path)),
             None => self.open_process(),

@@ -22,6 +22,7 @@ mod file;
 #[cfg(feature = "fmu")]
 mod fmu;
 mod grain;
+mod leftovers;
 mod loan;
 mod lock;
 mod memory;
@@ -30,6 +31,7 @@ mod pool;
 mod powers;
 #[cfg(unix)]
 mod process;
+mod programs;
 mod simulator;
 mod source;
 mod sync;
@@ -45,7 +47,9 @@ pub use self::{
     drive::Drive,
     error::OutsideError,
     file::{OUTSIDE_KINDS, OutsideFile},
+    leftovers::end_programs,
     powers::Powers,
+    programs::{NoPrograms, forbid_programs, programs_are_forbidden},
     simulator::{OutsideSimulator, Spread},
     source::{Instance, Lane, Lost, Source, Start, by_lanes, by_steps},
     tally::Counts,

@@ -68,18 +68,29 @@ impl Audit {
     ///
     /// # Errors
     ///
-    /// Returns an error when it cannot be read.
+    /// Returns an error when it cannot be read, or when there are lines and none of them is a message.
     pub fn read(journal: impl std::io::BufRead) -> std::io::Result<Self> {
-        let mut audit = Self::default();
+        let (mut audit, mut messages) = (Self::default(), 0_u64);
         for line in journal.split(b'\n') {
             let line = line?;
             if line.iter().all(u8::is_ascii_whitespace) {
                 continue;
             }
             match serde_json::from_slice(&line) {
-                Ok(message) => audit.take(&message),
+                Ok(message) => {
+                    audit.take(&message);
+                    messages += 1;
+                }
                 Err(_) => audit.unreadable += 1,
             }
+        }
+        // One line may be what was left of a first message.
+        if messages == 0 && 1 < audit.unreadable {
+            let found = format!(
+                "expected messages of a monitor (NDJSON), found {} other lines",
+                audit.unreadable
+            );
+            return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, found));
         }
         Ok(audit)
     }

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use fdiag::gap_study::{Budget, HorizonChoice, Named, StartsChoice};
 
-use super::{output::OutputArgs, patience::PatienceArgs};
+use super::{
+    bounds::{BoundsArgs, Ending},
+    output::OutputArgs,
+};
 
 /// Compares a plant with its model on line, learns the bias that modelling errors leave in the
 /// residual, subtracts it, and so makes small faults visible (Patton & Chen, 1992).
@@ -17,6 +20,35 @@ pub(crate) struct Cli {
     /// Say nothing on standard error but what is wrong
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// Start no program and load no library that a model file names (kind = "process" or "fmu")
+    #[arg(long, global = true)]
+    pub(crate) no_programs: bool,
+    #[command(flatten)]
+    pub(crate) bounds: BoundsArgs,
+}
+
+impl Command {
+    /// Whether the command is one that executes what a model file of kind `process` or `fmu` names. The others never do.
+    pub(crate) fn runs_programs(&self) -> bool {
+        match self {
+            Self::Gap(_) | Self::Calibrate(_) | Self::Simulator { .. } => true,
+            Self::Demo(_)
+            | Self::Compensate(_)
+            | Self::Watch(_)
+            | Self::Structure(_)
+            | Self::Log { .. }
+            | Self::Completions(_)
+            | Self::Man(_) => false,
+        }
+    }
+
+    /// How the command ends when its time is over.
+    pub(crate) fn ending(&self) -> Ending {
+        match self {
+            Self::Gap(_) | Self::Watch(_) => Ending::InOrder,
+            _ => Ending::AtOnce,
+        }
+    }
 }
 
 const AFTER_HELP: &str = "\
@@ -36,6 +68,7 @@ Exit codes:
   3  an input file is missing or wrong; the message says where
   4  the data or the model do not allow what was asked; the message says why
   5  a result could not be written
+  6  --time-limit or --memory-limit was reached before there was a result
 
 Tables go to standard output, progress and errors to standard error. Progress is shown only on a
 terminal. Results are the same for any number of threads.";
@@ -236,8 +269,9 @@ pub(crate) struct GapArgs {
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    #[command(flatten)]
-    pub(crate) patience: PatienceArgs,
+    /// Begin also what will take very long, or much memory
+    #[arg(long)]
+    pub(crate) yes: bool,
     /// Print the model that would be diagnosed, with all its places for effects, and stop
     #[arg(long)]
     pub(crate) print_model: bool,

@@ -3,7 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use fd_page::{page, tables};
@@ -31,7 +31,7 @@ use super::{
 /// Exit code of a program that Ctrl-C has ended, as shells have it.
 const INTERRUPTED: i32 = 130;
 
-pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
+pub(crate) fn run(args: &GapArgs, limit: Option<Duration>) -> Result<ExitCode, Failure> {
     let request = request(args)?;
     if args.print_model {
         say(&Subject::of(&request).map_err(|error| refusal(&error))?.to_string())?;
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &GapArgs) -> Result<ExitCode, Failure> {
     let output = Output::prepare(&args.output)?;
     let pool = pool(args.output.threads)?;
     let begun = Instant::now();
-    let progress = Stages::new().stopped_by(is_stopped, args.patience.time_limit);
+    let progress = Stages::new().stopped_by(is_stopped, limit);
     let study = pool.install(|| GapStudy::run(&request, &progress));
     progress.finish();
     let mut study = study.map_err(|error| refusal(&error))?;
@@ -116,7 +116,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         budget: args.budget,
         thorough: args.thorough,
         limits: Limits {
-            steps: if args.patience.yes { u64::MAX } else { plain.limits.steps },
+            steps: if args.yes { u64::MAX } else { plain.limits.steps },
             ..plain.limits
         },
         ..plain

@@ -16,10 +16,12 @@ mod watch;
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
-use fd_console::{failure, output, patience, pool, progress, say, shell, toml_file};
+use fd_console::{bounds, failure, output, pool, progress, say, shell, toml_file};
+use fdiag::NoPrograms;
 
 use self::{
     args::{Cli, Command},
+    bounds::{BoundsArgs, Ending},
     failure::{ExitCode, Failure},
     say::{be_quiet, complain, say},
 };
@@ -47,11 +49,27 @@ pub fn run<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T>) ->
     if cli.quiet {
         be_quiet();
     }
-    let result = match cli.command {
+    let runs_programs = cli.command.as_ref().is_some_and(Command::runs_programs);
+    let _guard = (cli.no_programs || !runs_programs).then(NoPrograms::begin);
+    let ending = cli.command.as_ref().map_or(Ending::AtOnce, Command::ending);
+    let watched = cli.bounds.begin(ending);
+    let result = watched.and_then(|_watched| asked(cli.command, cli.bounds));
+    match result {
+        Ok(code) => code,
+        Err(failure) => {
+            complain(&format!("fdiag: {failure}"));
+            failure.code()
+        }
+    }
+}
+
+/// Does what is asked for.
+fn asked(command: Option<Command>, bounds: BoundsArgs) -> Result<ExitCode, Failure> {
+    match command {
         None => how_to_start(),
         Some(Command::Demo(args)) => demo::run(&args),
         Some(Command::Compensate(args)) => compensate::run(&args),
-        Some(Command::Gap(args)) => gap::run(&args),
+        Some(Command::Gap(args)) => gap::run(&args, bounds.time_limit),
         Some(Command::Calibrate(args)) => calibrate::run(&args),
         Some(Command::Log { command }) => log::run(&command),
         Some(Command::Structure(args)) => structure::run(&args),
@@ -59,13 +77,6 @@ pub fn run<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T>) ->
         Some(Command::Watch(args)) => watch::run(&args),
         Some(Command::Completions(args)) => shell::completions(&args, Cli::command()),
         Some(Command::Man(args)) => shell::man(&args, Cli::command()),
-    };
-    match result {
-        Ok(code) => code,
-        Err(failure) => {
-            complain(&format!("fdiag: {failure}"));
-            failure.code()
-        }
     }
 }
 

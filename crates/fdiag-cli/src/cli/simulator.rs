@@ -98,6 +98,7 @@ fn check_simulator(args: &CheckArgs) -> Result<ExitCode, Failure> {
     };
     let simulator = match opened {
         Ok(simulator) => simulator,
+        Err(error @ OutsideError::Forbidden { .. }) => return Err(Failure::of_input(error)),
         Err(error) => {
             say(&format!("Broken: {error}\n"))?;
             return Ok(ExitCode(1));

@@ -3,6 +3,7 @@
 #[path = "../../../fdiag/tests/suite/support/mod.rs"]
 mod support;
 
+mod bounds;
 mod cli;
 mod commands;
 mod demo;
@@ -18,6 +19,7 @@ mod nonlinear;
 mod outputs_alone;
 mod pages;
 mod people;
+mod programs;
 mod simulator;
 mod structure;
 mod watch;

@@ -152,6 +152,10 @@ impl Database {
         if MOST_ROW < length {
             return Err(unsound(format!("found a row of {length} bytes, more than {MOST_ROW}")));
         }
+        // A row is on pages of the file.
+        if self.pages.saturating_mul(self.page as u64) < length {
+            return Err(cut());
+        }
         let length = usize::try_from(length).map_err(|_| cut())?;
         let most = self.usable - 35;
         let local = if length <= most {

@@ -7,6 +7,8 @@ use crate::{error::LogError, source::cannot_read};
 
 /// Bytes at the beginning of a file that its form is found from; more only where no header is within them.
 const LOOKED_AT: u64 = 1 << 16;
+/// Bytes of comments and blank lines before the header.
+const MOST_COMMENTS: u64 = 16 << 20;
 const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Text of one byte a character or several, whatever the file has.
@@ -65,6 +67,7 @@ impl Head {
             sample_time: None,
             is_utf16: utf16.is_some(),
         };
+        let mut passed = 0;
         loop {
             let read = (&mut from).take(LOOKED_AT).read_to_end(&mut block).map_err(unreadable)?;
             head.is_whole = (read as u64) < LOOKED_AT;
@@ -85,6 +88,12 @@ impl Head {
                 return Err(LogError::Empty { file: file.to_owned() });
             }
             block.drain(..begin);
+            passed += begin as u64;
+            if passed + block.len() as u64 > MOST_COMMENTS {
+                let (file, expected) = (file.to_owned(), "a header");
+                let found = format!("found only comments in its first {MOST_COMMENTS} bytes");
+                return Err(LogError::NoLog { file, expected, found });
+            }
         }
     }
 

@@ -57,6 +57,10 @@ impl<R: Read> CsvSource<R> {
     /// Returns an error when the file is empty, is no text, or was written in an unknown version.
     pub fn new(file: &str, from: R, map: &LogMap) -> Result<Self, LogError> {
         let (mut head, rest) = Head::read(file, from)?;
+        let line = head.block.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        // Of whatever separator.
+        let most = b",;\t".map(|separator| line.split(|byte| *byte == separator).count());
+        super::check_columns(file, most.into_iter().max().unwrap_or(1))?;
         let dialect = Dialect::find(file, &head, map)?;
         let (bytes, lines) = dialect.skipped;
         head.block.drain(..bytes);

@@ -31,7 +31,7 @@ const COMPLEX: u8 = 0x08;
 
 /// A MAT-file.
 pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
-    let mut left = Budget::new(file);
+    let mut left = Budget::of_file(file, &from);
     let raw = whole(file, from, &mut left)?;
     let recording = Recording { file: file.to_owned(), ..Recording::default() };
     let mut reader = Reader { recording, left };
@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
 
 /// A MAT-file of version 4.
 pub(super) fn read_v4(file: &str, from: File) -> Result<Recording, LogError> {
-    let mut left = Budget::new(file);
+    let mut left = Budget::of_file(file, &from);
     let raw = whole(file, from, &mut left)?;
     v4::read(file, &raw, &mut left)
 }
@@ -169,7 +169,9 @@ impl Reader {
                 return Err(damaged(&file, &found));
             }
             left.take(&format!("array `{name}`"), cells.saturating_mul(8))?;
-            Ok(number.values(values.data.chunks(number.bytes)))
+            let what = format!("array `{name}`");
+            let values = number.values(&what, values.data.chunks(number.bytes));
+            values.map_err(|error| left.refused(error))
         })
     }
 }

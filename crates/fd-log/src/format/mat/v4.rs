@@ -99,11 +99,15 @@ impl Matrix {
             .checked_mul(parts)
             .and_then(|bytes| rest.split_at_checked(bytes))
             .ok_or_else(cut)?;
-        left.take(&format!("matrix `{name}`"), 8 * cells as u64)?;
-        let values = || number.values(data[..bytes].chunks(number.bytes));
+        let shown = format!("matrix `{name}`");
+        left.take(&shown, 8 * cells as u64)?;
+        let values = || {
+            let values = number.values(&shown, data[..bytes].chunks(number.bytes));
+            values.map_err(|error| left.refused(error))
+        };
         let content = match (what, is_complex) {
-            (0, 0) => Content::Numbers(values()),
-            (1, _) => Content::Text(values()),
+            (0, 0) => Content::Numbers(values()?),
+            (1, _) => Content::Text(values()?),
             (0, _) => Content::Other("complex numbers"),
             _ => Content::Other("a sparse matrix"),
         };

@@ -75,6 +75,11 @@ fn cut() -> NoMessage {
 }
 
 impl Reader {
+    /// Most bytes of a record, and of a chunk unpacked: both are in memory while their messages are read.
+    fn most(&self) -> u64 {
+        MOST_RECORD.min(self.topics.left() / 2)
+    }
+
     fn file(&mut self, file: &str, from: &mut impl Read) -> Result<(), NoMessage> {
         let mut magic = [0; MAGIC.len()];
         from.read_exact(&mut magic).map_err(|_| cut())?;
@@ -96,8 +101,9 @@ impl Reader {
                 }
                 continue;
             }
-            if length > MOST_RECORD {
-                let found = format!("found a record of {length} bytes, more than {MOST_RECORD}");
+            let most = self.most();
+            if length > most {
+                let found = format!("found a record of {length} bytes, more than {most}");
                 return Err(unsound(found));
             }
             let mut content = Vec::new();
@@ -122,8 +128,9 @@ impl Reader {
             Some((size, crc, packing, content.bytes(length)?))
         };
         let (size, crc, packing, packed) = head().ok_or_else(cut)?;
-        if size > MOST_RECORD {
-            return Err(unsound(format!("found a chunk of {size} bytes, more than {MOST_RECORD}")));
+        let most = self.most();
+        if size > most {
+            return Err(unsound(format!("found a chunk of {size} bytes, more than {most}")));
         }
         let mut unpacked = Vec::new();
         let read = match packing.as_str() {

@@ -21,6 +21,12 @@ impl Topics {
         Self { left: Budget::new(file), ..Self::default() }
     }
 
+    /// What is left of the memory for the file, in bytes.
+    #[cfg(feature = "mcap")]
+    pub(in crate::format) fn left(&self) -> u64 {
+        self.left.left()
+    }
+
     /// A topic that is no columns, and why.
     pub(in crate::format) fn pass_over(&mut self, topic: impl Into<String>, why: String) {
         self.unfit.insert((topic.into(), why));

@@ -60,7 +60,10 @@ pub(super) fn read(name: &str, from: &mut dyn Read, left: &mut Budget) -> Result
     let (rows, across) = match shape[..] {
         [] => return unfit("a single value".to_owned()),
         [rows] => (rows, None),
-        [rows, across] if across <= MOST_COLUMNS => (rows, Some(across)),
+        // An array without rows claims no bytes, however many columns it has.
+        [rows, across] if across.saturating_mul(fields.len() as u64) <= MOST_COLUMNS => {
+            (rows, Some(across))
+        }
         _ => return unfit(format!("an array of shape {shape:?}")),
     };
     let cells = rows.saturating_mul(across.unwrap_or(1));
@@ -90,7 +93,9 @@ pub(super) fn read(name: &str, from: &mut dyn Read, left: &mut Budget) -> Result
                 let begin = cell * width + field.offset;
                 raw.get(begin..begin + field.number.bytes).unwrap_or_default()
             };
-            topic.values.push(field.number.values((0..rows).map(cell)));
+            let what = format!("array `{name}`");
+            let values = field.number.values(&what, (0..rows).map(cell));
+            topic.values.push(values.map_err(|error| left.refused(error))?);
             topic.columns.push(column_of(across, text));
         }
     }

@@ -30,7 +30,8 @@ const ENTRY: usize = 1 << 17;
 /// A single array.
 pub(super) fn read_array(file: &str, mut from: File) -> Result<Recording, LogError> {
     let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
-    let read = array::read(UNNAMED, &mut from, &mut Budget::new(file));
+    let mut left = Budget::of_file(file, &from);
+    let read = array::read(UNNAMED, &mut from, &mut left);
     add(&mut recording, UNNAMED, read)?;
     Ok(recording)
 }
@@ -43,7 +44,7 @@ pub(super) fn read_archive(file: &str, from: File) -> Result<Recording, LogError
         found: format!("found: {error}"),
     };
     let mut recording = Recording { file: file.to_owned(), ..Recording::default() };
-    let mut left = Budget::new(file);
+    let mut left = Budget::of_file(file, &from);
     let mut buffer = vec![0; ENTRY];
     let archive = ZipArchive::from_file(from, &mut buffer).map_err(damaged)?;
     let mut entries = archive.entries(&mut buffer);

@@ -35,7 +35,9 @@ use self::{
 use super::{
     contract::{Contract, Entry, Stated},
     error::OutsideError,
+    leftovers,
     powers::Powers,
+    programs,
     source::{Instance, Source},
 };
 
@@ -59,7 +61,15 @@ struct Unpacked {
     /// Whether its reset was seen to leave something of the run before: then each run has an instance of its own.
     keeps_runs: AtomicBool,
     resources: String,
-    _directory: Option<TempDir>,
+    directory: Option<TempDir>,
+}
+
+impl Drop for Unpacked {
+    fn drop(&mut self) {
+        if let Some(directory) = &self.directory {
+            leftovers::removed(directory.path());
+        }
+    }
 }
 
 impl Unpacked {
@@ -135,6 +145,7 @@ impl Fmu {
     /// Returns what is wrong with the FMU, or with what is said of it.
     pub fn load(path: &Path, stated: &Stated) -> Result<Self, OutsideError> {
         let file = path.display().to_string();
+        programs::check(&file, || "the library in it".to_owned())?;
         let wrong =
             |what: &str, expected: &str, found: String| fault(&file, what, expected, &found);
         let unreadable =
@@ -144,6 +155,7 @@ impl Fmu {
         } else {
             let archive = fs::read(path).map_err(unreadable)?;
             let directory = tempfile::tempdir().map_err(unreadable)?;
+            leftovers::made(directory.path());
             archive::unpack(&archive, directory.path())
                 .map_err(|(what, expected, found)| wrong(&what, expected, found))?;
             (directory.path().to_owned(), Some(directory))
@@ -187,7 +199,7 @@ impl Fmu {
                 api,
                 description,
                 resources,
-                _directory: directory,
+                directory,
             }),
             file,
         })

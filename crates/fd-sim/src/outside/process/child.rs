@@ -13,11 +13,10 @@ use std::{
 use rustix::{
     event::{PollFd, PollFlags, Timespec, poll},
     io::{Errno, ioctl_fionbio},
-    process::{Pid, Signal, kill_process_group},
 };
 
 use super::{
-    super::{error::OutsideError, lock::open},
+    super::{error::OutsideError, leftovers, lock::open, programs},
     Process,
 };
 
@@ -97,6 +96,7 @@ impl Child {
             process.command.split_first().ok_or_else(|| failed("it is empty".to_owned()))?;
         let directory = std::path::absolute(&process.directory);
         let directory = directory.map_err(|e| failed(e.to_string()))?;
+        programs::check(&directory.display().to_string(), || format!("`{shown}`"))?;
         let mut child = Command::new(program(name, &directory))
             .args(arguments)
             .current_dir(&directory)
@@ -107,6 +107,7 @@ impl Child {
             .process_group(0)
             .spawn()
             .map_err(|e| failed(format!("{e} (in {})", directory.display())))?;
+        leftovers::started(child.id());
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(input), Some(output), Some(error)) = pipes else {
             return Err(failed("it has no pipes".to_owned()));
@@ -263,13 +264,9 @@ impl Child {
 impl Drop for Child {
     fn drop(&mut self) {
         self.input = None;
-        if let Ok(id) = i32::try_from(self.running.id())
-            && let Some(group) = Pid::from_raw(id)
-        {
-            // Also after its end: what it has started may still be there. There may be nobody left.
-            let _ = kill_process_group(group, Signal::KILL);
-        }
+        leftovers::end(self.running.id());
         self.await_end(FAREWELL);
+        leftovers::ended(self.running.id());
     }
 }
 

@@ -23,9 +23,13 @@ use std::{
 
 use fd_log::{ColumnMap, LogMap, read_log};
 use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
-use fdiag::model::{
-    SampleTime,
-    file::{LinearModel, read_text},
+use fdiag::{
+    core::Limits,
+    model::{
+        SampleTime,
+        file::{LinearModel, read_text},
+    },
+    sim::outside::OUTSIDE_KINDS,
 };
 use signal_hook::consts::{SIGINT, SIGTERM};
 
@@ -37,6 +41,7 @@ use self::{
 };
 use super::{
     args_watch::{StreamFormat, WatchArgs},
+    bounds,
     failure::{ExitCode, Failure},
     say::{is_watched, remark},
     toml_file,
@@ -76,6 +81,7 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
         signal_hook::flag::register(signal, Arc::clone(&stop))
             .map_err(|error| Failure::analysis(format!("signals cannot be heard: {error}")))?;
     }
+    bounds::told(Arc::clone(&stop));
     #[cfg(feature = "mqtt")]
     let (listened, brokers) = brokers(args, state.as_ref(), &monitor)?;
     #[cfg(not(feature = "mqtt"))]
@@ -112,7 +118,8 @@ pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
         let (counts, units) = (watching.monitor.counts(), watching.monitor.units().len());
         remark(&format!("{} samples of {units} units, {} alarms", counts.rows, counts.alarms));
     }
-    Ok(ExitCode::SUCCESS)
+    // All is saved; what was watched is not over.
+    Ok(if bounds::is_over() { ExitCode(6) } else { ExitCode::SUCCESS })
 }
 
 /// Whether there are to be questions, and no place for them.
@@ -135,8 +142,17 @@ fn diagnosing(args: &WatchArgs, plan: &Plan) -> Result<Option<(Nightly, Studies)
     let Some(hours) = args.diagnose else { return Ok(None) };
     let model = args.diagnose_model.as_deref().map_or_else(|| model_file(args), Ok)?.to_owned();
     // What is found to be wrong in some night should be found now.
-    if let Err(error) = std::fs::File::open(&model) {
-        return Err(Failure::input(model, error));
+    let text = read_text(&model, Limits::default().bytes);
+    let text = text.map_err(|error| Failure::input(&model, error))?;
+    let kind = text.parse::<toml::Table>().ok().and_then(|table| table.get("kind").cloned());
+    if let Some(kind) = kind.as_ref().and_then(toml::Value::as_str)
+        && OUTSIDE_KINDS.contains(&kind)
+    {
+        let reason = format!(
+            "--diagnose: a model of kind `{kind}` would be executed, and a monitor runs no programs: expected \
+             `equations` or `state-space`; `fdiag gap` diagnoses with it"
+        );
+        return Err(Failure::input(model, reason));
     }
     let mut header = "time [s]".to_owned();
     for channel in plan.model().input_channels().iter().chain(&plan.model().output_channels()) {

@@ -110,7 +110,7 @@ fn study(plan: &StudyPlan, stretch: &Stretch, running: &Running) -> Result<Strin
         command.args(["-n", "19"]).arg(&program);
     }
     let child = command
-        .args(["gap", "--json", "--threads", "1", "--drop-disorder", "--model"])
+        .args(["gap", "--no-programs", "--json", "--threads", "1", "--drop-disorder", "--model"])
         .arg(&plan.model)
         .arg("--log")
         .arg(&log)
