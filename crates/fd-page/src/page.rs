@@ -135,8 +135,8 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     page.heading("Which effect");
     if report.diagnosis.regime == Regime::AboveTheFloor {
         page.text(
-            "None of the causes tried reaches the noise, so probabilities say how often a cause \
-             forecasts best on resampled blocks of the logs.",
+            "None of the causes tried reaches the noise, so they are compared beside something unknown that disturbs the \
+             plant and its sensors.",
         );
     }
     for bars in [groups(report), causes(report)] {

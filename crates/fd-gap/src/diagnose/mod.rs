@@ -142,6 +142,7 @@ mod report;
 mod result;
 mod search;
 mod settings;
+mod unknown;
 mod weigh;
 
 use self::{

@@ -2,7 +2,10 @@
 
 use std::{borrow::Cow, f64::consts::PI};
 
-use crate::quality::{Autoregression, interval_log_likelihood};
+use crate::{
+    fit::{Minimum, Problem},
+    quality::{Autoregression, interval_log_likelihood},
+};
 
 /// Least noise before rounding, in steps of the grid: values at the edge of a cell are no evidence against a
 /// simulation that is off by its own standard error.
@@ -122,6 +125,28 @@ pub fn likelihood(errors: &[Vec<Vec<f64>>], noise: &[NoisePrior]) -> Likelihood 
         sum.colour.push(one.colour);
     }
     sum
+}
+
+/// The likelihood of the errors of a problem at a minimum: with what is unknown beside it, the noise is what its weights
+/// say; else it is an unknown with these priors.
+#[must_use]
+pub(crate) fn likelihood_at(
+    problem: &Problem,
+    at: &Minimum,
+    errors: &[Vec<Vec<f64>>],
+    noise: &[NoisePrior],
+) -> Likelihood {
+    let weights = problem.weights();
+    let Some(unknown) = &weights.unknown else { return likelihood(errors, noise) };
+    let count =
+        |signals: &Vec<Vec<f64>>| signals.iter().flatten().filter(|e| e.is_finite()).count();
+    let samples: Vec<f64> = errors.iter().map(|signals| count(signals) as f64).collect();
+    let squares = at.cost - at.prior_cost;
+    Likelihood {
+        log: -0.5 * (squares + unknown.log_determinant(&samples)),
+        scale: vec![1.0; errors.len()],
+        colour: weights.colour.clone(),
+    }
 }
 
 /// Errors with the least noise that there is, the same for all simulations of a signal.

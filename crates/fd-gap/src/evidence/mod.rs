@@ -11,7 +11,7 @@ mod likelihood;
 mod posterior;
 mod tie;
 
-pub(crate) use self::likelihood::of_rounding;
+pub(crate) use self::likelihood::{likelihood_at, of_rounding};
 pub use self::{
     frequency::{BlockErrors, confidence, win_frequencies, win_frequencies_over},
     laplace::{DECADES, evidence},

@@ -24,6 +24,7 @@ mod null;
 mod plan;
 mod problem;
 mod screen;
+mod unknown;
 mod variable;
 mod weights;
 
@@ -38,6 +39,7 @@ pub use self::{
     plan::{Horizon, Plan, Segment},
     problem::Problem,
     screen::{Projection, Score},
+    unknown::Unknown,
     variable::Variable,
     weights::Weights,
 };

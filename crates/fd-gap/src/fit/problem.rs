@@ -240,6 +240,9 @@ impl Problem {
                 colour.whiten(&error, &mut r[rows]);
             }
         }
+        if let Some(unknown) = &self.weights.unknown {
+            unknown.whiten(s, &mut r[rows]);
+        }
     }
 
     /// Weighted residuals at several places, simulated side by side; `None` where they are not

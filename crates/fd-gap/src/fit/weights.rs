@@ -1,5 +1,8 @@
 //! The scale and the colour of the noise of each output.
 
+use std::sync::Arc;
+
+use super::unknown::Unknown;
 use crate::quality::Autoregression;
 
 /// What residuals are divided by and filtered with.
@@ -9,6 +12,8 @@ pub struct Weights {
     pub sigma: Vec<f64>,
     /// Colour of the noise of each output.
     pub colour: Vec<Autoregression>,
+    /// What unknown disturbances add to that, in units of the noise.
+    pub unknown: Option<Arc<Unknown>>,
 }
 
 impl Weights {
@@ -22,6 +27,6 @@ impl Weights {
     #[must_use]
     pub fn white(sigma: Vec<f64>) -> Self {
         let colour = vec![Autoregression::white(); sigma.len()];
-        Self { sigma, colour }
+        Self { sigma, colour, unknown: None }
     }
 }

@@ -297,7 +297,7 @@ fn range(rows: &Rows, column: usize, width: usize) -> f64 {
 }
 
 /// The model with one more input, which is added at the place, and the unit of that input.
-fn with_free_input(model: &Model, site: &SiteRef) -> Option<(Model, String)> {
+pub(crate) fn with_free_input(model: &Model, site: &SiteRef) -> Option<(Model, String)> {
     let mut patch = Patch::of(model);
     let name = patch.fresh_name("free_signal");
     let free = Expr::name(&name);

@@ -30,6 +30,7 @@ use fd_sim::{
     model::{Model, Output},
 };
 
+pub(crate) use self::free_signal::with_free_input;
 pub use self::result::{
     Band, Bin, Change, ChannelGap, FreeSignal, Location, PlaceEvidence, Region, RegionOf, RegionOn,
     SideEvidence, Size, Spectrum, Stretch, TimeCourse,

@@ -37,10 +37,12 @@ pub struct Settled<'a> {
 
 /// Errors of a forecast, and where they are in the logs.
 #[derive(Clone, Debug)]
-pub(super) struct Forecast {
+pub(crate) struct Forecast {
     /// As [`forecast_errors`] returns them.
-    pub(super) errors: Vec<Vec<Vec<f64>>>,
-    pub(super) segments: Vec<Segment>,
+    pub(crate) errors: Vec<Vec<Vec<f64>>>,
+    pub(crate) segments: Vec<Segment>,
+    /// The state in which each segment begins, in the order of the simulator.
+    pub(crate) starts: Vec<Vec<f64>>,
     pub(super) begin: Begin,
 }
 
@@ -82,18 +84,20 @@ pub fn forecast_errors(
 }
 
 /// Log by log: a free run of each log tells what its effects remember.
-pub(super) fn forecast(
+pub(crate) fn forecast(
     nominal: &dyn Simulator,
     settled: Settled<'_>,
     logs: &[Log],
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
-    let (errors, segments) = (vec![Vec::new(); sigma.len()], Vec::new());
-    let mut all = Forecast { errors, segments, begin: Begin::default() };
+    let errors = vec![Vec::new(); sigma.len()];
+    let (segments, starts) = (Vec::new(), Vec::new());
+    let mut all = Forecast { errors, segments, starts, begin: Begin::default() };
     for (i, log) in logs.iter().enumerate() {
         let one = forecast_one(nominal, settled, log, horizon, sigma)?;
-        let Some(Forecast { errors, segments, begin }) = one else { return Ok(None) };
+        let Some(Forecast { errors, segments, starts, begin }) = one else { return Ok(None) };
+        all.starts.extend(starts);
         all.begin.squares += begin.squares;
         all.begin.samples += begin.samples;
         all.begin.unknowns += begin.unknowns;
@@ -165,7 +169,9 @@ pub(super) fn forecast_one(
         begin.z[..shared].iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())),
         "only states move"
     );
-    let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
+    let mut whole = build(plan)?;
+    let starts = (0..segments.len()).map(|s| whole.start_of(s, &begin.z)).collect();
+    let Some(mut errors) = whole.errors(&begin.z) else { return Ok(None) };
     // Without what the estimate pays for states that are far from where the model says.
     let mut squares = 0.0;
     for signals in &mut errors {
@@ -175,7 +181,7 @@ pub(super) fn forecast_one(
             known.fill(f64::NAN);
         }
     }
-    Ok(Some(Forecast { errors, segments, begin: Begin { squares, samples, unknowns } }))
+    Ok(Some(Forecast { errors, segments, starts, begin: Begin { squares, samples, unknowns } }))
 }
 
 /// A log and its beginning, from which initial states and what belongs to this run are estimated.

@@ -1,6 +1,7 @@
 //! From evidence to a verdict: which answers are tied, which are in doubt, how probable each one is.
 
 mod beside;
+mod beyond;
 mod by_evidence;
 mod by_forecasts;
 mod contest;
@@ -15,7 +16,7 @@ mod ties;
 mod validation;
 mod verdict;
 
-use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
+use self::{beyond::beyond, by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
 pub(super) use self::{
     groups::{groups, sides},
     probabilities::Probabilities,
@@ -47,10 +48,13 @@ pub(super) fn judge<'a>(
     let sigma = &weighed.singles.searched.noise.sigma;
     let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
-    let judged = if weighed.is_far() {
+    let judged = if !weighed.is_far() {
+        by_evidence(weighed, &held_out, context)?
+    } else if weighed.singles.base.is_dear() {
+        // What disturbances do takes hundreds of runs.
         by_forecasts(weighed, &held_out, context)?
     } else {
-        by_evidence(weighed, &held_out, context)?
+        beyond(weighed, &held_out, context)?
     };
     monitor.advance();
     Ok(judged)

@@ -248,6 +248,16 @@ impl<'a> Trial<'a> {
         self.fall_back(null);
     }
 
+    /// Goes on to the end with other weights.
+    pub(in crate::diagnose) fn full_fit_with(&mut self, weights: &Weights) {
+        self.problem.set_weights(weights.clone());
+        if let Some(best) = self.best.take() {
+            let search = self.patient(FULL);
+            let found = minimise(&mut self.problem, &best.z, None, search);
+            self.best = found.map(|minimum| self.lean(minimum));
+        }
+    }
+
     /// Goes on from the same place with another integration step, at which `base` was fitted, too.
     pub(in crate::diagnose) fn refine(
         &mut self,
@@ -286,10 +296,14 @@ impl<'a> Trial<'a> {
 
     /// The same from other nuisances as well, which may have moved far with these values.
     pub(in crate::diagnose) fn warm_start_at(&mut self, nuisances: &[f64], values: &[f64]) -> bool {
+        self.start_at(&self.problem.place(nuisances, values))
+    }
+
+    /// A short fit with all slopes from another place; says whether it is better than what was known.
+    pub(in crate::diagnose) fn start_at(&mut self, z: &[f64]) -> bool {
         let before = self.cost();
-        let place = self.problem.place(nuisances, values);
         let search = self.patient(AGAIN);
-        let minimum = minimise(&mut self.problem, &place, None, search);
+        let minimum = minimise(&mut self.problem, z, None, search);
         self.keep(minimum);
         self.cost() < before
     }

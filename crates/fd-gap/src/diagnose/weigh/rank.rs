@@ -9,7 +9,7 @@ use crate::{
         result::{Cause, Estimate, Explanation},
         search::{searched::TrialId, trial::Trial},
     },
-    evidence::{NoisePrior, evidence, likelihood, pool},
+    evidence::{NoisePrior, evidence, likelihood_at, pool},
     fit::{Minimum, Problem},
     shrink::gap,
 };
@@ -132,7 +132,7 @@ pub(in crate::diagnose) fn weigh_law<'a>(
 ) -> WeighedLaw<'a> {
     let weight = trial.best.clone().and_then(|best| {
         let errors = trial.problem.errors_at(&best)?;
-        let likelihood = likelihood(&errors, &reference.noise);
+        let likelihood = likelihood_at(&trial.problem, &best, &errors, &reference.noise);
         let scale = likelihood.scale.iter().copied().fold(0.0, f64::max);
         let found = evidence(&trial.problem, &best, &likelihood, &[&trial.strengths])?;
         let part = estimates(trial.candidate, &trial.problem, &best, scale, 0);

@@ -18,7 +18,7 @@ use crate::{
         search::searched::{Searched, TrialId},
         settings::Settings,
     },
-    evidence::{evidence, likelihood},
+    evidence::{evidence, likelihood_at},
     fit::{FitError, Problem},
 };
 
@@ -48,7 +48,7 @@ pub(in crate::diagnose) fn weigh_singles<'a>(
     let explanation = explain(&searched.model, &mut base, &at.z).ok_or(FitError::Diverged)?;
     let (noise, is_coloured) = (&searched.noise, searched.is_coloured);
     let priors = noise.priors(is_coloured);
-    let log_evidence = evidence(&base, at, &likelihood(&errors, &priors), &[]);
+    let log_evidence = evidence(&base, at, &likelihood_at(&base, at, &errors, &priors), &[]);
     let log_evidence = log_evidence.ok_or(FitError::Diverged)?;
     let candidates = context.candidates.measured.iter();
     let measured = Measured { problem: &base, outputs: &explanation.outputs, errors: &errors };
@@ -94,6 +94,17 @@ impl<'a> Singles<'a> {
             Basis::Measurement(id) => Some(self.refit.with(self.measured(*id))),
             Basis::Simulation(id) => self.answer_of(*id, cause.log_evidence),
         }
+    }
+
+    /// The answer of the first cause that is a law; `None` when there is none, or its simulation diverges.
+    pub(in crate::diagnose) fn first_law(&self) -> Option<Answer> {
+        let laws = self.causes.iter().filter_map(|ranked| match ranked.basis {
+            Basis::Simulation(id) if !follows_anything(self.searched.trial(id).candidate) => {
+                self.answer_of(id, ranked.cause.log_evidence)
+            }
+            _ => None,
+        });
+        laws.into_iter().next()
     }
 
     /// The answer of a trial, with the evidence of its cause.

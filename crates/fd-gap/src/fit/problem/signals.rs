@@ -29,18 +29,21 @@ impl Problem {
             return self.errors(&at.z);
         }
         let mut raw = vec![0.0; at.r.len()];
-        for (rows, Segment { log, from, to }) in
-            self.layout.segments.iter().zip(&self.plan.segments)
-        {
+        let segments = self.layout.segments.iter().zip(&self.plan.segments);
+        for (s, (rows, Segment { log, from, to })) in segments.enumerate() {
+            let mut r = at.r[rows.clone()].to_vec();
+            if let Some(unknown) = &self.weights.unknown {
+                unknown.restore(s, &mut r);
+            }
             let log = &self.plan.logs[*log];
             let length = to - from;
             for (c, colour) in self.weights.colour.iter().enumerate() {
-                let rows = rows.start + c * length..rows.start + (c + 1) * length;
-                let error = &mut raw[rows.clone()];
+                let own = c * length..(c + 1) * length;
+                let error = &mut raw[rows.start + own.start..rows.start + own.end];
                 let measured = log.y[from * log.ny..].iter().skip(c).step_by(log.ny);
                 // Missing where nothing was measured.
                 error.iter_mut().zip(measured).for_each(|(e, m)| *e = 0.0 * m);
-                colour.restore(&at.r[rows], error);
+                colour.restore(&r[own], error);
             }
         }
         Some(self.signals(&raw))

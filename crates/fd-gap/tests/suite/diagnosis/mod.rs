@@ -31,3 +31,4 @@ mod reading;
 mod reproduce;
 mod road;
 mod slow_noise;
+mod unknown;
