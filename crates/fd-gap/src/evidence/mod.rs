@@ -1,11 +1,10 @@
 //! How strongly a log speaks for a cause.
 //!
 //! Evidence is the probability of the log under a model, averaged over its unknown parameters ([`evidence`], by
-//! Laplace's method at the fit). It is for logs that the best model explains down to the noise. *When not to
-//! use:* when even the best model ends far above the noise, as on most real logs, likelihoods are
-//! unrealistically sharp; then forecasts must decide ([`win_frequencies`]).
+//! Laplace's method at the fit). *When not to use:* with white weights when even the best model ends far above the
+//! noise, as on most real logs: likelihoods are unrealistically sharp there. What is unknown must be in the weights then
+//! ([`Unknown`](crate::fit::Unknown)).
 
-mod frequency;
 mod laplace;
 mod likelihood;
 mod posterior;
@@ -13,7 +12,6 @@ mod tie;
 
 pub(crate) use self::likelihood::{likelihood_at, of_rounding};
 pub use self::{
-    frequency::{BlockErrors, confidence, win_frequencies, win_frequencies_over},
     laplace::{DECADES, evidence},
     likelihood::{Likelihood, NoisePrior, likelihood},
     posterior::{pool, probabilities},

@@ -9,7 +9,6 @@ mod another_run;
 mod baselines;
 mod begun;
 mod carried;
-mod contest;
 mod forecast;
 mod gap;
 mod horizons;
@@ -17,7 +16,6 @@ mod horizons;
 pub use self::{
     another_run::Paths,
     baselines::Baselines,
-    contest::{Contest, Rules, contest},
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},

@@ -14,6 +14,7 @@ use super::{
     judged::{Judged, NamedPairs},
     probabilities::Probabilities,
     ties::ties,
+    trust::{doubt, trust},
     verdict::verdict,
 };
 use crate::{
@@ -57,7 +58,10 @@ pub(super) fn beyond<'a>(
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
     let windows = windows(&horizons);
     let mut singles = contest(weighed.singles.searched, (held_out, windows), context)?;
-    let believed = believe(&mut singles.causes, context.settings);
+    let mut believed = believe(&mut singles.causes, settings);
+    let logs = if held_out.is_empty() { &singles.base.plan().logs } else { held_out };
+    let trust = trust(&singles, logs, &horizons, settings)?;
+    believed.none_of_these += doubt(&mut singles.causes, &trust);
     let ties = ties(&singles.causes, &singles.searched, settings);
     let best = singles.first_answer().unwrap_or_else(|| singles.refit.clone());
     let lack_of_fit = singles.lack_of_fit(&best);

@@ -5,28 +5,10 @@ use fd_sim::simulate::Simulator;
 use crate::{
     diagnose::weigh::explain::nuisances,
     fit::{Horizon, Log, Minimum, NullFit},
-    shrink::{dominant_time_constant, gap_per_output, horizons},
+    shrink::{dominant_time_constant, horizons},
 };
 
-/// A free run whose error is above this part of the signal is lost.
-const LOST: f64 = 0.5;
-
-/// Whether the simulation without any effect has little to do with some output.
-pub(super) fn is_lost(null: &NullFit) -> bool {
-    let mut problem = null.problem.clone();
-    let Some(errors) = problem.errors(&null.minimum.z) else { return true };
-    let logs = &null.problem.plan().logs;
-    gap_per_output(&errors).iter().zip(&null.problem.weights().sigma).enumerate().any(
-        |(c, (gap, sigma))| {
-            let each = logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
-            let measured = each.copied().filter(|value| value.is_finite());
-            let [_, spread] = fd_numeric::mean_and_deviation(measured);
-            LOST * spread < gap * sigma
-        },
-    )
-}
-
-/// The horizons at which the refitted model is to be judged, and fitted in windows: the middle one.
+/// The horizons at which the refitted model is to be judged.
 pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]) -> Vec<Horizon> {
     let Minimum { z, .. } = &null.minimum;
     let refitted = nuisances(&null.problem, z);
@@ -43,7 +25,7 @@ pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]
     horizons(time, simulator.initial().len(), shortest)
 }
 
-/// A horizon for fits: the middle one.
+/// The horizon of forecasts that are weighed: the middle one. Over longer ones what is unknown does not act linearly.
 pub(super) fn windows(horizons: &[Horizon]) -> Horizon {
     let windows = horizons.iter().rev().find(|h| matches!(h, Horizon::Windows { .. }));
     windows.copied().unwrap_or(Horizon::FreeRun)

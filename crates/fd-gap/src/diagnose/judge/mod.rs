@@ -3,8 +3,6 @@
 mod beside;
 mod beyond;
 mod by_evidence;
-mod by_forecasts;
-mod contest;
 mod forecasting;
 mod groups;
 mod horizons;
@@ -13,10 +11,11 @@ mod pair_ties;
 mod probabilities;
 mod starts;
 mod ties;
+mod trust;
 mod validation;
 mod verdict;
 
-use self::{beyond::beyond, by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
+use self::{beyond::beyond, by_evidence::by_evidence, judged::Judged};
 pub(super) use self::{
     groups::{groups, sides},
     probabilities::Probabilities,
@@ -32,7 +31,7 @@ use crate::{
     shrink::as_begun,
 };
 
-/// Judges by evidence, or by forecasts where nothing comes near the noise.
+/// Judges by evidence: beside noise, or beside something unknown where nothing comes near that.
 pub(super) fn judge<'a>(
     weighed: Weighed<'a>,
     context: &Context<'a>,
@@ -48,13 +47,10 @@ pub(super) fn judge<'a>(
     let sigma = &weighed.singles.searched.noise.sigma;
     let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
-    let judged = if !weighed.is_far() {
-        by_evidence(weighed, &held_out, context)?
-    } else if weighed.singles.base.is_dear() {
-        // What disturbances do takes hundreds of runs.
-        by_forecasts(weighed, &held_out, context)?
-    } else {
+    let judged = if weighed.is_far() {
         beyond(weighed, &held_out, context)?
+    } else {
+        by_evidence(weighed, &held_out, context)?
     };
     monitor.advance();
     Ok(judged)

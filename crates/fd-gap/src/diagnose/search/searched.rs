@@ -30,21 +30,11 @@ pub(in crate::diagnose) struct Searched<'a> {
 pub(in crate::diagnose) struct TrialId(usize);
 
 impl<'a> Searched<'a> {
-    /// All trials with their ids.
-    pub(in crate::diagnose) fn trials(&self) -> impl Iterator<Item = (TrialId, &Trial<'a>)> {
-        self.trials.iter().enumerate().map(|(place, trial)| (TrialId(place), trial))
-    }
-
     /// All trials with their ids, to simulate with them.
     pub(in crate::diagnose) fn trials_mut(
         &mut self,
     ) -> impl Iterator<Item = (TrialId, &mut Trial<'a>)> {
         self.trials.iter_mut().enumerate().map(|(place, trial)| (TrialId(place), trial))
-    }
-
-    /// The trial of an id of this search, to simulate with it.
-    pub(in crate::diagnose) fn trial_mut(&mut self, id: TrialId) -> &mut Trial<'a> {
-        &mut self.trials[id.0]
     }
 
     /// The trial of an id of this search.

@@ -3,9 +3,7 @@
 use fd_effect::{Candidate, library, offers};
 use fd_gap::{
     fit::{Horizon, Log, Variable},
-    shrink::{
-        Paths, Rules, Settled, contest, dominant_time_constant, forecast_errors, gap, horizons,
-    },
+    shrink::{Paths, Settled, dominant_time_constant, forecast_errors, gap, horizons},
 };
 use fd_model::{Channel, Record, SampleTime};
 use fd_sim::{
@@ -165,33 +163,4 @@ fn windows_know_what_the_inputs_before_them_have_left() {
     // The states are settled up to 1e-4 of squares that begin at some 1e3 sigma.
     assert!(with < 1.0, "{with}");
     assert!(100.0 < without, "{without}");
-}
-
-#[test]
-fn the_truth_wins_and_a_curve_that_is_as_good_does_not_take_part() {
-    let (model, u) = (lag(), input(900));
-    let nominal = EquationSimulator::new(&model).unwrap();
-    let (limited, known) = effect(&model, &u, "input-rate-limit", &[1.0]);
-    let (late, lateness) = effect(&model, &u, "input-lag", &[0.8]);
-    let record = answer(&limited, &theta(&limited, &known), &u);
-    let logs = [Log::new(&record, &nominal, 1).unwrap()];
-    let settled =
-        |simulator, effects| Settled { simulator, nuisances: &[], effects, paths: Paths::AsFitted };
-    let all = [
-        settled(&nominal as &dyn Simulator, &[][..]),
-        settled(&limited, &known),
-        settled(&late, &lateness),
-        settled(&limited, &known),
-    ];
-    let horizons = horizons(Some(5.0), 1, 900);
-    let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
-    let run = |is_curve: [bool; 4]| contest(&nominal, &all, &is_curve, &logs, &rules).unwrap();
-    assert_eq!(run([false; 4]).wins, [0.0, 0.5, 0.0, 0.5]);
-    let outcome = run([false, false, false, true]);
-    assert_eq!(outcome.wins, [0.0, 1.0, 0.0, 0.0]);
-    for closed in &outcome.closed[1] {
-        assert!(0.99 < closed.unwrap().interval[0], "{closed:?}");
-    }
-    // A curve that is clearly better than every law stays in.
-    assert_eq!(run([false, true, false, true]).wins, [0.0, 0.5, 0.0, 0.5]);
 }

@@ -18,7 +18,6 @@ mod experiment;
 mod feedback;
 mod fit;
 mod forecasts;
-mod frequency;
 mod holes;
 mod lanes;
 mod laplace;

@@ -1,0 +1,70 @@
+//! How far a law may be believed that leaves much unexplained.
+//!
+//! Evidence compares laws with each other. Where the right one is in no library, the best of them is a mimic, however
+//! far it is ahead. What can be said then is how much of other data it stands for: the rest is the work of something
+//! else, and a law is believed up to the share of the variance that it surely explains in forecasts.
+
+use super::super::{
+    settings::Settings,
+    weigh::{
+        rank::{Basis, RankedCause},
+        singles::Singles,
+        values::FittedValues,
+    },
+};
+use crate::{
+    fit::{FitError, Horizon, Log, Minimum, Problem},
+    quality::noise_floor,
+    shrink::{closed, forecast_errors, gap_per_output},
+};
+
+/// Trust in a law of which forecasts show nothing.
+const LEAST: f64 = 0.05;
+
+/// The share of the variance above the noise that each of the first causes surely explains (with 97.5 %) in forecasts of
+/// logs, at the horizon that suits it best.
+pub(super) fn trust(
+    singles: &Singles<'_>,
+    logs: &[Log],
+    horizons: &[Horizon],
+    settings: &Settings,
+) -> Result<Vec<f64>, FitError> {
+    let searched = &singles.searched;
+    let sigma = &searched.noise.sigma;
+    let forecasts = |problem: &Problem, at: &Minimum| {
+        let values = FittedValues::of(problem, at);
+        let nominal = singles.base.simulator();
+        let each = horizons.iter();
+        each.map(|horizon| forecast_errors(nominal, values.settled(), logs, *horizon, sigma))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let before = forecasts(&searched.null.problem, &searched.null.minimum)?;
+    let share = |ranked: &RankedCause| {
+        let Basis::Simulation(id) = ranked.basis else { return Ok(LEAST) };
+        let trial = searched.trial(id);
+        let Some(at) = &trial.best else { return Ok(LEAST) };
+        let after = forecasts(&trial.problem, at)?;
+        let shares = before.iter().zip(&after).filter_map(|(before, after)| {
+            let (before, after) = (before.as_ref()?, after.as_ref()?);
+            let floors = after.iter().map(|signals| {
+                noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0).powi(2)
+            });
+            let floor = f64::sqrt(floors.sum::<f64>() / gap_per_output(after).len().max(1) as f64);
+            let found = closed(before, after, floor, settings.replicas, settings.seed)?;
+            Some(1.0 - (1.0 - found.interval[0].clamp(0.0, 1.0)).powi(2))
+        });
+        Ok(shares.fold(LEAST, f64::max))
+    };
+    singles.causes.iter().take(settings.finalists).map(share).collect()
+}
+
+/// Believes causes no more than they are trusted; what is taken from them.
+pub(super) fn doubt(causes: &mut [RankedCause], trust: &[f64]) -> f64 {
+    let mut doubt = 0.0;
+    for (i, ranked) in causes.iter_mut().enumerate() {
+        let believed = ranked.cause.probability;
+        ranked.cause.probability *= trust.get(i).copied().unwrap_or(LEAST);
+        doubt += believed - ranked.cause.probability;
+    }
+    doubt
+}
