@@ -25,8 +25,8 @@ use fd_sim::{
 use self::{proposals::Proposals, refit::Refit};
 use crate::{
     diagnose::{
-        Beginning, Case, Diagnosis, Explanation, Monitor, Regime, Settings, Stage, Told, Verdict, diagnose,
-        told,
+        Beginning, Case, Diagnosis, Explanation, Monitor, Regime, Settings, Stage, Told, Verdict,
+        diagnose, told,
     },
     fit::{FitError, Log},
 };

@@ -37,7 +37,11 @@ pub(super) fn by_forecasts(
         let Some(next) = accepted(journey, &diagnosis, &list) else {
             break if is_noise(&diagnosis) { End::AtTheNoise } else { End::NothingHelps };
         };
-        gaps.push(sized(&diagnosis, |h| &h.after));
+        let left = sized(&diagnosis, |h| &h.after);
+        if !list.is_empty() && gaps.last().is_some_and(|before| *before <= left) {
+            break End::NothingHelps;
+        }
+        gaps.push(left);
         let is_curve = is_free_curve(&next.candidate);
         list.push(next);
         if is_curve {
@@ -57,18 +61,12 @@ pub(super) fn by_forecasts(
     Ok(Some(Found { list, gaps, end }))
 }
 
-/// The first cause of a diagnosis, if it improves held-out forecasts by more than their interval; without held-out logs,
-/// if it is more probable than not.
+/// The first cause of a diagnosis, if the list with it is more probable than not.
 fn accepted(journey: &Journey<'_>, diagnosis: &Diagnosis, list: &[Listed]) -> Option<Listed> {
     let cause = diagnosis.causes.first()?;
-    let closed = at(diagnosis, journey.horizon).and_then(|h| h.closed_of_refit);
-    let is_better = match (closed, diagnosis.held_out.is_empty()) {
-        (Some(closed), _) => 0.0 < closed.interval[0],
-        (None, true) => 0.5 < 1.0 - diagnosis.no_gap - diagnosis.none_of_these,
-        (None, false) => false,
-    };
     let is_forbidden = diagnosis.objections.iter().any(Objection::forbids);
-    if !is_better || is_forbidden {
+    let before: f64 = list.iter().map(|listed| listed.milestone.cause.probability).product();
+    if is_forbidden || before * cause.probability <= 0.5 {
         return None;
     }
     journey.lists.listed(list, milestone(diagnosis, cause, journey.horizon))

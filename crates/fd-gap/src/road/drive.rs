@@ -6,7 +6,7 @@ use super::{
     eliminate::Judge,
     finish::{Found, at, finish, judged_at, total},
     list::Lists,
-    result::{End, Road},
+    result::Road,
     to_the_noise::to_the_noise,
 };
 use crate::{
@@ -86,9 +86,10 @@ pub fn road(
         Regime::AtTheFloor if is_dear => None,
         Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
         Regime::AboveTheFloor => match simulated(by_forecasts(&journey, monitor))? {
-            Some(found) if matches!(found.end, End::AtTheNoise | End::Enough) => Some(found),
-            found if is_dear => found,
-            found => simulated(to_the_noise(&journey, monitor))?.or(found),
+            // What is believed stands, with what it leaves; where nothing is, a list must leave noise alone.
+            Some(found) if is_dear || !found.list.is_empty() => Some(found),
+            _ if is_dear => None,
+            _ => simulated(to_the_noise(&journey, monitor))?,
         },
     };
     found

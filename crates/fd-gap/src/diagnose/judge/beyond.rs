@@ -57,10 +57,12 @@ pub(super) fn beyond<'a>(
     let simulator = weighed.singles.base.simulator().boxed();
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
     let windows = windows(&horizons);
+    let beside_noise = weighed.singles.searched.null.clone();
     let mut singles = contest(weighed.singles.searched, (held_out, windows), context)?;
     let mut believed = believe(&mut singles.causes, settings);
     let logs = if held_out.is_empty() { &singles.base.plan().logs } else { held_out };
-    let trust = trust(&singles, logs, &horizons, settings)?;
+    let trust =
+        trust(&singles, [&beside_noise, &singles.searched.null], logs, &horizons, settings)?;
     believed.none_of_these += doubt(&mut singles.causes, &trust);
     let ties = ties(&singles.causes, &singles.searched, settings);
     let best = singles.first_answer().unwrap_or_else(|| singles.refit.clone());

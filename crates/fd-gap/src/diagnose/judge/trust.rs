@@ -13,18 +13,19 @@ use super::super::{
     },
 };
 use crate::{
-    fit::{FitError, Horizon, Log, Minimum, Problem},
+    fit::{FitError, Horizon, Log, Minimum, NullFit, Problem},
     quality::noise_floor,
-    shrink::{closed, forecast_errors, gap_per_output},
+    shrink::{closed, forecast_errors, gap, gap_per_output},
 };
 
 /// Trust in a law of which forecasts show nothing.
 const LEAST: f64 = 0.05;
 
 /// The share of the variance above the noise that each of the first causes surely explains (with 97.5 %) in forecasts of
-/// logs, at the horizon that suits it best.
+/// logs, at the horizon that suits it best; beside the best of these fits without any effect.
 pub(super) fn trust(
     singles: &Singles<'_>,
+    without: [&NullFit; 2],
     logs: &[Log],
     horizons: &[Horizon],
     settings: &Settings,
@@ -38,7 +39,12 @@ pub(super) fn trust(
         each.map(|horizon| forecast_errors(nominal, values.settled(), logs, *horizon, sigma))
             .collect::<Result<Vec<_>, _>>()
     };
-    let before = forecasts(&searched.null.problem, &searched.null.minimum)?;
+    let [one, other] = without.map(|null| forecasts(&null.problem, &null.minimum));
+    let before = one?.into_iter().zip(other?).map(|pair| match pair {
+        (Some(one), Some(other)) => Some(if gap(&one) < gap(&other) { one } else { other }),
+        (one, other) => one.or(other),
+    });
+    let before: Vec<_> = before.collect();
     let share = |ranked: &RankedCause| {
         let Basis::Simulation(id) = ranked.basis else { return Ok(LEAST) };
         let trial = searched.trial(id);
@@ -46,9 +52,9 @@ pub(super) fn trust(
         let after = forecasts(&trial.problem, at)?;
         let shares = before.iter().zip(&after).filter_map(|(before, after)| {
             let (before, after) = (before.as_ref()?, after.as_ref()?);
-            let floors = after.iter().map(|signals| {
-                noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0).powi(2)
-            });
+            let floors = after
+                .iter()
+                .map(|signals| noise_floor(&signals.join(&f64::NAN), None).unwrap_or(1.0).powi(2));
             let floor = f64::sqrt(floors.sum::<f64>() / gap_per_output(after).len().max(1) as f64);
             let found = closed(before, after, floor, settings.replicas, settings.seed)?;
             Some(1.0 - (1.0 - found.interval[0].clamp(0.0, 1.0)).powi(2))
