@@ -97,7 +97,7 @@
 //! | `Prepared` | `prepare` | logs cut to the horizon, the noise, the fit of the nuisances without any effect | `prepare/` |
 //! | `Searched` | `search` | every candidate scored at every start and fitted roughly, the best causes fitted fully, with a sufficiently short integration step | `search/` |
 //! | `Weighed` | `weigh` | evidence of single causes and of pairs, with the colour of the noise; the best answer, chosen from the refitted model, the first cause and the first pair | `weigh/` |
-//! | `Judged` | `judge` | ties, doubts, probabilities, the verdict; by evidence, or by forecasts where nothing comes near the noise | `judge/` |
+//! | `Judged` | `judge` | ties, doubts, probabilities, the verdict; by evidence beside noise, or beside something unknown where nothing comes near the noise | `judge/` |
 //! | [`Diagnosis`] | `report` | the answer for people, with the loop closed, the noise floor and held-out gaps | `report/` |
 //!
 //! Before the first step, `feedback.rs` decides whether the controller in the loop saw the logged outputs; if
@@ -120,7 +120,8 @@
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
 //! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
 //! | what an engineer would object to at first sight, and vetoes | `report/objections.rs` |
-//! | forecasts that judge instead of evidence, and what is worth a name then | `judge/contest.rs` |
+//! | what may act beside every law far above the noise | `unknown/`, `judge/beyond.rs` |
+//! | how far a law may be believed that leaves much | `judge/trust.rs` |
 //! | horizons | `judge/horizons.rs` |
 //! | the answer in one word | `judge/verdict.rs` |
 //! | the floor that a gap is measured from | `report/reported_floor.rs` |

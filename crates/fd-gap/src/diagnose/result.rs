@@ -165,8 +165,8 @@ pub enum Verdict {
 pub enum Regime {
     /// The best explanation reaches the noise: evidence of the likelihood.
     AtTheFloor,
-    /// Nothing reaches the noise: evidence beside disturbances of unknown strength, or, where runs are dear, how often a cause
-    /// forecasts best on blocks of the logs drawn with replacement.
+    /// Nothing reaches the noise: evidence beside disturbances of unknown strength, believed as far as forecasts of other logs
+    /// bear it out.
     AboveTheFloor,
 }
 

@@ -1,8 +1,8 @@
 //! Along the road: by forecasts far above the noise, by evidence near it.
 
 use super::{
+    beyond::beyond,
     by_evidence::by_evidence,
-    by_forecasts::by_forecasts,
     eliminate::Judge,
     finish::{Found, at, finish, judged_at, total},
     list::Lists,
@@ -85,7 +85,7 @@ pub fn road(
     let found = match first.regime {
         Regime::AtTheFloor if is_dear => None,
         Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
-        Regime::AboveTheFloor => match simulated(by_forecasts(&journey, monitor))? {
+        Regime::AboveTheFloor => match simulated(beyond(&journey, monitor))? {
             // What is believed stands, with what it leaves; where nothing is, a list must leave noise alone.
             Some(found) if is_dear || !found.list.is_empty() => Some(found),
             _ if is_dear => None,

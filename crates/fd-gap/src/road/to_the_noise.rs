@@ -1,4 +1,4 @@
-//! Far above the noise, where forecasts end the road: a list of laws that explains everything.
+//! Far above the noise, where no cause is believed: a list of laws that explains everything.
 //!
 //! As long as several effects are missing no single one comes near the noise, and there evidence is not to be trusted:
 //! with a wrong model everything is significant. But a list of laws that comes down to the noise, in logs that it was not

@@ -14,7 +14,7 @@ use super::{
     judged::{Judged, NamedPairs},
     probabilities::Probabilities,
     ties::ties,
-    trust::{doubt, trust},
+    trust::{doubt, trust, trusted_first},
     verdict::verdict,
 };
 use crate::{
@@ -59,10 +59,11 @@ pub(super) fn beyond<'a>(
     let windows = windows(&horizons);
     let beside_noise = weighed.singles.searched.null.clone();
     let mut singles = contest(weighed.singles.searched, (held_out, windows), context)?;
-    let mut believed = believe(&mut singles.causes, settings);
     let logs = if held_out.is_empty() { &singles.base.plan().logs } else { held_out };
-    let trust =
-        trust(&singles, [&beside_noise, &singles.searched.null], logs, &horizons, settings)?;
+    let nulls = [&beside_noise, &singles.searched.null];
+    let trust = trust(&singles, nulls, logs, &horizons, settings)?;
+    let trust = trusted_first(&mut singles.causes, trust);
+    let mut believed = believe(&mut singles.causes, settings);
     believed.none_of_these += doubt(&mut singles.causes, &trust);
     let ties = ties(&singles.causes, &singles.searched, settings);
     let best = singles.first_answer().unwrap_or_else(|| singles.refit.clone());

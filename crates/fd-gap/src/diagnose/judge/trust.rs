@@ -12,6 +12,7 @@ use super::super::{
         values::FittedValues,
     },
 };
+use super::verdict::NAMED;
 use crate::{
     fit::{FitError, Horizon, Log, Minimum, NullFit, Problem},
     quality::noise_floor,
@@ -64,12 +65,28 @@ pub(super) fn trust(
     singles.causes.iter().take(settings.finalists).map(share).collect()
 }
 
+/// Puts causes that may be named behind none that may not: what forecasts little draws the logs that it was fitted to, as
+/// curves do, and has no evidence over one that forecasts. Returns the trust in their new order.
+pub(super) fn trusted_first(causes: &mut Vec<RankedCause>, trust: Vec<f64>) -> Vec<f64> {
+    let trust = trust.into_iter().chain(std::iter::repeat(LEAST));
+    let (named, mut others): (Vec<_>, Vec<_>) =
+        causes.drain(..).zip(trust).partition(|(_, trust)| NAMED < *trust);
+    let evidence = named.iter().map(|(ranked, _)| ranked.cause.log_evidence);
+    let least = evidence.fold(f64::INFINITY, f64::min);
+    for (ranked, _) in &mut others {
+        ranked.cause.log_evidence = ranked.cause.log_evidence.min(least);
+    }
+    let all: (Vec<_>, Vec<_>) = named.into_iter().chain(others).unzip();
+    *causes = all.0;
+    all.1
+}
+
 /// Believes causes no more than they are trusted; what is taken from them.
 pub(super) fn doubt(causes: &mut [RankedCause], trust: &[f64]) -> f64 {
     let mut doubt = 0.0;
-    for (i, ranked) in causes.iter_mut().enumerate() {
+    for (ranked, trust) in causes.iter_mut().zip(trust) {
         let believed = ranked.cause.probability;
-        ranked.cause.probability *= trust.get(i).copied().unwrap_or(LEAST);
+        ranked.cause.probability *= trust;
         doubt += believed - ranked.cause.probability;
     }
     doubt

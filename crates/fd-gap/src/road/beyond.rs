@@ -1,4 +1,4 @@
-//! Far above the noise: one cause after another, each only if it improves forecasts.
+//! Far above the noise: one cause after another, as long as they are believed together.
 
 use super::{
     adjustable::With,
@@ -16,8 +16,8 @@ use crate::{
     fit::FitError,
 };
 
-/// Causes as long as held-out forecasts improve by more than their interval.
-pub(super) fn by_forecasts(
+/// Causes as long as the list with them is more probable than not and leaves less of held-out logs.
+pub(super) fn beyond(
     journey: &Journey<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Found>, FitError> {
