@@ -5,37 +5,27 @@
 use std::{
     fs,
     io::Write,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output, Stdio},
     time::{Duration, Instant},
 };
 
-use tempfile::TempDir;
+use crate::folder::Folder;
 
-struct Desk(TempDir);
+struct Desk(Folder);
 
 impl Desk {
     fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-        for (from, to) in [
-            ("gap/quick-start/model.toml", "model.toml"),
-            ("gap/quick-start/monday.csv", "monday.csv"),
-            ("turbine.toml", "turbine.toml"),
-            ("turbine-run.csv", "run.csv"),
-        ] {
-            fs::copy(root.join(from), desk.path(to)).unwrap();
-        }
-        desk
+        Self(Folder::of_both())
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fdiag"));
-        command.args(line.split_whitespace()).current_dir(self.0.path()).stdin(Stdio::null());
+        command.args(line.split_whitespace()).current_dir(self.0.root()).stdin(Stdio::null());
         command
     }
 

@@ -9,30 +9,20 @@ use std::{
     time::{Duration, Instant},
 };
 
-use tempfile::TempDir;
+use crate::folder::Folder;
 
 /// Nobody waits longer for a refusal, on however slow a machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-struct Desk(TempDir);
+struct Desk(Folder);
 
 impl Desk {
     fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-        for (from, to) in [
-            ("gap/quick-start/model.toml", "model.toml"),
-            ("gap/quick-start/monday.csv", "monday.csv"),
-            ("turbine.toml", "turbine.toml"),
-            ("turbine-run.csv", "run.csv"),
-        ] {
-            fs::copy(root.join(from), desk.path(to)).unwrap();
-        }
-        desk
+        Self(Folder::of_both())
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
     /// A line of a shell with 4 GB of memory, in which `$F` is the program.
@@ -40,7 +30,7 @@ impl Desk {
         let begun = Instant::now();
         let mut child = Command::new("sh")
             .args(["-c", &format!("ulimit -v 4000000; {line}")])
-            .current_dir(self.0.path())
+            .current_dir(self.0.root())
             .env("F", env!("CARGO_BIN_EXE_fdiag"))
             .env_remove("RUST_BACKTRACE")
             .stdin(Stdio::null())

@@ -8,32 +8,30 @@ use std::{
     time::{Duration, Instant},
 };
 
-use tempfile::TempDir;
+use crate::folder::Folder;
 
 /// Nobody waits longer for a refusal, on however slow a machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-struct Desk(TempDir);
+struct Desk(Folder);
 
 impl Desk {
     fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/gap/quick-start");
-        for file in ["model.toml", "monday.csv"] {
-            fs::copy(root.join(file), desk.path(file)).unwrap();
-        }
-        desk
+        Self(Folder::of(&[
+            ("gap/quick-start/model.toml", "model.toml"),
+            ("gap/quick-start/monday.csv", "monday.csv"),
+        ]))
     }
 
     fn path(&self, file: &str) -> PathBuf {
-        self.0.path().join(file)
+        self.0.path(file)
     }
 
     fn refuses(&self, line: &str, code: i32, words: &[&str]) {
         let begun = Instant::now();
         let output = Command::new(env!("CARGO_BIN_EXE_fdiag"))
             .args(line.split_whitespace())
-            .current_dir(self.0.path())
+            .current_dir(self.0.root())
             .output()
             .unwrap();
         let text = String::from_utf8(output.stderr).unwrap();
@@ -44,7 +42,7 @@ impl Desk {
         assert!(text.len() < 2_000, "{line}: {} bytes", text.len());
         assert!(!text.contains('\u{1b}'), "{line}: {text:?}");
         assert!(begun.elapsed() < PATIENCE, "{line}: {:?}", begun.elapsed());
-        let left = fs::read_dir(self.0.path()).unwrap().filter_map(Result::ok);
+        let left = fs::read_dir(self.0.root()).unwrap().filter_map(Result::ok);
         let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
         let is_made = |name: &&std::ffi::OsString| name.to_string_lossy().starts_with("made");
         assert!(!left.iter().any(|name| is_made(&name)), "{line}: {left:?}");

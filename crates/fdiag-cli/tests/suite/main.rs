@@ -7,6 +7,7 @@ mod bounds;
 mod cli;
 mod commands;
 mod demo;
+mod folder;
 mod fuzz;
 mod gap;
 mod gap_quick_start;

@@ -4,26 +4,22 @@
 
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output, Stdio},
 };
 
-use tempfile::TempDir;
+use crate::folder::Folder;
 
 /// A folder with examples, and with a program in `trap.toml` that leaves a file behind where it is started.
-struct Desk(TempDir);
+struct Desk(Folder);
 
 impl Desk {
     fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-        for (from, to) in [
+        let desk = Self(Folder::of(&[
             ("gap/quick-start/monday.csv", "monday.csv"),
             ("turbine.toml", "turbine.toml"),
             ("turbine-run.csv", "run.csv"),
-        ] {
-            fs::copy(root.join(from), desk.path(to)).unwrap();
-        }
+        ]));
         let trap = "version = 1\nkind = \"process\"\ncommand = [\"touch\", \"started\"]\n";
         fs::write(desk.path("trap.toml"), trap).unwrap();
         fs::write(desk.path("fmu.toml"), "version = 1\nkind = \"fmu\"\nfmu = \"a.fmu\"\n").unwrap();
@@ -34,13 +30,13 @@ impl Desk {
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
     fn run(&self, line: &str) -> Output {
         Command::new(env!("CARGO_BIN_EXE_fdiag"))
             .args(line.split_whitespace())
-            .current_dir(self.0.path())
+            .current_dir(self.0.root())
             .stdin(Stdio::null())
             .output()
             .unwrap()
