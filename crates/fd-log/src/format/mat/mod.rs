@@ -133,7 +133,10 @@ impl Reader {
                 let why = match class {
                     DOUBLE..=UINT64 => "complex numbers".to_owned(),
                     STRUCT => {
-                        format!("{} structs", shape.iter().map(|n| u64::from(*n)).product::<u64>())
+                        format!(
+                            "{} structs",
+                            shape.iter().map(|n| u64::from(*n)).fold(1, u64::saturating_mul)
+                        )
                     }
                     1 => "cells".to_owned(),
                     4 => "text".to_owned(),
@@ -168,8 +171,8 @@ impl Reader {
                     format!("the array `{name}` has {} of {bytes} bytes", values.data.len());
                 return Err(damaged(&file, &found));
             }
-            left.take(&format!("array `{name}`"), cells.saturating_mul(8))?;
             let what = format!("array `{name}`");
+            left.take(&what, cells.saturating_mul(8))?;
             let values = number.values(&what, values.data.chunks(number.bytes));
             values.map_err(|error| left.refused(error))
         })

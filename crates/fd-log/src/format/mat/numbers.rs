@@ -22,10 +22,13 @@ pub(super) fn add(
         [rows, across] if rows > 1 && (1..=MOST_COLUMNS).contains(&across) => (rows, Some(across)),
         _ => {
             let size: Vec<String> = shape.iter().map(u64::to_string).collect();
-            let why = match shape.iter().product() {
-                0 => "empty".to_owned(),
-                1 => "a single value".to_owned(),
-                _ => format!("an array of {}", size.join(" x ")),
+            // Not by their product, which a damaged file makes larger than any number.
+            let why = if shape.contains(&0) {
+                "empty".to_owned()
+            } else if shape.iter().all(|n| *n == 1) {
+                "a single value".to_owned()
+            } else {
+                format!("an array of {}", size.join(" x "))
             };
             recording.unfit.push((name.to_owned(), why));
             return Ok(());
