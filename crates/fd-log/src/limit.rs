@@ -16,6 +16,9 @@ const FREE: u64 = 64 << 20;
 #[allow(dead_code, reason = "only readers of columns need it, and each is a feature")]
 const INFLATED: u64 = 1100;
 
+/// Rows that memory is taken for at a time.
+const BLOCK: usize = 1 << 10;
+
 /// What is left of the [budget of memory](fd_core::memory) while a file is read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Budget {
@@ -45,16 +48,21 @@ impl Budget {
 
     /// The error of this file where the system has no memory.
     pub(crate) fn refused(&self, error: MemoryError) -> LogError {
-        refused(&self.file, error)
+        LogError::TooLarge { file: self.file.clone(), error }
     }
 
     /// Takes bytes for a part of the file, before they are asked of the system.
     pub(crate) fn take(&mut self, what: &str, bytes: u64) -> Result<(), LogError> {
-        self.left.take(what, bytes).map_err(|error| refused(&self.file, error))
+        self.left.take(what, bytes).map_err(|error| self.refused(error))
     }
-}
 
-/// The error of a file that wants too much.
-pub(crate) fn refused(file: &str, error: MemoryError) -> LogError {
-    LogError::TooLarge { file: file.to_owned(), error }
+    /// Takes bytes for the rows from this one on, so many per row, where the row is the first of a [`BLOCK`].
+    pub(crate) fn take_rows(
+        &mut self,
+        what: &str,
+        row: usize,
+        bytes: usize,
+    ) -> Result<(), LogError> {
+        if row.is_multiple_of(BLOCK) { self.take(what, (bytes * BLOCK) as u64) } else { Ok(()) }
+    }
 }

@@ -13,9 +13,6 @@ use crate::{
     source::LogSource,
 };
 
-/// Rows that memory is taken for at a time.
-const BLOCK: usize = 1 << 10;
-
 /// A log on an even time base, and what its own time base was like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
@@ -220,9 +217,7 @@ impl<S: LogSource> LogReader<S> {
         let mut left = Budget::new(self.source.file());
         let (what, width) = ("rows of the log", 2 + self.columns.len());
         while let Some(LogRow { row, time, u, y }) = self.next_row()? {
-            if rows.len().is_multiple_of(BLOCK) {
-                left.take(what, (8 * BLOCK * width) as u64)?;
-            }
+            left.take_rows(what, rows.len(), 8 * width)?;
             rows.push(row);
             series.t.push(time);
             series.u.extend_from_slice(u);

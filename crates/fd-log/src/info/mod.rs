@@ -20,9 +20,6 @@ use crate::{
     source::LogSource,
 };
 
-/// Rows that memory is taken for at a time.
-const BLOCK: usize = 1 << 10;
-
 /// What a log file holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogInfo {
@@ -121,10 +118,8 @@ fn of_rows(mut source: Box<dyn LogSource>, map: &LogMap) -> Result<TableInfo, Lo
     let mut rows = 0_usize;
     let mut left = Budget::new(source.file());
     while source.next_row()?.is_some() {
-        if rows.is_multiple_of(BLOCK) {
-            // Times are kept, and sorted once more.
-            left.take("times of the log", (16 * BLOCK) as u64)?;
-        }
+        // Times are kept, and sorted once more.
+        left.take_rows("times of the log", rows, 16)?;
         rows += 1;
         for (index, tally) in tallies.iter_mut().enumerate() {
             match source.number(index) {
