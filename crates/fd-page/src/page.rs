@@ -136,7 +136,7 @@ fn which(page: &mut Page, report: &Report) -> Result<(), PictureError> {
     if report.diagnosis.regime == Regime::AboveTheFloor {
         page.text(
             "None of the causes tried reaches the noise, so probabilities say how often a cause \
-             forecasts best on resampled blocks of the logs.",
+             forecasts best on resampled blocks of the logs, and how much it surely explains there.",
         );
     }
     for bars in [groups(report), causes(report)] {

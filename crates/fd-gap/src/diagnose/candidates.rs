@@ -46,7 +46,7 @@ pub(super) fn is_same_cause(a: &Candidate, b: &Candidate) -> bool {
 }
 
 /// Whether it is a free curve.
-pub(crate) fn is_free_curve(candidate: &Candidate) -> bool {
+pub(super) fn is_free_curve(candidate: &Candidate) -> bool {
     candidate.family == FREE_CURVES
 }
 

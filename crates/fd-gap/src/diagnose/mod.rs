@@ -120,7 +120,7 @@
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
 //! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
 //! | what an engineer would object to at first sight, and vetoes | `report/objections.rs` |
-//! | forecasts that judge instead of evidence, and what is worth a name then | `judge/contest.rs` |
+//! | forecasts that judge instead of evidence, and how far a law is believed then | `judge/contest.rs` |
 //! | horizons | `judge/horizons.rs` |
 //! | the answer in one word | `judge/verdict.rs` |
 //! | the floor that a gap is measured from | `report/reported_floor.rs` |
@@ -156,7 +156,7 @@ use self::{
     weigh::weigh,
 };
 pub(crate) use self::{
-    candidates::{follows_anything, is_curve_of_signal, is_free_curve, wanders},
+    candidates::{follows_anything, is_curve_of_signal, wanders},
     prepare::prepare,
     report::objections::FAINT,
     weigh::{answer::is_a_pair, explain::settle, values::FittedValues},

@@ -165,8 +165,8 @@ pub enum Verdict {
 pub enum Regime {
     /// The best explanation reaches the noise: evidence of the likelihood.
     AtTheFloor,
-    /// Nothing reaches the noise, and likelihoods would be absurdly sure: how often a cause
-    /// forecasts best, on blocks of the logs drawn with replacement.
+    /// Nothing reaches the noise, and likelihoods would be absurdly sure: how often a law forecasts best, on blocks of the
+    /// logs drawn with replacement, up to the share of the variance that it surely explains there.
     AboveTheFloor,
 }
 

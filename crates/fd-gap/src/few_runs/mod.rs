@@ -6,7 +6,8 @@
 //! stand-in. The answer comes from the second diagnosis; the first only proposes.
 //!
 //! A limit that is not reached by the nominal simulator, or behind one that is, has no slope: no linear model proposes
-//! it. Where the answer is "none of these", limits are therefore tried on the simulator itself.
+//! it. Where the answer is "none of these", or ends far above the noise, limits are therefore tried on the simulator
+//! itself.
 //!
 //! *When not to use:* for equations, where [`diagnose()`](crate::diagnose::diagnose()) takes a second. Where
 //! the stand-in predicts little ([`FewRuns::explains`]), its proposals are worth little as well, and the first
@@ -24,8 +25,8 @@ use fd_sim::{
 use self::{proposals::Proposals, refit::Refit};
 use crate::{
     diagnose::{
-        Beginning, Case, Diagnosis, Explanation, Monitor, Settings, Stage, Told, Verdict, diagnose,
-        told,
+        Beginning, Case, Diagnosis, Explanation, Monitor, Regime, Settings, Stage, Told, Verdict,
+        diagnose, told,
     },
     fit::{FitError, Log},
 };
@@ -134,7 +135,8 @@ pub fn with_few_runs(
     let mut few =
         FewRuns { diagnosis, proposed, explains: stand_in.explains(), runs, limits: false, lent };
     if effort.limits
-        && few.diagnosis.verdict == Verdict::NoneOfThese
+        && (few.diagnosis.verdict == Verdict::NoneOfThese
+            || few.diagnosis.regime == Regime::AboveTheFloor)
         && let Some(found) = limits(shell, case, proposals, &settings, monitor)?
     {
         few.limits = true;

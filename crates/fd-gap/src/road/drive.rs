@@ -1,8 +1,8 @@
-//! Along the road: by forecasts far above the noise, by evidence near it.
+//! Along the road: as far as forecasts bear out far above the noise, by evidence near it.
 
 use super::{
+    beyond::beyond,
     by_evidence::by_evidence,
-    by_forecasts::by_forecasts,
     eliminate::Judge,
     finish::{Found, at, finish, judged_at, total},
     list::Lists,
@@ -85,10 +85,11 @@ pub fn road(
     let found = match first.regime {
         Regime::AtTheFloor if is_dear => None,
         Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
-        Regime::AboveTheFloor => match simulated(by_forecasts(&journey, monitor))? {
-            Some(found) if matches!(found.end, End::AtTheNoise | End::Enough) => Some(found),
-            found if is_dear => found,
-            found => simulated(to_the_noise(&journey, monitor))?.or(found),
+        Regime::AboveTheFloor => match simulated(beyond(&journey, monitor))? {
+            Some((found, beside)) if !is_dear && found.end == End::NothingHelps => {
+                simulated(to_the_noise(&journey, &found.list, beside, monitor))?.or(Some(found))
+            }
+            found => found.map(|(found, _)| found),
         },
     };
     found

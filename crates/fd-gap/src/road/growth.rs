@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use fd_effect::Suspects;
+use fd_numeric::rms;
 use fd_sim::model::Model;
 
 use super::{
@@ -71,9 +72,13 @@ impl<'a> Growth<'a> {
         Self { journey, monitor, curves, left: Cell::new(most), leaves, tries }
     }
 
-    /// The list with what else is found, after it does not change any more.
-    pub(super) fn grown(&self, list: Vec<Listed>) -> Result<(Vec<Listed>, End), FitError> {
-        let mut grown = self.onwards(list)?;
+    /// The list with what else is found, after it does not change any more; the diagnosis `beside` it may be known.
+    pub(super) fn grown(
+        &self,
+        list: Vec<Listed>,
+        beside: Option<Diagnosis>,
+    ) -> Result<(Vec<Listed>, End), FitError> {
+        let mut grown = self.onwards(list, beside)?;
         if !grown.is_near && self.leaves < 1.0 {
             // What one cause after another does not bring near the noise is not looked at again.
             return Ok((grown.list, grown.end));
@@ -85,19 +90,26 @@ impl<'a> Growth<'a> {
             if !is_changed && before == list.len() {
                 return Ok((list, end));
             }
-            grown = self.onwards(list)?;
+            grown = self.onwards(list, None)?;
         }
         Ok((grown.list, grown.end))
     }
 
     /// Goes on while a law has evidence. Before one that a curve beats by far, what is there is looked at again: the
     /// curve may draw what something on the list stands for wrongly.
-    fn onwards(&self, mut list: Vec<Listed>) -> Result<Grown, FitError> {
+    fn onwards(
+        &self,
+        mut list: Vec<Listed>,
+        mut beside: Option<Diagnosis>,
+    ) -> Result<Grown, FitError> {
         let mut is_looked_at = false;
         loop {
-            let diagnosis = self.diagnosed(&list, None)?;
+            let diagnosis = match beside.take() {
+                Some(diagnosis) => diagnosis,
+                None => self.diagnosed(&list, None)?,
+            };
             let next = self.next(&diagnosis, &list)?.filter(|_| self.goes_on());
-            let next = next.filter(|next| self.is_large(&diagnosis, next));
+            let next = next.filter(|next| self.is_large(&diagnosis, &list, next));
             let is_noise = is_noise(&diagnosis);
             let end = match next {
                 Some(next) if list.len() < self.journey.most => {
@@ -180,11 +192,17 @@ impl<'a> Growth<'a> {
         is_a_pair(cause.log_evidence, 0.0) && (is_shown || !is_faint)
     }
 
-    /// Whether a cause takes enough of what there is before it; near the noise evidence says what is enough.
-    fn is_large(&self, diagnosis: &Diagnosis, next: &Listed) -> bool {
-        let squares = diagnosis.refit.gap.iter().map(|gap| gap * gap).sum::<f64>();
-        let before = (squares / diagnosis.refit.gap.len().max(1) as f64).sqrt();
-        diagnosis.regime == Regime::AtTheFloor || next.milestone.cause.gap <= self.leaves * before
+    /// Whether a cause takes enough of what there is before it, and the list with it gets to the noise at its pace before it
+    /// is full; near the noise evidence says what is enough.
+    fn is_large(&self, diagnosis: &Diagnosis, list: &[Listed], next: &Listed) -> bool {
+        if diagnosis.regime == Regime::AtTheFloor {
+            return true;
+        }
+        let way = 1.0 - (list.len() + 1) as f64 / self.journey.most as f64;
+        let left = next.milestone.cause.gap;
+        left <= self.leaves * rms(diagnosis.refit.gap.iter().copied())
+            && (self.leaves == 1.0
+                || left <= rms(self.journey.first.refit.gap.iter().copied()).powf(way))
     }
 
     /// A cause with what a diagnosis says of it, its probability among laws: a curve at the same place is no other

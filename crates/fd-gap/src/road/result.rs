@@ -53,9 +53,7 @@ pub struct Milestone {
 pub enum End {
     /// What is left is noise.
     AtTheNoise,
-    /// The last one is a free curve, which is no law: what it leaves is not worth a search.
-    AtACurve,
-    /// No further cause improves held-out forecasts.
+    /// No further cause is believed together with the others.
     NothingHelps,
     /// As many causes as were asked for.
     Enough,

@@ -1,4 +1,4 @@
-//! Far above the noise, where forecasts end the road: a list of laws that explains everything.
+//! Far above the noise, where what is believed ends before it: a list of laws that explains everything.
 //!
 //! As long as several effects are missing no single one comes near the noise, and there evidence is not to be trusted:
 //! with a wrong model everything is significant. But a list of laws that comes down to the noise, in logs that it was not
@@ -10,9 +10,13 @@ use super::{
     drive::Journey,
     finish::Found,
     growth::Growth,
+    list::Listed,
     result::End,
 };
-use crate::{diagnose::Monitor, fit::FitError};
+use crate::{
+    diagnose::{Diagnosis, Monitor},
+    fit::FitError,
+};
 
 /// Most diagnoses on the way.
 const DIAGNOSES: usize = 16;
@@ -22,17 +26,24 @@ const LEAVES: f64 = 0.9;
 /// Most that the list may leave of the held-out gap, in multiples of its floor.
 const HELD_OUT: f64 = 1.5;
 
-/// A list of laws that leaves noise alone; `None` where there is none in reach.
+/// A list of laws that leaves noise alone, from one that is `believed` and the diagnosis `beside` it on; `None` where
+/// there is none in reach.
 pub(super) fn to_the_noise(
     journey: &Journey<'_>,
+    believed: &[Listed],
+    beside: Diagnosis,
     monitor: &dyn Monitor,
 ) -> Result<Option<Found>, FitError> {
-    let Some(list) = journey.lists.of(beginning(journey)) else { return Ok(None) };
+    let (list, beside) = match believed {
+        [] => (journey.lists.of(beginning(journey)), None),
+        _ => (Some(believed.to_vec()), Some(beside)),
+    };
+    let Some(list) = list else { return Ok(None) };
     if list.is_empty() || monitor.is_stopped() {
         return Ok(None);
     }
     let one = journey.settings.for_one_law();
-    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, LEAVES).grown(list)?;
+    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, LEAVES).grown(list, beside)?;
     let (list, end) = credible(journey, list, end);
     if end != End::AtTheNoise || list.is_empty() {
         return Ok(None);

@@ -18,8 +18,6 @@ const BLOCK: f64 = 5.0;
 const FEWEST_BLOCKS: usize = 8;
 /// Pieces of a block: blocks begin at any of them.
 const PIECES: usize = 4;
-/// How often a catch-all must forecast better than every named law to be in the contest at all.
-const CATCH_ALL: f64 = 0.975;
 
 /// How a contest is run.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,16 +50,12 @@ pub struct Contest {
 /// effect. Wins go by the mean over horizons and outputs of the logarithm of the error, under a
 /// moving-block bootstrap ([`win_frequencies_over`]).
 ///
-/// Where `is_catch_all`, a contender (a free curve instead of a law) takes part only if catch-alls
-/// beat every law in 97.5 % of the replicas: a law is preferred to a curve whose interval overlaps.
-///
 /// # Errors
 ///
 /// As [`forecast_errors`](super::forecast_errors).
 pub fn contest(
     nominal: &dyn Simulator,
     contenders: &[Settled<'_>],
-    is_catch_all: &[bool],
     logs: &[Log],
     rules: &Rules<'_>,
 ) -> Result<Contest, FitError> {
@@ -87,7 +81,8 @@ pub fn contest(
             tables.push(forecasts.iter().map(of).collect());
         }
     }
-    let wins = wins(&tables, is_catch_all, rules);
+    let tables: Vec<&BlockErrors> = tables.iter().map(Vec::as_slice).collect();
+    let wins = win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed);
     let shares = |all: &Vec<Option<Forecast>>| -> Vec<Option<Closed>> {
         let pairs = first.iter().zip(all);
         let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
@@ -97,25 +92,6 @@ pub fn contest(
         pairs.map(share).collect()
     };
     Ok(Contest { wins, closed: forecasts.par_iter().map(shares).collect(), block })
-}
-
-/// Wins of all, or of all but the catch-alls, which then win nothing.
-fn wins(tables: &[Vec<Vec<[f64; 2]>>], is_catch_all: &[bool], rules: &Rules<'_>) -> Vec<f64> {
-    let of = |tables: &[Vec<Vec<[f64; 2]>>]| {
-        let tables: Vec<&BlockErrors> = tables.iter().map(Vec::as_slice).collect();
-        win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed)
-    };
-    let all = of(tables);
-    let caught: f64 = all.iter().zip(is_catch_all).filter(|(_, c)| **c).map(|(w, _)| w).sum();
-    if caught == 0.0 || CATCH_ALL <= caught || is_catch_all.iter().all(|c| *c) {
-        return all;
-    }
-    let named = |table: &Vec<Vec<[f64; 2]>>| -> Vec<Vec<[f64; 2]>> {
-        let classes = table.iter().zip(is_catch_all).filter(|(_, c)| !**c);
-        classes.map(|(class, _)| class.clone()).collect()
-    };
-    let mut wins = of(&tables.iter().map(named).collect::<Vec<_>>()).into_iter();
-    is_catch_all.iter().map(|c| if *c { 0.0 } else { wins.next().unwrap_or(0.0) }).collect()
 }
 
 /// Five autocorrelation times of the errors without any effect, at the longest horizon.

@@ -3,9 +3,9 @@
 //! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
 //! * models are fitted in windows if the free run is lost without any effect ([`is_lost`]),
 //! * the noise has no colour: what a wrong model leaves is no noise,
-//! * causes compete in forecasts at three horizons, on the logs of the fit and on those held out;
-//!   what to believe is how often they win ([`contest`]),
-//! * a cause that does not clearly close a part of the gap at two horizons is no answer.
+//! * laws compete in forecasts at three horizons, on the logs of the fit and on those held out; what to believe is how often
+//!   they win, up to the share of the variance that they surely explain there ([`contest`]); curves and paths draw what is
+//!   missing and do not compete.
 
 use super::{
     contest::{Contested, contest},

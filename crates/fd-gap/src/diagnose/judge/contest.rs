@@ -5,7 +5,7 @@ use fd_sim::simulate::Simulator;
 use super::{groups::groups, probabilities::Probabilities};
 use crate::{
     diagnose::{
-        candidates::{is_free_curve, is_same_cause},
+        candidates::{follows_anything, is_same_cause},
         result::{Cause, CauseId, Group},
         search::searched::{Searched, TrialId},
         settings::Settings,
@@ -19,11 +19,6 @@ use crate::{
     fit::{FitError, Log},
     shrink::{self, Closed, Contest, Rules, Settled},
 };
-
-/// A cause must close more than this part of the held-out gap, with 97.5 % confidence …
-const WORTH_A_NAME: f64 = 0.2;
-/// … at so many horizons.
-const AT_HORIZONS: usize = 2;
 
 /// Causes in the order of their probabilities, with those of the other answers.
 #[derive(Debug)]
@@ -74,7 +69,12 @@ pub(super) fn contest<'a>(
     rules: &Rules<'_>,
     settings: &Settings,
 ) -> Result<Contested<'a>, FitError> {
-    let Singles { mut searched, causes, .. } = singles;
+    let Singles { mut searched, mut causes, .. } = singles;
+    // What follows a log as it pleases draws what is missing: it is no explanation, but leaves room for one.
+    causes.retain(|ranked| match ranked.basis {
+        Basis::Simulation(id) => !follows_anything(searched.trial(id).candidate),
+        Basis::Measurement(_) => true,
+    });
     let finalists = settings.finalists.min(causes.len());
     let laws = laws(&causes[..finalists], &searched);
     let [test, training] = run(simulator, &laws, &searched, held_out, rules)?;
@@ -113,23 +113,24 @@ pub(super) fn contest<'a>(
     let probability = |contestant: &Contestant| contestant.ranked.cause.probability;
     contestants.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
 
-    let named: f64 = contestants.iter().map(probability).sum();
-    let left = (1.0 - no_gap).max(0.0);
-    let closed = contestants.first().map_or(&[][..], |first| &first.closed);
-    let mut none_of_these = (1.0 - no_gap - named).max(0.0);
-    let mut factor = 1.0;
-    if !is_convincing(closed, rules) {
-        // The order stays, the belief goes.
-        none_of_these = confidence(1.0, 1.0) * left;
-        factor = (left - none_of_these) / named.max(f64::MIN_POSITIVE);
-    }
-    let doubted = contestants.into_iter().map(|Contestant { ranked, .. }| {
-        let probability = factor * ranked.cause.probability;
+    let mut none_of_these = 1.0 - no_gap;
+    let doubted = contestants.into_iter().map(|Contestant { ranked, closed, .. }| {
+        let probability = ranked.cause.probability * trust(&closed);
+        none_of_these -= probability;
         RankedCause { cause: Cause { probability, ..ranked.cause }, ..ranked }
     });
-    let causes = doubted.collect();
-    let others = Probabilities { no_gap, none_of_these };
+    let mut causes: Vec<_> = doubted.collect();
+    causes.sort_by(|a, b| b.cause.probability.total_cmp(&a.cause.probability));
+    let others = Probabilities { no_gap, none_of_these: none_of_these.max(0.0) };
     Ok(Contested { others, singles: Singles { searched, causes, ..singles } })
+}
+
+/// How far a law may be believed: up to the share of the variance above the noise that it explains in forecasts, at the
+/// horizon that suits it best. The best of the known laws may be a mimic of one that nobody has listed; what it leaves is the
+/// work of something else.
+fn trust(closed: &[Option<Closed>]) -> f64 {
+    let explained = |closed: &Closed| 1.0 - (1.0 - closed.interval[0].clamp(0.0, 1.0)).powi(2);
+    closed.iter().flatten().map(explained).fold(0.0, f64::max)
 }
 
 /// All laws of causes that were simulated.
@@ -163,20 +164,11 @@ fn run(
     let null_entrant = FittedValues::of(&null.problem, &null.minimum);
     let entrants: Vec<FittedValues<'_>> =
         std::iter::once(null_entrant).chain(laws.iter().filter_map(of_law)).collect();
-    let curves = laws.iter().map(|law| is_free_curve(searched.trial(law.trial).candidate));
-    let are_curves: Vec<bool> = std::iter::once(false).chain(curves).collect();
     let settled: Vec<Settled<'_>> = entrants.iter().map(FittedValues::settled).collect();
-    let run = |logs: &[Log]| shrink::contest(simulator, &settled, &are_curves, logs, rules);
+    let run = |logs: &[Log]| shrink::contest(simulator, &settled, logs, rules);
     let training = run(&null.problem.plan().logs)?;
     let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
     Ok([test, training])
-}
-
-/// Whether a cause clearly closes a part of the gap, at two horizons.
-fn is_convincing(closed: &[Option<Closed>], rules: &Rules<'_>) -> bool {
-    let clear = |closed: &&Closed| WORTH_A_NAME < closed.interval[0];
-    let convincing = closed.iter().flatten().filter(clear).count();
-    AT_HORIZONS.min(rules.horizons.len()) <= convincing
 }
 
 /// Sets probabilities from the wins of the first so many. A mechanism at a place is believed as a

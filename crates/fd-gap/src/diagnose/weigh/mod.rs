@@ -59,9 +59,18 @@ impl<'a> Weighed<'a> {
         Self { singles, pairs, best, lack_of_fit }
     }
 
-    /// Whether even the best answer is so far above the noise that likelihoods are no use.
+    /// Whether even the best answer is so far above the noise that likelihoods are no use. What follows a log as it
+    /// pleases, and still not down to the noise, is no answer to that: the best law is.
     pub(super) fn is_far(&self) -> bool {
-        self.singles.searched.noise.is_far(&self.best.errors)
+        let noise = &self.singles.searched.noise;
+        let follows = match self.best.effects {
+            1 => self.singles.does_first_follow_anything(),
+            2 => self.pairs.first().is_some_and(FittedPair::follows_anything),
+            _ => false,
+        };
+        let is_short_of_it = follows && NEAR < noise.reach(&self.best.errors);
+        let law = is_short_of_it.then(|| self.singles.first_law()).flatten();
+        noise.is_far(law.as_ref().map_or(&self.best.errors, |law| &law.errors))
     }
 }
 

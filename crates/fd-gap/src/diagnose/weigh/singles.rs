@@ -96,6 +96,17 @@ impl<'a> Singles<'a> {
         }
     }
 
+    /// The answer of the first cause that is a law; `None` when there is none, or its simulation diverges.
+    pub(in crate::diagnose) fn first_law(&self) -> Option<Answer> {
+        let mut causes = self.causes.iter();
+        causes.find_map(|ranked| match ranked.basis {
+            Basis::Simulation(id) if !follows_anything(self.searched.trial(id).candidate) => {
+                self.answer_of(id, ranked.cause.log_evidence)
+            }
+            _ => None,
+        })
+    }
+
     /// The answer of a trial, with the evidence of its cause.
     pub(in crate::diagnose) fn answer_of(&self, id: TrialId, log_evidence: f64) -> Option<Answer> {
         let trial = self.searched.trial(id);

@@ -183,10 +183,10 @@ fn causes_come_one_after_another_with_shares_that_add_up() {
     assert_eq!((short.end, short.causes.len()), (End::Enough, 1));
 }
 
-/// By forecasts a gain stands for the dead zone and the end, and a curve for what it leaves, which ends that road. But
-/// laws bring the held-out log down to the noise as well.
+/// Forecasts let a gain stand for the dead zone and the end, and nothing is believed beside it. But laws bring the held-out
+/// log down to the noise as well.
 #[test]
-fn laws_that_explain_everything_are_found_behind_a_curve() {
+fn laws_that_explain_everything_are_found_beside_a_curve() {
     let model: Model = MODEL.parse().unwrap();
     let (fitted, held_out) = (reality(&model, LARGE, 1), reality(&model, LARGE, 2));
     let with_curve = [&FEW[..], &["input-map"]].concat();

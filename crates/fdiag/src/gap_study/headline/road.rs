@@ -22,7 +22,7 @@ pub(super) fn several(road: &Road) -> String {
         "; nothing was held out to check them".to_owned()
     };
     let end = match road.end {
-        End::AtTheNoise | End::AtACurve | End::Enough => "",
+        End::AtTheNoise | End::Enough => "",
         End::NothingHelps => ", and nothing else that was tried helps",
     };
     let how_many = if road.causes.len() == 1 { "One cause" } else { "Several causes" };

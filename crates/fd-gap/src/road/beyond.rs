@@ -1,4 +1,4 @@
-//! Far above the noise: one cause after another, each only if it improves forecasts.
+//! Far above the noise: one cause after another, as long as they are believed together.
 
 use super::{
     adjustable::With,
@@ -10,25 +10,24 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Settings, Verdict, diagnose,
-        is_free_curve,
+        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Verdict, diagnose, follows_anything,
     },
     fit::FitError,
 };
 
-/// Causes as long as held-out forecasts improve by more than their interval.
-pub(super) fn by_forecasts(
+/// Causes as long as the list with them is more probable than not and leaves less of held-out logs; with them, the
+/// diagnosis beside them.
+pub(super) fn beyond(
     journey: &Journey<'_>,
     monitor: &dyn Monitor,
-) -> Result<Option<Found>, FitError> {
+) -> Result<Option<(Found, Diagnosis)>, FitError> {
     let Journey { case, first, settings, most, lists, horizon } = *journey;
     let sized = |diagnosis: &Diagnosis, of: fn(&HeldOut) -> &Vec<f64>| {
         total(at(diagnosis, horizon), &first.sigma, of)
     };
     let mut list: Vec<Listed> = Vec::new();
     let mut gaps = vec![sized(first, |h| &h.refit)];
-    // Pairs take longer than all the rest, and the next cause is one.
-    let singles = Settings { two: 0.0, ..settings.clone() };
+    let one = settings.for_one_law();
     let mut diagnosis = first.clone();
     let end = loop {
         if list.len() == most {
@@ -37,16 +36,16 @@ pub(super) fn by_forecasts(
         let Some(next) = accepted(journey, &diagnosis, &list) else {
             break if is_noise(&diagnosis) { End::AtTheNoise } else { End::NothingHelps };
         };
-        gaps.push(sized(&diagnosis, |h| &h.after));
-        let is_curve = is_free_curve(&next.candidate);
-        list.push(next);
-        if is_curve {
-            break End::AtACurve;
+        let left = sized(&diagnosis, |h| &h.after);
+        if !list.is_empty() && gaps.last().is_some_and(|before| *before <= left) {
+            break End::NothingHelps;
         }
+        gaps.push(left);
+        list.push(next);
         let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
         let suspects = lists.beside(&list);
         let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
-        diagnosis = diagnose(&here, &singles, monitor)?;
+        diagnosis = diagnose(&here, &one, monitor)?;
         if diagnosis.verdict == Verdict::NoGap {
             break End::AtTheNoise;
         }
@@ -54,24 +53,19 @@ pub(super) fn by_forecasts(
             break End::NothingHelps;
         }
     };
-    Ok(Some(Found { list, gaps, end }))
+    Ok(Some((Found { list, gaps, end }, diagnosis)))
 }
 
-/// The first cause of a diagnosis, if it improves held-out forecasts by more than their interval; without held-out logs,
-/// if it is more probable than not.
+/// The first cause of a diagnosis, if it is a law and the list with it is more probable than not.
 fn accepted(journey: &Journey<'_>, diagnosis: &Diagnosis, list: &[Listed]) -> Option<Listed> {
     let cause = diagnosis.causes.first()?;
-    let closed = at(diagnosis, journey.horizon).and_then(|h| h.closed_of_refit);
-    let is_better = match (closed, diagnosis.held_out.is_empty()) {
-        (Some(closed), _) => 0.0 < closed.interval[0],
-        (None, true) => 0.5 < 1.0 - diagnosis.no_gap - diagnosis.none_of_these,
-        (None, false) => false,
-    };
     let is_forbidden = diagnosis.objections.iter().any(Objection::forbids);
-    if !is_better || is_forbidden {
+    let before: f64 = list.iter().map(|listed| listed.milestone.cause.probability).product();
+    if is_forbidden || before * cause.probability <= 0.5 {
         return None;
     }
-    journey.lists.listed(list, milestone(diagnosis, cause, journey.horizon))
+    let listed = journey.lists.listed(list, milestone(diagnosis, cause, journey.horizon))?;
+    (!follows_anything(&listed.candidate)).then_some(listed)
 }
 
 /// Whether the refitted model comes down to the noise.
