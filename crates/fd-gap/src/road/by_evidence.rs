@@ -37,7 +37,7 @@ pub(super) fn by_evidence(
     }
     let Some(list) = lists.of(beginning(journey)) else { return Ok(None) };
     let one = settings.for_one_law();
-    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, 1.0).grown(list, None)?;
+    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, None).grown(list, None)?;
     let (list, end) = credible(journey, list, end);
     let list = largest_first(journey, list);
     let is_news = match first.verdict {

@@ -50,8 +50,9 @@ pub(super) struct Growth<'a> {
     curves: Vec<&'static str>,
     /// Diagnoses that can still be made.
     left: Cell<usize>,
-    /// Most that a cause may leave of what there was before it, as a share of the root mean square.
-    leaves: f64,
+    /// Causes in which the list gets to the noise from far above it, each with an equal share of the squares; `None` where
+    /// it begins near the noise, and evidence says how many.
+    further: Option<usize>,
     /// Laws that may take the next place, the best first, as far as forecasts do not contradict.
     tries: usize,
 }
@@ -63,13 +64,13 @@ impl<'a> Growth<'a> {
         settings: &'a Settings,
         monitor: &'a dyn Monitor,
         most: usize,
-        leaves: f64,
+        further: Option<usize>,
     ) -> Self {
         let all = journey.lists.beside(&[]).alone().into_iter().flatten();
         let curves = all.filter(follows_anything).map(|candidate| candidate.label).collect();
         let journey = Journey { settings, ..*journey };
-        let tries = if leaves < 1.0 { TRIES } else { 1 };
-        Self { journey, monitor, curves, left: Cell::new(most), leaves, tries }
+        let tries = if further.is_some() { TRIES } else { 1 };
+        Self { journey, monitor, curves, left: Cell::new(most), further, tries }
     }
 
     /// The list with what else is found, after it does not change any more; the diagnosis `beside` it may be known.
@@ -79,7 +80,7 @@ impl<'a> Growth<'a> {
         beside: Option<Diagnosis>,
     ) -> Result<(Vec<Listed>, End), FitError> {
         let mut grown = self.onwards(list, beside)?;
-        if !grown.is_near && self.leaves < 1.0 {
+        if !grown.is_near && self.further.is_some() {
             // What one cause after another does not bring near the noise is not looked at again.
             return Ok((grown.list, grown.end));
         }
@@ -103,13 +104,19 @@ impl<'a> Growth<'a> {
         mut beside: Option<Diagnosis>,
     ) -> Result<Grown, FitError> {
         let mut is_looked_at = false;
+        let mut begun = None;
         loop {
             let diagnosis = match beside.take() {
                 Some(diagnosis) => diagnosis,
                 None => self.diagnosed(&list, None)?,
             };
             let next = self.next(&diagnosis, &list)?.filter(|_| self.goes_on());
-            let next = next.filter(|next| self.is_large(&diagnosis, &list, next));
+            let (length, first) = *begun.get_or_insert((list.len(), squares(&diagnosis.refit.gap)));
+            let next = next.filter(|next| {
+                let left = next.milestone.cause.gap.powi(2);
+                diagnosis.regime == Regime::AtTheFloor
+                    || self.is_on_its_way(list.len() + 1 - length, left / first)
+            });
             let is_noise = is_noise(&diagnosis);
             let end = match next {
                 Some(next) if list.len() < self.journey.most => {
@@ -192,17 +199,9 @@ impl<'a> Growth<'a> {
         is_a_pair(cause.log_evidence, 0.0) && (is_shown || !is_faint)
     }
 
-    /// Whether a cause takes enough of what there is before it, and the list with it gets to the noise at its pace before it
-    /// is full; near the noise evidence says what is enough.
-    fn is_large(&self, diagnosis: &Diagnosis, list: &[Listed], next: &Listed) -> bool {
-        if diagnosis.regime == Regime::AtTheFloor {
-            return true;
-        }
-        let way = 1.0 - (list.len() + 1) as f64 / self.journey.most as f64;
-        let left = next.milestone.cause.gap;
-        left <= self.leaves * rms(diagnosis.refit.gap.iter().copied())
-            && (self.leaves == 1.0
-                || left <= rms(self.journey.first.refit.gap.iter().copied()).powf(way))
+    /// Whether so many causes leave so little of the squares that the list gets to the noise with as many as it may.
+    fn is_on_its_way(&self, causes: usize, left: f64) -> bool {
+        self.further.is_none_or(|all| left <= 1.0 - causes as f64 / all as f64)
     }
 
     /// A cause with what a diagnosis says of it, its probability among laws: a curve at the same place is no other
@@ -280,6 +279,11 @@ impl<'a> Growth<'a> {
         let after = judge.refitted(&next.candidate.model)?;
         Ok(!judge.is_missed(before.as_ref(), after.as_ref()))
     }
+}
+
+/// Mean square of gaps of outputs.
+fn squares(gaps: &[f64]) -> f64 {
+    rms(gaps.iter().copied()).powi(2)
 }
 
 /// Whether nothing is left but noise, and what no cause explains better than chance.

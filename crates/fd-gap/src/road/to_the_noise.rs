@@ -2,8 +2,8 @@
 //!
 //! As long as several effects are missing no single one comes near the noise, and there evidence is not to be trusted:
 //! with a wrong model everything is significant. But a list of laws that comes down to the noise, in logs that it was not
-//! fitted to as well, does not owe that to chance. So causes are added by evidence while each takes a good part of what is
-//! left, and the list counts only if noise is all that is left of it.
+//! fitted to as well, does not owe that to chance. So causes are added by evidence while together they take their part of
+//! what there was, and the list counts only if noise is all that is left of it.
 
 use super::{
     by_evidence::{beginning, credible, gaps, largest_first},
@@ -20,9 +20,9 @@ use crate::{
 
 /// Most diagnoses on the way.
 const DIAGNOSES: usize = 16;
-/// Most that a cause may leave of what there was before it. One of four that are missing may take little of it until the
-/// others are there; on a real system, with a hundred small ones, no list gets to the noise by such steps.
-const LEAVES: f64 = 0.9;
+/// Causes in which a list gets to the noise from where it is begun, each with an equal share of the squares. One of four that are
+/// missing may take little until the others are there; on a real system, with a hundred small ones, no list gets there.
+const FURTHER: usize = 5;
 /// Most that the list may leave of the held-out gap, in multiples of its floor.
 const HELD_OUT: f64 = 1.5;
 
@@ -43,7 +43,8 @@ pub(super) fn to_the_noise(
         return Ok(None);
     }
     let one = journey.settings.for_one_law();
-    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, LEAVES).grown(list, beside)?;
+    let (list, end) =
+        Growth::new(journey, &one, monitor, DIAGNOSES, Some(FURTHER)).grown(list, beside)?;
     let (list, end) = credible(journey, list, end);
     if end != End::AtTheNoise || list.is_empty() {
         return Ok(None);
