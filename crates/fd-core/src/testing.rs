@@ -21,7 +21,7 @@ pub type Samples<T> = [(Vec<T>, Vec<T>)];
 
 /// Checks the law of memory: a reset stage repeats itself exactly, a snapshot does not disturb it,
 /// and a twin of the same design with another past, restored from that snapshot, continues exactly
-/// as the original did.
+/// as the original did, be it taken half-way or before the first sample.
 ///
 /// `step` takes a stage through sample `k` of `samples` and returns all that can be seen of it.
 ///
@@ -61,6 +61,7 @@ pub fn memory<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
 ) {
     let cut = samples / 2;
     stage.reset();
+    let unused = Snapshot::of(stage);
     let mut whole: Vec<R> = (0..cut).map(|k| step(stage, k)).collect();
     let snapshot = Snapshot::of(stage);
     whole.extend((cut..samples).map(|k| step(stage, k)));
@@ -69,11 +70,13 @@ pub fn memory<T: Scalar, S: Stage<T>, R: PartialEq + Debug>(
     let again: Vec<R> = (0..samples).map(|k| step(stage, k)).collect();
     assert_eq!(again, whole, "reset must restart the stage, and a snapshot must not disturb it");
 
-    (0..samples).rev().for_each(|k| drop(step(twin, k)));
-    let restored = snapshot.restore(twin);
-    assert!(restored.is_ok(), "a snapshot must fit its own design: {restored:?}");
-    let continued: Vec<R> = (cut..samples).map(|k| step(twin, k)).collect();
-    assert_eq!(continued, whole[cut..], "a restored stage must continue as the original");
+    for (snapshot, from) in [(snapshot, cut), (unused, 0)] {
+        (0..samples).rev().for_each(|k| drop(step(twin, k)));
+        let restored = snapshot.restore(twin);
+        assert!(restored.is_ok(), "a snapshot must fit its own design: {restored:?}");
+        let continued: Vec<R> = (from..samples).map(|k| step(twin, k)).collect();
+        assert_eq!(continued, whole[from..], "a restored stage must continue as the original");
+    }
 }
 
 /// Checks that no memory makes a stage panic: memories that no samples could have left (counters

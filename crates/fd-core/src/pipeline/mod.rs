@@ -57,7 +57,8 @@ use crate::{
 ///
 /// While a compensator settles or trains, its `r*` is not what a threshold was set on. The rule is silent then, and
 /// the detector begins anew with the first sample of [`Phase::Compensating`](crate::stage::Phase), so that no window
-/// or sum carries samples of the training into the verdicts after it.
+/// or sum carries samples of the training into the verdicts after it. It begins anew, too, after a sample whose
+/// residual is not finite: no window remembers that a model had no answer.
 ///
 /// # Stopping and going on
 ///
@@ -305,6 +306,10 @@ where
             self.alarmed = decision.is_fault();
             let kind = if self.alarmed { EventKind::AlarmRaised } else { EventKind::AlarmCleared };
             events.push(kind);
+        }
+        // A model without an answer begins anew with the next sample; what it left must not stay in windows and sums.
+        if !self.compensated.iter().all(|r| r.is_finite()) {
+            detector.reset();
         }
         Ok(Step {
             k,

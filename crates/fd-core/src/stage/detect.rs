@@ -42,7 +42,8 @@ use crate::{scalar::Scalar, stage::Stage};
 /// * *Neither allocate nor fail* in `update`. The length of a window is fixed at construction.
 ///
 /// A NaN residual makes most statistics NaN, and `NaN > threshold` is not an alarm. Residuals are NaN only when
-/// a nonlinear model has left its region of validity; check for that where such a model is used.
+/// a nonlinear model has left its region of validity; check for that where such a model is used. The pipeline
+/// resets the detector after such a sample.
 ///
 /// # How it composes
 ///

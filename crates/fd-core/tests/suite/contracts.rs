@@ -6,6 +6,7 @@ use fd_core::{
     Buffer, EventKind, Events, Fixed, Frame, FrameError, Heap, HeapMap, IoDims, LinMap, Scalar,
     Shape, ShapeError, Snapshot, SnapshotError, StateVisitor, Storage,
     stage::{Compensator, GuardReport, Phase, Stage, Uncompensated, Verdict},
+    testing::memory,
 };
 
 /// `A = [1 2 3; 4 5 6]`, exact in any precision.
@@ -132,6 +133,11 @@ fn without_compensation_the_residual_passes() {
     let done = none.step(frame, &[1.0, -2.0], &mut r_star);
     assert_eq!((done.phase, r_star), (Phase::Compensating, [1.0, -2.0]));
     assert_eq!(done.events, Events::none());
+
+    let settles = || Uncompensated::new(2).settling(3);
+    memory::<f64, _, _>(&mut settles(), &mut settles(), 8, |stage, _| {
+        stage.step(frame, &[1.0, -2.0], &mut r_star)
+    });
 }
 
 #[test]
@@ -173,4 +179,26 @@ fn snapshots_of_other_sizes_are_refused_by_name() {
     let mut nothing = Uncompensated::new(2);
     let surplus = saved.restore::<f64>(&mut nothing).unwrap_err();
     assert_eq!(surplus, SnapshotError::Surplus { expected: 0, found: 1 });
+}
+
+/// A count beyond 2^53 is none that any run has left, and sums with it would overflow.
+#[test]
+fn snapshots_of_endless_counts_are_refused() {
+    #[derive(Debug)]
+    struct Count(u64);
+    impl Stage for Count {
+        fn reset(&mut self) {
+            self.0 = 0;
+        }
+        fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
+            visitor.counts("n", std::slice::from_mut(&mut self.0));
+        }
+    }
+    let most = 1 << 53;
+    let mut back = Count(0);
+    assert_eq!(Snapshot::of(&mut Count(most)).restore(&mut back), Ok(()));
+    let error = Snapshot::of(&mut Count(most + 1)).restore(&mut back).unwrap_err();
+    let words =
+        "snapshot field `n`, value 1: expected a count of at most 2^53, found 9007199254740993";
+    assert_eq!((error.to_string().as_str(), back.0), (words, most));
 }

@@ -1,4 +1,4 @@
-//! The pipeline: data flow, missing samples, events, and continuing from a snapshot.
+//! The pipeline: stages that fit, samples that are missing, snapshots that are refused.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use fd_core::{
@@ -7,7 +7,6 @@ use fd_core::{
     stage::{Detector, ResidualGenerator, Stage, Uncompensated, Verdict},
     testing::{memory, nonsense},
 };
-use proptest::prelude::*;
 
 use crate::smallest::{AlarmIsFault, Lag};
 
@@ -182,20 +181,6 @@ fn a_held_sample_is_checked_too() {
 }
 
 #[test]
-fn alarms_are_events() {
-    let mut p = pipeline();
-    let mut events = Vec::new();
-    for k in 0..60 {
-        let y = if (10..20).contains(&k) { 1.0 } else { 0.0 };
-        let step = p.step(&[0.0], &[y]).unwrap();
-        events.extend(step.events.iter().map(|kind| (step.k, kind)));
-    }
-    let kinds: Vec<EventKind> = events.iter().map(|event| event.1).collect();
-    assert_eq!(kinds, [EventKind::AlarmRaised, EventKind::AlarmCleared]);
-    assert!(events[0].0 >= 10 && events[1].0 >= 20, "{events:?}");
-}
-
-#[test]
 fn a_snapshot_of_something_else_is_refused() {
     let mut p = pipeline();
     p.step(&[0.0], &[0.3]).unwrap();
@@ -258,34 +243,6 @@ fn a_field_that_reset_forgets_breaks_the_law() {
 fn a_field_that_visit_state_forgets_breaks_the_law() {
     let broken = Forgetful { visit_forgets: true, ..Forgetful::default() };
     memory(&mut broken.clone(), &mut broken.clone(), 10, Forgetful::step);
-}
-
-proptest! {
-    #[test]
-    fn restored_from_a_file_the_future_is_the_same(
-        ys in prop::collection::vec(-1e3..1e3_f64, 2..40),
-        cut in 1..39_usize,
-    ) {
-        let cut = cut.min(ys.len() - 1);
-        let mut original = pipeline();
-        for y in &ys[..cut] {
-            original.step(&[0.1], &[*y]).unwrap();
-        }
-        let text = serde_json::to_string(&Snapshot::of(&mut original)).unwrap();
-        let mut restored = pipeline();
-        serde_json::from_str::<Snapshot>(&text).unwrap().restore(&mut restored).unwrap();
-        for y in &ys[cut..] {
-            let left = original.step(&[0.1], &[*y]).unwrap();
-            let right = restored.step(&[0.1], &[*y]).unwrap();
-            prop_assert_eq!(left.k, right.k);
-            prop_assert_eq!(left.residual, right.residual);
-            prop_assert_eq!(left.verdict, right.verdict);
-            prop_assert_eq!(left.events, right.events);
-        }
-        original.reset();
-        let mut fresh = pipeline();
-        prop_assert_eq!(Snapshot::of(&mut original), Snapshot::of(&mut fresh));
-    }
 }
 
 #[test]
