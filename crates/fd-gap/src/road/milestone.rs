@@ -2,7 +2,7 @@
 
 use super::{finish::at, result::Milestone};
 use crate::{
-    diagnose::{Cause, Diagnosis},
+    diagnose::{Cause, Diagnosis, Regime},
     fit::Horizon,
 };
 
@@ -17,8 +17,13 @@ pub(super) fn milestone(
         tied.partition(|tied| tied.identity() == cause.identity());
     // Those that the log cannot tell from the first one say nothing of another.
     let tied = if same.is_empty() { Vec::new() } else { tied };
-    // That something else is missing as well is what the road is about.
-    let known = (1.0 - diagnosis.no_gap - diagnosis.none_of_these).max(f64::MIN_POSITIVE);
+    // Near the noise "none of these" means that something else is missing as well, which is what the road is about; far above
+    // it that the cause may be a mimic.
+    let known = match diagnosis.regime {
+        Regime::AtTheFloor => 1.0 - diagnosis.no_gap - diagnosis.none_of_these,
+        Regime::AboveTheFloor => 1.0,
+    };
+    let known = known.max(f64::MIN_POSITIVE);
     let best = diagnosis.causes.first().map_or(0.0, |best| best.probability);
     let tied_ones: f64 = tied.iter().map(|tied| tied.probability).sum();
     let together = diagnosis.at_work(cause) + tied_ones;

@@ -33,7 +33,8 @@ pub struct Road {
 pub struct Milestone {
     /// The cause, as it was found.
     pub cause: Cause,
-    /// Probability when it was found, among the known causes, together with those that the log cannot tell from it.
+    /// Probability when it was found, near the noise among the known causes, together with those that the log cannot tell
+    /// from it.
     pub probability: f64,
     /// Labels of these.
     pub tied: Vec<String>,
