@@ -308,7 +308,7 @@ where
             events.push(kind);
         }
         // A model without an answer begins anew with the next sample; what it left must not stay in windows and sums.
-        if !self.compensated.iter().all(|r| r.is_finite()) {
+        if !self.compensated.iter().all(nalgebra::ComplexField::is_finite) {
             detector.reset();
         }
         Ok(Step {

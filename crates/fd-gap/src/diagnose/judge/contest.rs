@@ -200,11 +200,12 @@ mod tests {
     use crate::shrink::Closed;
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "powers of two are exact")]
     fn laws_are_trusted_as_far_as_they_surely_explain_at_their_best_horizon() {
         let closed = |low: f64, high: f64| {
             Some(Closed { fraction: f64::midpoint(low, high), interval: [low, high], block: 1 })
         };
-        // Half of the root mean square is three quarters of the variance. Powers of two are exact.
+        // Half of the root mean square is three quarters of the variance.
         assert_eq!(trust(&[closed(0.25, 1.0), None, closed(0.5, 0.5)]), 0.75);
         assert_eq!(trust(&[closed(-2.0, 1.0)]), 0.0);
         assert_eq!(trust(&[closed(1.5, 2.0)]), 1.0);
