@@ -63,7 +63,8 @@ impl<T: Scalar> FaultMean<T> {
 
     pub(super) fn add(&mut self, r: &[T]) {
         self.age += 1;
-        if self.age <= self.settling {
+        // A sample without a residual says nothing of its mean.
+        if self.age <= self.settling || !r.iter().all(|r| r.is_finite()) {
             return;
         }
         self.averaged += 1;

@@ -61,7 +61,9 @@ impl<T: Scalar> JumpTest<T> {
         // A plain mean at first, so that the scale does not start from nothing.
         let gain = self.gain.max(T::from_design((self.seen as f64).recip()));
         let clip = T::from_design(CLIP);
-        for (scale, e) in self.scale.iter_mut().zip(innovation) {
+        // Where a model has no answer there is nothing to hear.
+        let pairs = self.scale.iter_mut().zip(innovation);
+        for (scale, e) in pairs.filter(|(_, e)| e.is_finite()) {
             let heard = if self.seen > self.warm_up { e.abs().min(clip * *scale) } else { e.abs() };
             *scale += gain * (heard - *scale);
         }

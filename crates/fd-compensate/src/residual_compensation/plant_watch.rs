@@ -71,7 +71,9 @@ impl<T: Scalar> PlantWatch<T> {
     /// Watches one compensated sample, next to the largest residual of the training, and reports whether
     /// to train again.
     pub(super) fn watch(&mut self, u: &[T], r_star: &[T], peak: T, events: &mut Events) -> bool {
-        if self.policy == ChangePolicy::Ignore {
+        // A sample without a residual shows no relation.
+        let is_seen = r_star.iter().all(|r| r.is_finite());
+        if self.policy == ChangePolicy::Ignore || !is_seen {
             return false;
         }
         self.add(u, r_star);

@@ -149,6 +149,18 @@ fn a_short_memory_follows_a_growing_fault() {
     assert!((size(Some(10.0)) - (4.99 - 0.09)).abs() < 1e-9);
 }
 
+/// Where a nonlinear model has no answer the residual is NaN for a sample.
+#[test]
+fn a_sample_without_a_residual_does_not_spoil_the_size() {
+    let set = hypotheses(&[&[1.0, 0.0]]);
+    for memory in [None, Some(10.0)] {
+        let sizing = Sizing { memory, ..Sizing::default() };
+        let mut rule = SizedDebounce::new(2, Debouncing::default(), &set, &sizing).unwrap();
+        let size = last_fault(&mut rule, &[[2.0, 0.0], [f64::NAN, 0.0], [2.0, 0.0]]).size;
+        assert_eq!(size, Some(2.0));
+    }
+}
+
 #[test]
 fn signatures_are_checked() {
     for bad in [&[0.0, 0.0][..], &[1.0][..], &[f64::NAN, 1.0][..]] {

@@ -78,6 +78,23 @@ fn a_changed_plant_is_learned_again() {
     assert_eq!(kinds(&log), [TrainingStarted, Frozen]);
 }
 
+/// Where a nonlinear model has no answer the residual is NaN for a sample: in the window that says what is healthy, or
+/// in one that is compared with it.
+#[test]
+fn a_sample_without_a_residual_hides_no_change() {
+    let u = paper_input(SAMPLES);
+    let r = changed(1, &u, 0.5, 1.0);
+    let plan = plan(ChangePolicy::Warn);
+    let frozen = run(&mut subject::<f64>(&plan), &u, &r).1[1].0;
+    for lost in [frozen + 100, CHANGE + 100] {
+        let mut r = r.clone();
+        r[lost] = f64::NAN;
+        let log = run(&mut subject::<f64>(&plan), &u, &r).1;
+        assert_eq!(kinds(&log), [TrainingStarted, Frozen, CharacteristicsChanged], "{lost}");
+        assert!((CHANGE..CHANGE + 601).contains(&log[2].0), "{log:?}");
+    }
+}
+
 /// Section 3: while parameters adapt again, a hard fault still shows.
 #[test]
 fn a_hard_fault_while_learning_again_is_reported() {

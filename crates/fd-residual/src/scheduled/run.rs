@@ -111,7 +111,8 @@ impl Stage for ScheduledObserver {
 
     fn visit_state(&mut self, visitor: &mut dyn StateVisitor<f64>) {
         visitor.reals("observer state", &mut self.x);
-        visitor.reals("scheduling variable", std::slice::from_mut(&mut self.value));
+        // Nothing is known of it before the first sample.
+        visitor.reals_with_holes("scheduling variable", std::slice::from_mut(&mut self.value));
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::common::{draws, plant, residuals, rng, signal, simulate};
 use faer::{Mat, MatRef, mat};
 use fd_core::{
-    Frame,
+    Frame, IoDims,
     stage::{ResidualGenerator, Stage},
     testing::memory,
 };
@@ -12,8 +12,10 @@ use fd_model::{Continuous, SampleTime, StateSpace, TimeDomain, TransferFunction}
 use fd_residual::{
     DesignError, GeneratorDesign,
     analysis::UnknownInputs,
+    form::ResidualForm,
     model_detection::{
-        DetectionRows, Memory, ModelDetection, ModelDistance, PlantModel, distances, nu_gap,
+        DetectionRows, Memory, ModelDetection, ModelDetector, ModelDistance, PlantModel, distances,
+        nu_gap,
     },
 };
 use proptest::prelude::*;
@@ -283,5 +285,36 @@ proptest! {
             detector.step(frame, &mut r);
             (detector.best(), r.iter().map(|v| v.to_bits()).collect::<Vec<_>>())
         });
+    }
+
+    /// Of two static models, one with two residuals, the levels are the lengths of what they leave, from rest within the
+    /// memory; the first is left for the second only where that is smaller by more than the margin.
+    #[test]
+    fn a_model_is_left_for_one_that_is_better_by_the_margin(
+        left in prop::array::uniform3(0.1..10.0_f64),
+        samples in 1.0..30.0_f64,
+        margin in 1.0..3.0_f64,
+        count in 1..40_i32,
+    ) {
+        let member = |gains: &[f64]| {
+            let d = Mat::from_fn(gains.len(), 2, |i, j| if j == 0 { gains[i] } else { 1.0 });
+            let system = StateSpace::gain(d, crate::common::sampled()).unwrap();
+            ResidualForm::new(IoDims { nu: 1, ny: 1 }, system).unwrap().freeze().unwrap()
+        };
+        let members = vec![member(&left[..2]), member(&left[2..])];
+        let mut detector = ModelDetector::new(members, Memory { samples, margin }).unwrap();
+        let (one, other) = (left[0].hypot(left[1]), left[2]);
+        prop_assume!((margin * other / one - 1.0).abs() > 1e-9);
+        for _ in 0..2 {
+            let (u, y) = ([vec![1.0]], [vec![0.0]]);
+            (0..count).for_each(|_| drop(residuals(&mut detector, &u, &y)));
+            let share = (1.0 - (1.0 - samples.recip()).powi(count)).sqrt();
+            for (level, whole) in detector.levels().zip([one, other]) {
+                prop_assert!((level - share * whole).abs() < 1e-9 * whole, "{level} {share} {whole}");
+            }
+            prop_assert_eq!(detector.best(), usize::from(margin * other < one));
+            Stage::<f64>::reset(&mut detector);
+            prop_assert_eq!((detector.best(), detector.levels().sum::<f64>().to_bits()), (0, 0));
+        }
     }
 }

@@ -5,7 +5,11 @@ use crate::common::{
     Draw, draws, peak, plant, random_matrix, residuals, rng, sampled, signal, simulate,
 };
 use faer::{Mat, Scale, mat};
-use fd_core::{Frame, stage::ResidualGenerator, testing::memory};
+use fd_core::{
+    Frame,
+    stage::{ResidualGenerator, Stage},
+    testing::memory,
+};
 use fd_model::{Discrete, StateSpace};
 use fd_residual::{
     DesignError, GeneratorDesign,
@@ -13,7 +17,7 @@ use fd_residual::{
     model_detection::PlantModel,
     observer::ObserverDesign,
     robust::{FaultShape, RobustDesign, RobustWindow},
-    scheduled::{ScheduledDesign, ScheduledPoint, SchedulingVariable},
+    scheduled::{ScheduledDesign, ScheduledObserver, ScheduledPoint, SchedulingVariable},
 };
 use proptest::prelude::*;
 
@@ -218,6 +222,51 @@ proptest! {
         let jump = below.iter().zip(&above).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // Slopes of the interpolation are moderate, sums are over 40 samples.
         prop_assert!(jump < 1e4 * step, "{jump:e}");
+    }
+
+    /// In a steady state of the grid, or between two, there is no residual: at once in the one that it begins in, and
+    /// again after a reset, later in all others.
+    #[test]
+    fn a_steady_state_leaves_no_residual(draw in draws(), share in 0.0..1.0_f64) {
+        let mut points = line(draw, 3);
+        for point in &mut points {
+            for steady in [&mut point.x0, &mut point.u0, &mut point.y0] {
+                steady.iter_mut().for_each(|v| *v += 1.0);
+            }
+            point.u0[0] = point.at;
+        }
+        let between = |of: fn(&ScheduledPoint) -> &Vec<f64>, share: f64| -> Vec<f64> {
+            let (low, rest) = if share < 0.5 { (0, 2.0 * share) } else { (1, 2.0 * share - 1.0) };
+            let pairs = of(&points[low]).iter().zip(of(&points[low + 1]));
+            pairs.map(|(low, high)| low + rest * (high - low)).collect()
+        };
+        let mut observer = ScheduledDesign::kalman(points.clone(), FIRST_INPUT, 1.0, 1.0).unwrap().freeze();
+        let after = |observer: &mut ScheduledObserver, share: f64, samples: usize| {
+            let (u, y) = (between(|p| &p.u0, share), between(|p| &p.y0, share));
+            peak(&residuals(observer, &vec![u; samples], &vec![y; samples])[samples - 1..])
+        };
+        prop_assert!(after(&mut observer, 0.0, 1) < 1e-13);
+        prop_assert!(after(&mut observer, share, 500) < 1e-9);
+        observer.reset();
+        prop_assert!(after(&mut observer, 0.0, 1) < 1e-13);
+    }
+
+    /// The scheduling variable is the first value, and from then on a low-pass of the stated time constant.
+    #[test]
+    fn the_scheduling_variable_is_a_low_pass(smoothing in 0.0..20.0_f64, samples in 1..60_i32) {
+        let model = plant(Draw { nx: 1, nu: 1, ny: 1, radius: 0.5, seed: 1 });
+        let variable = SchedulingVariable::Input { index: 0, smoothing };
+        let point = ScheduledPoint::about_zero(0.0, model);
+        let mut observer = ScheduledDesign::kalman(vec![point], variable, 1.0, 1.0).unwrap().freeze();
+        let mut step = |k: u64, u: f64| {
+            let io = observer.io();
+            observer.step(Frame::new(io, k, &[u], &[0.0]).unwrap(), &mut [0.0]);
+            observer.value()
+        };
+        prop_assert_eq!(step(0, 3.0).to_bits(), 3.0_f64.to_bits());
+        let last = (0..samples).map(|_| step(1, 1.0)).last().unwrap();
+        let expected = 1.0 + 2.0 * (smoothing / (1.0 + smoothing)).powi(samples);
+        prop_assert!((last - expected).abs() < 1e-12, "{last} {expected}");
     }
 
     /// The law of memory.
