@@ -98,9 +98,9 @@ impl<'a> EverySite<'a> {
     /// "#.parse()?;
     /// let u: Vec<f64> = (0..500).map(|k| if k % 100 < 50 { 1e-4 } else { 2e-4 }).collect();
     /// let scales = ReplayScales::of(&model, model.sample_time()?, &u, 500)?;
-    /// let suspects = EverySite::new(library(), &model, scales).without(&["delay@flow".to_owned()]);
+    /// let suspects = EverySite::new(library(), &model, scales).without(&["input-delay@flow".to_owned()]);
     /// let all = suspects.alone();
-    /// assert!(all.iter().flatten().all(|c| (c.label, c.site.name()) != ("delay", Some("flow"))));
+    /// assert!(all.iter().flatten().all(|c| (c.label, c.site.name()) != ("input-delay", Some("flow"))));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

@@ -64,7 +64,7 @@ impl<T: Scalar> FaultMean<T> {
     pub(super) fn add(&mut self, r: &[T]) {
         self.age += 1;
         // A sample without a residual says nothing of its mean.
-        if self.age <= self.settling || !r.iter().all(|r| r.is_finite()) {
+        if self.age <= self.settling || !r.iter().all(T::is_finite) {
             return;
         }
         self.averaged += 1;

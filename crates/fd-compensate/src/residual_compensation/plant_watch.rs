@@ -72,7 +72,7 @@ impl<T: Scalar> PlantWatch<T> {
     /// to train again.
     pub(super) fn watch(&mut self, u: &[T], r_star: &[T], peak: T, events: &mut Events) -> bool {
         // A sample without a residual shows no relation.
-        let is_seen = r_star.iter().all(|r| r.is_finite());
+        let is_seen = r_star.iter().all(T::is_finite);
         if self.policy == ChangePolicy::Ignore || !is_seen {
             return false;
         }

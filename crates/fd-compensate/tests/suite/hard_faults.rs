@@ -88,7 +88,9 @@ proptest! {
         let plan = HardFault { factor, least_jump, warm_up: 10, ..HardFault::default() };
         let limit = (factor * amplitudes[channel]).max(least_jump * amplitudes[0].max(amplitudes[1]));
         let mut samples = healthy(amplitudes, 20);
-        lost.into_iter().for_each(|k| samples[k].1 = [f64::NAN; 2]);
+        if let Some(k) = lost {
+            samples[k].1 = [f64::NAN; 2];
+        }
         samples.push((0.0, amplitudes));
         samples[20].1[channel] = -(limit + over);
         let expected = if over > 0.0 { vec![(20, HardFaultWhileTraining)] } else { Vec::new() };

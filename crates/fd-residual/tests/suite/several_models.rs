@@ -230,9 +230,8 @@ proptest! {
     fn a_steady_state_leaves_no_residual(draw in draws(), share in 0.0..1.0_f64) {
         let mut points = line(draw, 3);
         for point in &mut points {
-            for steady in [&mut point.x0, &mut point.u0, &mut point.y0] {
-                steady.iter_mut().for_each(|v| *v += 1.0);
-            }
+            let steady = [&mut point.x0, &mut point.u0, &mut point.y0];
+            steady.into_iter().flatten().for_each(|v| *v += 1.0);
             point.u0[0] = point.at;
         }
         let between = |of: fn(&ScheduledPoint) -> &Vec<f64>, share: f64| -> Vec<f64> {
