@@ -12,8 +12,8 @@ use fd_effect::{Candidate, SiteRef};
 
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, Monitor, Settings, Verdict, diagnose, follows_anything, is_a_pair,
-        is_curve_of_signal, wanders,
+        Case, Cause, Diagnosis, Monitor, Regime, Settings, Verdict, diagnose, follows_anything,
+        is_a_pair, is_curve_of_signal, wanders,
     },
     fit::FitError,
 };
@@ -81,7 +81,12 @@ pub fn inside(
         return Ok(None);
     }
     if !around.names_all() {
-        let found = diagnose(case, settings, monitor)?;
+        // Far above the noise, two do not explain all either.
+        let two = match around.regime {
+            Regime::AtTheFloor => settings.two,
+            Regime::AboveTheFloor => 0.0,
+        };
+        let found = diagnose(case, &Settings { two, ..settings.clone() }, monitor)?;
         return Ok(found.names_all().then_some(found));
     }
     // A path over time says nothing of another log; against that a curve of a signal is an answer, too.

@@ -103,7 +103,8 @@
 //! Before the first step, `feedback.rs` decides whether the controller in the loop saw the logged outputs; if
 //! so, it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Logs that seem to begin in motion are
 //! prepared twice, with stated and with free initial states, and go through all steps to `Judged` twice; the
-//! judgement with stated initial states is kept unless the other one explains clearly more.
+//! judgement with stated initial states is kept unless the other one explains clearly more. `glimpse.rs` ends after single
+//! causes, for [`road`](mod@crate::road) on its way to the noise.
 //!
 //! # Where a rule goes
 //!
@@ -134,6 +135,7 @@ mod case;
 mod commanded;
 mod context;
 mod feedback;
+mod glimpse;
 mod judge;
 mod monitor;
 mod objection;
@@ -157,6 +159,7 @@ use self::{
 };
 pub(crate) use self::{
     candidates::{follows_anything, is_curve_of_signal, wanders},
+    glimpse::glimpse,
     prepare::prepare,
     report::objections::FAINT,
     weigh::{answer::is_a_pair, explain::settle, values::FittedValues},

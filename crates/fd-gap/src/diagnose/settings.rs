@@ -11,9 +11,8 @@ pub struct Settings {
     pub report_horizons: Vec<Horizon>,
     /// Causes (effect and site) that are fitted to the end.
     pub finalists: usize,
-    /// Candidates of which the score promises less than this share of the best are not fitted at all, if they are also far
-    /// below it in squares of the noise.
-    pub least_promise: f64,
+    /// Causes that are fitted at all, those of which the scores promise most.
+    pub shortlist: usize,
     /// Probability of "no gap" before the data.
     pub no_gap: f64,
     /// Probability before the data that a gap has a cause that is not among those tried.
@@ -53,13 +52,13 @@ pub enum Beginning {
 
 /// Causes that are fitted to the end where only the best law is wanted.
 const FINALISTS: usize = 4;
-/// Share of the best score that a candidate must promise there.
-const LEAST_PROMISE: f64 = 0.1;
+/// Causes that are fitted at all there.
+const SHORTLIST: usize = 12;
 
 impl Settings {
     /// What is needed to find the best law, and no more: two at a time would take as long as all the rest.
     pub(crate) fn for_one_law(&self) -> Self {
-        Self { two: 0.0, finalists: FINALISTS, least_promise: LEAST_PROMISE, ..self.clone() }
+        Self { two: 0.0, finalists: FINALISTS, shortlist: SHORTLIST, ..self.clone() }
     }
 }
 
@@ -80,7 +79,7 @@ impl Default for Settings {
             horizon: Horizon::FreeRun,
             report_horizons: vec![Horizon::FreeRun],
             finalists: 10,
-            least_promise: 0.0,
+            shortlist: usize::MAX,
             no_gap: 0.4,
             unknown: 0.1,
             two: 0.1,

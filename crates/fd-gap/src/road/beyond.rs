@@ -15,12 +15,8 @@ use crate::{
     fit::FitError,
 };
 
-/// Causes as long as the list with them is more probable than not and leaves less of held-out logs; with them, the
-/// diagnosis beside them.
-pub(super) fn beyond(
-    journey: &Journey<'_>,
-    monitor: &dyn Monitor,
-) -> Result<Option<(Found, Diagnosis)>, FitError> {
+/// Causes as long as the list with them is more probable than not and leaves less of held-out logs.
+pub(super) fn beyond(journey: &Journey<'_>, monitor: &dyn Monitor) -> Result<Found, FitError> {
     let Journey { case, first, settings, most, lists, horizon } = *journey;
     let sized = |diagnosis: &Diagnosis, of: fn(&HeldOut) -> &Vec<f64>| {
         total(at(diagnosis, horizon), &first.sigma, of)
@@ -53,7 +49,7 @@ pub(super) fn beyond(
             break End::NothingHelps;
         }
     };
-    Ok(Some((Found { list, gaps, end }, diagnosis)))
+    Ok(Found { list, gaps, end })
 }
 
 /// The first cause of a diagnosis, if it is a law and the list with it is more probable than not.

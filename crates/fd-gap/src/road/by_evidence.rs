@@ -20,9 +20,6 @@ use crate::{
     shrink::gap,
 };
 
-/// Most diagnoses on the way.
-const DIAGNOSES: usize = 16;
-
 /// Causes as long as evidence asks for more. `None` where one cause or two are all there is to say.
 pub(super) fn by_evidence(
     journey: &Journey<'_>,
@@ -37,7 +34,7 @@ pub(super) fn by_evidence(
     }
     let Some(list) = lists.of(beginning(journey)) else { return Ok(None) };
     let one = settings.for_one_law();
-    let (list, end) = Growth::new(journey, &one, monitor, DIAGNOSES, None).grown(list, None)?;
+    let (list, end) = Growth::new(journey, &one, monitor).grown(list, None)?;
     let (list, end) = credible(journey, list, end);
     let list = largest_first(journey, list);
     let is_news = match first.verdict {

@@ -85,12 +85,16 @@ pub fn road(
     let found = match first.regime {
         Regime::AtTheFloor if is_dear => None,
         Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
-        Regime::AboveTheFloor => match simulated(beyond(&journey, monitor))? {
-            Some((found, beside)) if !is_dear && found.end == End::NothingHelps => {
-                simulated(to_the_noise(&journey, &found.list, beside, monitor))?.or(Some(found))
+        Regime::AboveTheFloor => {
+            let found = simulated(beyond(&journey, monitor).map(Some))?;
+            let is_open = found.as_ref().is_none_or(|found| found.end == End::NothingHelps);
+            if is_open && !is_dear {
+                let believed = found.as_ref().map_or(&[][..], |found| &found.list);
+                simulated(to_the_noise(&journey, believed, monitor))?.or(found)
+            } else {
+                found
             }
-            found => found.map(|(found, _)| found),
-        },
+        }
     };
     found
         .filter(|found: &Found| !found.list.is_empty())

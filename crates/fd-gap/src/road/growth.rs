@@ -3,7 +3,6 @@
 use std::cell::Cell;
 
 use fd_effect::Suspects;
-use fd_numeric::rms;
 use fd_sim::model::Model;
 
 use super::{
@@ -23,9 +22,8 @@ use crate::{
     fit::FitError,
 };
 
-/// Laws that are tried for the next place far above the noise, where forecasts with the best of them may be worse for
-/// want of others.
-const TRIES: usize = 3;
+/// Most diagnoses on the way.
+const DIAGNOSES: usize = 16;
 /// Evidence, in nats, by which what takes the place of a cause must be better: of what the log can hardly tell apart the list
 /// has the likeliest, not the one that was found first. Evidence is known to about a tenth from fits that start elsewhere.
 const CLEARLY: f64 = 0.1;
@@ -36,8 +34,6 @@ const ROUNDS: usize = 3;
 pub(super) struct Grown {
     pub(super) list: Vec<Listed>,
     pub(super) end: End,
-    /// Whether what it leaves is near the noise.
-    is_near: bool,
     /// The model with all of it, refitted together.
     fitted: Model,
 }
@@ -50,27 +46,35 @@ pub(super) struct Growth<'a> {
     curves: Vec<&'static str>,
     /// Diagnoses that can still be made.
     left: Cell<usize>,
-    /// Causes in which the list gets to the noise from far above it, each with an equal share of the squares; `None` where
-    /// it begins near the noise, and evidence says how many.
-    further: Option<usize>,
-    /// Laws that may take the next place, the best first, as far as forecasts do not contradict.
-    tries: usize,
+    /// Whether the last cause of a list was sought beside all others.
+    is_last_sought: Cell<bool>,
 }
 
 impl<'a> Growth<'a> {
-    /// On a journey of which the settings are those for `one_at_a_time`; it takes at `most` so many diagnoses.
+    /// On a journey of which the `settings` are those for one law at a time.
     pub(super) fn new(
         journey: &Journey<'a>,
         settings: &'a Settings,
         monitor: &'a dyn Monitor,
-        most: usize,
-        further: Option<usize>,
     ) -> Self {
         let all = journey.lists.beside(&[]).alone().into_iter().flatten();
         let curves = all.filter(follows_anything).map(|candidate| candidate.label).collect();
         let journey = Journey { settings, ..*journey };
-        let tries = if further.is_some() { TRIES } else { 1 };
-        Self { journey, monitor, curves, left: Cell::new(most), further, tries }
+        let (left, is_last_sought) = (Cell::new(DIAGNOSES), Cell::new(true));
+        Self { journey, monitor, curves, left, is_last_sought }
+    }
+
+    /// The same with a list that was only glimpsed; `None` where a whole diagnosis beside it is far above the noise.
+    pub(super) fn grown_near(
+        &self,
+        list: Vec<Listed>,
+    ) -> Result<Option<(Vec<Listed>, End)>, FitError> {
+        self.is_last_sought.set(false);
+        let beside = self.diagnosed(&list, None)?;
+        match beside.regime {
+            Regime::AtTheFloor => self.grown(list, Some(beside)).map(Some),
+            Regime::AboveTheFloor => Ok(None),
+        }
     }
 
     /// The list with what else is found, after it does not change any more; the diagnosis `beside` it may be known.
@@ -80,10 +84,6 @@ impl<'a> Growth<'a> {
         beside: Option<Diagnosis>,
     ) -> Result<(Vec<Listed>, End), FitError> {
         let mut grown = self.onwards(list, beside)?;
-        if !grown.is_near && self.further.is_some() {
-            // What one cause after another does not bring near the noise is not looked at again.
-            return Ok((grown.list, grown.end));
-        }
         for _ in 0..ROUNDS {
             let Grown { list, end, fitted, .. } = grown;
             let before = list.len();
@@ -104,19 +104,12 @@ impl<'a> Growth<'a> {
         mut beside: Option<Diagnosis>,
     ) -> Result<Grown, FitError> {
         let mut is_looked_at = false;
-        let mut begun = None;
         loop {
             let diagnosis = match beside.take() {
                 Some(diagnosis) => diagnosis,
                 None => self.diagnosed(&list, None)?,
             };
             let next = self.next(&diagnosis, &list)?.filter(|_| self.goes_on());
-            let (length, first) = *begun.get_or_insert((list.len(), squares(&diagnosis.refit.gap)));
-            let next = next.filter(|next| {
-                let left = next.milestone.cause.gap.powi(2);
-                diagnosis.regime == Regime::AtTheFloor
-                    || self.is_on_its_way(list.len() + 1 - length, left / first)
-            });
             let is_noise = is_noise(&diagnosis);
             let end = match next {
                 Some(next) if list.len() < self.journey.most => {
@@ -129,17 +122,17 @@ impl<'a> Growth<'a> {
                         }
                     }
                     is_looked_at = false;
-                    list = self.with(list, next);
+                    list = self.journey.lists.with(list, next);
+                    self.is_last_sought.set(true);
                     continue;
                 }
                 Some(_) => End::Enough,
                 None if is_noise => End::AtTheNoise,
                 None => End::NothingHelps,
             };
-            let is_near = diagnosis.regime == Regime::AtTheFloor;
             let fitted = diagnosis.refit.model;
             let list = self.journey.lists.settled(&list, &fitted).unwrap_or(list);
-            return Ok(Grown { list, end, is_near, fitted });
+            return Ok(Grown { list, end, fitted });
         }
     }
 
@@ -152,8 +145,11 @@ impl<'a> Growth<'a> {
         let lists = self.journey.lists;
         let mut is_changed = false;
         let mut i = 0;
-        // The last one was sought beside all others.
-        while i + usize::from(!is_changed) < list.len() && self.goes_on() {
+        while self.goes_on() {
+            let is_sought = !is_changed && self.is_last_sought.get();
+            if list.len() <= i + usize::from(is_sought) {
+                break;
+            }
             let others = list.iter().enumerate().filter(|(j, _)| *j != i);
             let others = others.map(|(_, listed)| listed.milestone.clone());
             let others = lists.of(others).filter(|others| !others.is_empty());
@@ -171,7 +167,7 @@ impl<'a> Growth<'a> {
             match (same, rival) {
                 (_, Some(rival)) => {
                     is_changed = true;
-                    list = self.with(others, rival);
+                    list = lists.with(others, rival);
                 }
                 (Some(same), None)
                     if diagnosis.verdict != Verdict::NoGap
@@ -187,6 +183,7 @@ impl<'a> Growth<'a> {
                 }
             }
         }
+        self.is_last_sought.set(true);
         Ok((list, is_changed))
     }
 
@@ -199,11 +196,6 @@ impl<'a> Growth<'a> {
         is_a_pair(cause.log_evidence, 0.0) && (is_shown || !is_faint)
     }
 
-    /// Whether so many causes leave so little of the squares that the list gets to the noise with as many as it may.
-    fn is_on_its_way(&self, causes: usize, left: f64) -> bool {
-        self.further.is_none_or(|all| left <= 1.0 - causes as f64 / all as f64)
-    }
-
     /// A cause with what a diagnosis says of it, its probability among laws: a curve at the same place is no other
     /// answer to which of them it is.
     fn milestone(&self, diagnosis: &Diagnosis, cause: &Cause) -> Milestone {
@@ -214,18 +206,6 @@ impl<'a> Growth<'a> {
         let laws = ((known - of_curves) / known).max(milestone.probability);
         let probability = if 0.0 < laws { milestone.probability / laws } else { 0.0 };
         Milestone { probability, ..milestone }
-    }
-
-    /// A list with one more cause, all of it as it was fitted together.
-    fn with(&self, list: Vec<Listed>, next: Listed) -> Vec<Listed> {
-        let lists = self.journey.lists;
-        let settled = lists.settled(&list, &next.milestone.cause.model);
-        let settled = settled.and_then(|mut settled| {
-            let next = lists.listed(&settled, next.milestone.clone())?;
-            settled.push(next);
-            Some(settled)
-        });
-        settled.unwrap_or_else(|| list.into_iter().chain([next]).collect())
     }
 
     /// Whether there is time for more.
@@ -249,15 +229,13 @@ impl<'a> Growth<'a> {
             return Ok(None);
         }
         let worth_it = diagnosis.causes.iter().filter(|cause| self.is_worth_it(diagnosis, cause));
-        let laws = worth_it
+        let mut laws = worth_it
             .filter_map(|cause| lists.listed(list, self.milestone(diagnosis, cause)))
             .filter(|listed| !follows_anything(&listed.candidate));
-        for next in laws.take(self.tries) {
-            if !self.contradicts(diagnosis, list, &next)? {
-                return Ok(Some(next));
-            }
+        match laws.next() {
+            Some(next) if !self.contradicts(diagnosis, list, &next)? => Ok(Some(next)),
+            _ => Ok(None),
         }
-        Ok(None)
     }
 
     /// Whether held-out forecasts get clearly worse with a cause. Those of a diagnosis are of its best answer, which may
@@ -279,11 +257,6 @@ impl<'a> Growth<'a> {
         let after = judge.refitted(&next.candidate.model)?;
         Ok(!judge.is_missed(before.as_ref(), after.as_ref()))
     }
-}
-
-/// Mean square of gaps of outputs.
-fn squares(gaps: &[f64]) -> f64 {
-    rms(gaps.iter().copied()).powi(2)
 }
 
 /// Whether nothing is left but noise, and what no cause explains better than chance.

@@ -75,6 +75,17 @@ impl Lists<'_> {
         Some(Listed { milestone, candidate: Candidate { model, ..candidate } })
     }
 
+    /// A list with one more cause, all of it as it was fitted together.
+    pub(super) fn with(&self, list: Vec<Listed>, next: Listed) -> Vec<Listed> {
+        let settled = self.settled(&list, &next.milestone.cause.model);
+        let settled = settled.and_then(|mut settled| {
+            let next = self.listed(&settled, next.milestone.clone())?;
+            settled.push(next);
+            Some(settled)
+        });
+        settled.unwrap_or_else(|| list.into_iter().chain([next]).collect())
+    }
+
     /// The same causes, one on top of the other; `None` if one cannot be there without those that are missing.
     pub(super) fn of(
         &self,

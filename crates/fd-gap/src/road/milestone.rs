@@ -6,6 +6,14 @@ use crate::{
     fit::Horizon,
 };
 
+impl Milestone {
+    /// A cause of which nothing but its fit is known yet.
+    pub(super) fn glimpsed(cause: Cause) -> Self {
+        let (probability, odds) = (0.0, 1.0);
+        Self { cause, probability, tied: Vec::new(), share: None, closed: None, odds }
+    }
+}
+
 /// A cause with what the diagnosis says of it.
 pub(super) fn milestone(
     diagnosis: &Diagnosis,

@@ -2,49 +2,51 @@
 //!
 //! As long as several effects are missing no single one comes near the noise, and there evidence is not to be trusted:
 //! with a wrong model everything is significant. But a list of laws that comes down to the noise, in logs that it was not
-//! fitted to as well, does not owe that to chance. So causes are added by evidence while together they take their part of
-//! what there was, and the list counts only if noise is all that is left of it.
+//! fitted to as well, does not owe that to chance. So the best law at first sight is added while it takes its part of what
+//! there is, and near the noise by evidence; the list counts only if noise is all that is left of it.
 
 use super::{
+    adjustable::With,
     by_evidence::{beginning, credible, gaps, largest_first},
     drive::Journey,
     finish::Found,
     growth::Growth,
     list::Listed,
-    result::End,
+    result::{End, Milestone},
 };
 use crate::{
-    diagnose::{Diagnosis, Monitor},
+    diagnose::{Case, Monitor, Settings, follows_anything, glimpse, is_a_pair},
     fit::FitError,
+    shrink::gap,
 };
 
-/// Most diagnoses on the way.
-const DIAGNOSES: usize = 16;
-/// Causes in which a list gets to the noise from where it is begun, each with an equal share of the squares. One of four that are
-/// missing may take little until the others are there; on a real system, with a hundred small ones, no list gets there.
+/// Causes in which a list gets to the noise from where it is begun. One of four that are missing may take little until the
+/// others are there; on a real system, with a hundred small ones, no list gets there.
 const FURTHER: usize = 5;
 /// Most that the list may leave of the held-out gap, in multiples of its floor.
 const HELD_OUT: f64 = 1.5;
 
-/// A list of laws that leaves noise alone, from one that is `believed` and the diagnosis `beside` it on; `None` where
-/// there is none in reach.
+/// A list of laws that leaves noise alone, from one that is `believed` on; `None` where there is none in reach.
 pub(super) fn to_the_noise(
     journey: &Journey<'_>,
     believed: &[Listed],
-    beside: Diagnosis,
     monitor: &dyn Monitor,
 ) -> Result<Option<Found>, FitError> {
-    let (list, beside) = match believed {
-        [] => (journey.lists.of(beginning(journey)), None),
-        _ => (Some(believed.to_vec()), Some(beside)),
+    let list = match believed {
+        [] => journey.lists.of(beginning(journey)).unwrap_or_default(),
+        _ => believed.to_vec(),
     };
-    let Some(list) = list else { return Ok(None) };
-    if list.is_empty() || monitor.is_stopped() {
+    if list.is_empty() {
         return Ok(None);
     }
     let one = journey.settings.for_one_law();
-    let (list, end) =
-        Growth::new(journey, &one, monitor, DIAGNOSES, Some(FURTHER)).grown(list, beside)?;
+    let begun = list.clone();
+    let Some(list) = near(journey, list, &one, monitor)? else { return Ok(None) };
+    if !is_shown(journey, &begun, &list)? {
+        return Ok(None);
+    }
+    let grown = Growth::new(journey, &one, monitor).grown_near(list)?;
+    let Some((list, end)) = grown else { return Ok(None) };
     let (list, end) = credible(journey, list, end);
     if end != End::AtTheNoise || list.is_empty() {
         return Ok(None);
@@ -55,4 +57,50 @@ pub(super) fn to_the_noise(
     // Without held-out logs there is nothing to compare.
     let is_held_out = !gaps.last().is_some_and(|left| HELD_OUT * floor < *left);
     Ok(is_held_out.then_some(Found { list, gaps, end }))
+}
+
+/// Whether causes have taken their part of the squares of held-out errors as well.
+fn is_shown(journey: &Journey<'_>, begun: &[Listed], list: &[Listed]) -> Result<bool, FitError> {
+    let Some(judge) = journey.judge() else { return Ok(true) };
+    let left = |list| {
+        let refitted = judge.refitted(journey.lists.model(list))?;
+        Ok::<_, FitError>(refitted.map(|refitted| gap(&refitted.errors)))
+    };
+    let (Some(before), Some(after)) = (left(begun)?, left(list)?) else { return Ok(false) };
+    let share = (list.len() - begun.len()) as f64 / FURTHER as f64;
+    Ok((after / before).powi(2) <= 1.0 - share)
+}
+
+/// A list with as many laws more as it takes for the next one to come near the noise, each the best at first sight; `None`
+/// where they do not take their shares: the best of so many that leave nothing together takes at least the mean.
+fn near(
+    journey: &Journey<'_>,
+    mut list: Vec<Listed>,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Option<Vec<Listed>>, FitError> {
+    let Journey { case, lists, most, .. } = *journey;
+    for rest in (1..=FURTHER).rev() {
+        if monitor.is_stopped() || most <= list.len() {
+            return Ok(None);
+        }
+        let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
+        let suspects = lists.beside(&list);
+        let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
+        let seen = glimpse(&here, settings, monitor)?;
+        if !seen.is_far {
+            return Ok(Some(list));
+        }
+        let evident = seen.causes.into_iter().filter(|cause| is_a_pair(cause.log_evidence, 0.0));
+        let mut laws = evident
+            .filter_map(|cause| lists.listed(&list, Milestone::glimpsed(cause)))
+            .filter(|listed| !follows_anything(&listed.candidate));
+        let Some(next) = laws.next() else { return Ok(None) };
+        let left = (next.milestone.cause.gap / seen.refit).powi(2);
+        if 1.0 - 1.0 / (rest as f64) < left {
+            return Ok(None);
+        }
+        list = lists.with(list, next);
+    }
+    Ok(None)
 }

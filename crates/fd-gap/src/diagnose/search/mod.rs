@@ -42,6 +42,14 @@ pub(super) fn search<'a>(
     prepared: Prepared,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
+    with_short_steps(context.case.nominal, search_roughly(prepared, context)?)
+}
+
+/// The same with the integration step that the model has.
+pub(super) fn search_roughly<'a>(
+    prepared: Prepared,
+    context: &Context<'a>,
+) -> Result<Searched<'a>, FitError> {
     let Context { case, settings, monitor, .. } = *context;
     let (nominal, candidates) = (case.nominal, context.candidates.simulated.as_slice());
     let Prepared { model, null, noise } = prepared;
@@ -73,11 +81,10 @@ pub(super) fn search<'a>(
     let mut not_tested = Vec::new();
     let screened = tested(tried, &mut not_tested);
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
-    let of_many = if is_many { PROMISE_OF_MANY } else { 0.0 };
-    let least_promise = settings.least_promise.max(of_many);
+    let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
     monitor.begin(Stage::Fit, screened.len());
     let fitted = case.suspects.fitted();
-    let promises = promises(&screened);
+    let (promises, shortlisted) = promises(&screened, settings.shortlist);
     let fits: Vec<Result<Trial<'a>, NotTested>> = screened
         .into_par_iter()
         .zip(promises)
@@ -88,7 +95,8 @@ pub(super) fn search<'a>(
                 return Err(refuse(stopped()));
             }
             let is_known = fitted.is_some_and(|fitted| is_in(candidate, fitted));
-            if !is_known && promises_less(promise, least_promise, most) {
+            let is_hopeless = promise < shortlisted || promises_less(promise, least_promise, most);
+            if !is_known && is_hopeless {
                 monitor.advance();
                 return Err(refuse("others promise far more".to_owned()));
             }
@@ -118,10 +126,7 @@ pub(super) fn search<'a>(
         });
     }
     let is_coloured = false;
-    with_short_steps(
-        nominal,
-        Searched { model, null, noise, trials, not_tested, is_coloured, lines },
-    )
+    Ok(Searched { model, null, noise, trials, not_tested, is_coloured, lines })
 }
 
 /// What was tested; why the rest was not goes to the others of that kind.
@@ -130,14 +135,18 @@ fn tested<T>(outcomes: Vec<Result<T, NotTested>>, not_tested: &mut Vec<NotTested
     outcomes.into_iter().filter_map(keep).collect()
 }
 
-/// What the best law of the cause of each candidate could explain: laws are started from one another.
-fn promises(screened: &[Screened<'_>]) -> Vec<f64> {
+/// What the best law of the cause of each candidate could explain, since laws are started from one another; and the least
+/// on a shortlist of so many causes.
+fn promises(screened: &[Screened<'_>], length: usize) -> (Vec<f64>, f64) {
     let mut best = HashMap::new();
     for one in screened {
         let gain = best.entry(one.candidate.identity()).or_insert(0.0_f64);
         *gain = gain.max(one.gain());
     }
-    screened.iter().map(|one| best[&one.candidate.identity()]).collect()
+    let promises = screened.iter().map(|one| best[&one.candidate.identity()]).collect();
+    let mut all: Vec<f64> = best.into_values().collect();
+    all.sort_by(|a, b| b.total_cmp(a));
+    (promises, all.get(length.saturating_sub(1)).copied().unwrap_or(0.0))
 }
 
 /// Why a candidate was not tried.

@@ -89,6 +89,15 @@ pub(super) fn weigh<'a>(
     }
 }
 
+/// Weighs single causes in white noise.
+pub(super) fn weigh_alone<'a>(
+    searched: Searched<'a>,
+    context: &Context<'a>,
+) -> Result<Weighed<'a>, FitError> {
+    let (searched, _) = with_slow_noise(searched, context.settings.finalists)?;
+    Ok(Weighed::of(weigh_singles(searched, context)?, Vec::new(), context.settings))
+}
+
 /// Errors in sigma: outputs, segments, samples.
 type Errors = Vec<Vec<Vec<f64>>>;
 
