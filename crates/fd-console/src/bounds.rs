@@ -51,9 +51,13 @@ pub struct Watched(Arc<AtomicBool>);
 impl Drop for Watched {
     fn drop(&mut self) {
         self.0.store(true, Relaxed);
+        // What was ended from below, a program whose reader is this command, is no result: the code is that of the limit.
+        drop(open(&ENDING));
     }
 }
 
+/// Held for good once the process is being ended.
+static ENDING: Mutex<()> = Mutex::new(());
 /// Directories that were made for results, and whether results are being written.
 static MADE: Mutex<(Vec<PathBuf>, bool)> = Mutex::new((Vec::new(), false));
 /// Held while a file is written.
@@ -121,6 +125,7 @@ impl BoundsArgs {
 
 /// Ends the process with nothing left behind.
 fn end(words: &str) -> ! {
+    std::mem::forget(open(&ENDING));
     let begun = Instant::now();
     // A file that is being written is nearly done; where it is not, the disk is stuck.
     while begun.elapsed() < WRITING_TAKES {

@@ -13,7 +13,7 @@ use fd_effect::{Candidate, SiteRef};
 use crate::{
     diagnose::{
         Case, Cause, Diagnosis, Monitor, Regime, Settings, Verdict, diagnose, follows_anything,
-        is_a_pair, is_curve_of_signal, wanders,
+        glimpse, is_a_pair, is_curve_of_signal, wanders,
     },
     fit::FitError,
 };
@@ -81,12 +81,12 @@ pub fn inside(
         return Ok(None);
     }
     if !around.names_all() {
-        // Far above the noise, two do not explain all either.
-        let two = match around.regime {
-            Regime::AtTheFloor => settings.two,
-            Regime::AboveTheFloor => 0.0,
-        };
-        let found = diagnose(case, &Settings { two, ..settings.clone() }, monitor)?;
+        // What comes near the noise from far above it is seen at first sight.
+        let is_far = around.regime == Regime::AboveTheFloor && !around.is_logged_loop;
+        if is_far && glimpse(case, &settings.for_one_law(), monitor)?.is_far {
+            return Ok(None);
+        }
+        let found = diagnose(case, settings, monitor)?;
         return Ok(found.names_all().then_some(found));
     }
     // A path over time says nothing of another log; against that a curve of a signal is an answer, too.

@@ -72,8 +72,7 @@ impl<T: Scalar> PlantWatch<T> {
     /// to train again.
     pub(super) fn watch(&mut self, u: &[T], r_star: &[T], peak: T, events: &mut Events) -> bool {
         // A sample without a residual shows no relation.
-        let is_seen = r_star.iter().all(T::is_finite);
-        if self.policy == ChangePolicy::Ignore || !is_seen {
+        if self.policy == ChangePolicy::Ignore || !r_star.iter().all(T::is_finite) {
             return false;
         }
         self.add(u, r_star);

@@ -241,9 +241,12 @@ impl Suspicion {
         let best = trial.misfit(&diagnosis.best.outputs, Look::Close)?;
         let paid = price(diagnosis, best.independent());
         let refit = trial.misfit(&diagnosis.refit.outputs, Look::Close)?;
+        // Above the noise a mistake is believed for what it explains alone: with a cause beside it there are two.
+        let is_alone = |paid: f64| paid <= 0.0;
         let ways = [(&best, paid), (&refit, 0.0), (&self.mended, 0.0)];
-        let believed = ways.into_iter().filter(|(misfit, _)| {
-            let clearly = misfit.is_noise(EXPLAINED) || SHRINKS < misfit.shrinks(&self.as_read);
+        let believed = ways.into_iter().filter(|(misfit, paid)| {
+            let clearly = misfit.is_noise(EXPLAINED)
+                || is_alone(*paid) && SHRINKS < misfit.shrinks(&self.as_read);
             clearly && misfit.follows(&self.as_read, FOLLOWS)
         });
         let odds = believed.map(|(misfit, paid)| misfit.advantage(&self.as_read) - paid);

@@ -1,7 +1,6 @@
 //! Far above the noise: one cause after another, as long as they are believed together.
 
 use super::{
-    adjustable::With,
     drive::Journey,
     finish::{Found, at, total},
     list::Listed,
@@ -10,14 +9,14 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Diagnosis, HeldOut, Monitor, Objection, Regime, Verdict, diagnose, follows_anything,
+        Diagnosis, HeldOut, Monitor, Objection, Regime, Verdict, diagnose, follows_anything,
     },
     fit::FitError,
 };
 
 /// Causes as long as the list with them is more probable than not and leaves less of held-out logs.
 pub(super) fn beyond(journey: &Journey<'_>, monitor: &dyn Monitor) -> Result<Found, FitError> {
-    let Journey { case, first, settings, most, lists, horizon } = *journey;
+    let Journey { first, settings, most, horizon, .. } = *journey;
     let sized = |diagnosis: &Diagnosis, of: fn(&HeldOut) -> &Vec<f64>| {
         total(at(diagnosis, horizon), &first.sigma, of)
     };
@@ -38,10 +37,7 @@ pub(super) fn beyond(journey: &Journey<'_>, monitor: &dyn Monitor) -> Result<Fou
         }
         gaps.push(left);
         list.push(next);
-        let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
-        let suspects = lists.beside(&list);
-        let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
-        diagnosis = diagnose(&here, &one, monitor)?;
+        diagnosis = journey.beside(&list, None, |case| diagnose(case, &one, monitor))?;
         if diagnosis.verdict == Verdict::NoGap {
             break End::AtTheNoise;
         }

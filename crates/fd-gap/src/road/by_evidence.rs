@@ -17,7 +17,6 @@ use super::{
 use crate::{
     diagnose::{Cause, Monitor, Verdict, follows_anything, is_a_pair},
     fit::FitError,
-    shrink::gap,
 };
 
 /// Causes as long as evidence asks for more. `None` where one cause or two are all there is to say.
@@ -101,7 +100,5 @@ pub(super) fn beginning(journey: &Journey<'_>) -> Vec<Milestone> {
 /// Held-out gap without any cause, and after each.
 pub(super) fn gaps(journey: &Journey<'_>, list: &[Listed]) -> Result<Vec<f64>, FitError> {
     let Some(judge) = journey.judge() else { return Ok(vec![f64::NAN; list.len() + 1]) };
-    let parts = (0..=list.len()).map(|n| journey.lists.model(&list[..n]));
-    let left = |model| Ok(judge.refitted(model)?.map_or(f64::NAN, |model| gap(&model.errors)));
-    parts.map(left).collect()
+    (0..=list.len()).map(|n| judge.left(journey.lists.model(&list[..n]))).collect()
 }

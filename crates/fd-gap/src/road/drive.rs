@@ -1,11 +1,15 @@
 //! Along the road: as far as forecasts bear out far above the noise, by evidence near it.
 
+use fd_sim::model::Model;
+
 use super::{
+    adjustable::With,
+    beside::Beside,
     beyond::beyond,
     by_evidence::by_evidence,
     eliminate::Judge,
     finish::{Found, at, finish, judged_at, total},
-    list::Lists,
+    list::{Listed, Lists},
     result::{End, Road},
     to_the_noise::to_the_noise,
 };
@@ -50,6 +54,19 @@ pub(super) struct Journey<'a> {
 }
 
 impl<'a> Journey<'a> {
+    /// Asks about the model with a list in it and what can be tried beside that; what is in a `fitted` model starts from
+    /// there as well.
+    pub(super) fn beside<R>(
+        &self,
+        list: &[Listed],
+        fitted: Option<&Model>,
+        ask: impl FnOnce(&Case<'_>) -> R,
+    ) -> R {
+        let nominal = With { nominal: self.case.nominal, model: self.lists.model(list).clone() };
+        let suspects = Beside { fitted, ..self.lists.beside(list) };
+        ask(&Case { nominal: &nominal, suspects: &suspects, ..*self.case })
+    }
+
     /// What compares forecasts; `None` without held-out logs.
     pub(super) fn judge(&self) -> Option<Judge<'a>> {
         let Self { case, first, settings, .. } = *self;

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     diagnose::{Case, FittedValues, Regime, Settings, prepare, settle},
     fit::{FitError, Horizon, Log},
-    shrink::{as_begun, closed, forecast_errors},
+    shrink::{as_begun, closed, forecast_errors, gap},
 };
 
 /// The models that are compared, and how.
@@ -66,6 +66,11 @@ impl Judge<'_> {
             Regime::AtTheFloor => 0.0 <= high,
             Regime::AboveTheFloor => 0.0 < low,
         }
+    }
+
+    /// What a refitted model leaves of held-out logs, root mean square, in sigma; NaN when it diverges.
+    pub(super) fn left(&self, model: &Model) -> Result<f64, FitError> {
+        Ok(self.refitted(model)?.map_or(f64::NAN, |refitted| gap(&refitted.errors)))
     }
 
     /// Refits a model and forecasts with it; `None` when it diverges.

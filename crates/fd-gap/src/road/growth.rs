@@ -6,8 +6,6 @@ use fd_effect::Suspects;
 use fd_sim::model::Model;
 
 use super::{
-    adjustable::With,
-    beside::Beside,
     drive::Journey,
     finish::at,
     list::Listed,
@@ -16,8 +14,8 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, FAINT, Monitor, Regime, Settings, Verdict, diagnose,
-        follows_anything, is_a_pair,
+        Cause, Diagnosis, FAINT, Monitor, Regime, Settings, Verdict, diagnose, follows_anything,
+        is_a_pair,
     },
     fit::FitError,
 };
@@ -64,7 +62,8 @@ impl<'a> Growth<'a> {
         Self { journey, monitor, curves, left, is_last_sought }
     }
 
-    /// The same with a list that was only glimpsed; `None` where a whole diagnosis beside it is far above the noise.
+    /// As [`grown`](Self::grown), from a list that was only glimpsed; `None` where a whole diagnosis beside it is far above
+    /// the noise.
     pub(super) fn grown_near(
         &self,
         list: Vec<Listed>,
@@ -216,10 +215,8 @@ impl<'a> Growth<'a> {
     /// The model with a list in it, diagnosed; what is in a `fitted` one starts from there as well.
     fn diagnosed(&self, list: &[Listed], fitted: Option<&Model>) -> Result<Diagnosis, FitError> {
         self.left.set(self.left.get().saturating_sub(1));
-        let Journey { case, settings, lists, .. } = self.journey;
-        let nominal = With { nominal: case.nominal, model: lists.model(list).clone() };
-        let suspects = Beside { fitted, ..lists.beside(list) };
-        diagnose(&Case { nominal: &nominal, suspects: &suspects, ..*case }, settings, self.monitor)
+        let settings = self.journey.settings;
+        self.journey.beside(list, fitted, |case| diagnose(case, settings, self.monitor))
     }
 
     /// The law with the most evidence beside a list, if it is worth a place, and if held-out forecasts do not get worse.

@@ -6,7 +6,6 @@
 //! there is, and near the noise by evidence; the list counts only if noise is all that is left of it.
 
 use super::{
-    adjustable::With,
     by_evidence::{beginning, credible, gaps, largest_first},
     drive::Journey,
     finish::Found,
@@ -15,9 +14,8 @@ use super::{
     result::{End, Milestone},
 };
 use crate::{
-    diagnose::{Case, Monitor, Settings, follows_anything, glimpse, is_a_pair},
+    diagnose::{Monitor, Settings, follows_anything, glimpse, is_a_pair},
     fit::FitError,
-    shrink::gap,
 };
 
 /// Causes in which a list gets to the noise from where it is begun. One of four that are missing may take little until the
@@ -62,11 +60,8 @@ pub(super) fn to_the_noise(
 /// Whether causes have taken their part of the squares of held-out errors as well.
 fn is_shown(journey: &Journey<'_>, begun: &[Listed], list: &[Listed]) -> Result<bool, FitError> {
     let Some(judge) = journey.judge() else { return Ok(true) };
-    let left = |list| {
-        let refitted = judge.refitted(journey.lists.model(list))?;
-        Ok::<_, FitError>(refitted.map(|refitted| gap(&refitted.errors)))
-    };
-    let (Some(before), Some(after)) = (left(begun)?, left(list)?) else { return Ok(false) };
+    let left = |list| judge.left(journey.lists.model(list));
+    let (before, after) = (left(begun)?, left(list)?);
     let share = (list.len() - begun.len()) as f64 / FURTHER as f64;
     Ok((after / before).powi(2) <= 1.0 - share)
 }
@@ -79,15 +74,12 @@ fn near(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<Listed>>, FitError> {
-    let Journey { case, lists, most, .. } = *journey;
+    let Journey { lists, most, .. } = *journey;
     for rest in (1..=FURTHER).rev() {
         if monitor.is_stopped() || most <= list.len() {
             return Ok(None);
         }
-        let nominal = With { nominal: case.nominal, model: lists.model(&list).clone() };
-        let suspects = lists.beside(&list);
-        let here = Case { nominal: &nominal, suspects: &suspects, ..*case };
-        let seen = glimpse(&here, settings, monitor)?;
+        let seen = journey.beside(&list, None, |case| glimpse(case, settings, monitor))?;
         if !seen.is_far {
             return Ok(Some(list));
         }

@@ -4,13 +4,14 @@ use fd_core::{
     StateVisitor,
     stage::{GuardReport, Stage},
 };
-use fd_numeric::lanes::{LaneScalar, Machine};
+use fd_numeric::lanes::Machine;
 use rayon::prelude::*;
 
 use super::{
     design::LaneDesign,
     error::BatchError,
     samples::SampleBlock,
+    scalar::LaneScalar,
     tile::{Layout, Pass, Regressors, Tally},
 };
 use crate::{arx::ArxOrders, rls::RlsDesign};
@@ -253,7 +254,8 @@ impl<T: LaneScalar> BatchRls<T> {
         let (layout, is_directional) = (self.layout, self.is_directional);
         let (machine, samples, steps) = (self.machine, block.rows(), block.steps());
         let (tiles, tallies) = (&mut self.tiles[..], &mut self.tallies[..]);
-        Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
+        let pass = Pass { layout, is_directional, tiles, samples, steps, tallies };
+        T::learn(pass, machine);
         collect(tallies, &mut self.lanes, steps);
         Ok(())
     }
@@ -275,7 +277,8 @@ impl<T: LaneScalar> BatchRls<T> {
             .zip(self.tallies.par_chunks_mut(tiles_per_task))
             .zip(self.lanes.par_chunks_mut(tiles_per_task * T::WIDTH))
             .for_each(|(((tiles, samples), tallies), lanes)| {
-                Pass::<T> { layout, is_directional, tiles, samples, steps, tallies }.run(machine);
+                let pass = Pass { layout, is_directional, tiles, samples, steps, tallies };
+                T::learn(pass, machine);
                 collect(tallies, lanes, steps);
             });
         Ok(())

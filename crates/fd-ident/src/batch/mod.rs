@@ -21,7 +21,7 @@
 //!
 //! # How many estimators, how many samples
 //!
-//! *Lanes.* Estimators come in tiles of [`LaneScalar::WIDTH`], 8 of `f64` or 16 of `f32`: 64 bytes, one line of
+//! *Lanes.* Estimators come in tiles of [`WIDTH`](fd_numeric::lanes::LaneScalar::WIDTH), 8 of `f64` or 16 of `f32`: 64 bytes, one line of
 //! the cache. A tile costs the same whether one of its lanes is used or all, so multiples of the width avoid
 //! waste. With five parameters a tile takes 28 ns per sample, a single [`UdRls`](crate::rls::UdRls) 19 ns on
 //! the stack and 33 ns on the heap: it pays from two units on. Lanes share instructions and nothing else. Each
@@ -146,8 +146,9 @@ mod estimators;
 mod kernel;
 mod past;
 mod samples;
+mod scalar;
 mod tile;
 
-pub use fd_numeric::lanes::{LaneScalar, Machine};
+pub use fd_numeric::lanes::Machine;
 
-pub use self::{error::BatchError, estimators::BatchRls, samples::SampleBlock};
+pub use self::{error::BatchError, estimators::BatchRls, samples::SampleBlock, scalar::LaneScalar};

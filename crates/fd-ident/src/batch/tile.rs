@@ -92,7 +92,7 @@ impl Layout {
 pub(super) type Tally<T> = [Row<T>; 2];
 
 /// Tiles and their samples, waiting for a machine.
-pub(super) struct Pass<'a, T: LaneScalar> {
+pub struct Pass<'a, T: LaneScalar> {
     pub(super) layout: Layout,
     /// Whether any estimator forgets directionally.
     pub(super) is_directional: bool,

@@ -86,8 +86,14 @@ impl KnownNoise {
     /// promises that there is noise as small as an estimated floor, and to reach it nearly is no
     /// success: there, forecasts are better judges.
     pub(in crate::diagnose) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
+        1.0 < self.farness(errors)
+    }
+
+    /// How many times as far above the noise errors (in sigma) are as likelihoods are of use, in the output with the most.
+    pub(in crate::diagnose) fn farness(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
         let limit = |is_stated| if is_stated { FAR } else { REACHED };
-        self.reaches(errors).into_iter().any(|reach| limit(reach.is_stated) < reach.times)
+        let reaches = self.reaches(errors).into_iter();
+        reaches.map(|reach| reach.times / limit(reach.is_stated)).fold(0.0, f64::max)
     }
 
     /// As [`reach`](Self::reach), per output.

@@ -40,7 +40,7 @@ const FAR_BELOW: f64 = 200.0;
 const OUT_OF_REACH: f64 = 1.2;
 
 /// A sum of squares may fall by so many times what slopes promise.
-const MORE_THAN_PROMISED: f64 = 2.0;
+pub(in crate::diagnose) const MORE_THAN_PROMISED: f64 = 2.0;
 
 /// Whether a gain is below this share of `most`, and far below it.
 pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {

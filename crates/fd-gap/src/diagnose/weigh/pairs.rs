@@ -17,7 +17,11 @@ use crate::{
         context::Context,
         monitor::Stage,
         prepare::step::with_step,
-        search::{Command, searched::Searched, trial::Trial},
+        search::{
+            Command,
+            searched::Searched,
+            trial::{MORE_THAN_PROMISED, Trial},
+        },
     },
     fit::{FitError, NullFit, Plan, Problem, Projection},
 };
@@ -72,15 +76,15 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Fi
     kept
 }
 
-/// The best second causes beside a first one. Those that are among the `best` alone are fitted
-/// whatever they could explain.
+/// The best second causes beside a first one, as far as the two may come near the noise: far above it, pairs are no answer.
+/// Those that are among the `best` alone are fitted even if others could explain more.
 fn beside(
     first: &Trial<'_>,
     best: &[&Trial<'_>],
     singles: &Singles<'_>,
     context: &Context<'_>,
 ) -> Result<Vec<FittedPair>, FitError> {
-    let Searched { null, lines, .. } = &singles.searched;
+    let Searched { null, lines, noise, .. } = &singles.searched;
     let Case { nominal, suspects, .. } = context.case;
     // The first cause is one more nuisance.
     let plan: Plan = null.problem.plan().with_parameters(first.problem.effects());
@@ -89,6 +93,8 @@ fn beside(
     let minimum = first.best.as_ref().and_then(|best| best.with_slopes(&mut problem));
     let Some(minimum) = minimum else { return Ok(Vec::new()) };
     let base = NullFit { minimum: minimum.shared(&problem), problem };
+    let errors = base.problem.clone().errors(&base.minimum.z).ok_or(FitError::Diverged)?;
+    let least = to_take(base.minimum.cost, noise.farness(&errors)) / MORE_THAN_PROMISED;
     let projection = Projection::new(&base.problem, &base.minimum).ok_or(FitError::Diverged)?;
     let candidates: Vec<Candidate> = suspects
         .beside(first.candidate)
@@ -120,7 +126,7 @@ fn beside(
     let mut place = 0;
     trials.retain(|trial| {
         place += 1;
-        place <= HOPEFUL || is_single(trial)
+        least <= trial.gain() && (place <= HOPEFUL || is_single(trial))
     });
     for trial in &mut trials {
         trial.short_fits(&base, most);
@@ -132,4 +138,23 @@ fn beside(
         FittedPair::of(first, &second, null, &singles.reference)
     });
     Ok(pairs.collect())
+}
+
+/// What a second cause has to take of the squares that a first one leaves, where these are so many times as far from the
+/// noise as likelihoods are of use.
+fn to_take(squares: f64, farness: f64) -> f64 {
+    squares * (1.0 - farness.max(1.0).powi(-2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::to_take;
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "powers of two are exact")]
+    fn a_second_cause_takes_what_is_far_from_the_noise() {
+        assert_eq!(to_take(64.0, 0.5), 0.0);
+        assert_eq!(to_take(64.0, 1.0), 0.0);
+        assert_eq!(to_take(64.0, 4.0), 60.0);
+    }
 }
