@@ -94,7 +94,7 @@
 //! ```
 //! use fd_ident::{
 //!     arx::ArxOrders,
-//!     batch::{BatchRls, LaneScalar, SampleBlock},
+//!     batch::{BatchRls, SampleBlock},
 //!     rls::{Forgetting, RlsDesign},
 //! };
 //!
@@ -103,7 +103,7 @@
 //!
 //! let design = RlsDesign::forgetting(Forgetting::Directional { lambda: 0.99 });
 //! let mut fleet = BatchRls::<f64>::arx(ArxOrders::new(1, 1, 0), 1, UNITS, &design)?;
-//! assert_eq!(UNITS.div_ceil(f64::WIDTH), 3, "three tiles, four lanes of the last unused");
+//! assert_eq!(UNITS.div_ceil(8), 3, "three tiles, four lanes of the last unused");
 //!
 //! let mut mu = [0.0; UNITS];
 //! let mut block = SampleBlock::new(1, UNITS, 32);
