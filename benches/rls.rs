@@ -25,7 +25,7 @@ use fdiag::{
     core::{Heap, Scalar},
     ident::{
         arx::ArxOrders,
-        batch::{BatchRls, LaneScalar, Machine, SampleBlock},
+        batch::{BatchRls, BatchScalar, Machine, SampleBlock},
         rls::{ConventionalRls, Forgetting, QrRls, RlsDesign, RlsKernel, Static, UdRls},
     },
 };
@@ -127,7 +127,7 @@ fn sizes<const N: usize>(c: &mut Criterion) {
 }
 
 /// Uniform samples with this many columns besides the target.
-fn block<T: LaneScalar>(columns: usize, (estimators, steps): (usize, usize)) -> SampleBlock<T> {
+fn block<T: BatchScalar>(columns: usize, (estimators, steps): (usize, usize)) -> SampleBlock<T> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(columns as u64);
     let mut uniform = || T::from_design(rng.random_range(-1.0..1.0));
     let mut block = SampleBlock::new(columns, estimators, steps);
@@ -142,7 +142,7 @@ fn block<T: LaneScalar>(columns: usize, (estimators, steps): (usize, usize)) -> 
 }
 
 /// Estimators whose n regressors are given, and samples for them.
-fn given<T: LaneScalar>(
+fn given<T: BatchScalar>(
     n: usize,
     size: (usize, usize),
     design: &RlsDesign,
@@ -152,7 +152,7 @@ fn given<T: LaneScalar>(
 
 /// Estimators of the paper's equation of order 2, n = 5, that make their regressors from one input
 /// and the bias, and samples for them.
-fn made<T: LaneScalar>(size: (usize, usize)) -> (BatchRls<T>, SampleBlock<T>) {
+fn made<T: BatchScalar>(size: (usize, usize)) -> (BatchRls<T>, SampleBlock<T>) {
     (BatchRls::arx(ArxOrders::paper(2), 1, size.0, &design()).unwrap(), block(1, size))
 }
 
@@ -160,7 +160,7 @@ fn updates(group: &mut BenchmarkGroup<'_, WallTime>, (estimators, steps): (usize
     group.throughput(Throughput::Elements((estimators * steps) as u64));
 }
 
-fn batches<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
+fn batches<T: BatchScalar>(c: &mut Criterion, scalar: &str) {
     for n in [2, 5, 10, 20] {
         let (batch, block) = given::<T>(n, BATCH, &design());
         let mut group = c.benchmark_group(format!("rls batch, n = {n}"));
@@ -188,7 +188,7 @@ fn batches<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
 }
 
 /// The same work on one core, on two, and by two threads that share nothing.
-fn cores<T: LaneScalar>(
+fn cores<T: BatchScalar>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
     size: (usize, usize),
@@ -219,7 +219,7 @@ fn cores<T: LaneScalar>(
     });
 }
 
-fn on_cores<T: LaneScalar>(c: &mut Criterion, scalar: &str) {
+fn on_cores<T: BatchScalar>(c: &mut Criterion, scalar: &str) {
     let mut group = c.benchmark_group("rls batch of 4096, n = 5");
     cores(&mut group, scalar, MANY, made::<T>);
     group.finish();

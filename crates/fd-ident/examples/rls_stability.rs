@@ -12,10 +12,10 @@ mod long_run;
 
 use std::time::Instant;
 
-use fd_ident::{batch::LaneScalar, rls::Forgetting};
+use fd_ident::{batch::BatchScalar, rls::Forgetting};
 use long_run::{Input, rounding, run};
 
-fn case<T: LaneScalar>(
+fn case<T: BatchScalar>(
     scalar: &str,
     input: Input,
     forgetting: Forgetting,

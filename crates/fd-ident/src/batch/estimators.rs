@@ -11,7 +11,7 @@ use super::{
     design::LaneDesign,
     error::BatchError,
     samples::SampleBlock,
-    scalar::LaneScalar,
+    scalar::BatchScalar,
     tile::{Layout, Pass, Regressors, Tally},
 };
 use crate::{arx::ArxOrders, rls::RlsDesign};
@@ -46,7 +46,7 @@ const SAMPLES_PER_TASK: usize = 512;
 /// # Ok::<(), fd_ident::batch::BatchError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct BatchRls<T: LaneScalar> {
+pub struct BatchRls<T: BatchScalar> {
     machine: Machine,
     layout: Layout,
     /// Whether any estimator forgets directionally.
@@ -66,7 +66,7 @@ struct Lane<T> {
     report: GuardReport,
 }
 
-impl<T: LaneScalar> BatchRls<T> {
+impl<T: BatchScalar> BatchRls<T> {
     /// So many estimators of `parameters` parameters, all of the same design.
     ///
     /// # Errors
@@ -331,7 +331,7 @@ impl<T: LaneScalar> BatchRls<T> {
 }
 
 /// Adds what happened in a block of this many samples to the reports.
-fn collect<T: LaneScalar>(tallies: &[Tally<T>], lanes: &mut [Lane<T>], steps: usize) {
+fn collect<T: BatchScalar>(tallies: &[Tally<T>], lanes: &mut [Lane<T>], steps: usize) {
     if steps == 0 {
         return;
     }
@@ -352,11 +352,11 @@ fn collect<T: LaneScalar>(tallies: &[Tally<T>], lanes: &mut [Lane<T>], steps: us
     clippy::cast_sign_loss,
     reason = "counts of samples in a block"
 )]
-fn count<T: LaneScalar>(value: T) -> u64 {
+fn count<T: BatchScalar>(value: T) -> u64 {
     value.to_report() as u64
 }
 
-impl<T: LaneScalar> Stage<T> for BatchRls<T> {
+impl<T: BatchScalar> Stage<T> for BatchRls<T> {
     /// All estimators, also those that are frozen, which stay frozen.
     fn reset(&mut self) {
         for lane in 0..self.lanes.len() {

@@ -21,7 +21,7 @@
 //!
 //! # How many estimators, how many samples
 //!
-//! *Lanes.* Estimators come in tiles of [`WIDTH`](fd_numeric::lanes::LaneScalar::WIDTH), 8 of `f64` or 16 of `f32`: 64 bytes, one line of
+//! *Lanes.* Estimators come in tiles of [`LaneScalar::WIDTH`], 8 of `f64` or 16 of `f32`: 64 bytes, one line of
 //! the cache. A tile costs the same whether one of its lanes is used or all, so multiples of the width avoid
 //! waste. With five parameters a tile takes 28 ns per sample, a single [`UdRls`](crate::rls::UdRls) 19 ns on
 //! the stack and 33 ns on the heap: it pays from two units on. Lanes share instructions and nothing else. Each
@@ -94,7 +94,7 @@
 //! ```
 //! use fd_ident::{
 //!     arx::ArxOrders,
-//!     batch::{BatchRls, SampleBlock},
+//!     batch::{BatchRls, LaneScalar, SampleBlock},
 //!     rls::{Forgetting, RlsDesign},
 //! };
 //!
@@ -103,7 +103,7 @@
 //!
 //! let design = RlsDesign::forgetting(Forgetting::Directional { lambda: 0.99 });
 //! let mut fleet = BatchRls::<f64>::arx(ArxOrders::new(1, 1, 0), 1, UNITS, &design)?;
-//! assert_eq!(UNITS.div_ceil(8), 3, "three tiles, four lanes of the last unused");
+//! assert_eq!(UNITS.div_ceil(f64::WIDTH), 3, "three tiles, four lanes of the last unused");
 //!
 //! let mut mu = [0.0; UNITS];
 //! let mut block = SampleBlock::new(1, UNITS, 32);
@@ -149,6 +149,8 @@ mod samples;
 mod scalar;
 mod tile;
 
-pub use fd_numeric::lanes::Machine;
+pub use fd_numeric::lanes::{LaneScalar, Machine};
 
-pub use self::{error::BatchError, estimators::BatchRls, samples::SampleBlock, scalar::LaneScalar};
+pub use self::{
+    error::BatchError, estimators::BatchRls, samples::SampleBlock, scalar::BatchScalar,
+};

@@ -1,6 +1,6 @@
 //! The numbers that estimators side by side are made of.
 
-use fd_numeric::lanes::{self, Machine};
+use fd_numeric::lanes::{LaneScalar, Machine};
 
 use super::tile::Pass;
 
@@ -10,28 +10,28 @@ use super::tile::Pass;
 /// minutes; with the feature `testing` they are compiled here, once for all tests.
 ///
 /// ```
-/// use fd_ident::batch::{BatchError, BatchRls, LaneScalar};
+/// use fd_ident::batch::{BatchError, BatchRls, BatchScalar};
 /// use fd_ident::rls::RlsDesign;
 ///
-/// fn fleet<T: LaneScalar>(design: &RlsDesign) -> Result<BatchRls<T>, BatchError> {
+/// fn fleet<T: BatchScalar>(design: &RlsDesign) -> Result<BatchRls<T>, BatchError> {
 ///     BatchRls::new(5, 100, design)
 /// }
 ///
 /// assert!(fleet::<f32>(&RlsDesign::default()).is_ok());
 /// ```
-pub trait LaneScalar: lanes::LaneScalar {
+pub trait BatchScalar: LaneScalar {
     #[doc(hidden)]
     fn learn(pass: Pass<'_, Self>, machine: Machine);
 }
 
-impl LaneScalar for f64 {
+impl BatchScalar for f64 {
     #[cfg_attr(any(test, not(feature = "testing")), inline)]
     fn learn(pass: Pass<'_, Self>, machine: Machine) {
         pass.run(machine);
     }
 }
 
-impl LaneScalar for f32 {
+impl BatchScalar for f32 {
     #[cfg_attr(any(test, not(feature = "testing")), inline)]
     fn learn(pass: Pass<'_, Self>, machine: Machine) {
         pass.run(machine);

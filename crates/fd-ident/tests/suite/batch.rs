@@ -8,7 +8,7 @@ use fd_core::{
 };
 use fd_ident::{
     arx::{ArxOrders, RecursiveArx},
-    batch::{BatchError, BatchRls, LaneScalar, Machine, SampleBlock},
+    batch::{BatchError, BatchRls, BatchScalar, Machine, SampleBlock},
     rls::{Forgetting, Guard, RlsDesign, RlsKernel, UdRls},
 };
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ use proptest::prelude::*;
 type Streams<T> = Vec<Vec<Option<(Vec<T>, T)>>>;
 
 /// Samples of `y = φᵀθ + e` with θ = (1, 2, …, n); every 13th is missing.
-fn streams<T: LaneScalar>(n: usize, count: usize, steps: usize, seed: u64) -> Streams<T> {
+fn streams<T: BatchScalar>(n: usize, count: usize, steps: usize, seed: u64) -> Streams<T> {
     let t = T::from_design;
     (0..count as u64)
         .map(|unit| {
@@ -35,7 +35,7 @@ fn streams<T: LaneScalar>(n: usize, count: usize, steps: usize, seed: u64) -> St
         .collect()
 }
 
-fn blocks<T: LaneScalar>(n: usize, streams: &Streams<T>, length: usize) -> Vec<SampleBlock<T>> {
+fn blocks<T: BatchScalar>(n: usize, streams: &Streams<T>, length: usize) -> Vec<SampleBlock<T>> {
     let steps = streams[0].len();
     (0..steps.div_ceil(length))
         .map(|b| {
@@ -67,7 +67,7 @@ fn designs(count: usize, prior_variance: f64, guard: Guard) -> Vec<RlsDesign> {
     (0..count).map(design).collect()
 }
 
-fn alone<T: LaneScalar>(
+fn alone<T: BatchScalar>(
     n: usize,
     design: &RlsDesign,
     stream: &[Option<(Vec<T>, T)>],
@@ -87,13 +87,13 @@ fn alone<T: LaneScalar>(
 }
 
 /// Largest relative distance between two vectors.
-fn distance<T: LaneScalar>(a: &[T], b: &[T]) -> f64 {
+fn distance<T: BatchScalar>(a: &[T], b: &[T]) -> f64 {
     let size = b.iter().map(|b| b.to_report().abs()).fold(0.0, f64::max);
     let error = a.iter().zip(b).map(|(&a, &b)| (a - b).to_report().abs()).fold(0.0, f64::max);
     error / size.max(f64::MIN_POSITIVE)
 }
 
-fn compare<T: LaneScalar>(n: usize, count: usize, steps: usize, length: usize, seed: u64) {
+fn compare<T: BatchScalar>(n: usize, count: usize, steps: usize, length: usize, seed: u64) {
     let streams = streams::<T>(n, count, steps, seed);
     let designs = designs(count, 100.0, Guard::default());
     for machine in Machine::all() {

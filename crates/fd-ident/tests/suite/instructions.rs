@@ -40,7 +40,7 @@ fn alone(mut kernel: impl RlsKernel<f64>, updates: usize) {
     black_box(theta);
 }
 
-fn side_by_side<T: fd_ident::batch::LaneScalar>(updates: usize) {
+fn side_by_side<T: fd_ident::batch::BatchScalar>(updates: usize) {
     let (estimators, steps) = (64, 64);
     let mut batch = BatchRls::<T>::new(N, estimators, &design()).unwrap();
     let mut block = SampleBlock::new(N, estimators, steps);

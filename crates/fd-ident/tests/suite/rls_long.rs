@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use crate::common::long_run::{Input, LOOK, rounding, run};
-use fd_ident::{batch::LaneScalar, rls::Forgetting};
+use fd_ident::{batch::BatchScalar, rls::Forgetting};
 
 /// Samples of each estimator: more than a hundred times what makes the textbook form diverge.
 const SAMPLES: usize = 80 * LOOK;
 
 /// A square root form is off by some `n ε κ ‖θ‖`: so is the reference in `f64`, with its ε.
-fn follows_the_reference<T: LaneScalar>(input: Input, forgetting: Forgetting) {
+fn follows_the_reference<T: BatchScalar>(input: Input, forgetting: Forgetting) {
     let guard = run::<T>(input, forgetting, SAMPLES / 2, |look| {
         let allowed = rounding::<T>(&look);
         assert!(look.from_reference < allowed, "{look:?}, allowed {allowed:e}");
@@ -49,7 +49,7 @@ fn kinds(lambda: f64) -> [Forgetting; 2] {
 #[test]
 fn excitation_stops_under_exponential_forgetting() {
     // Rounding of single samples adds up in directions that are not seen again.
-    fn stays<T: LaneScalar>(lambda: f64, shares: f64, from_truth: f64) {
+    fn stays<T: BatchScalar>(lambda: f64, shares: f64, from_truth: f64) {
         // Ten times the trace of P₀ = 1e4 I, plus rounding.
         let largest = 1.01 * 10.0 * 5.0 * 1e4;
         let forgetting = Forgetting::Exponential { lambda };
@@ -71,7 +71,7 @@ fn excitation_stops_under_exponential_forgetting() {
 /// near to QR in double precision as its rounding allows.
 #[test]
 fn excitation_stops_under_directional_forgetting() {
-    fn stays<T: LaneScalar>(lambda: f64) {
+    fn stays<T: BatchScalar>(lambda: f64) {
         let forgetting = Forgetting::Directional { lambda };
         let guard = run::<T>(Input::Stops, forgetting, SAMPLES / 4, |look| {
             let allowed = rounding::<T>(&look);

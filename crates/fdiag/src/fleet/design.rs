@@ -2,7 +2,7 @@
 
 use faer::{MatRef, traits::ComplexField};
 use fd_core::{Heap, IoDims};
-use fd_ident::{arx::ArxOrders, batch::LaneScalar, rls::RlsDesign};
+use fd_ident::{arx::ArxOrders, batch::BatchScalar, rls::RlsDesign};
 use fd_residual::ResidualForm;
 
 use super::error::FleetError;
@@ -20,9 +20,9 @@ use super::error::FleetError;
 /// let mut block = second::<f32>(100);
 /// block.set(99, 9, &[0.5], &[1.5]);
 /// ```
-pub trait FleetScalar: LaneScalar + ComplexField {}
+pub trait FleetScalar: BatchScalar + ComplexField {}
 
-impl<T: LaneScalar + ComplexField> FleetScalar for T {}
+impl<T: BatchScalar + ComplexField> FleetScalar for T {}
 
 /// Everything that is decided before the first sample.
 #[derive(Clone, Debug)]

@@ -120,8 +120,7 @@ fn floats(bits: &[u64]) -> impl Iterator<Item = f64> + '_ {
 }
 
 proptest! {
-    // Each case trains pipelines, which takes seconds; `.ci/nightly` draws ten times as many.
-    #![proptest_config(ProptestConfig { cases: 8,
+    #![proptest_config(ProptestConfig { cases: 16,
  max_global_rejects: 40,
  failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -4,7 +4,7 @@
 
 use fd_core::{Scalar, stage::GuardReport};
 use fd_ident::{
-    batch::{BatchRls, LaneScalar, SampleBlock},
+    batch::{BatchRls, BatchScalar, SampleBlock},
     rls::{Forgetting, Guard, QrRls, RlsDesign, RlsKernel, Static},
 };
 use rand::{RngExt, SeedableRng};
@@ -109,7 +109,7 @@ impl Reference {
 /// Takes one register of estimators through so many samples and looks at it now and then. While
 /// excitation lasts and forgetting is exponential, the reference is a QR factorisation of the last
 /// [`LOOK`] samples; else something is never forgotten, and it has to see all of them.
-pub(crate) fn run<T: LaneScalar>(
+pub(crate) fn run<T: BatchScalar>(
     input: Input,
     forgetting: Forgetting,
     samples: usize,
@@ -169,7 +169,7 @@ fn distance(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).fold(0.0, worst)
 }
 
-fn seen<T: LaneScalar>(batch: &BatchRls<T>, reference: &Reference, samples: usize) -> Look {
+fn seen<T: BatchScalar>(batch: &BatchRls<T>, reference: &Reference, samples: usize) -> Look {
     let (mut theta, mut variance) = ([T::zero(); N], [T::zero(); N]);
     let mut look = Look {
         samples,
