@@ -67,6 +67,7 @@
 //! When a fault may be present in the training data: it would be learned as bias. When the cause
 //! of the bias is known, model the cause instead.
 
+mod columns;
 mod error;
 
 pub mod arx;

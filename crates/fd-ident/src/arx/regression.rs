@@ -5,6 +5,7 @@ use fd_model::Record;
 
 use crate::{
     arx::ArxOrders,
+    columns::from_rows,
     error::IdentError,
     least_squares::{LeastSquares, LinearFit},
     refine::Prefilter,
@@ -77,8 +78,7 @@ impl Regression {
     }
 
     pub(crate) fn phi(&self) -> Mat<f64> {
-        let n = self.parameters;
-        Mat::from_fn(self.target.len(), n, |i, j| self.phi[i * n + j])
+        from_rows(&self.phi, self.target.len(), self.parameters)
     }
 
     pub(crate) fn solve(&self, solver: &LeastSquares) -> Result<LinearFit, IdentError> {

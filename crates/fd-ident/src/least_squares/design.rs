@@ -4,7 +4,7 @@ use faer::{ColRef, Mat, MatRef, prelude::SolveLstsq};
 use fd_core::{Shape, ShapeError};
 
 use super::modes::Modes;
-use crate::error::IdentError;
+use crate::{columns, error::IdentError};
 
 /// What to do with data that do not excite all parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,7 +96,7 @@ impl LeastSquares {
             return self.solve_silence(n, y);
         }
         let scales: Vec<f64> = (0..n).map(|j| power_of_two(x.col(j).norm_l2())).collect();
-        let scaled = Mat::from_fn(rows, n, |i, j| x[(i, j)] * scales[j]);
+        let scaled = columns::scaled(x, &scales);
 
         let qr = scaled.col_piv_qr();
         let (_, place) = qr.P().arrays();
@@ -187,6 +187,9 @@ fn check(x: MatRef<'_, f64>, y: &[f64]) -> Result<(), IdentError> {
     if rows <= n || n == 0 {
         let (channel, parameters) = (0, n);
         return Err(IdentError::TooFewRows { channel, parameters, found: rows, skipped: 0 });
+    }
+    if columns::is_finite(x) && y.iter().all(|target| target.is_finite()) {
+        return Ok(());
     }
     for (row, &target) in y.iter().enumerate() {
         for col in 0..n {

@@ -1,6 +1,12 @@
 //! Linear least squares in which each block of rows has columns of its own beside those that all blocks share.
 
-use faer::{Mat, MatRef};
+use faer::{
+    Mat, MatRef, Par, Spec,
+    dyn_stack::{MemBuffer, MemStack},
+    linalg::qr::no_pivoting::factor::{
+        QrParams, qr_in_place, qr_in_place_scratch, recommended_block_size,
+    },
+};
 
 /// The prediction errors and their slopes, block by block: rows of `[own | shared | ε]`.
 #[derive(Clone, Debug)]
@@ -31,21 +37,22 @@ struct Eliminated {
 }
 
 impl Compressed {
-    pub(super) fn new(of: &Bordered) -> Self {
+    pub(super) fn new(of: Bordered) -> Self {
         let Bordered { own, shared, blocks } = of;
-        let (own, shared) = (*own, *shared);
         let squares = |block: &Mat<f64>, j: usize| block.col(j).squared_norm_l2();
         let length = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
         let of_shared = (own..own + shared).map(|j| blocks.iter().map(|b| squares(b, j)).sum());
         let of_own = blocks.iter().flat_map(|block| (0..own).map(|j| squares(block, j)));
         let lengths: Vec<f64> = of_shared.chain(of_own).map(length).collect();
-        let compressed = blocks.iter().enumerate().map(|(i, block)| {
-            let scale = |j: usize| match j.checked_sub(own) {
-                None => lengths[shared + i * own + j],
-                Some(j) if j < shared => lengths[j],
-                Some(_) => 1.0,
-            };
-            triangle(&Mat::from_fn(block.nrows(), block.ncols(), |k, j| block[(k, j)] / scale(j)))
+        let compressed = blocks.into_iter().enumerate().map(|(i, mut block)| {
+            for j in 0..own + shared {
+                let scale = match j.checked_sub(own) {
+                    None => lengths[shared + i * own + j],
+                    Some(j) => lengths[j],
+                };
+                block.col_as_slice_mut(j).iter_mut().for_each(|entry| *entry /= scale);
+            }
+            triangle(block)
         });
         let blocks = compressed.collect();
         Self { of: Bordered { own, shared, blocks }, lengths }
@@ -56,7 +63,7 @@ impl Compressed {
         let (own, width) = (self.of.own, self.of.shared + 1);
         let damped = self.of.blocks.iter().map(|block| {
             if damping > 0.0 && own > 0 {
-                triangle(&with_rows(block, own, damping))
+                triangle(with_rows(block, own, damping))
             } else {
                 block.clone()
             }
@@ -71,7 +78,7 @@ impl Compressed {
             at += rows.nrows();
         }
         let rest = if damping > 0.0 { with_rows(&rest, self.of.shared, damping) } else { rest };
-        Eliminated { own: blocks, shared: triangle(&rest) }
+        Eliminated { own: blocks, shared: triangle(rest) }
     }
 
     /// By how much the linear problem lowers a cost, relative to it.
@@ -115,8 +122,15 @@ impl Compressed {
     }
 }
 
-fn triangle(rows: &Mat<f64>) -> Mat<f64> {
-    rows.qr().thin_R().to_owned()
+/// `R` of a thin QR, in place: most of the time of `Mat::qr` on many rows would go into copies of all of them.
+fn triangle(mut rows: Mat<f64>) -> Mat<f64> {
+    let (m, n) = rows.shape();
+    let (size, block) = (m.min(n), recommended_block_size::<f64>(m, n));
+    let how = Spec::<QrParams, f64>::default();
+    let mut memory = MemBuffer::new(qr_in_place_scratch::<f64>(m, n, block, Par::Seq, how));
+    let mut q = Mat::zeros(block, size);
+    qr_in_place(rows.as_mut(), q.as_mut(), Par::Seq, MemStack::new(&mut memory), how);
+    Mat::from_fn(size, n, |i, j| if i <= j { rows[(i, j)] } else { 0.0 })
 }
 
 /// `√damping` in as many first columns, below.

@@ -220,7 +220,7 @@ impl PredictionError {
 fn channel_fit(problem: &Problem, best: &Minimum) -> Result<ChannelFit, IdentError> {
     let predictor = problem.predictor;
     let shared = predictor.shared();
-    let eliminated = Compressed::new(&problem.linearise(&best.parameters)).shared_rows();
+    let eliminated = Compressed::new(problem.linearise(&best.parameters)).shared_rows();
     // A row of nothing more, as the solver wants more rows than columns.
     let x = Mat::from_fn(eliminated.nrows() + shared + 1, shared, |i, j| {
         if i < eliminated.nrows() { eliminated[(i, j)] } else { 0.0 }

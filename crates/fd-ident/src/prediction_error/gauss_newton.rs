@@ -57,7 +57,7 @@ pub(super) fn minimise(
             break;
         }
         best.rounds += 1;
-        let local = Compressed::new(&problem.linearise(&best.parameters));
+        let local = Compressed::new(problem.linearise(&best.parameters));
         if local.promise(best.cost) <= patience.tolerance {
             best.converged = true;
             break;

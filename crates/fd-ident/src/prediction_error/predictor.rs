@@ -60,34 +60,66 @@ pub(super) struct Predictor {
 }
 
 /// The last values of a signal, newest first, each with its gradient.
+///
+/// They move towards the front of a longer buffer, and back to its end once in [`Past::ROOM`] samples.
 struct Past {
     values: Vec<f64>,
     gradients: Vec<f64>,
+    len: usize,
     width: usize,
+    /// Where the newest is.
+    at: usize,
 }
 
 impl Past {
+    const ROOM: usize = 64;
+
     fn new(len: usize, width: usize) -> Self {
-        Self { values: vec![0.0; len], gradients: vec![0.0; len * width], width }
+        let (rows, at) = (Self::ROOM + len, Self::ROOM);
+        Self { values: vec![0.0; rows], gradients: vec![0.0; rows * width], len, width, at }
     }
 
-    fn push(&mut self, value: f64, gradient: &[f64]) {
-        if self.values.is_empty() {
+    fn values(&self) -> &[f64] {
+        &self.values[self.at..self.at + self.len]
+    }
+
+    fn set(&mut self, i: usize, value: f64) {
+        self.values[self.at + i] = value;
+    }
+
+    fn gradient_mut(&mut self, i: usize) -> &mut [f64] {
+        let at = (self.at + i) * self.width;
+        &mut self.gradients[at..at + self.width]
+    }
+
+    fn push(&mut self, value: f64, gradient: impl Iterator<Item = f64>) {
+        if self.len == 0 {
             return;
         }
-        self.values.rotate_right(1);
-        self.values[0] = value;
-        self.gradients.rotate_right(self.width);
-        self.gradients[..self.width].copy_from_slice(gradient);
+        if self.at == 0 {
+            let kept = self.len - 1;
+            self.at = Self::ROOM + 1;
+            self.values.copy_within(..kept, self.at);
+            self.gradients.copy_within(..kept * self.width, self.at * self.width);
+        }
+        self.at -= 1;
+        self.set(0, value);
+        self.gradient_mut(0).iter_mut().zip(gradient).for_each(|(to, from)| *to = from);
     }
 
     /// Adds `Σ weights_i · signal(k−i)` to a value and to its gradient.
     fn add_to(&self, weights: &[f64], sign: f64, value: &mut f64, gradient: &mut [f64]) {
-        for (i, (weight, past)) in weights.iter().zip(&self.values).enumerate() {
+        for (weight, past) in weights.iter().zip(self.values()) {
             *value += sign * weight * past;
-            let row = &self.gradients[i * self.width..(i + 1) * self.width];
+        }
+        if self.width == 0 {
+            return;
+        }
+        let rows = self.gradients[self.at * self.width..].chunks_exact(self.width);
+        for (weight, row) in weights.iter().zip(rows.take(self.len)) {
+            let weight = sign * weight;
             for (sum, g) in gradient.iter_mut().zip(row) {
-                *sum += sign * weight * g;
+                *sum += weight * g;
             }
         }
     }
@@ -134,9 +166,9 @@ impl Predictor {
         let (mut w, mut v, mut e) =
             (Past::new(na, width), Past::new(d.len(), width), Past::new(nc, width));
         for (i, &value) in past.iter().enumerate() {
-            w.values[i] = value;
+            w.set(i, value);
             if with_gradient {
-                w.gradients[i * width + self.shared() + i] = 1.0;
+                w.gradient_mut(i)[self.shared() + i] = 1.0;
             }
         }
         let (mut dw, mut dx) = (vec![0.0; width], vec![0.0; width]);
@@ -144,7 +176,7 @@ impl Predictor {
             dw.fill(0.0);
             let mut simulated = 0.0;
             w.add_to(a, -1.0, &mut simulated, &mut dw);
-            for (slope, past) in dw.iter_mut().zip(&w.values) {
+            for (slope, past) in dw.iter_mut().zip(w.values()) {
                 *slope -= past;
             }
             for i in 0..orders.nb {
@@ -173,19 +205,19 @@ impl Predictor {
             e.add_to(c, 1.0, &mut expected, &mut dx);
             v.add_to(d, -1.0, &mut expected, &mut dx);
             if with_gradient {
-                for (slope, past) in dx[n..n + nc].iter_mut().zip(&e.values) {
+                for (slope, past) in dx[n..n + nc].iter_mut().zip(e.values()) {
                     *slope += past;
                 }
-                for (slope, past) in dx[d_columns..].iter_mut().zip(&v.values) {
+                for (slope, past) in dx[d_columns..].iter_mut().zip(v.values()) {
                     *slope -= past;
                 }
             }
 
             let found = if mu.is_finite() {
-                v.push(mu - simulated, &negated(&dw));
+                v.push(mu - simulated, dw.iter().map(|slope| -slope));
                 k >= first
             } else {
-                v.push(expected, &dx);
+                v.push(expected, dx.iter().copied());
                 false
             };
             if found {
@@ -193,17 +225,13 @@ impl Predictor {
                 for (slope, simulated) in dx.iter_mut().zip(&dw) {
                     *slope = -*slope - simulated;
                 }
-                e.push(error, &dx);
+                e.push(error, dx.iter().copied());
                 sink(error, &dx);
             } else {
                 dx.fill(0.0);
-                e.push(0.0, &dx);
+                e.push(0.0, dx.iter().copied());
             }
-            w.push(simulated, &dw);
+            w.push(simulated, dw.iter().copied());
         }
     }
-}
-
-fn negated(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|v| -v).collect()
 }

@@ -1,13 +1,11 @@
 //! The prediction errors of one residual channel over all its stretches, as a sum of squares.
 
-use faer::Mat;
-
 use super::{
     bordered::Bordered,
     gauss_newton::SumOfSquares,
     predictor::{Predictor, Stretch},
 };
-use crate::{arx::reflect, error::IdentError};
+use crate::{arx::reflect, columns::from_rows, error::IdentError};
 
 /// Parameters are the shared ones of the predictor, then the past of each stretch.
 #[derive(Clone, Debug)]
@@ -63,8 +61,7 @@ impl SumOfSquares for Problem {
             rows.extend_from_slice(&gradient[..shared]);
             rows.push(error);
         });
-        let block =
-            |rows: &Vec<f64>| Mat::from_fn(rows.len() / width, width, |i, j| rows[i * width + j]);
+        let block = |rows: &Vec<f64>| from_rows(rows, rows.len() / width, width);
         Bordered { own, shared, blocks: rows.iter().map(block).collect() }
     }
 

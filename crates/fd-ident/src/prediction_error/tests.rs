@@ -80,7 +80,7 @@ proptest! {
         });
         let y = Mat::from_fn(width, 1, |i, _| if i < rows { -errors[(i, 0)] } else { 0.0 });
         let step = x.qr().solve_lstsq(&y);
-        for (j, found) in Compressed::new(&problem.linearise(p)).step(damping).iter().enumerate() {
+        for (j, found) in Compressed::new(problem.linearise(p)).step(damping).iter().enumerate() {
             let expected = step[(j, 0)] / length(j);
             prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()) / length(j).min(1.0), "{} {}", found, expected);
         }
