@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drift = FaultSpec::add(Site::sensor(0), 100.0, FaultProfile::drift(1e-3));
     let later = run(3, vec![drift])?;
 
-    let spec: PipelineSpec = toml::from_str(SPEC)?;
+    let spec: PipelineSpec = SPEC.parse()?;
     let trained = train(&spec, &model, &[Healthy::split(&healthy, 0.7)])?;
     let trace = Trace::of(&mut trained.compensated()?, &later)?;
     println!("drift from sample 1000 on; the spec's detector: {:?}", trace.first_alarm(0));

@@ -1,10 +1,13 @@
 //! Every choice of a comparison.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{collections::BTreeSet, path::Path, str::FromStr};
 
 use fd_compensate::decide::Debouncing;
 use fd_core::Limits;
-use fd_model::fault::Site;
+use fd_model::{
+    fault::Site,
+    file::{SettingsError, read_settings},
+};
 use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
@@ -190,7 +193,25 @@ impl Default for CompareConfig {
     }
 }
 
+impl FromStr for CompareConfig {
+    type Err = toml::de::Error;
+
+    /// From TOML, compiled once: `toml::from_str` is compiled again wherever it is used.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        toml::from_str(text)
+    }
+}
+
 impl CompareConfig {
+    /// Reads a file.
+    ///
+    /// # Errors
+    ///
+    /// A file that is missing or wrong; a wrong one with line and key.
+    pub fn read(file: &Path) -> Result<Self, SettingsError> {
+        read_settings(file)
+    }
+
     /// The benchmark behind a scenario.
     pub(super) fn engine(&self, scenario: &Scenario) -> EngineConfig {
         EngineConfig {

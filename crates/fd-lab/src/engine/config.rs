@@ -1,5 +1,7 @@
 //! Every choice of the engine benchmark, with the paper's experiment as the default.
 
+use std::{path::Path, str::FromStr};
+
 use fd_compensate::{
     decide::{Debouncing, Sizing},
     detect::DEFAULT_MARGIN,
@@ -7,7 +9,10 @@ use fd_compensate::{
 use fd_core::{LimitError, Limits, Resource};
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
-use fd_model::uncertainty::MatrixPerturbation;
+use fd_model::{
+    file::{SettingsError, read_settings},
+    uncertainty::MatrixPerturbation,
+};
 use fdiag::spec::{
     ApplySpec, BiasSpec, DetectorSpec, GeneratorSpec, LearningSpec, OrderSpec, PipelineSpec,
     check_limits,
@@ -213,7 +218,25 @@ fn default_pipeline() -> PipelineSpec {
     }
 }
 
+impl FromStr for EngineConfig {
+    type Err = toml::de::Error;
+
+    /// From TOML, compiled once: `toml::from_str` is compiled again wherever it is used.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        toml::from_str(text)
+    }
+}
+
 impl EngineConfig {
+    /// Reads a file.
+    ///
+    /// # Errors
+    ///
+    /// A file that is missing or wrong; a wrong one with line and key.
+    pub fn read(file: &Path) -> Result<Self, SettingsError> {
+        read_settings(file)
+    }
+
     /// Compares the size of the benchmark and the numbers of its spec with limits.
     ///
     /// ```

@@ -62,7 +62,7 @@ unit = "m"
 sizes = {{ smallest = 1e-4, largest = 1.0, count = 5 }}
 "#
     );
-    toml::from_str(&text).unwrap()
+    text.parse().unwrap()
 }
 
 #[test]
@@ -119,9 +119,8 @@ fn a_comparison_does_not_go_on_with_another_model_file() {
     }
     let filter = r#"{ kind = "extended", model = "filter.toml", process_noise = 1e-3 }"#;
     fs::copy(directory.path().join("model.toml"), directory.path().join("filter.toml")).unwrap();
-    let filter = toml::from_str::<CompareConfig>(&format!(
-        "generators = [{{ name = \"filter\", spec = {filter} }}]"
-    ));
+    let filter =
+        format!("generators = [{{ name = \"filter\", spec = {filter} }}]").parse::<CompareConfig>();
     config.generators.append(&mut filter.unwrap().generators);
     config.begin_in(directory.path());
 
@@ -208,7 +207,7 @@ fn shipped_configurations_run() {
     for entry in fs::read_dir(folder).unwrap() {
         let folder = entry.unwrap().path();
         let text = fs::read_to_string(folder.join("compare.toml")).unwrap();
-        let mut config: CompareConfig = toml::from_str(&text).unwrap();
+        let mut config: CompareConfig = text.parse().unwrap();
         config.begin_in(&folder);
         config.check().unwrap();
         config.generators.truncate(1);

@@ -28,7 +28,7 @@ fn study(config: EngineConfig, threads: usize) -> Study {
 
 fn example(name: &str) -> EngineConfig {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/engine").join(name);
-    toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    std::fs::read_to_string(path).unwrap().parse().unwrap()
 }
 
 /// Text rather than `==`, because NaN (a delay that does not exist) differs from itself.
@@ -106,8 +106,7 @@ fn every_example_configuration_is_valid() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "toml") {
-            let config: EngineConfig =
-                toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+            let config: EngineConfig = std::fs::read_to_string(&path).unwrap().parse().unwrap();
             assert!(Benchmark::new(config).is_ok(), "{}", path.display());
             count += 1;
         }
@@ -268,8 +267,8 @@ fn the_road_agrees_with_an_independent_implementation() {
 fn configurations_survive_toml() {
     for config in [EngineConfig::default(), EngineConfig { seeds: 3, ..EngineConfig::default() }] {
         let text = toml::to_string(&config).unwrap();
-        assert_eq!(toml::from_str::<EngineConfig>(&text).unwrap(), config, "{text}");
+        assert_eq!(text.parse::<EngineConfig>().unwrap(), config, "{text}");
         let spec = toml::to_string(&config.pipeline).unwrap();
-        assert_eq!(toml::from_str::<PipelineSpec>(&spec).unwrap(), config.pipeline, "{spec}");
+        assert_eq!(spec.parse::<PipelineSpec>().unwrap(), config.pipeline, "{spec}");
     }
 }

@@ -60,7 +60,7 @@ fn the_fair_figure_is_smaller_than_the_paper_s() {
 #[test]
 fn nonlinear_engines_are_left_out() {
     let text = include_str!("../../../../examples/engine/nonlinear-mid.toml");
-    let mut config: EngineConfig = toml::from_str(text).unwrap();
+    let mut config: EngineConfig = text.parse().unwrap();
     (config.seeds, config.first_seed) = (1, 740_001);
     assert!(study(config).summary.on_line.is_none());
 }

@@ -115,7 +115,7 @@ fn a_threshold_is_void_while_the_input_moves_as_in_no_healthy_log() {
     let text = "calibration = { beyond = \"extrapolate\" }\n[detector]\nkind = \"adaptive-threshold\"\n\
                 corners = 3\nslowest_samples = 50\nmemory_samples = 20\nvoid_margin = 1.0\n\
                 false_alarms = { kind = \"per-sample\", rate = 0.01 }\n";
-    let study = study_with(toml::from_str(text).unwrap(), &log(&input(2000, 0), 0), &log(&u, 4));
+    let study = study_with(text.parse().unwrap(), &log(&input(2000, 0), 0), &log(&u, 4));
     let void = study.logs[1].void.as_ref().unwrap();
     assert_eq!(void.reason, VoidReason::InputMotion);
     assert!((99.9..100.3).contains(&void.since_s), "{void:?}");

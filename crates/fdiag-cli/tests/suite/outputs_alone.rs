@@ -56,7 +56,7 @@ fn study(generator: &str) -> LogStudy {
         healthy: vec![file("healthy.csv")],
         logs: vec![file("fresh.csv"), file("faulty.csv")],
         columns: None,
-        spec: toml::from_str(&spec).unwrap(),
+        spec: spec.parse().unwrap(),
         share_to_learn: 0.7,
         limits: Limits::default(),
     };

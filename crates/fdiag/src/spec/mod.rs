@@ -16,6 +16,8 @@ mod start;
 #[cfg(feature = "testing")]
 pub mod testing;
 
+use std::str::FromStr;
+
 use fd_compensate::{
     calibrate::CalibrationPlan,
     decide::{Debouncing, Sizing},
@@ -71,6 +73,15 @@ pub struct PipelineSpec {
     pub settle_s: Option<f64>,
     /// Most missing samples in a row that are replaced by the last good one; 0 refuses them.
     pub hold_missing: u64,
+}
+
+impl FromStr for PipelineSpec {
+    type Err = toml::de::Error;
+
+    /// From TOML, compiled once: `toml::from_str` is compiled again wherever it is used.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        toml::from_str(text)
+    }
 }
 
 impl Default for PipelineSpec {

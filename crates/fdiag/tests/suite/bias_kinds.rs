@@ -37,8 +37,8 @@ fn spec(structure: &str, learning: &str) -> PipelineSpec {
         })
         .collect::<Vec<_>>()
         .join("\n");
-    let spec: PipelineSpec = toml::from_str(&lines).unwrap();
-    let again: PipelineSpec = toml::from_str(&toml::to_string(&spec).unwrap()).unwrap();
+    let spec: PipelineSpec = lines.parse().unwrap();
+    let again: PipelineSpec = toml::to_string(&spec).unwrap().parse().unwrap();
     assert_eq!(again, spec);
     spec
 }
@@ -112,7 +112,7 @@ fn what_does_not_go_together_is_refused_by_name() {
         );
     }
     let unknown = SPEC.replace("kind = \"recursive\"", "kind = \"magic\"");
-    let error = toml::from_str::<PipelineSpec>(&unknown).unwrap_err().to_string();
+    let error = unknown.parse::<PipelineSpec>().unwrap_err().to_string();
     assert!(error.contains("box-jenkins") && error.contains("recursive-instrumental"), "{error}");
 }
 

@@ -71,7 +71,7 @@ fn a_drift_is_found_without_a_model() {
              detector = {{ kind = \"chi-square\", window = 5, false_alarms = {{ kind = \"per-run\", probability = 0.01, samples = 3000 }} }}\n\
              calibration.beyond = \"extrapolate\"\nrule = {{ raise = 3, out_of = 3 }}"
         );
-        let spec: PipelineSpec = toml::from_str(&text).unwrap();
+        let spec: PipelineSpec = text.parse().unwrap();
         let trained =
             train(&spec, &crate::support::nominal(), &[Healthy::split(&healthy, 0.5)]).unwrap();
         let drift = FaultSpec::add(Site::sensor(0), 150.0, FaultProfile::drift(1e-3));
@@ -94,7 +94,7 @@ fn the_example_runs() {
     let log = log.scaled(&model.scaling()).unwrap();
     let plant = model.system.sampled(log.ts()).unwrap();
     let text = std::fs::read_to_string(root.join("data-driven.toml")).unwrap();
-    let spec: PipelineSpec = toml::from_str(&text).unwrap();
+    let spec: PipelineSpec = text.parse().unwrap();
     let trained = train(&spec, &plant, &[Healthy::split(&log, 0.7)]).unwrap();
     for mut pipeline in [trained.uncompensated().unwrap(), trained.compensated().unwrap()] {
         let trace = Trace::of(&mut pipeline, &log).unwrap();

@@ -52,7 +52,7 @@ fn every_kind_is_trained_is_quiet_and_finds_a_fault() {
         let is_calibrated = name.contains("false_alarms") || name.contains("maximum");
         let spec = spec_with(detector);
         let text = toml::to_string(&spec).unwrap();
-        assert_eq!(toml::from_str::<PipelineSpec>(&text).unwrap(), spec, "{text}");
+        assert_eq!(text.parse::<PipelineSpec>().unwrap(), spec, "{text}");
 
         let mut logs = vec![Healthy::learn(&learn)];
         logs.extend(calibrate.iter().map(Healthy::calibrate));
@@ -90,7 +90,7 @@ fn a_fault_is_named_sized_and_given_a_probability() {
         let wanted = FalseAlarms::PerSample { rate: 2e-3 };
         let mut spec = spec_with(DetectorSpec::Cusum { reference: 1.0, false_alarms: wanted });
         let text = format!("isolation = {{ kind = \"{kind}\" }}\nsizing = {{ settling = 60 }}\n");
-        let chosen: PipelineSpec = toml::from_str(&text).unwrap();
+        let chosen: PipelineSpec = text.parse().unwrap();
         (spec.isolation, spec.sizing) = (chosen.isolation, chosen.sizing);
         if let IsolationSpec::Bayes { settings, .. } = &mut spec.isolation {
             settings.settling = 60;
@@ -106,7 +106,5 @@ fn a_fault_is_named_sized_and_given_a_probability() {
         let wide = |[low, high]: [f64; 2]| low < 0.05 && 0.05 < high;
         assert!(fault.size_interval.is_none_or(wide), "{fault:?}");
     }
-    assert!(
-        toml::from_str::<PipelineSpec>("isolation = { kind = \"bayes\", naming = 1.0 }").is_err()
-    );
+    assert!("isolation = { kind = \"bayes\", naming = 1.0 }".parse::<PipelineSpec>().is_err());
 }

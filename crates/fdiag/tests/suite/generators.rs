@@ -21,7 +21,7 @@ fn spec(generator: &str) -> PipelineSpec {
     let text = format!(
         "generator = {{ {generator} }}\nsettle_s = 5.0\nbias.orders = {{ kind = \"fixed\", na = 0, nb = 3 }}"
     );
-    toml::from_str(&text).unwrap()
+    text.parse().unwrap()
 }
 
 /// Trained on 200 s of the plant with slight sensor noise.
@@ -44,7 +44,7 @@ fn every_kind_is_trained_and_run() {
     let log = run(&plant(), &input(600, 3), 1e-4, 2);
     for (kind, _) in every_generator().unwrap() {
         let written = toml::to_string(&spec(kind)).unwrap();
-        assert_eq!(toml::from_str::<PipelineSpec>(&written).unwrap(), spec(kind), "{kind}");
+        assert_eq!(written.parse::<PipelineSpec>().unwrap(), spec(kind), "{kind}");
         let trained = trained(kind).unwrap_or_else(|error| panic!("{kind}: {error}"));
         let trace = Trace::of(&mut trained.compensated().unwrap(), &log).unwrap();
         assert_eq!(trace.channels, trained.design().residual_len(), "{kind}");

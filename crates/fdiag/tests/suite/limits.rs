@@ -107,7 +107,7 @@ const TOO_LARGE: [(&str, &str, Resource); 21] = [
 fn what_is_too_large_is_refused_by_its_key() {
     for (text, key, resource) in TOO_LARGE {
         let text = text.replace("RATE", "{ kind = 'per-sample', rate = 1e-2 }");
-        let spec: PipelineSpec = toml::from_str(&text).unwrap();
+        let spec: PipelineSpec = text.parse().unwrap();
         let error = spec.check_limits(&Limits::default()).unwrap_err();
         assert_eq!((error.what.as_str(), error.resource), (key, resource), "{text}");
     }

@@ -120,7 +120,7 @@ fn the_default_bias_model_finds_the_constant() {
 #[test]
 fn a_bias_that_does_not_pay_is_not_applied() {
     let orders = "[bias]\norders = { kind = \"fixed\", na = 2, nb = 3 }";
-    let spec: PipelineSpec = toml::from_str(orders).unwrap();
+    let spec: PipelineSpec = orders.parse().unwrap();
     let (log, fresh) = (healthy(1, 6000), healthy(2, 1000));
     let trained = train(&spec, &model(), &[Healthy::split(&log, 0.7)]).unwrap();
     for payment in trained.payments() {
@@ -131,7 +131,7 @@ fn a_bias_that_does_not_pay_is_not_applied() {
     let trace = Trace::of(&mut trained.compensated().unwrap(), &fresh).unwrap();
     assert_eq!(trace.residual, trace.compensated);
     // Whoever wants it nevertheless gets it.
-    let always: PipelineSpec = toml::from_str(&format!("{orders}\napply = \"always\"")).unwrap();
+    let always: PipelineSpec = format!("{orders}\napply = \"always\"").parse().unwrap();
     let trained = train(&always, &model(), &[Healthy::split(&log, 0.7)]).unwrap();
     let trace = Trace::of(&mut trained.compensated().unwrap(), &fresh).unwrap();
     assert_ne!(trace.residual, trace.compensated);
@@ -141,8 +141,7 @@ fn a_bias_that_does_not_pay_is_not_applied() {
 /// Of healthy runs about one in twenty alarms, as stated, and not all of them when the switch opens.
 #[test]
 fn the_stated_rate_holds_from_the_first_sample() {
-    let spec: PipelineSpec = toml::from_str(
-        r#"
+    let spec: PipelineSpec = r#"
         [bias]
         orders = { kind = "fixed", na = 2, nb = 3, delay = 0, offset = true }
         learning = { kind = "output-error" }
@@ -152,8 +151,8 @@ fn the_stated_rate_holds_from_the_first_sample() {
         false_alarms = { kind = "per-run", probability = 0.05, samples = 1000 }
         [calibration]
         beyond = "extrapolate"
-        "#,
-    )
+        "#
+    .parse()
     .unwrap();
     let logs: Vec<Record> = (0..30).map(|seed| healthy(100 + seed, 1000)).collect();
     let split: Vec<Healthy<'_>> = logs.iter().map(|log| Healthy::split(log, 0.7)).collect();

@@ -27,8 +27,9 @@ y2 = { unit = "1", value = "0.3*a + b" }
 "#;
 
 fn generator(kind: &str, settings: &str) -> GeneratorSpec {
-    let text = format!("kind = \"{kind}\"\n{settings}\nmodel = {{ text = '''{MODEL}''' }}");
-    toml::from_str(&text).unwrap()
+    let head = format!("[generator]\nkind = \"{kind}\"\n{settings}");
+    let text = format!("{head}\nmodel = {{ text = '''{MODEL}''' }}");
+    text.parse::<PipelineSpec>().unwrap().generator
 }
 
 fn residuals(generator: &mut dyn ResidualGenerator, log: &Record) -> Vec<f64> {
@@ -166,7 +167,7 @@ fn scales_are_taken_into_account() {
 fn what_does_not_fit_is_refused_in_words() {
     let log = run(&plant(), &input(300, 0), 1e-3, 1);
     let refusal = |text: &str, log: &Record| {
-        let spec: PipelineSpec = toml::from_str(text).unwrap();
+        let spec: PipelineSpec = text.parse().unwrap();
         match train(&spec, &nominal(), &[Healthy::split(log, 0.7)]) {
             Err(TrainingError::Nonlinear(error)) => error.to_string(),
             other => panic!("{other:?}"),
@@ -220,9 +221,9 @@ fn the_engine_is_a_model_of_a_filter() {
     for (kind, more) in [("extended", ""), ("extended", "linearised_over = 10"), ("unscented", "")]
     {
         let text = format!(
-            "kind = \"{kind}\"\n{more}\nprocess_noise = 1e-3\noutput_noise = 5e-4\nmodel = {{ text = '''{engine}''' }}"
+            "[generator]\nkind = \"{kind}\"\n{more}\nprocess_noise = 1e-3\noutput_noise = 5e-4\nmodel = {{ text = '''{engine}''' }}"
         );
-        let spec: GeneratorSpec = toml::from_str(&text).unwrap();
+        let PipelineSpec { generator: spec, .. } = text.parse().unwrap();
         let design = spec.design(&linear, None, std::slice::from_ref(&log)).unwrap();
         let r = residuals(&mut *design.build().unwrap(), &log);
         for (r, y) in r.iter().zip(&y) {

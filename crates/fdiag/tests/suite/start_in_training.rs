@@ -23,7 +23,7 @@ fn spec() -> PipelineSpec {
          convergence = { tolerance = 1e-2 }
          plant_change = { policy = \"retrain\", window = 200 }",
     );
-    toml::from_str(&text).unwrap()
+    text.parse().unwrap()
 }
 
 fn healthy(samples: usize, variant: u32) -> Record {
@@ -101,6 +101,6 @@ fn healthy_logs_that_are_too_short_to_open_the_switch_are_refused() {
 
 #[test]
 fn an_unknown_start_is_refused_with_the_known_ones() {
-    let error = toml::from_str::<PipelineSpec>("start = \"asleep\"").unwrap_err().to_string();
+    let error = "start = \"asleep\"".parse::<PipelineSpec>().unwrap_err().to_string();
     assert!(error.contains("fitted") && error.contains("training"), "{error}");
 }

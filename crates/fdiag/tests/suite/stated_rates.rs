@@ -101,7 +101,7 @@ fn alarms(case: &Case) -> Option<u32> {
          calibration = {{ beyond = \"extrapolate\", records = 1 }}",
         order + 1,
     );
-    let spec: PipelineSpec = toml::from_str(&text).unwrap();
+    let spec: PipelineSpec = text.parse().unwrap();
     let model = system(case.poles.iter().map(|(model, _)| *model), 1.0);
     let plant = system(case.poles.iter().map(|(_, plant)| *plant), 1.0 - case.lost);
     let run = |i: u32| healthy(&plant, case.noise, case.seed.wrapping_add(u64::from(i)));

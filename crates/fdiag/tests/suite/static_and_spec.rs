@@ -160,7 +160,7 @@ fn by_hand_and_from_a_spec_are_identical_to_the_bit() {
 
 /// The message of a wrong spec.
 fn refusal(text: &str) -> String {
-    toml::from_str::<PipelineSpec>(text).unwrap_err().to_string()
+    text.parse::<PipelineSpec>().unwrap_err().to_string()
 }
 
 fn assert_lists(message: &str, found: &str, known: &[&str]) {
@@ -201,20 +201,19 @@ fn specs_survive_toml() {
     let specs = [
         spec(),
         PipelineSpec::default(),
-        toml::from_str(
-            r#"
+        r#"
             hold_missing = 3
             generator = { kind = "parity", order = 4 }
             bias.orders = { kind = "select", most = 4, criterion = "bic", offset = true }
             bias.learning = { kind = "batch", prefilter_rad_s = 8.0 }
             compensation.operating_point.policy = { kind = "retrain-after", samples = 9, band = 0.1 }
             compensation.convergence.longest = 500
-            "#,
-        )
+            "#
+        .parse()
         .unwrap(),
     ];
     for spec in specs {
         let text = toml::to_string(&spec).unwrap();
-        assert_eq!(toml::from_str::<PipelineSpec>(&text).unwrap(), spec, "{text}");
+        assert_eq!(text.parse::<PipelineSpec>().unwrap(), spec, "{text}");
     }
 }

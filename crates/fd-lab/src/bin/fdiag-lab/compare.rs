@@ -12,7 +12,6 @@ use fd_console::{
     progress::Bar,
     provenance::command,
     say::{remark, say},
-    toml_file,
 };
 
 use super::args::CompareArgs;
@@ -73,7 +72,7 @@ fn configuration(args: &CompareArgs) -> Result<CompareConfig, Failure> {
     let mut config: CompareConfig = match &args.config {
         None => CompareConfig::default(),
         Some(file) => {
-            let mut config: CompareConfig = toml_file::read(file)?;
+            let mut config = CompareConfig::read(file).map_err(Failure::of_input)?;
             config.begin_in(file.parent().unwrap_or(Path::new("")));
             config
         }

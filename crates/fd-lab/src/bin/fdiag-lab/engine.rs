@@ -13,7 +13,6 @@ use fd_console::{
     pool::pool,
     progress::Bar,
     say::say,
-    toml_file,
 };
 
 use super::args::EngineArgs;
@@ -90,7 +89,7 @@ fn write_files(args: &EngineArgs, config: EngineConfig, directory: &Path) -> Res
 fn configuration(args: &EngineArgs) -> Result<EngineConfig, Failure> {
     let mut config = match &args.config {
         None => EngineConfig::default(),
-        Some(file) => toml_file::read(file)?,
+        Some(file) => EngineConfig::read(file).map_err(Failure::of_input)?,
     };
     if let Some(seeds) = args.seeds {
         config.seeds = seeds;

@@ -3,7 +3,6 @@
 use fd_console::{
     failure::{ExitCode, Failure},
     say::{remark, say},
-    toml_file,
 };
 use fd_lab::{
     compare::CompareConfig,
@@ -19,7 +18,7 @@ const STATED: f64 = 0.05;
 pub(crate) fn run(args: &RatesArgs) -> Result<ExitCode, Failure> {
     let mut columns: Vec<(String, Vec<Rate>)> = Vec::new();
     for file in &args.config {
-        let mut config: CompareConfig = toml_file::read(file)?;
+        let mut config = CompareConfig::read(file).map_err(Failure::of_input)?;
         if let Some(folder) = file.parent() {
             config.begin_in(folder);
         }

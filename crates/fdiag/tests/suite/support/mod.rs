@@ -39,7 +39,7 @@ clear = 5
 "#;
 
 pub fn spec() -> PipelineSpec {
-    toml::from_str(SPEC).unwrap()
+    SPEC.parse().unwrap()
 }
 
 pub fn ts() -> SampleTime {

@@ -19,7 +19,7 @@ fn model() -> LinearModel {
 
 /// Units learn from forty samples each.
 fn plan() -> Plan {
-    let spec = toml::from_str(SPEC).unwrap();
+    let spec = SPEC.parse().unwrap();
     let learning = Learning::Stream { samples: 400 };
     Request { spec, most_units: 50, ..Request::new(model(), learning) }.plan().unwrap()
 }

@@ -112,7 +112,7 @@ pub fn specs() -> Target {
     let all = [seeds(&["examples/micro-gas-turbine/spec.toml"]), vec![own.into()]].concat();
     Target::new("specs", all, |input| {
         with_text(input, |text| {
-            said(toml::from_str::<PipelineSpec>(text), |spec| {
+            said(text.parse::<PipelineSpec>(), |spec| {
                 said(spec.check_limits(&Limits::default()), |()| {
                     said(toml::to_string(&spec), |_| "written again".to_owned())
                 })
