@@ -42,12 +42,6 @@ pub trait Suspects: Debug + Send + Sync {
     /// Candidates on a model that has the effect of `first` in it. They have its parameters as
     /// well as their own, which come last.
     fn beside(&self, first: &Candidate) -> Offers;
-
-    /// A model in which some of the candidates were fitted before, with all values settled: fits start from there
-    /// as well, by the names of parameters. Usually none.
-    fn fitted(&self) -> Option<&Model> {
-        None
-    }
 }
 
 /// Candidates that are there already, and nothing beside them.

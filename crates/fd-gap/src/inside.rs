@@ -12,8 +12,8 @@ use fd_effect::{Candidate, SiteRef};
 
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, Monitor, Regime, Settings, Verdict, diagnose, follows_anything,
-        glimpse, is_a_pair, is_curve_of_signal, wanders,
+        Case, Cause, Diagnosis, Monitor, Regime, SetSearch, Settings, Verdict, Wanted, diagnose,
+        follows_anything, is_a_pair, is_curve_of_signal, wanders,
     },
     fit::FitError,
 };
@@ -81,9 +81,9 @@ pub fn inside(
         return Ok(None);
     }
     if !around.names_all() {
-        // What comes near the noise from far above it is seen at first sight.
+        // What comes near the noise from far above it is seen before a whole diagnosis.
         let is_far = around.regime == Regime::AboveTheFloor && !around.is_logged_loop;
-        if is_far && glimpse(case, &settings.for_one_law(), monitor)?.is_far {
+        if is_far && !comes_near(case, around, settings, monitor)? {
             return Ok(None);
         }
         let found = diagnose(case, settings, monitor)?;
@@ -110,6 +110,19 @@ pub fn inside(
     let found = diagnose(case, &singles, monitor)?;
     let is_named = matches!(found.verdict, Verdict::Cause | Verdict::Tied);
     Ok((is_named && explains_more(&found, around, settings)).then_some(found))
+}
+
+/// Whether any single effect inside, or around, comes near the noise.
+fn comes_near(
+    case: &Case<'_>,
+    around: &Diagnosis,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<bool, FitError> {
+    let search = SetSearch::new(case, around, None, false, settings, monitor)?;
+    let none = search.none()?;
+    let found = search.beside(&none, &Wanted { candidate: &|_| true, least: 0.0 })?;
+    Ok(found.iter().any(|set| !search.is_far(set)))
 }
 
 /// Whether what a diagnosis names are parameters that wander, and nothing else.

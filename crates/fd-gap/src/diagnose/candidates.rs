@@ -2,7 +2,10 @@
 
 use fd_effect::{Candidate, Kind, Suspects};
 
-use super::result::NotTested;
+use super::{
+    case::Case,
+    result::{Cause, NotTested},
+};
 
 /// The family of free curves, which follow a misfit without being a law of anything.
 const FREE_CURVES: &str = "map";
@@ -58,6 +61,13 @@ pub(crate) fn is_curve_of_signal(candidate: &Candidate) -> bool {
 /// Whether it follows one log as it pleases: a free curve, or a parameter that wanders.
 pub(crate) fn follows_anything(candidate: &Candidate) -> bool {
     is_free_curve(candidate) || wanders(candidate.label)
+}
+
+/// Whether a cause is one of the suspects, and a law: nothing that follows one log as it pleases.
+pub(crate) fn is_law(case: &Case<'_>, cause: &Cause) -> bool {
+    let is_it = |c: &Candidate| c.identity() == cause.identity() && c.law == cause.law;
+    let own = case.suspects.alone().into_iter().flatten().find(is_it);
+    own.is_some_and(|own| own.kind == Kind::Simulation && !follows_anything(&own))
 }
 
 /// Whether effects of this label are parameters that wander.

@@ -103,8 +103,8 @@
 //! Before the first step, `feedback.rs` decides whether the controller in the loop saw the logged outputs; if
 //! so, it is run on these ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Logs that seem to begin in motion are
 //! prepared twice, with stated and with free initial states, and go through all steps to `Judged` twice; the
-//! judgement with stated initial states is kept unless the other one explains clearly more. `glimpse.rs` ends after single
-//! causes, for [`road`](mod@crate::road) on its way to the noise.
+//! judgement with stated initial states is kept unless the other one explains clearly more. `sets/` fits several
+//! effects together, here two, and for [`road`](mod@crate::road) as many as there are.
 //!
 //! # Where a rule goes
 //!
@@ -130,12 +130,12 @@
 //! `docs/constants.md` lists the numbers in these rules and how they were set.
 
 mod accidents;
+mod adjustable;
 mod candidates;
 mod case;
 mod commanded;
 mod context;
 mod feedback;
-mod glimpse;
 mod judge;
 mod monitor;
 mod objection;
@@ -143,6 +143,7 @@ mod prepare;
 mod report;
 mod result;
 mod search;
+mod sets;
 mod settings;
 mod weigh;
 
@@ -157,14 +158,8 @@ use self::{
     search::search,
     weigh::weigh,
 };
-pub(crate) use self::{
-    candidates::{follows_anything, is_curve_of_signal, wanders},
-    glimpse::glimpse,
-    prepare::prepare,
-    report::objections::FAINT,
-    weigh::{answer::is_a_pair, explain::settle, values::FittedValues},
-};
 pub use self::{
+    adjustable::adjustable,
     case::Case,
     commanded::commanded,
     feedback::saw_the_log,
@@ -175,6 +170,14 @@ pub use self::{
         Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
     settings::{Beginning, Settings, Without},
+};
+pub(crate) use self::{
+    candidates::{follows_anything, is_curve_of_signal, is_law, wanders},
+    judge::NAMED,
+    prepare::prepare,
+    report::objections::FAINT,
+    sets::{EffectSet, SetSearch, Wanted},
+    weigh::answer::is_a_pair,
 };
 use crate::fit::FitError;
 
@@ -226,8 +229,6 @@ pub(crate) struct Told {
     pub(crate) diagnosis: Diagnosis,
     /// Whether both beginnings were tried.
     pub(crate) is_doubted: bool,
-    /// What was believed.
-    pub(crate) beginning: Beginning,
 }
 
 /// One diagnosis, and another one without single wrong samples if it shows any, unless the logs are `clean` of them.
@@ -257,10 +258,8 @@ pub(crate) fn told(
     };
     let accidents = if clean { None } else { Accidents::of(&judged, case) };
     let Some(Accidents { findings, logs }) = accidents else {
-        let in_motion = judged.singles.base.plan().logs.iter().any(|log| log.is_in_motion);
-        let beginning = if in_motion { Beginning::InMotion } else { Beginning::AsStated };
         let diagnosis = report(judged, &feedback.plain(case), &feedback, &context)?;
-        return Ok(Told { diagnosis, is_doubted, beginning });
+        return Ok(Told { diagnosis, is_doubted });
     };
     let before = report::simulations(&judged);
     let mut again = told(&Case { logs: &logs, ..*case }, settings, monitor, true)?;

@@ -9,7 +9,7 @@ use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::objection::Objection;
+use super::{objection::Objection, settings::Beginning};
 use crate::quality::Finding;
 
 pub use self::held_out::HeldOut;
@@ -82,6 +82,9 @@ pub struct Diagnosis {
     pub not_tested: Vec<NotTested>,
     /// Parameters that are not known exactly and move no output in these logs: nothing here speaks of their values.
     pub idle: Vec<String>,
+    /// Whether logs were taken to begin in motion, wherever the model says that they begin; not serialised.
+    #[serde(skip)]
+    pub is_in_motion: bool,
     /// Whether it was stopped before its end: causes and pairs may be missing.
     pub is_stopped: bool,
     /// Simulations of all logs that were made.
@@ -112,6 +115,11 @@ impl Diagnosis {
     pub fn names_all(&self) -> bool {
         let is_named = matches!(self.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
         is_named && self.explains_all()
+    }
+
+    /// Where it took the logs to begin.
+    pub(crate) fn beginning(&self) -> Beginning {
+        if self.is_in_motion { Beginning::InMotion } else { Beginning::AsStated }
     }
 
     /// Whether the best explanation comes down to the noise, named or not.

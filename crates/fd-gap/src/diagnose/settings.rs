@@ -51,9 +51,9 @@ pub enum Beginning {
 }
 
 /// Causes that are fitted to the end where only the best law is wanted.
-const FINALISTS: usize = 4;
+const FINALISTS: usize = 3;
 /// Causes that are fitted at all there.
-const SHORTLIST: usize = 12;
+const SHORTLIST: usize = 6;
 
 impl Settings {
     /// What is needed to find the best law, and no more: two at a time would take as long as all the rest.

@@ -103,8 +103,7 @@ pub fn with_few_runs(
     // A log with a channel of that name has no stand-in.
     let Ok(records) = records.collect::<Result<Vec<_>, _>>() else { return Ok(None) };
     let proposing = Case { nominal: &stand_in, logs: &records, held_out: &[], ..*case };
-    let Told { diagnosis: proposed, is_doubted, mut beginning } =
-        told(&proposing, settings, monitor, false)?;
+    let Told { diagnosis: proposed, is_doubted } = told(&proposing, settings, monitor, false)?;
     let causes = Some(proposed.causes.len());
     let mut proposals = Proposals::of(&proposed, case.suspects, effort);
     // What one run shows of a simulator with noise in itself is no better place.
@@ -114,7 +113,7 @@ pub fn with_few_runs(
     } else {
         None
     };
-    beginning = if repeats { beginning } else { settings.beginning };
+    let mut beginning = if repeats { proposed.beginning() } else { settings.beginning };
     let runs = runs + best.as_ref().map_or(0, StandIn::runs);
     let settings = Settings { causes, ..settings.clone() };
     if let Some(best) = &best {
@@ -123,7 +122,7 @@ pub fn with_few_runs(
         let doubt = if is_doubted { Beginning::Doubted } else { Beginning::AsStated };
         let near = Settings { beginning: doubt, ..settings.clone() };
         let near = told(&proposing, &near, monitor, false)?;
-        beginning = near.beginning;
+        beginning = near.diagnosis.beginning();
         proposals = Proposals::of(&near.diagnosis, case.suspects, effort);
     }
     let stand_in = best.unwrap_or(stand_in);

@@ -1,29 +1,30 @@
 //! Along the road: as far as forecasts bear out far above the noise, by evidence near it.
 
-use fd_sim::model::Model;
+use std::cell::Cell;
 
 use super::{
-    adjustable::With,
-    beside::Beside,
     beyond::beyond,
     by_evidence::by_evidence,
-    eliminate::Judge,
-    finish::{Found, at, finish, judged_at, total},
-    list::{Listed, Lists},
+    finish::{at, finish, judged_at, total},
     result::{End, Road},
     to_the_noise::to_the_noise,
 };
 use crate::{
-    diagnose::{Case, Diagnosis, Monitor, Regime, Settings, Verdict},
+    diagnose::{
+        Case, Cause, Diagnosis, EffectSet, Monitor, Regime, SetSearch, Settings, Verdict, is_law,
+    },
     fit::{FitError, Horizon},
 };
+
+/// Most looks beside a set on the way.
+const LOOKS: usize = 32;
 
 /// How far a road may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Most causes.
     pub most: usize,
-    /// Whether runs are dear: then there are no lists by evidence, which cost up to sixteen diagnoses.
+    /// Whether runs are dear: then there are no lists by evidence.
     pub is_dear: bool,
 }
 
@@ -41,39 +42,44 @@ impl From<usize> for Bounds {
 }
 
 /// A diagnosis, and what is needed to go on from it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct Journey<'a> {
-    pub(super) case: &'a Case<'a>,
+    /// Looks beside a set that can still be taken.
+    pub(super) looks: &'a Cell<usize>,
     pub(super) first: &'a Diagnosis,
-    pub(super) settings: &'a Settings,
+    pub(super) search: &'a SetSearch<'a>,
     /// Most causes.
     pub(super) most: usize,
-    pub(super) lists: Lists<'a>,
     /// Horizon at which forecasts judge; `None` without held-out logs.
     pub(super) horizon: Option<Horizon>,
 }
 
-impl<'a> Journey<'a> {
-    /// Asks about the model with a list in it and what can be tried beside that; what is in a `fitted` model starts from
-    /// there as well.
-    pub(super) fn beside<R>(
-        &self,
-        list: &[Listed],
-        fitted: Option<&Model>,
-        ask: impl FnOnce(&Case<'_>) -> R,
-    ) -> R {
-        let nominal = With { nominal: self.case.nominal, model: self.lists.model(list).clone() };
-        let suspects = Beside { fitted, ..self.lists.beside(list) };
-        ask(&Case { nominal: &nominal, suspects: &suspects, ..*self.case })
+impl Journey<'_> {
+    /// Noise floor of held-out logs, in sigma; NaN without any.
+    pub(super) fn floor(&self) -> f64 {
+        total(at(self.first, self.horizon), self.search.sigma(), |h| &h.floor)
     }
+}
 
-    /// What compares forecasts; `None` without held-out logs.
-    pub(super) fn judge(&self) -> Option<Judge<'a>> {
-        let Self { case, first, settings, .. } = *self;
-        let (horizon, sigma) = (self.horizon?, first.sigma.as_slice());
-        let floor = total(at(first, Some(horizon)), sigma, |h| &h.floor);
-        Some(Judge { case, settings, horizon, sigma, floor, regime: first.regime })
-    }
+/// A set that was found, a name for each member, and why it ends there.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) set: EffectSet,
+    pub(super) named: Vec<Named>,
+    pub(super) end: End,
+}
+
+/// What is said of a cause in a set.
+#[derive(Clone, Debug)]
+pub(super) struct Named {
+    /// Logarithm of the evidence beside all others.
+    pub(super) log_evidence: f64,
+    /// Probability, together with those that the log cannot tell from it.
+    pub(super) probability: f64,
+    /// Labels of these.
+    pub(super) tied: Vec<String>,
+    /// Probability over that of the best cause beside the same others, curves included.
+    pub(super) odds: f64,
 }
 
 /// Goes on from a diagnosis as long as causes help and as far as the `bounds` allow. `None` where one answer is
@@ -91,31 +97,45 @@ pub fn road(
     monitor: &dyn Monitor,
 ) -> Result<Option<Road>, FitError> {
     let Bounds { most, is_dear } = bounds.into();
-    if first.is_logged_loop || first.verdict == Verdict::NoGap {
+    if first.is_logged_loop || first.verdict == Verdict::NoGap || is_all(case, first, is_dear) {
         return Ok(None);
     }
-    let model = case.nominal.model();
-    let parameters: Vec<String> = model.parameters.iter().map(|p| p.name.clone()).collect();
-    let lists = Lists { suspects: case.suspects, model, parameters: &parameters };
     let horizon = judged_at(first, settings);
-    let journey = Journey { case, first, settings, most, lists, horizon };
-    let found = match first.regime {
-        Regime::AtTheFloor if is_dear => None,
-        Regime::AtTheFloor => simulated(by_evidence(&journey, monitor))?,
-        Regime::AboveTheFloor => {
-            let found = simulated(beyond(&journey, monitor).map(Some))?;
-            let is_open = found.as_ref().is_none_or(|found| found.end == End::NothingHelps);
-            if is_open && !is_dear {
-                let believed = found.as_ref().map_or(&[][..], |found| &found.list);
-                simulated(to_the_noise(&journey, believed, monitor))?.or(found)
-            } else {
-                found
-            }
-        }
+    let looks = &Cell::new(LOOKS);
+    let begin = |may_be_in_windows| {
+        SetSearch::new(case, first, horizon, may_be_in_windows, settings, monitor).map(Some)
     };
-    found
-        .filter(|found: &Found| !found.list.is_empty())
-        .map_or(Ok(None), |found| simulated(finish(&journey, found)))
+    if first.regime == Regime::AtTheFloor {
+        let Some(search) = simulated(begin(false))? else { return Ok(None) };
+        return simulated(by_evidence(&Journey { looks, first, search: &search, most, horizon }));
+    }
+    let Some(search) = simulated(begin(true))? else { return Ok(None) };
+    let journey = Journey { looks, first, search: &search, most, horizon };
+    let found = simulated(beyond(&journey))?;
+    let is_open = found.as_ref().is_none_or(|found| found.end == End::NothingHelps);
+    if is_open && !is_dear {
+        let believed = found.as_ref().map_or_else(Vec::new, |found| found.set.causes());
+        // What explains everything does so from the beginning of the log to its end.
+        let free = simulated(begin(false))?;
+        let search = free.as_ref().unwrap_or(&search);
+        let explained = simulated(to_the_noise(&Journey { search, ..journey }, &believed))?;
+        if explained.is_some() {
+            return Ok(explained);
+        }
+    }
+    match found {
+        Some(found) => simulated(finish(&journey, found).map(Some)),
+        None => Ok(None),
+    }
+}
+
+/// Whether near the noise what was found is all there is to say.
+fn is_all(case: &Case<'_>, first: &Diagnosis, is_dear: bool) -> bool {
+    let is_single = matches!(first.verdict, Verdict::Cause | Verdict::Tied);
+    let is_explained = is_single && !first.is_unexplained;
+    let is_law = |cause: &Cause| is_law(case, cause);
+    first.regime == Regime::AtTheFloor
+        && (is_dear || is_explained && first.causes.first().is_none_or(is_law))
 }
 
 /// What was found, unless a list on the way to it cannot be simulated: then there is none, and the one cause stands.

@@ -1,59 +1,124 @@
 //! The end of a road: which causes are missed, what each takes away, and what all of them leave.
 
 use super::{
-    drive::Journey,
-    eliminate::{Eliminated, Refitted},
-    list::Listed,
-    result::{End, Milestone, Road},
+    drive::{Found, Journey, Named},
+    result::{Milestone, Road},
 };
 use crate::{
-    diagnose::{Diagnosis, HeldOut, Settings},
+    diagnose::{Cause, Diagnosis, EffectSet, HeldOut, Regime, Settings, adjustable},
     fit::{FitError, Horizon},
-    shrink::{Closed, closed, gap},
+    shrink::{Errors, gap},
 };
 
-/// What was found on the way.
-#[derive(Debug)]
-pub(super) struct Found {
-    pub(super) list: Vec<Listed>,
-    /// Held-out gap without any cause, and after each, in sigma; NaN where it is not known.
-    pub(super) gaps: Vec<f64>,
-    pub(super) end: End,
+/// Looks back: which causes are missed, what each takes away, and what all of them leave.
+pub(super) fn finish(journey: &Journey<'_>, found: Found) -> Result<Road, FitError> {
+    let Found { set, named, end } = found;
+    let (set, named) = match journey.first.regime {
+        Regime::AtTheFloor => largest_first(journey, set, named),
+        Regime::AboveTheFloor => (set, named),
+    };
+    let (set, named, dropped) = missed(journey, set, named)?;
+    // With each cause, beside those before it alone.
+    let mut forecasts = vec![journey.search.forecast(&journey.search.none()?)?];
+    for n in 1..set.members.len() {
+        let places: Vec<usize> = (0..n).collect();
+        let before = journey.search.only(&set, &places);
+        forecasts.push(before.map_or(Ok(None), |before| journey.search.forecast(&before))?);
+    }
+    forecasts.push(journey.search.forecast(&set)?);
+    let sizes: Vec<f64> = forecasts.iter().map(|errors| size(errors.as_deref())).collect();
+    let [before, after] = [sizes[0], sizes[sizes.len() - 1]];
+    let left = (after / before).min(1.0);
+    let noise = (journey.floor() / before).min(left);
+    let causes = set.causes();
+    let model = causes.first().map(|cause| adjustable(&cause.model, &causes));
+    let model = model.ok_or(FitError::Diverged)?;
+    let causes = causes.into_iter().zip(named).zip(forecasts.windows(2).zip(sizes.windows(2)));
+    let causes = causes.map(|((cause, named), (forecasts, sizes))| {
+        let Named { log_evidence, probability, tied, odds } = named;
+        let share = (sizes[0] - sizes[1]) / before;
+        let share = share.is_finite().then_some(share);
+        let closed = journey.closed(forecasts[0].as_deref(), forecasts[1].as_deref());
+        Milestone { cause: Cause { log_evidence, ..cause }, probability, tied, share, closed, odds }
+    });
+    let causes: Vec<Milestone> = causes.collect();
+    let [first, .., last] = forecasts.as_slice() else { return Err(FitError::Diverged) };
+    Ok(Road {
+        causes,
+        unexplained: left - noise,
+        noise,
+        closed: journey.closed(first.as_deref(), last.as_deref()),
+        end,
+        dropped,
+        model,
+    })
 }
 
-/// Looks back: which causes are missed, what each takes away, and what all of them leave.
-pub(super) fn finish(
+/// Root mean square of what a set leaves of held-out logs, in sigma; NaN without any, or where it diverges.
+pub(super) fn left(journey: &Journey<'_>, set: &EffectSet) -> Result<f64, FitError> {
+    Ok(size(journey.search.forecast(set)?.as_deref()))
+}
+
+fn size(errors: Option<&Errors>) -> f64 {
+    errors.map_or(f64::NAN, gap)
+}
+
+/// A set in the order of the evidence of each member beside all others.
+fn largest_first(
     journey: &Journey<'_>,
-    Found { list, gaps, end }: Found,
-) -> Result<Option<Road>, FitError> {
-    let Journey { case, settings, lists, .. } = *journey;
-    let model = lists.model(&list).clone();
-    let mut causes: Vec<Milestone> = list.into_iter().map(|listed| listed.milestone).collect();
-    let plain = |causes, model| {
-        let (dropped, closed) = (Vec::new(), None);
-        Road { causes, unexplained: f64::NAN, noise: f64::NAN, closed, end, dropped, model }
-    };
-    let Some(judge) = journey.judge() else { return Ok(Some(plain(causes, model))) };
-    let floor = judge.floor;
-    for (cause, gap) in causes.iter_mut().zip(gaps.windows(2)) {
-        cause.share = Some((gap[0] - gap[1]) / gaps[0]);
+    set: EffectSet,
+    named: Vec<Named>,
+) -> (EffectSet, Vec<Named>) {
+    let mut places: Vec<usize> = (0..named.len()).collect();
+    places.sort_by(|a, b| named[*b].log_evidence.total_cmp(&named[*a].log_evidence));
+    match journey.search.only(&set, &places) {
+        Some(sorted) => (sorted, places.into_iter().map(|place| named[place].clone()).collect()),
+        None => (set, named),
     }
-    let Eliminated { model, refitted, dropped } = judge.eliminate(model, &mut causes)?;
-    let (Some(before), Some(after)) = (judge.refitted(case.nominal.model())?, refitted) else {
-        return Ok(Some(Road { dropped, ..plain(causes, model) }));
-    };
-    let Refitted { errors: after, model } = after;
-    let before = before.errors;
-    let left = (gap(&after) / gap(&before)).min(1.0);
-    let noise = (floor / gap(&before)).min(left);
-    // Shares of the way there; what was dropped is left to the others.
-    let kept: f64 = causes.iter().filter_map(|cause| cause.share).sum();
-    for share in causes.iter_mut().filter_map(|cause| cause.share.as_mut()) {
-        *share *= if 0.0 < kept { (1.0 - left) / kept } else { 1.0 };
+}
+
+/// A set without the causes that held-out forecasts do not miss, the last one excepted, which was accepted with all others
+/// there; and the labels of those.
+fn missed(
+    journey: &Journey<'_>,
+    mut set: EffectSet,
+    mut named: Vec<Named>,
+) -> Result<(EffectSet, Vec<Named>, Vec<String>), FitError> {
+    let search = journey.search;
+    let (mut dropped, mut i) = (Vec::new(), 0);
+    let mut fuller = search.forecast(&set)?;
+    while i + 1 < set.members.len() && fuller.is_some() {
+        let others: Vec<usize> = (0..set.members.len()).filter(|j| *j != i).collect();
+        let plainer = search.only(&set, &others);
+        let forecast = match &plainer {
+            Some(plainer) => search.forecast(plainer)?,
+            None => None,
+        };
+        match plainer.filter(|_| !is_missed(journey, forecast.as_deref(), fuller.as_deref())) {
+            Some(plainer) => {
+                dropped.push(set.members[i].label.to_owned());
+                named.remove(i);
+                (set, fuller) = (plainer, forecast);
+            }
+            None => i += 1,
+        }
     }
-    let closed = closed(&before, &after, floor, settings.replicas, settings.seed);
-    let closed = closed.map(Closed::between_runs);
-    Ok(Some(Road { causes, unexplained: left - noise, noise, closed, end, dropped, model }))
+    Ok((set, named, dropped))
+}
+
+/// Whether held-out forecasts of the fuller model are clearly better, or, where evidence has spoken, not clearly
+/// worse; where one of the two diverges, nobody knows.
+fn is_missed(journey: &Journey<'_>, plainer: Option<&Errors>, fuller: Option<&Errors>) -> bool {
+    let is_evident = journey.first.regime == Regime::AtTheFloor;
+    if plainer.is_none() || fuller.is_none() {
+        return true;
+    }
+    match journey.closed(plainer, fuller).map(|closed| closed.interval) {
+        Some([_, high]) if is_evident => 0.0 <= high,
+        Some([low, _]) => 0.0 < low,
+        // Nothing is left to be shared out.
+        None => is_evident,
+    }
 }
 
 /// The horizon at which forecasts judge all the way: that of the fits, if held-out logs were forecast at that, or the

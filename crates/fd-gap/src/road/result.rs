@@ -31,10 +31,10 @@ pub struct Road {
 /// A cause on the road.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Milestone {
-    /// The cause, as it was found.
+    /// The cause, with its values beside all others.
     pub cause: Cause,
-    /// Probability when it was found, near the noise among the known causes, together with those that the log cannot tell
-    /// from it.
+    /// Probability when it was found, near the noise among the laws that could take its place, together with those that
+    /// the log cannot tell from it.
     pub probability: f64,
     /// Labels of these.
     pub tied: Vec<String>,

@@ -1,7 +1,7 @@
 //! Patched models as files: the simulator with the cause in it.
 
 use fd_gap::{
-    diagnose::{Cause, Diagnosis, Verdict},
+    diagnose::{Cause, Diagnosis, Verdict, adjustable},
     road::Road,
 };
 use fd_sim::model::Model;
@@ -69,7 +69,7 @@ pub(super) fn patched_models(
                 (Verdict::Pair, Some(pair)) => pair.causes.iter().collect(),
                 _ => diagnosis.causes.iter().take(1).collect(),
             };
-            let model = adjustable(&diagnosis.best.model, &causes, subject.model());
+            let model = to_go_on_from(&diagnosis.best.model, &causes, subject.model());
             file("patched.toml".to_owned(), content, &logs, &subject.text(&model))
         }
     };
@@ -82,31 +82,19 @@ pub(super) fn patched_models(
                 format!("patched-{}.toml", i + 1),
                 content,
                 &logs,
-                &subject.text(&adjustable(&cause.model, &[cause], subject.model())),
+                &subject.text(&to_go_on_from(&cause.model, &[cause], subject.model())),
             ));
         }
     }
     files
 }
 
-/// Standard errors within which what was found can be adjusted in the next study.
-const ERRORS: f64 = 3.0;
-/// Largest tolerance that is written, relative to the value.
-const MOST: f64 = 0.5;
-
 /// The model with what was found of the causes open to adjustment, so that a study of it goes on from there.
-fn adjustable(model: &Model, causes: &[&Cause], nominal: &Model) -> Model {
-    let mut draft = model.clone().into_draft();
+fn to_go_on_from(model: &Model, causes: &[&Cause], nominal: &Model) -> Model {
+    let mut draft = adjustable(model, causes.iter().copied()).into_draft();
     // What follows a log has innovations in the place of noise.
     for (output, known) in draft.outputs.iter_mut().zip(&nominal.outputs) {
         output.noise = known.noise;
-    }
-    for found in causes.iter().flat_map(|cause| &cause.parameters) {
-        let tolerance = (ERRORS * found.standard_error / found.value).abs().min(MOST);
-        let of_model = draft.parameters.iter_mut().find(|p| p.name == found.name);
-        if let Some(parameter) = of_model.filter(|_| tolerance.is_finite()) {
-            parameter.tolerance = tolerance;
-        }
     }
     Model::try_from(draft).unwrap_or_else(|_| model.clone())
 }

@@ -3,10 +3,10 @@
 use crate::diagnose::{
     candidates::Candidates,
     result::{CauseId, Pair},
+    sets::EffectSet,
     weigh::{
         answer::{Answer, PAIR},
         measurement::{Measured, MeasurementCause, weigh_measurement},
-        pair::FittedPair,
         rank::{RankedCause, measured_cause},
         singles::Singles,
     },
@@ -61,8 +61,8 @@ impl<'a> Beside<'a> {
 
     /// Whether it belongs into the best answer: it is worth a second cause, and no pair of simulated
     /// causes is better.
-    pub(super) fn is_best(&self, pairs: &[FittedPair]) -> bool {
+    pub(super) fn is_best(&self, pairs: &[EffectSet]) -> bool {
         PAIR < self.measured.gain
-            && pairs.first().is_none_or(|best| best.pair.log_evidence < self.pair.log_evidence)
+            && pairs.first().is_none_or(|best| best.log_evidence < self.pair.log_evidence)
     }
 }

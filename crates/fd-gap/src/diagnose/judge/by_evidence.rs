@@ -14,7 +14,8 @@ use crate::{
     diagnose::{
         context::Context,
         result::{Regime, Verdict},
-        weigh::{Weighed, pair::FittedPair, rank::Basis, singles::Singles},
+        sets::EffectSet,
+        weigh::{Weighed, rank::Basis, singles::Singles},
     },
     fit::{FitError, Log},
 };
@@ -55,7 +56,7 @@ pub(super) fn by_evidence<'a>(
         beside.map_or_else(Vec::new, |beside| beside.with_ties(&singles.causes, &ties.tied));
     let is_curve = match (best.effects, simulated_effects) {
         (1, _) => singles.does_first_follow_anything(),
-        (_, 2) => fitted.first().is_some_and(FittedPair::follows_anything),
+        (_, 2) => fitted.first().is_some_and(EffectSet::follows_anything),
         _ => false,
     };
     let NamedPairs { pairs, tied, fitted } =

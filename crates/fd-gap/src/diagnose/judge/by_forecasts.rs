@@ -89,7 +89,7 @@ fn in_windows_where_lost<'a>(
         Err(error) => return Err(error),
     };
     let searched = search(prepared, context)?;
-    Ok(Weighed::of(weigh_singles(searched, context)?, Vec::new(), settings))
+    Ok(Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings))
 }
 
 /// The noise floor below errors, in sigma, over all outputs.

@@ -28,18 +28,35 @@ pub(super) struct Contested<'a> {
 }
 
 /// A law that takes part.
+pub(in crate::diagnose) struct Entrant<'e> {
+    /// Place of its cause.
+    pub(in crate::diagnose) cause: usize,
+    /// Sum of squares of its fit: laws that win nothing are ranked by that.
+    pub(in crate::diagnose) cost: f64,
+    pub(in crate::diagnose) values: FittedValues<'e>,
+}
+
+/// A law of a search.
 struct Law {
     /// Place of its cause.
     cause: usize,
     trial: TrialId,
 }
 
-/// A cause that takes part, or one that comes behind those that do and wins nothing.
-struct Contestant {
-    ranked: RankedCause,
-    wins: Wins,
-    /// The share of the held-out gap that its best law closes, per horizon.
-    closed: Vec<Option<Closed>>,
+/// How causes came out, the model that they were added to first.
+pub(in crate::diagnose) struct Standings {
+    pub(in crate::diagnose) no_gap: f64,
+    pub(in crate::diagnose) causes: Vec<Standing>,
+}
+
+/// How a cause came out.
+pub(in crate::diagnose) struct Standing {
+    /// The place of its best law among the entrants; `None` where it has none.
+    pub(in crate::diagnose) best: Option<usize>,
+    /// How often it wins.
+    wins: f64,
+    /// What is believed of that.
+    pub(in crate::diagnose) probability: f64,
 }
 
 /// Shares of wins.
@@ -77,28 +94,25 @@ pub(super) fn contest<'a>(
     });
     let finalists = settings.finalists.min(causes.len());
     let laws = laws(&causes[..finalists], &searched);
-    let [test, training] = run(simulator, &laws, &searched, held_out, rules)?;
-    let no_gap = confidence(test.wins[0], training.wins[0]);
-
-    let mut contestants: Vec<Contestant> = Vec::with_capacity(causes.len());
-    for (place, ranked) in causes.into_iter().enumerate() {
-        let own = || laws.iter().enumerate().filter(move |(_, law)| law.cause == place);
-        let sum = |contest: &Contest| own().map(|(i, _)| contest.wins[i + 1]).sum();
-        let wins = if place < finalists {
-            Wins { held_out: sum(&test), training: sum(&training) }
-        } else {
-            Wins::default()
-        };
-        let score = |i: usize| test.wins[i + 1] + training.wins[i + 1];
-        let best = own().max_by(|(a, x), (b, y)| {
-            // Laws that win nothing are ranked by their fit; of equal ones the first counts.
-            let (x, y) = (searched.trial(x.trial), searched.trial(y.trial));
-            score(*a).total_cmp(&score(*b)).then(y.cost().total_cmp(&x.cost())).then(b.cmp(a))
-        });
-        let closed = best.map_or_else(Vec::new, |(i, _)| test.closed[i + 1].clone());
-        let other =
-            best.map(|(_, law)| law.trial).filter(|id| ranked.basis != Basis::Simulation(*id));
-        let ranked = match other {
+    let null = FittedValues::of(&searched.null.problem, &searched.null.minimum);
+    let entrants = laws.iter().filter_map(|Law { cause, trial }| {
+        let trial = searched.trial(*trial);
+        let best = trial.best.as_ref()?;
+        let values = FittedValues::of(&trial.problem, best);
+        Some(Entrant { cause: *cause, cost: best.cost, values })
+    });
+    let entrants: Vec<Entrant<'_>> = entrants.collect();
+    let competing: Vec<&Cause> = causes[..finalists].iter().map(|ranked| &ranked.cause).collect();
+    let logs = [searched.null.problem.plan().logs.as_slice(), held_out];
+    let Standings { no_gap, causes: standings } =
+        compete(simulator, &null, &competing, &entrants, logs, rules)?;
+    let mut contested: Vec<(f64, RankedCause)> = Vec::with_capacity(causes.len());
+    let mut standings = standings.into_iter();
+    for ranked in causes {
+        let standing = standings.next();
+        let (wins, probability) = standing.as_ref().map_or((0.0, 0.0), |s| (s.wins, s.probability));
+        let best = standing.and_then(|s| s.best).map(|place| laws[place].trial);
+        let ranked = match best.filter(|id| ranked.basis != Basis::Simulation(*id)) {
             Some(id) => {
                 let law = weigh_law(id, searched.trial_mut(id), &singles.reference);
                 let log_evidence = ranked.cause.log_evidence;
@@ -107,22 +121,51 @@ pub(super) fn contest<'a>(
             }
             None => ranked,
         };
-        contestants.push(Contestant { ranked, wins, closed });
+        let cause = Cause { probability, ..ranked.cause };
+        contested.push((wins, RankedCause { cause, ..ranked }));
     }
-    believe(&mut contestants, finalists);
-    let probability = |contestant: &Contestant| contestant.ranked.cause.probability;
-    contestants.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
-
-    let mut none_of_these = 1.0 - no_gap;
-    let doubted = contestants.into_iter().map(|Contestant { ranked, closed, .. }| {
-        let probability = ranked.cause.probability * trust(&closed);
-        none_of_these -= probability;
-        RankedCause { cause: Cause { probability, ..ranked.cause }, ..ranked }
-    });
-    let mut causes: Vec<_> = doubted.collect();
+    contested.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let mut causes: Vec<RankedCause> = contested.into_iter().map(|(_, ranked)| ranked).collect();
     causes.sort_by(|a, b| b.cause.probability.total_cmp(&a.cause.probability));
-    let others = Probabilities { no_gap, none_of_these: none_of_these.max(0.0) };
+    let known: f64 = causes.iter().map(|ranked| ranked.cause.probability).sum();
+    let others = Probabilities { no_gap, none_of_these: (1.0 - no_gap - known).max(0.0) };
     Ok(Contested { others, singles: Singles { searched, causes, ..singles } })
+}
+
+/// Lets laws of causes, and the `null` that they were added to, forecast the logs of the fit and those held out.
+pub(in crate::diagnose) fn compete(
+    simulator: &dyn Simulator,
+    null: &FittedValues<'_>,
+    causes: &[&Cause],
+    entrants: &[Entrant<'_>],
+    [training, held_out]: [&[Log]; 2],
+    rules: &Rules<'_>,
+) -> Result<Standings, FitError> {
+    let laws = entrants.iter().map(|entrant| entrant.values.settled());
+    let settled: Vec<Settled<'_>> = std::iter::once(null.settled()).chain(laws).collect();
+    let run = |logs: &[Log]| shrink::contest(simulator, &settled, logs, rules);
+    let training = run(training)?;
+    let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
+    let of_cause = |place: usize| {
+        let own = || entrants.iter().enumerate().filter(move |(_, law)| law.cause == place);
+        let sum = |contest: &Contest| own().map(|(i, _)| contest.wins[i + 1]).sum();
+        let wins = Wins { held_out: sum(&test), training: sum(&training) };
+        let score = |i: usize| test.wins[i + 1] + training.wins[i + 1];
+        let best = own().max_by(|(a, x), (b, y)| {
+            // Of equal ones the first counts.
+            score(*a).total_cmp(&score(*b)).then(y.cost.total_cmp(&x.cost)).then(b.cmp(a))
+        });
+        (wins, best.map(|(place, _)| place))
+    };
+    let found: Vec<(Wins, Option<usize>)> = (0..causes.len()).map(of_cause).collect();
+    let wins: Vec<Wins> = found.iter().map(|(wins, _)| *wins).collect();
+    let believed = believe(causes, &wins);
+    let standings = found.into_iter().zip(believed).map(|((_, best), wins)| {
+        let closed = best.map_or(&[][..], |place| &test.closed[place + 1]);
+        Standing { best, wins, probability: wins * trust(closed) }
+    });
+    let no_gap = confidence(test.wins[0], training.wins[0]);
+    Ok(Standings { no_gap, causes: standings.collect() })
 }
 
 /// How far a law may be believed: up to the share of the variance above the noise that it explains in forecasts, at the
@@ -147,51 +190,24 @@ fn laws(causes: &[RankedCause], searched: &Searched<'_>) -> Vec<Law> {
     laws
 }
 
-/// The contests on held-out logs and on those of the fit; the model without any effect takes part as
-/// the first, the laws follow.
-fn run(
-    simulator: &dyn Simulator,
-    laws: &[Law],
-    searched: &Searched<'_>,
-    held_out: &[Log],
-    rules: &Rules<'_>,
-) -> Result<[Contest; 2], FitError> {
-    let null = &searched.null;
-    let of_law = |law: &Law| {
-        let trial = searched.trial(law.trial);
-        trial.best.as_ref().map(|best| FittedValues::of(&trial.problem, best))
-    };
-    let null_entrant = FittedValues::of(&null.problem, &null.minimum);
-    let entrants: Vec<FittedValues<'_>> =
-        std::iter::once(null_entrant).chain(laws.iter().filter_map(of_law)).collect();
-    let settled: Vec<Settled<'_>> = entrants.iter().map(FittedValues::settled).collect();
-    let run = |logs: &[Log]| shrink::contest(simulator, &settled, logs, rules);
-    let training = run(&null.problem.plan().logs)?;
-    let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
-    Ok([test, training])
-}
-
-/// Sets probabilities from the wins of the first so many. A mechanism at a place is believed as a
-/// whole, and its causes share that.
-fn believe(contestants: &mut [Contestant], finalists: usize) {
-    for contestant in contestants.iter_mut() {
-        contestant.ranked.cause.probability = 0.0;
-    }
-    let all = groups(contestants[..finalists].iter().map(|c| &c.ranked.cause), &[]);
-    for Group { causes: members, .. } in all {
+/// Probabilities from wins. A mechanism at a place is believed as a whole, and its causes share that.
+fn believe(causes: &[&Cause], wins: &[Wins]) -> Vec<f64> {
+    let mut believed = vec![0.0; causes.len()];
+    for Group { causes: members, .. } in groups(causes.iter().copied(), &[]) {
         let sum = |value: &dyn Fn(Wins) -> f64| -> f64 {
-            members.iter().map(|id| value(contestants[id.0].wins)).sum()
+            members.iter().map(|id| value(wins[id.0])).sum()
         };
         let together = confidence(sum(&|w| w.held_out), sum(&|w| w.training));
         let products = sum(&|wins| wins.both().sqrt());
         let sums = sum(&Wins::either);
         for CauseId(place) in &members {
-            let Contestant { ranked, wins, .. } = &mut contestants[*place];
+            let wins = wins[*place];
             let (weight, weights) =
                 if 0.0 < products { (wins.both().sqrt(), products) } else { (wins.either(), sums) };
-            ranked.cause.probability = together * weight / weights.max(f64::MIN_POSITIVE);
+            believed[*place] = together * weight / weights.max(f64::MIN_POSITIVE);
         }
     }
+    believed
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::{
 const LOST: f64 = 0.5;
 
 /// Whether the simulation without any effect has little to do with some output.
-pub(super) fn is_lost(null: &NullFit) -> bool {
+pub(in crate::diagnose) fn is_lost(null: &NullFit) -> bool {
     let mut problem = null.problem.clone();
     let Some(errors) = problem.errors(&null.minimum.z) else { return true };
     let logs = &null.problem.plan().logs;
@@ -27,7 +27,11 @@ pub(super) fn is_lost(null: &NullFit) -> bool {
 }
 
 /// The horizons at which the refitted model is to be judged, and fitted in windows: the middle one.
-pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]) -> Vec<Horizon> {
+pub(in crate::diagnose) fn memory(
+    simulator: &dyn Simulator,
+    null: &NullFit,
+    held_out: &[Log],
+) -> Vec<Horizon> {
     let Minimum { z, .. } = &null.minimum;
     let refitted = nuisances(&null.problem, z);
     let parameters = simulator.parameters().iter();
@@ -44,7 +48,7 @@ pub(super) fn memory(simulator: &dyn Simulator, null: &NullFit, held_out: &[Log]
 }
 
 /// A horizon for fits: the middle one.
-pub(super) fn windows(horizons: &[Horizon]) -> Horizon {
+pub(in crate::diagnose) fn windows(horizons: &[Horizon]) -> Horizon {
     let windows = horizons.iter().rev().find(|h| matches!(h, Horizon::Windows { .. }));
     windows.copied().unwrap_or(Horizon::FreeRun)
 }

@@ -4,7 +4,8 @@ use crate::{
     diagnose::{
         judge::Probabilities,
         result::{CauseId, Pair, PairId, Regime, RivalCause, Verdict},
-        weigh::{answer::Answer, lack_of_fit::LackOfFit, pair::FittedPair, singles::Singles},
+        sets::EffectSet,
+        weigh::{answer::Answer, lack_of_fit::LackOfFit, singles::Singles},
     },
     fit::Horizon,
 };
@@ -44,5 +45,5 @@ pub(in crate::diagnose) struct NamedPairs {
     /// Those that the log cannot tell from the first, itself among them.
     pub(in crate::diagnose) tied: Vec<PairId>,
     /// The fits of those of two simulated causes.
-    pub(in crate::diagnose) fitted: Vec<FittedPair>,
+    pub(in crate::diagnose) fitted: Vec<EffectSet>,
 }

@@ -6,7 +6,7 @@ mod by_forecasts;
 mod contest;
 mod forecasting;
 mod groups;
-mod horizons;
+pub(super) mod horizons;
 pub(super) mod judged;
 mod pair_ties;
 mod probabilities;
@@ -15,8 +15,10 @@ mod ties;
 mod validation;
 mod verdict;
 
+pub(crate) use self::verdict::NAMED;
 use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
 pub(super) use self::{
+    contest::{Entrant, compete},
     groups::{groups, sides},
     probabilities::Probabilities,
     starts::{is_open, prefer},

@@ -4,10 +4,10 @@ use super::judged::NamedPairs;
 use crate::{
     diagnose::{
         result::{Pair, PairId},
+        sets::EffectSet,
         settings::Settings,
         weigh::{
             answer::{Fit, is_a_pair},
-            pair::FittedPair,
             rank::RankedCause,
         },
     },
@@ -37,18 +37,20 @@ enum Tie {
 /// The pairs that are worth being called so, by their evidence over that of the best single cause.
 /// `measured` is a cause of the measurement beside a simulated one, and beside those that tie with it.
 pub(super) fn name_pairs(
-    fitted: Vec<FittedPair>,
+    fitted: Vec<EffectSet>,
     measured: Vec<Pair>,
     causes: &[RankedCause],
     settings: &Settings,
 ) -> NamedPairs {
     let single = causes.first().map_or(0.0, |ranked| ranked.cause.log_evidence.max(0.0));
-    let is_worth_it = |pair: &Pair| is_a_pair(pair.log_evidence, single);
-    let mut fitted: Vec<FittedPair> = fitted.into_iter().filter(|f| is_worth_it(&f.pair)).collect();
+    let is_worth_it = |evidence: f64| is_a_pair(evidence, single);
+    let mut fitted = fitted;
+    fitted.retain(|set| is_worth_it(set.log_evidence));
     let ties = are_tied(&mut fitted, settings);
     let each = fitted.iter().zip(ties);
-    let mut all: Vec<Weighed> = each.map(|(f, tie)| Weighed { pair: f.named(), tie }).collect();
-    let measured = measured.into_iter().filter(is_worth_it);
+    let each = each.filter_map(|(set, tie)| Some(Weighed { pair: set.pair()?, tie }));
+    let mut all: Vec<Weighed> = each.collect();
+    let measured = measured.into_iter().filter(|pair| is_worth_it(pair.log_evidence));
     all.extend(measured.map(|pair| Weighed { pair, tie: Tie::Measured }));
     all.sort_by(|a, b| b.pair.log_evidence.total_cmp(&a.pair.log_evidence));
     let tied = match all.first().map(|first| first.tie) {
@@ -60,15 +62,15 @@ pub(super) fn name_pairs(
 }
 
 /// Of each pair, whether this log cannot tell it from the first.
-fn are_tied(fitted: &mut [FittedPair], settings: &Settings) -> Vec<Tie> {
+fn are_tied(fitted: &mut [EffectSet], settings: &Settings) -> Vec<Tie> {
     let mut ties = vec![Tie::Alone; fitted.len()];
     let Some((first, others)) = fitted.split_first_mut() else { return ties };
     ties[0] = Tie::Simulated;
     let Fit { problem: truth, minimum: at } = &mut first.fit;
     let near = others.iter().zip(&mut ties[1..]).take_while(|(other, _)| {
-        first.pair.log_evidence - other.pair.log_evidence < settings.bayes_factor.ln()
+        first.log_evidence - other.log_evidence < settings.bayes_factor.ln()
     });
-    for (FittedPair { fit: Fit { problem, minimum }, .. }, tie) in near.take(MOST_RIVALS) {
+    for (EffectSet { fit: Fit { problem, minimum }, .. }, tie) in near.take(MOST_RIVALS) {
         if distance(truth, at, problem, minimum) < SEPARATED {
             *tie = Tie::Simulated;
         }

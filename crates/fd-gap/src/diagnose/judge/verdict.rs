@@ -7,7 +7,7 @@ use super::{
 use crate::diagnose::{result::Verdict, weigh::rank::RankedCause};
 
 /// Probability from which an answer is named.
-const NAMED: f64 = 0.5;
+pub(crate) const NAMED: f64 = 0.5;
 
 /// The answer in one word. What has more than half of the probability is named; tied causes have it
 /// together, and so have pairs. A cause that is at work with that probability, alone or as one of two, is named even where

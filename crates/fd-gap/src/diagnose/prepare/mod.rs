@@ -40,8 +40,18 @@ pub(crate) struct Prepared {
 
 /// Cuts the logs and fits the nuisances.
 pub(crate) fn prepare(case: &Case<'_>, horizon: Horizon) -> Result<Prepared, FitError> {
+    prepared(case, None, horizon)
+}
+
+/// The same with this integration step.
+pub(super) fn prepared(
+    case: &Case<'_>,
+    step: Option<f64>,
+    horizon: Horizon,
+) -> Result<Prepared, FitError> {
     let ts = case.logs.first().ok_or(FitError::NoLog)?.ts();
-    let model = pinned(case.nominal.model(), ts);
+    let nominal = case.nominal.model();
+    let model = step.map_or_else(|| pinned(nominal, ts), |step| with_step(nominal, step));
     let simulator = case.nominal.patched(&model, ts)?;
     let plan = Arc::new(Plan::new(&*simulator, case.logs, horizon)?);
     let mut spread = simulator.spread().to_vec();

@@ -63,6 +63,7 @@ pub(super) fn report(
         _ => (judged.best, judged.lack_of_fit),
     };
     let Singles { searched, base, refit, causes, .. } = singles;
+    let is_in_motion = base.plan().logs.iter().any(|log| log.is_in_motion);
     let slow_noise = searched.slow_noise(SLOW);
     let Searched { model, null, noise, is_coloured, .. } = searched;
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
@@ -151,6 +152,7 @@ pub(super) fn report(
         findings,
         not_tested,
         idle,
+        is_in_motion,
         is_stopped: context.monitor.is_stopped(),
         simulations,
     })

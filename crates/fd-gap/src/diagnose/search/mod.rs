@@ -6,7 +6,7 @@ mod from_nominal;
 mod screen;
 mod screened;
 pub(super) mod searched;
-mod step_size;
+pub(super) mod step_size;
 pub(super) mod trial;
 
 use std::collections::HashMap;
@@ -18,7 +18,7 @@ use self::{
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
-    trial::{Trial, is_in, promises_less},
+    trial::{Trial, promises_less},
 };
 use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
 use crate::{
@@ -42,12 +42,14 @@ pub(super) fn search<'a>(
     prepared: Prepared,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_roughly(prepared, context)?)
+    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, context)?)
 }
 
-/// The same with the integration step that the model has.
-pub(super) fn search_roughly<'a>(
+/// The same with the integration step that the model has, beside whatever has been found already: causes that promise less
+/// than the `least` sum of squares are not fitted.
+pub(super) fn search_beside<'a>(
     prepared: Prepared,
+    least: f64,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
     let Context { case, settings, monitor, .. } = *context;
@@ -83,7 +85,6 @@ pub(super) fn search_roughly<'a>(
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
     let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
     monitor.begin(Stage::Fit, screened.len());
-    let fitted = case.suspects.fitted();
     let (promises, shortlisted) = promises(&screened, settings.shortlist);
     let fits: Vec<Result<Trial<'a>, NotTested>> = screened
         .into_par_iter()
@@ -94,9 +95,8 @@ pub(super) fn search_roughly<'a>(
             if 0 < index && monitor.is_stopped() {
                 return Err(refuse(stopped()));
             }
-            let is_known = fitted.is_some_and(|fitted| is_in(candidate, fitted));
-            let is_hopeless = promise < shortlisted || promises_less(promise, least_promise, most);
-            if !is_known && is_hopeless {
+            let is_short_of_it = promise < least.max(shortlisted);
+            if is_short_of_it || promises_less(promise, least_promise, most) {
                 monitor.advance();
                 return Err(refuse("others promise far more".to_owned()));
             }
@@ -109,24 +109,9 @@ pub(super) fn search_roughly<'a>(
         })
         .collect();
     let mut trials = tested(fits, &mut not_tested);
-    let is_known = |trial: &Trial<'_>| fitted.is_some_and(|fitted| is_in(trial.candidate, fitted));
-    if let Some(fitted) = fitted {
-        trials.par_iter_mut().filter(|trial| is_known(trial)).for_each(|trial| {
-            trial.start_as_in(&null, fitted);
-        });
-    }
     finish(&mut trials, &null, settings.finalists);
-    if let Some(fitted) = fitted {
-        // What stands for one of a longer list has as good a start as that one, which has had its own.
-        let is_rival = |trial: &Trial<'_>| trial.is_final && !is_known(trial);
-        trials.par_iter_mut().filter(|trial| is_rival(trial)).for_each(|trial| {
-            if trial.start_as_in(&null, fitted) {
-                trial.full_fit(&null);
-            }
-        });
-    }
     let is_coloured = false;
-    Ok(Searched { model, null, noise, trials, not_tested, is_coloured, lines })
+    Ok(Searched { model, null, noise, trials, not_tested, is_coloured })
 }
 
 /// What was tested; why the rest was not goes to the others of that kind.

@@ -21,8 +21,6 @@ pub(in crate::diagnose) struct Searched<'a> {
     pub(in crate::diagnose) not_tested: Vec<NotTested>,
     /// Whether the fits whiten errors: the noise has a colour.
     pub(in crate::diagnose) is_coloured: bool,
-    /// Frequencies of the highest lines in the spectrum of what the null fit left, in Hz.
-    pub(in crate::diagnose) lines: Vec<f64>,
 }
 
 /// A trial of a search: its place in [`Searched::trials`].

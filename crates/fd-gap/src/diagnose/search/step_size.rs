@@ -18,7 +18,7 @@ use crate::{
 /// square.
 const LARGEST_CHANGE: f64 = 0.2;
 /// How often the step is halved at most.
-const MOST_HALVINGS: usize = 3;
+pub(in crate::diagnose) const MOST_HALVINGS: usize = 3;
 /// Trials, the best first, of which the step is checked.
 const CHECKED: usize = 5;
 
@@ -30,10 +30,7 @@ pub(super) fn with_short_steps<'a>(
     searched: Searched<'a>,
 ) -> Result<Searched<'a>, FitError> {
     let Searched { mut model, mut null, mut trials, .. } = searched;
-    // A model that is sampled itself has no step that could be halved: that of a sample is its law.
-    let is_sampled = !model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
-    for _ in 0..if is_sampled || nominal.keeps_step() { 0 } else { MOST_HALVINGS } {
-        let Some(step) = model.step.map(|step| 0.5 * step) else { break };
+    for _ in 0..MOST_HALVINGS {
         let mut best: Vec<&Trial<'_>> = trials.iter().filter(|trial| trial.is_final).collect();
         best.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         best.truncate(CHECKED);
@@ -41,14 +38,10 @@ pub(super) fn with_short_steps<'a>(
             .into_iter()
             .filter_map(|trial| Some((&trial.model, &trial.problem, trial.best.as_ref()?)));
         let all = finalists.chain([(&model, &null.problem, &null.minimum)]);
-        let is_coarse = all.into_iter().any(|(model, problem, at)| {
-            // What cannot be simulated or diverges with the shorter step is no reason for it.
-            change(nominal, &with_step(model, step), problem, at)
-                .is_some_and(|change| LARGEST_CHANGE < change)
-        });
-        if !is_coarse {
-            break;
-        }
+        let step = all
+            .into_iter()
+            .find_map(|(model, problem, at)| shorter_step(nominal, model, problem, at));
+        let Some(step) = step else { break };
         model = with_step(&model, step);
         let simulator = nominal.patched(&model, null.problem.simulator().ts())?;
         null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
@@ -58,6 +51,21 @@ pub(super) fn with_short_steps<'a>(
             .try_for_each(|trial| trial.refine(nominal, step, &null))?;
     }
     Ok(Searched { model, null, trials, ..searched })
+}
+
+/// Half the step of a model that was fitted, where the outputs depend on it; `None` where they do not, or where there is none
+/// to halve: a model that is sampled itself has that of a sample for its law.
+pub(in crate::diagnose) fn shorter_step(
+    nominal: &dyn Nominal,
+    model: &Model,
+    problem: &Problem,
+    at: &Minimum,
+) -> Option<f64> {
+    let is_sampled = !model.all_states().any(|state| matches!(state.law, Law::Derivative(_)));
+    let step = model.step.filter(|_| !is_sampled && !nominal.keeps_step())?;
+    // What cannot be simulated or diverges with the shorter step is no reason for it.
+    let change = change(nominal, &with_step(model, 0.5 * step), problem, at)?;
+    (LARGEST_CHANGE < change).then_some(0.5 * step)
 }
 
 /// Largest root of the mean square, over outputs, by which the outputs of a fitted problem change with another model: of

@@ -47,12 +47,6 @@ pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {
     gain < share * most && gain < most - FAR_BELOW
 }
 
-/// Whether a model has all parameters of a candidate.
-pub(super) fn is_in(candidate: &Candidate, model: &Model) -> bool {
-    let has = |own: &EffectParameter| model.parameters.iter().any(|p| p.name == own.name);
-    candidate.parameters.iter().all(has)
-}
-
 /// A start of a fit.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct ScoredStart {
@@ -304,21 +298,6 @@ impl<'a> Trial<'a> {
             if self.problem.begins_on_stand_in() { promised(&self.problem, here) } else { 0.0 };
         let lowest = here.cost - MORE_THAN_PROMISED * promised;
         OUT_OF_REACH * best < lowest && best + FAR_BELOW < lowest
-    }
-
-    /// A short fit from a model that was fitted before: from its own values there, if that has them, or from those that it
-    /// has found, with what the nuisances are there.
-    pub(super) fn start_as_in(&mut self, null: &NullFit, fitted: &Model) -> bool {
-        let value = |name: &str| fitted.parameter(name).map(|p| p.value);
-        let own = self.candidate.parameters.iter();
-        let known: Option<Vec<f64>> = own.map(|p| value(&p.name)).collect();
-        let found = || self.best.as_ref().map(|best| self.problem.effect_values(&best.z));
-        let Some(values) = known.or_else(found) else { return false };
-        let mut nuisances = null.minimum.z.clone();
-        for (z, variable) in nuisances.iter_mut().zip(null.problem.plan().nuisances()) {
-            *z = value(&variable.name).map_or(*z, |value| variable.scaled(value));
-        }
-        self.warm_start_at(&nuisances, &values)
     }
 
     pub(in crate::diagnose) fn cost(&self) -> f64 {

@@ -18,7 +18,7 @@ pub(super) const COLOURED: f64 = 0.985;
 /// Weights of the errors with the colour that the errors of an explanation (in sigma) have; `None`
 /// where they are white. Errors far above the noise have no colour, which may be another effect, but
 /// for outputs with slow noise.
-pub(super) fn colour_of(
+pub(in crate::diagnose) fn colour_of(
     searched: &Searched<'_>,
     noise: &KnownNoise,
     errors: &[Vec<Vec<f64>>],
@@ -41,7 +41,7 @@ pub(super) fn colour_of(
 }
 
 /// The same search with noise of a colour: everything is fitted again, with whitened errors.
-pub(super) fn with_colour<'a>(
+pub(in crate::diagnose) fn with_colour<'a>(
     searched: Searched<'a>,
     weights: &Weights,
     finalists: usize,

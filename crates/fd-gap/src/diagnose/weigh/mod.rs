@@ -1,7 +1,7 @@
 //! From fitted candidates to evidence: single causes, the colour of the noise, pairs.
 
 pub(super) mod answer;
-mod colour;
+pub(super) mod colour;
 pub(super) mod explain;
 mod gaussian;
 mod jitter;
@@ -10,27 +10,25 @@ pub(super) mod lack_of_fit;
 mod leftover;
 pub(super) mod measurement;
 mod outliers;
-pub(super) mod pair;
 mod pairs;
 pub(super) mod priors;
 pub(super) mod rank;
 pub(super) mod singles;
-mod slow;
+pub(super) mod slow;
 mod stronger_noise;
 mod teach;
 pub(super) mod values;
 
 use self::{
-    answer::{Answer, choose},
+    answer::{Answer, PAIR, Proposal, choose},
     colour::{COLOURED, colour_of, with_colour},
     lack_of_fit::LackOfFit,
-    pair::FittedPair,
     pairs::seek_pairs,
     singles::{Singles, weigh_singles},
     slow::with_slow,
     teach::taught_by,
 };
-use super::{context::Context, search::searched::Searched, settings::Settings};
+use super::{context::Context, search::searched::Searched, sets::EffectSet, settings::Settings};
 use crate::fit::FitError;
 
 /// Errors above this many times the noise leave room for a second effect, which must be looked for
@@ -44,7 +42,7 @@ pub(super) const SOMETHING: f64 = 3.0;
 pub(super) struct Weighed<'a> {
     pub(super) singles: Singles<'a>,
     /// Pairs that were fitted, the best first.
-    pub(super) pairs: Vec<FittedPair>,
+    pub(super) pairs: Vec<EffectSet>,
     /// The best of the refitted model, the first single cause and the first pair.
     pub(super) best: Answer,
     pub(super) lack_of_fit: LackOfFit,
@@ -52,8 +50,10 @@ pub(super) struct Weighed<'a> {
 
 impl<'a> Weighed<'a> {
     /// Chooses the best answer.
-    pub(super) fn of(singles: Singles<'a>, pairs: Vec<FittedPair>, settings: &Settings) -> Self {
-        let pair = pairs.first().and_then(FittedPair::proposal);
+    pub(super) fn of(singles: Singles<'a>, pairs: Vec<EffectSet>, settings: &Settings) -> Self {
+        // So much better than a single cause that two are worth their name.
+        let pair = pairs.first().and_then(EffectSet::answer);
+        let pair = pair.map(|answer| Proposal { answer, price: PAIR });
         let best = choose(&singles.refit, singles.proposal(settings).into_iter().chain(pair));
         let lack_of_fit = singles.lack_of_fit(&best);
         Self { singles, pairs, best, lack_of_fit }
@@ -65,7 +65,7 @@ impl<'a> Weighed<'a> {
         let noise = &self.singles.searched.noise;
         let follows = match self.best.effects {
             1 => self.singles.does_first_follow_anything(),
-            2 => self.pairs.first().is_some_and(FittedPair::follows_anything),
+            2 => self.pairs.first().is_some_and(EffectSet::follows_anything),
             _ => false,
         };
         let is_short_of_it = follows && NEAR < noise.reach(&self.best.errors);
@@ -87,15 +87,6 @@ pub(super) fn weigh<'a>(
     } else {
         pairs_then_colour(searched, left, context)
     }
-}
-
-/// Weighs single causes in white noise.
-pub(super) fn weigh_alone<'a>(
-    searched: Searched<'a>,
-    context: &Context<'a>,
-) -> Result<Weighed<'a>, FitError> {
-    let (searched, _) = with_slow_noise(searched, context.settings.finalists)?;
-    Ok(Weighed::of(weigh_singles(searched, context)?, Vec::new(), context.settings))
 }
 
 /// Errors in sigma: outputs, segments, samples.
@@ -132,7 +123,7 @@ fn colour_then_pairs<'a>(
         Some(weights) => with_colour(searched, &weights, settings.finalists)?,
         None => searched,
     };
-    let alone = Weighed::of(weigh_singles(searched, context)?, Vec::new(), settings);
+    let alone = Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings);
     if is_open(&alone) { with_pairs(alone.singles, context) } else { Ok(alone) }
 }
 
@@ -142,22 +133,22 @@ fn pairs_then_colour<'a>(
     left: Vec<Vec<Vec<f64>>>,
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
-    let white = with_pairs(weigh_singles(searched, context)?, context)?;
-    let answer = white.pairs.first().and_then(FittedPair::answer);
+    let white = with_pairs(weigh_singles(searched, context.candidates)?, context)?;
+    let answer = white.pairs.first().and_then(EffectSet::answer);
     let left = answer.map_or(left, |answer| answer.errors);
     let noise = with_slow(&white.singles.searched, &left)?;
     let searched = &white.singles.searched;
     let Some(weights) = colour_of(searched, &noise, &left) else { return Ok(white) };
     let searched = Searched { noise, ..white.singles.searched };
     let searched = with_colour(searched, &weights, context.settings.finalists)?;
-    with_pairs(weigh_singles(searched, context)?, context)
+    with_pairs(weigh_singles(searched, context.candidates)?, context)
 }
 
 /// Second causes are tried beside first ones, and single causes learn from them.
 fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed<'a>, FitError> {
     let mut pairs = seek_pairs(&singles, context);
     let singles = taught_by(&pairs, singles, context)?;
-    pairs.retain(FittedPair::are_both_there);
+    pairs.retain(EffectSet::are_all_there);
     Ok(Weighed::of(singles, pairs, context.settings))
 }
 

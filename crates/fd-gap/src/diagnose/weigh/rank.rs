@@ -162,7 +162,7 @@ pub(in crate::diagnose) fn weigh_law<'a>(
 }
 
 /// Fitted parameters of a candidate, of which the first has place `first` among the effects.
-pub(super) fn estimates(
+pub(in crate::diagnose) fn estimates(
     candidate: &Candidate,
     problem: &Problem,
     at: &Minimum,

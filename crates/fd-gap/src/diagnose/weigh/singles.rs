@@ -13,8 +13,7 @@ use super::{
 };
 use crate::{
     diagnose::{
-        candidates::{follows_anything, is_free_curve},
-        context::Context,
+        candidates::{Candidates, follows_anything, is_free_curve},
         search::searched::{Searched, TrialId},
         settings::Settings,
     },
@@ -40,7 +39,7 @@ pub(in crate::diagnose) struct Singles<'a> {
 /// Weighs every trial and every cause of the measurement against "no gap".
 pub(in crate::diagnose) fn weigh_singles<'a>(
     mut searched: Searched<'a>,
-    context: &Context<'a>,
+    candidates: &'a Candidates,
 ) -> Result<Singles<'a>, FitError> {
     let mut base = searched.null.problem.clone();
     let at = &searched.null.minimum;
@@ -50,7 +49,7 @@ pub(in crate::diagnose) fn weigh_singles<'a>(
     let priors = noise.priors(is_coloured);
     let log_evidence = evidence(&base, at, &likelihood(&errors, &priors), &[]);
     let log_evidence = log_evidence.ok_or(FitError::Diverged)?;
-    let candidates = context.candidates.measured.iter();
+    let candidates = candidates.measured.iter();
     let measured = Measured { problem: &base, outputs: &explanation.outputs, errors: &errors };
     let measured: Vec<MeasurementCause<'_>> =
         candidates.filter_map(|c| weigh_measurement(c, measured, noise, is_coloured)).collect();

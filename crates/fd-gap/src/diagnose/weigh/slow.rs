@@ -20,7 +20,7 @@ use crate::{
 
 /// The noise, with what is known after the best explanation of a search has `left` errors (in sigma): for which
 /// outputs they are noise of any size and colour.
-pub(super) fn with_slow(
+pub(in crate::diagnose) fn with_slow(
     searched: &Searched<'_>,
     left: &[Vec<Vec<f64>>],
 ) -> Result<KnownNoise, FitError> {

@@ -2,15 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::{
-    pair::{FittedPair, Member},
-    singles::{Singles, weigh_singles},
-};
+use super::singles::{Singles, weigh_singles};
 use crate::{
     diagnose::{
         candidates::is_same_cause,
         context::Context,
         search::{searched::Searched, trial::Trial},
+        sets::{EffectSet, Member},
     },
     fit::FitError,
 };
@@ -22,19 +20,19 @@ const TEACHERS: usize = 4;
 /// nothing, and the other have found beside it what it did not find alone. They are weighed again if
 /// any came out better.
 pub(super) fn taught_by<'a>(
-    pairs: &[FittedPair],
+    pairs: &[EffectSet],
     singles: Singles<'a>,
     context: &Context<'a>,
 ) -> Result<Singles<'a>, FitError> {
     let Searched { null, mut trials, .. } = singles.searched;
-    let known: Vec<Member<'_>> =
-        pairs.iter().take(TEACHERS).flat_map(FittedPair::members).collect();
+    let known: Vec<(Member<'_>, Vec<f64>)> =
+        pairs.iter().take(TEACHERS).flat_map(of_pair).collect();
     let learn = |trial: &mut Trial<'_>| {
         let is_better = known
             .iter()
-            .filter(|member| is_same_cause(member.candidate, trial.candidate))
-            .filter(|member| member.candidate.law == trial.candidate.law)
-            .filter(|member| trial.warm_start_at(&member.nuisances, &member.values))
+            .filter(|(member, _)| is_same_cause(member.candidate, trial.candidate))
+            .filter(|(member, _)| member.candidate.law == trial.candidate.law)
+            .filter(|(member, nuisances)| trial.warm_start_at(nuisances, &member.values))
             .count();
         if 0 < is_better {
             trial.full_fit(&null);
@@ -44,8 +42,14 @@ pub(super) fn taught_by<'a>(
     let have_learned = trials.par_iter_mut().map(learn).reduce(|| false, |a, b| a | b);
     let searched = Searched { null, trials, ..singles.searched };
     if have_learned {
-        weigh_singles(searched, context)
+        weigh_singles(searched, context.candidates)
     } else {
         Ok(Singles { searched, ..singles })
     }
+}
+
+/// The members of a pair, and what the nuisances are there.
+fn of_pair(pair: &EffectSet) -> impl Iterator<Item = (Member<'_>, Vec<f64>)> {
+    let nuisances = pair.nuisances();
+    pair.members().into_iter().map(move |member| (member, nuisances.clone()))
 }

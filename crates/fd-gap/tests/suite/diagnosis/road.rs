@@ -1,8 +1,8 @@
 //! Several causes, one after another.
 
-use fd_effect::{Candidate, EverySite, Offers, Suspects, library};
+use fd_effect::{EverySite, library};
 use fd_gap::{
-    diagnose::{Case, Diagnosis, Regime, Settings, diagnose},
+    diagnose::{Case, Regime, Settings, diagnose},
     road::{End, road},
 };
 use fd_model::{Record, signal::WhiteNoise};
@@ -76,48 +76,6 @@ fn suspects<'a>(model: &'a Model, fitted: &Record, few: &[&str]) -> EverySite<'a
     let scales = ReplayScales::of(model, ts, &u, SAMPLES).unwrap();
     let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
     EverySite::new(effects, model, scales)
-}
-
-/// Suspects of which a model with one of them in it was fitted before.
-#[derive(Debug)]
-struct Again<'a>(&'a EverySite<'a>, Model);
-
-impl Suspects for Again<'_> {
-    fn alone(&self) -> Offers {
-        self.0.alone()
-    }
-
-    fn beside(&self, first: &Candidate) -> Offers {
-        self.0.beside(first)
-    }
-
-    fn fitted(&self) -> Option<&Model> {
-        Some(&self.1)
-    }
-}
-
-/// A start from a fit that was made before finds that fit again, and no other cause loses by it.
-#[test]
-fn what_was_fitted_before_is_found_again() {
-    let model: Model = MODEL.replace("noise = 0.002", "noise = 0.02").parse().unwrap();
-    let small = Real { dead_zone: 0.3, end: 9.0, lag: 0.001, noise: 0.02 };
-    let logs = [reality(&model, small, 3)];
-    let suspects = suspects(&model, &logs[0], &FEW);
-    let settings = Settings { two: 0.0, ..Settings::default() };
-    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &[] };
-    let first = diagnose(&case, &settings, &()).unwrap();
-    assert_eq!(first.causes[0].label, "input-dead-zone");
-    let again = Again(&suspects, first.causes[0].model.clone());
-    let second = diagnose(&Case { suspects: &again, ..case }, &settings, &()).unwrap();
-    for (before, after) in first.causes.iter().zip(&second.causes) {
-        // A fit to the end leaves a hundredth of a nat, and evidence is divided by a temperature of 1.5.
-        assert_eq!((before.label, before.law), (after.label, after.law));
-        assert!(before.log_evidence - 0.02 < after.log_evidence, "{before:?} {after:?}");
-    }
-    let values = |diagnosis: &Diagnosis| diagnosis.causes[0].parameters[0].value;
-    // A hundredth of a nat is a seventh of a standard error.
-    let error = first.causes[0].parameters[0].standard_error;
-    assert!((values(&first) - values(&second)).abs() < 0.15 * error);
 }
 
 /// Two causes come near the noise, so that evidence judges, and it asks for the third.

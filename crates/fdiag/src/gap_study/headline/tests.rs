@@ -104,6 +104,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         findings: Vec::new(),
         not_tested: Vec::new(),
         idle: Vec::new(),
+        is_in_motion: false,
         is_stopped: false,
         simulations: 0,
     }

@@ -1,0 +1,95 @@
+//! What can be added to a set of effects.
+
+use std::sync::Arc;
+
+use fd_effect::{Candidate, Kind, SiteRef};
+
+use super::{EffectSet, set::in_step};
+use crate::{
+    diagnose::{
+        candidates::{Candidates, is_same_cause},
+        context::Context,
+        prepare::{Prepared, noise::KnownNoise},
+        search::{search_beside, trial::MORE_THAN_PROMISED},
+        weigh::{answer::Fit, singles::Singles},
+    },
+    fit::{FitError, NullFit, Problem},
+};
+
+/// What is sought beside a set.
+pub(crate) struct Wanted<'a> {
+    /// Whether a candidate is.
+    pub(crate) candidate: &'a dyn Fn(&Candidate) -> bool,
+    /// What it must take of the squares that are left.
+    pub(crate) least: f64,
+}
+
+/// The set with one more effect each, the most evidence first: all laws of the most promising causes.
+pub(in crate::diagnose) fn beside(
+    set: &EffectSet,
+    wanted: &Wanted<'_>,
+    singles: &Singles<'_>,
+    context: &Context<'_>,
+) -> Result<Vec<EffectSet>, FitError> {
+    let suspects = context.case.suspects;
+    let null = &singles.searched.null.problem;
+    // What is in the set is one more nuisance.
+    let Fit { problem, minimum } = &set.fit;
+    let plan = null.plan().with_parameters(problem.effects());
+    let (simulator, weights) = (problem.simulator().boxed(), null.weights().clone());
+    let mut problem = Problem::new(Arc::new(plan), simulator, vec![], weights)?;
+    let minimum = minimum.with_slopes(&mut problem).ok_or(FitError::Diverged)?;
+    let base = NullFit { minimum: minimum.shared(&problem), problem };
+    let offers = match set.members.last() {
+        None => suspects.alone(),
+        Some(last) => suspects.beside(last),
+    };
+    let nominal = context.case.nominal.model();
+    let is_new = |c: &Candidate| {
+        let is_known = set.members.iter().any(|member| is_same_cause(member, c));
+        c.kind == Kind::Simulation && !is_known && is_of_the_plant(&c.site, nominal)
+    };
+    let simulated = offers.into_iter().flatten().filter(|c| is_new(c) && (wanted.candidate)(c));
+    let simulated = simulated.map(|candidate| in_step(candidate, set.model.step)).collect();
+    let candidates = Candidates { simulated, measured: Vec::new(), refused: Vec::new() };
+    let (model, noise) = (set.model.clone(), singles.searched.noise.clone());
+    let prepared = Prepared { model, null: base, noise };
+    let context = Context { candidates: &candidates, ..*context };
+    let searched = search_beside(prepared, wanted.least / MORE_THAN_PROMISED, &context)?;
+    let finals = searched.trials.iter().filter(|trial| trial.is_final);
+    let mut sets: Vec<EffectSet> = finals.filter_map(|trial| set.with(trial, singles)).collect();
+    sets.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+    Ok(sets)
+}
+
+/// An error of a parameter of an effect is no cause.
+fn is_of_the_plant(site: &SiteRef, nominal: &fd_sim::model::Model) -> bool {
+    match site {
+        SiteRef::Parameter(_, name) => nominal.parameter(name).is_some(),
+        _ => true,
+    }
+}
+
+/// What a cause must take of the squares that a set leaves, to come where likelihoods are of use.
+pub(in crate::diagnose) fn to_come_near(set: &EffectSet, noise: &KnownNoise) -> f64 {
+    let farness = set.errors().map_or(1.0, |errors| noise.farness(&errors));
+    to_take(set.cost(), farness)
+}
+
+/// What has to be taken of squares that are so many times as far from the noise as likelihoods are of use.
+fn to_take(squares: f64, farness: f64) -> f64 {
+    squares * (1.0 - farness.max(1.0).powi(-2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::to_take;
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "powers of two are exact")]
+    fn a_further_cause_takes_what_is_far_from_the_noise() {
+        assert_eq!(to_take(64.0, 0.5), 0.0);
+        assert_eq!(to_take(64.0, 1.0), 0.0);
+        assert_eq!(to_take(64.0, 4.0), 60.0);
+    }
+}

@@ -1,0 +1,264 @@
+//! What sets of effects are fitted to, and how they are compared.
+
+use fd_effect::Candidate;
+
+use super::{
+    Wanted, beside,
+    set::{EffectSet, chained},
+};
+use crate::{
+    diagnose::{
+        candidates::{Candidates, is_law},
+        case::Case,
+        context::Context,
+        judge::{Entrant, compete, horizons},
+        monitor::Monitor,
+        prepare::{noise::REACHED, prepared, start::in_motion},
+        result::{Cause, Diagnosis},
+        search::searched::Searched,
+        settings::Settings,
+        weigh::{
+            colour::{colour_of, with_colour},
+            singles::{Singles, weigh_singles},
+            slow::with_slow,
+            values::FittedValues,
+        },
+    },
+    evidence::{SEPARATED, distance, probabilities},
+    fit::{FitError, Horizon, Log},
+    shrink::{Rules, as_begun, forecast_errors},
+};
+
+/// Nothing is tried but sets.
+static NOTHING: Candidates =
+    Candidates { simulated: Vec::new(), measured: Vec::new(), refused: Vec::new() };
+
+/// The logs, the noise and the fit without any effect that sets are compared by, after a diagnosis.
+pub(crate) struct SetSearch<'a> {
+    case: Case<'a>,
+    /// Those for one effect at a time.
+    settings: Settings,
+    monitor: &'a dyn Monitor,
+    /// The fit without any effect; no causes.
+    singles: Singles<'a>,
+    held_out: Vec<Log>,
+    /// Horizon at which forecasts judge; `None` without held-out logs.
+    horizon: Option<Horizon>,
+    /// Horizons at which causes compete.
+    horizons: Vec<Horizon>,
+}
+
+impl<'a> SetSearch<'a> {
+    /// With the beginnings and the integration step of the `first` diagnosis, and in its windows where the free run is lost
+    /// and `may_be_in_windows`; forecasts are judged at this horizon.
+    pub(crate) fn new(
+        case: &Case<'a>,
+        first: &Diagnosis,
+        horizon: Option<Horizon>,
+        may_be_in_windows: bool,
+        settings: &Settings,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Self, FitError> {
+        let settings = Settings { beginning: first.beginning(), ..settings.for_one_law() };
+        let begin = |horizon| {
+            let prepared = prepared(case, first.refit.model.step, horizon)?;
+            let free = in_motion(&prepared, case, &settings)?;
+            Ok::<_, FitError>(free.unwrap_or(prepared))
+        };
+        let mut start = begin(settings.horizon)?;
+        let simulator = start.null.problem.simulator().boxed();
+        let logs = Log::held_out(case.held_out, &*simulator, case.logs, start.null.problem.plan())?;
+        let horizons = horizons::memory(&*simulator, &start.null, &logs);
+        let windows = horizons::windows(&horizons);
+        let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
+        if may_be_in_windows && is_free && horizons::is_lost(&start.null) {
+            match begin(windows) {
+                Ok(in_windows) => start = in_windows,
+                // What cannot begin in the middle of a log stays with the free run.
+                Err(FitError::Diverged) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let settings = start.with_chance(&settings);
+        let (model, null, noise) = (start.model, start.null, start.noise);
+        let searched =
+            Searched { model, null, noise, trials: vec![], not_tested: vec![], is_coloured: false };
+        let singles = weigh_singles(searched, &NOTHING)?;
+        Ok(Self { case: *case, settings, monitor, singles, held_out: logs, horizon, horizons })
+    }
+
+    fn context(&self) -> Context<'_> {
+        let Self { case, settings, monitor, .. } = self;
+        Context { case: *case, candidates: &NOTHING, settings, monitor: *monitor }
+    }
+
+    /// Whether nobody wants to wait any longer.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.monitor.is_stopped()
+    }
+
+    /// How it is made.
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Noise of each output, in its unit.
+    pub(crate) fn sigma(&self) -> &[f64] {
+        &self.singles.searched.noise.sigma
+    }
+
+    /// Values that were measured.
+    pub(crate) fn measured(&self) -> usize {
+        self.singles.base.plan().measured()
+    }
+
+    /// Whether a cause is a law that can be in a set.
+    pub(crate) fn is_law(&self, cause: &Cause) -> bool {
+        is_law(&self.case, cause)
+    }
+
+    /// No effect.
+    pub(crate) fn none(&self) -> Result<EffectSet, FitError> {
+        EffectSet::none(&self.singles).ok_or(FitError::Diverged)
+    }
+
+    /// These causes together, from what was found of them; `None` where one cannot be beside the others.
+    pub(crate) fn of_causes(&self, causes: &[Cause]) -> Option<EffectSet> {
+        let is_it = |i: usize, c: &Candidate| {
+            c.identity() == causes[i].identity() && c.law == causes[i].law
+        };
+        let step = self.singles.searched.model.step;
+        let members = chained(causes.len(), is_it, step, &self.context())?;
+        let values: Vec<f64> =
+            causes.iter().flat_map(|cause| cause.parameters.iter().map(|p| p.value)).collect();
+        let null = &self.singles.searched.null.minimum;
+        EffectSet::fitted(members, &null.z, &values, &self.singles, &self.context())
+    }
+
+    /// The members of a set at these places alone, in this order, fitted from where they are.
+    pub(crate) fn only(&self, set: &EffectSet, places: &[usize]) -> Option<EffectSet> {
+        set.only(places, &self.singles, &self.context())
+    }
+
+    /// The set with an integration step on which its outputs do not depend.
+    pub(crate) fn in_short_steps(&self, set: EffectSet) -> EffectSet {
+        set.in_short_steps(&self.singles, &self.context())
+    }
+
+    /// The set with one more effect each, the most evidence first.
+    pub(crate) fn beside(
+        &self,
+        set: &EffectSet,
+        wanted: &Wanted<'_>,
+    ) -> Result<Vec<EffectSet>, FitError> {
+        beside(set, wanted, &self.singles, &self.context())
+    }
+
+    /// Whether a set leaves so much more than noise that likelihoods are no use.
+    pub(crate) fn is_far(&self, set: &EffectSet) -> bool {
+        set.errors().is_none_or(|errors| self.singles.searched.noise.is_far(&errors))
+    }
+
+    /// Whether a set leaves nothing but noise.
+    pub(crate) fn is_noise(&self, set: &EffectSet) -> bool {
+        let left = set.answer().map(|answer| self.singles.lack_of_fit(&answer));
+        left.is_some_and(|left| !left.is_unexplained) && !self.is_far(set)
+    }
+
+    /// Logarithm of the evidence of a set over that of another, of which it has all members but one: near the noise in that
+    /// of any colour, which would be explained by effects otherwise.
+    pub(crate) fn gain(&self, set: &EffectSet, without: &EffectSet) -> f64 {
+        let Searched { noise, is_coloured, .. } = &self.singles.searched;
+        let is_near = set.errors().is_some_and(|errors| noise.reach(&errors) <= REACHED);
+        let in_colour =
+            || Some(set.evidence_in_colour(noise)? - without.evidence_in_colour(noise)?);
+        let coloured = if is_near && !is_coloured { in_colour() } else { None };
+        coloured.unwrap_or(set.log_evidence - without.log_evidence)
+    }
+
+    /// The same search with noise of the colour of what a set leaves; `None` where that is white.
+    pub(crate) fn coloured(&self, set: &EffectSet) -> Result<Option<Self>, FitError> {
+        let left = set.errors().ok_or(FitError::Diverged)?;
+        let Searched { model, null, is_coloured, .. } = &self.singles.searched;
+        let searched = Searched {
+            model: model.clone(),
+            null: null.clone(),
+            noise: with_slow(&self.singles.searched, &left)?,
+            trials: vec![],
+            not_tested: vec![],
+            is_coloured: *is_coloured,
+        };
+        let Some(weights) = colour_of(&searched, &searched.noise, &left) else { return Ok(None) };
+        let searched = with_colour(searched, &weights, self.settings.finalists)?;
+        let Self { case, settings, monitor, held_out, horizon, horizons, .. } = self;
+        Ok(Some(Self {
+            singles: weigh_singles(searched, &NOTHING)?,
+            case: *case,
+            settings: settings.clone(),
+            monitor: *monitor,
+            held_out: held_out.clone(),
+            horizon: *horizon,
+            horizons: horizons.clone(),
+        }))
+    }
+
+    /// Whether the logs cannot tell two sets apart, of which the second has not much less evidence.
+    pub(crate) fn are_tied(&self, set: &EffectSet, rival: &EffectSet) -> bool {
+        let [a, b] = [&set.fit, &rival.fit];
+        set.log_evidence - rival.log_evidence < self.settings.bayes_factor.ln()
+            && distance(&a.problem, &a.minimum, &b.problem, &b.minimum) < SEPARATED
+    }
+
+    /// Probabilities of answers with this evidence, of which each is as likely before the data.
+    pub(crate) fn shares(&self, evidence: &[f64]) -> Vec<f64> {
+        let answers: Vec<(f64, f64)> = evidence.iter().map(|evidence| (*evidence, 1.0)).collect();
+        probabilities(&answers, self.settings.temperature)
+    }
+
+    /// Errors of held-out forecasts of a set, in sigma; `None` without held-out logs, or where it diverges.
+    pub(crate) fn forecast(&self, set: &EffectSet) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
+        let Some(horizon) = self.horizon else { return Ok(None) };
+        let simulator = self.singles.base.simulator();
+        let values = FittedValues::of(&set.fit.problem, &set.fit.minimum);
+        let (logs, sigma) = (self.held_out.clone(), self.sigma());
+        let logs = as_begun(simulator, values.settled(), logs, sigma)?;
+        forecast_errors(simulator, values.settled(), &logs, horizon, sigma)
+    }
+
+    /// How probable each of these is beside a set, by how often it forecasts best, up to the share that it surely explains:
+    /// for each cause the place of its best law, and its probability.
+    pub(crate) fn contest(
+        &self,
+        set: &EffectSet,
+        more: &[EffectSet],
+        floor: f64,
+    ) -> Result<Vec<(usize, f64)>, FitError> {
+        let last = |set: &EffectSet| set.causes().pop();
+        let each: Vec<Cause> = more.iter().filter_map(last).collect();
+        let mut causes: Vec<&Cause> = Vec::new();
+        let entrants = more.iter().zip(&each).map(|(set, cause)| {
+            let known = causes.iter().position(|known| known.identity() == cause.identity());
+            let place = known.unwrap_or_else(|| {
+                causes.push(cause);
+                causes.len() - 1
+            });
+            let values = FittedValues::of(&set.fit.problem, &set.fit.minimum);
+            Entrant { cause: place, cost: set.cost(), values }
+        });
+        let entrants: Vec<Entrant<'_>> = entrants.collect();
+        let simulator = self.singles.base.simulator();
+        let values = FittedValues::of(&set.fit.problem, &set.fit.minimum);
+        let held_out = as_begun(simulator, values.settled(), self.held_out.clone(), self.sigma())?;
+        let rules = Rules {
+            horizons: &self.horizons,
+            sigma: self.sigma(),
+            floor,
+            replicas: self.settings.replicas,
+            seed: self.settings.seed,
+        };
+        let training = &self.singles.base.plan().logs;
+        let found = compete(simulator, &values, &causes, &entrants, [training, &held_out], &rules)?;
+        let each = found.causes.into_iter();
+        Ok(each.filter_map(|standing| Some((standing.best?, standing.probability))).collect())
+    }
+}
