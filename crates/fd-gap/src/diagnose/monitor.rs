@@ -75,3 +75,24 @@ impl Monitor for () {
 
     fn advance(&self) {}
 }
+
+/// Asks whether to stop, and tells nothing of what are parts of one piece of work.
+pub(super) struct WithinAPiece<'a>(pub(super) &'a dyn Monitor);
+
+impl Monitor for WithinAPiece<'_> {
+    fn begin(&self, _stage: Stage, _pieces: usize) {}
+
+    fn advance(&self) {}
+
+    fn is_over(&self) -> bool {
+        self.0.is_over()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+
+    fn time_limit(&self) -> Option<f64> {
+        self.0.time_limit()
+    }
+}

@@ -38,8 +38,8 @@ pub(super) fn by_evidence(journey: &Journey<'_>) -> Result<Option<Road>, FitErro
         }
         let road = finish(journey, found)?;
         // What forecasts held-out logs no better than refitted parameters is no answer; without any, nothing is known of that.
-        let helps = road.causes.iter().filter_map(|cause| cause.share).sum::<f64>();
-        Ok((0.0 <= helps).then_some(road))
+        let is_missed = 1.0 <= road.unexplained + road.noise;
+        Ok((!is_missed).then_some(road))
     })
 }
 

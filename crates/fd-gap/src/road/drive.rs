@@ -116,7 +116,7 @@ pub fn road(
     if is_open && !is_dear {
         let believed = found.as_ref().map_or_else(Vec::new, |found| found.set.causes());
         // What explains everything does so from the beginning of the log to its end.
-        let free = simulated(begin(false))?;
+        let free = if search.is_in_windows { simulated(begin(false))? } else { None };
         let search = free.as_ref().unwrap_or(&search);
         let explained = simulated(to_the_noise(&Journey { search, ..journey }, &believed))?;
         if explained.is_some() {

@@ -28,8 +28,7 @@ pub(super) fn finish(journey: &Journey<'_>, found: Found) -> Result<Road, FitErr
     forecasts.push(journey.search.forecast(&set)?);
     let sizes: Vec<f64> = forecasts.iter().map(|errors| size(errors.as_deref())).collect();
     let [before, after] = [sizes[0], sizes[sizes.len() - 1]];
-    let left = (after / before).min(1.0);
-    let noise = (journey.floor() / before).min(left);
+    let [left, noise] = shares([before, after], journey.floor());
     let causes = set.causes();
     let model = causes.first().map(|cause| adjustable(&cause.model, &causes));
     let model = model.ok_or(FitError::Diverged)?;
@@ -52,6 +51,14 @@ pub(super) fn finish(journey: &Journey<'_>, found: Found) -> Result<Road, FitErr
         dropped,
         model,
     })
+}
+
+/// Shares of a gap that are left, noise included, and that are noise; NaN where one of the gaps is not known.
+fn shares([before, after]: [f64; 2], floor: f64) -> [f64; 2] {
+    // `min` would take the other one.
+    let at_most = |share: f64, most: f64| if share.is_nan() { share } else { share.min(most) };
+    let left = at_most(after / before, 1.0);
+    [left, if left.is_nan() { left } else { at_most(floor / before, left) }]
 }
 
 /// Root mean square of what a set leaves of held-out logs, in sigma; NaN without any, or where it diverges.
@@ -88,8 +95,7 @@ fn missed(
     let (mut dropped, mut i) = (Vec::new(), 0);
     let mut fuller = search.forecast(&set)?;
     while i + 1 < set.members.len() && fuller.is_some() {
-        let others: Vec<usize> = (0..set.members.len()).filter(|j| *j != i).collect();
-        let plainer = search.only(&set, &others);
+        let plainer = search.without(&set, i);
         let forecast = match &plainer {
             Some(plainer) => search.forecast(plainer)?,
             None => None,
@@ -146,4 +152,20 @@ pub(super) fn total(
         let squares: f64 = each.map(|(size, sigma)| (size / sigma).powi(2)).sum();
         (squares / sigma.len().max(1) as f64).sqrt()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shares;
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "powers of two are exact")]
+    fn what_is_not_known_is_no_share() {
+        assert_eq!(shares([4.0, 2.0], 1.0), [0.5, 0.25]);
+        // Not more is left than there was, and not more of it is noise.
+        assert_eq!(shares([4.0, 8.0], 16.0), [1.0, 1.0]);
+        for unknown in [[f64::NAN, f64::NAN], [4.0, f64::NAN]] {
+            assert!(shares(unknown, 1.0).iter().all(|share| share.is_nan()), "{unknown:?}");
+        }
+    }
 }

@@ -91,33 +91,32 @@ impl Journey<'_> {
             if !self.goes_on() {
                 return Ok((set, None));
             }
-            let (same, other) = self.sought_anew(&set, named.len())?;
-            match other.filter(|other| !known.iter().any(|known| known.is_same(other))) {
-                Some(other) => {
+            match self.sought_anew(&set, named.len(), known)? {
+                Ok(same) => named.push(same),
+                Err(other) => {
                     // What takes its place comes last, so that the next one is at the same place.
-                    known.push(other.clone());
-                    (set, is_changed) = (other, true);
+                    known.push((*other).clone());
+                    (set, is_changed) = (*other, true);
                 }
-                None => named.push(same),
             }
         }
         Ok((set, (!is_changed).then_some(named)))
     }
 
-    /// What is said of a member that is sought anew, and the set to go on with if that is another one.
+    /// What is said of a member that is sought anew, or the set to go on with instead, which is none of the `known` ones.
     fn sought_anew(
         &self,
         set: &EffectSet,
         i: usize,
-    ) -> Result<(Named, Option<EffectSet>), FitError> {
+        known: &[EffectSet],
+    ) -> Result<Result<Named, Box<EffectSet>>, FitError> {
         let search = self.search;
-        let places: Vec<usize> = (0..set.members.len()).filter(|j| *j != i).collect();
         let own = &set.members[i];
-        let Some(others) = search.only(set, &places) else {
+        let Some(others) = search.without(set, i) else {
             // The rest is not possible without it.
             let log_evidence = set.log_evidence;
             let only = Named { log_evidence, probability: 1.0, tied: Vec::new(), odds: 1.0 };
-            return Ok((only, None));
+            return Ok(Ok(only));
         };
         let worth = search.gain(set, &others);
         // What takes less is no rival.
@@ -127,18 +126,26 @@ impl Journey<'_> {
         let is_curve = |rival: &EffectSet| rival.members.last().is_some_and(follows_anything);
         let (curves, laws): (Vec<EffectSet>, Vec<EffectSet>) =
             rivals.into_iter().partition(is_curve);
-        let same = self.named(set, i, worth, &laws, &curves);
         let before = search.forecast(&others)?;
-        let better = laws.into_iter().next();
-        let better = better.filter(|law| set.log_evidence + CLEARLY < law.log_evidence);
-        if let Some(better) = better
-            && !matches!(self.shown(before.as_deref(), &better, places.len())?, Shown::Contradicted)
-        {
-            return Ok((same, Some(better)));
+        let better = laws.first().filter(|law| set.log_evidence + CLEARLY < law.log_evidence);
+        let better = match better {
+            Some(better) => {
+                let shown = self.shown(before.as_deref(), better, others.members.len())?;
+                (!matches!(shown, Shown::Contradicted)).then(|| better.clone())
+            }
+            None => None,
+        };
+        let other = if better.is_some() {
+            better
+        } else {
+            let is_missed = is_a_pair(worth, 0.0)
+                && matches!(self.shown(before.as_deref(), set, i)?, Shown::Clearly);
+            (!is_missed && !others.members.is_empty()).then_some(others)
+        };
+        match other.filter(|other| !known.iter().any(|known| known.is_same(other))) {
+            Some(other) => Ok(Err(Box::new(other))),
+            None => Ok(Ok(self.named(set, i, worth, &laws, &curves))),
         }
-        let is_missed = is_a_pair(worth, 0.0)
-            && matches!(self.shown(before.as_deref(), set, i)?, Shown::Clearly);
-        Ok((same, (!is_missed && !places.is_empty()).then_some(others)))
     }
 
     /// What is said of a member, of which the rest of the evidence is known.

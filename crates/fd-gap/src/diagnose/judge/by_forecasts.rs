@@ -1,7 +1,7 @@
 //! Nothing comes near the noise: forecasts judge instead of evidence.
 //!
 //! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
-//! * models are fitted in windows if the free run is lost without any effect ([`is_lost`]),
+//! * models are fitted in windows if the free run is lost without any effect ([`where_lost`]),
 //! * the noise has no colour: what a wrong model leaves is no noise,
 //! * laws compete in forecasts at three horizons, on the logs of the fit and on those held out; what to believe is how often
 //!   they win, up to the share of the variance that they surely explain there ([`contest`]); curves and paths draw what is
@@ -9,7 +9,7 @@
 
 use super::{
     contest::{Contested, contest},
-    horizons::{is_lost, memory, windows},
+    horizons::{memory, where_lost},
     judged::{Judged, NamedPairs},
     ties::ties,
     verdict::verdict,
@@ -38,7 +38,7 @@ pub(super) fn by_forecasts<'a>(
     let simulator = weighed.singles.base.simulator().boxed();
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
     let Weighed { singles, best, lack_of_fit, .. } =
-        in_windows_where_lost(weighed, windows(&horizons), context)?;
+        in_windows_where_lost(weighed, &horizons, context)?;
     let rules = Rules {
         horizons: &horizons,
         sigma: &singles.searched.noise.sigma.clone(),
@@ -74,14 +74,12 @@ pub(super) fn by_forecasts<'a>(
 /// Where the free run is lost, single causes are searched and weighed again in windows.
 fn in_windows_where_lost<'a>(
     weighed: Weighed<'a>,
-    windows: Horizon,
+    horizons: &[Horizon],
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
     let settings = context.settings;
-    let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
-    if !is_free || !is_lost(&weighed.singles.searched.null) {
-        return Ok(weighed);
-    }
+    let null = &weighed.singles.searched.null;
+    let Some(windows) = where_lost(settings.horizon, null, horizons) else { return Ok(weighed) };
     let prepared = match prepare(&context.case, windows) {
         Ok(prepared) => prepared,
         // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.

@@ -12,7 +12,7 @@ use crate::{
 const LOST: f64 = 0.5;
 
 /// Whether the simulation without any effect has little to do with some output.
-pub(in crate::diagnose) fn is_lost(null: &NullFit) -> bool {
+fn is_lost(null: &NullFit) -> bool {
     let mut problem = null.problem.clone();
     let Some(errors) = problem.errors(&null.minimum.z) else { return true };
     let logs = &null.problem.plan().logs;
@@ -47,8 +47,19 @@ pub(in crate::diagnose) fn memory(
     horizons(time, simulator.initial().len(), shortest)
 }
 
+/// The windows to fit in where fits are to be made in free runs, and these are lost.
+pub(in crate::diagnose) fn where_lost(
+    fits: Horizon,
+    null: &NullFit,
+    horizons: &[Horizon],
+) -> Option<Horizon> {
+    let windows = windows(horizons);
+    let is_free = fits == Horizon::FreeRun && windows != Horizon::FreeRun;
+    (is_free && is_lost(null)).then_some(windows)
+}
+
 /// A horizon for fits: the middle one.
-pub(in crate::diagnose) fn windows(horizons: &[Horizon]) -> Horizon {
+fn windows(horizons: &[Horizon]) -> Horizon {
     let windows = horizons.iter().rev().find(|h| matches!(h, Horizon::Windows { .. }));
     windows.copied().unwrap_or(Horizon::FreeRun)
 }

@@ -3,8 +3,12 @@
 use std::sync::Arc;
 
 use fd_effect::{Candidate, Kind, SiteRef};
+use fd_sim::model::Model;
 
-use super::{EffectSet, set::in_step};
+use super::{
+    EffectSet,
+    set::{in_step, offers},
+};
 use crate::{
     diagnose::{
         candidates::{Candidates, is_same_cause},
@@ -31,7 +35,6 @@ pub(in crate::diagnose) fn beside(
     singles: &Singles<'_>,
     context: &Context<'_>,
 ) -> Result<Vec<EffectSet>, FitError> {
-    let suspects = context.case.suspects;
     let null = &singles.searched.null.problem;
     // What is in the set is one more nuisance.
     let Fit { problem, minimum } = &set.fit;
@@ -40,15 +43,12 @@ pub(in crate::diagnose) fn beside(
     let mut problem = Problem::new(Arc::new(plan), simulator, vec![], weights)?;
     let minimum = minimum.with_slopes(&mut problem).ok_or(FitError::Diverged)?;
     let base = NullFit { minimum: minimum.shared(&problem), problem };
-    let offers = match set.members.last() {
-        None => suspects.alone(),
-        Some(last) => suspects.beside(last),
-    };
     let nominal = context.case.nominal.model();
     let is_new = |c: &Candidate| {
         let is_known = set.members.iter().any(|member| is_same_cause(member, c));
         c.kind == Kind::Simulation && !is_known && is_of_the_plant(&c.site, nominal)
     };
+    let offers = offers(context.case.suspects, &set.members);
     let simulated = offers.into_iter().flatten().filter(|c| is_new(c) && (wanted.candidate)(c));
     let simulated = simulated.map(|candidate| in_step(candidate, set.model.step)).collect();
     let candidates = Candidates { simulated, measured: Vec::new(), refused: Vec::new() };
@@ -63,7 +63,7 @@ pub(in crate::diagnose) fn beside(
 }
 
 /// An error of a parameter of an effect is no cause.
-fn is_of_the_plant(site: &SiteRef, nominal: &fd_sim::model::Model) -> bool {
+fn is_of_the_plant(site: &SiteRef, nominal: &Model) -> bool {
     match site {
         SiteRef::Parameter(_, name) => nominal.parameter(name).is_some(),
         _ => true,

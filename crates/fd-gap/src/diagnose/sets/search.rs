@@ -41,6 +41,8 @@ pub(crate) struct SetSearch<'a> {
     monitor: &'a dyn Monitor,
     /// The fit without any effect; no causes.
     singles: Singles<'a>,
+    /// Whether fits are made in windows, the free run being lost.
+    pub(crate) is_in_windows: bool,
     held_out: Vec<Log>,
     /// Horizon at which forecasts judge; `None` without held-out logs.
     horizon: Option<Horizon>,
@@ -69,11 +71,11 @@ impl<'a> SetSearch<'a> {
         let simulator = start.null.problem.simulator().boxed();
         let logs = Log::held_out(case.held_out, &*simulator, case.logs, start.null.problem.plan())?;
         let horizons = horizons::memory(&*simulator, &start.null, &logs);
-        let windows = horizons::windows(&horizons);
-        let is_free = settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
-        if may_be_in_windows && is_free && horizons::is_lost(&start.null) {
+        let windows = horizons::where_lost(settings.horizon, &start.null, &horizons);
+        let mut is_in_windows = false;
+        if let Some(windows) = windows.filter(|_| may_be_in_windows) {
             match begin(windows) {
-                Ok(in_windows) => start = in_windows,
+                Ok(in_windows) => (start, is_in_windows) = (in_windows, true),
                 // What cannot begin in the middle of a log stays with the free run.
                 Err(FitError::Diverged) => {}
                 Err(error) => return Err(error),
@@ -84,7 +86,9 @@ impl<'a> SetSearch<'a> {
         let searched =
             Searched { model, null, noise, trials: vec![], not_tested: vec![], is_coloured: false };
         let singles = weigh_singles(searched, &NOTHING)?;
-        Ok(Self { case: *case, settings, monitor, singles, held_out: logs, horizon, horizons })
+        let held_out = logs;
+        let case = *case;
+        Ok(Self { case, settings, monitor, singles, is_in_windows, held_out, horizon, horizons })
     }
 
     fn context(&self) -> Context<'_> {
@@ -140,6 +144,12 @@ impl<'a> SetSearch<'a> {
         set.only(places, &self.singles, &self.context())
     }
 
+    /// The set without a member, fitted from where it is.
+    pub(crate) fn without(&self, set: &EffectSet, place: usize) -> Option<EffectSet> {
+        let others: Vec<usize> = (0..set.members.len()).filter(|other| *other != place).collect();
+        self.only(set, &others)
+    }
+
     /// The set with an integration step on which its outputs do not depend.
     pub(crate) fn in_short_steps(&self, set: EffectSet) -> EffectSet {
         set.in_short_steps(&self.singles, &self.context())
@@ -190,15 +200,12 @@ impl<'a> SetSearch<'a> {
         };
         let Some(weights) = colour_of(&searched, &searched.noise, &left) else { return Ok(None) };
         let searched = with_colour(searched, &weights, self.settings.finalists)?;
-        let Self { case, settings, monitor, held_out, horizon, horizons, .. } = self;
         Ok(Some(Self {
             singles: weigh_singles(searched, &NOTHING)?,
-            case: *case,
-            settings: settings.clone(),
-            monitor: *monitor,
-            held_out: held_out.clone(),
-            horizon: *horizon,
-            horizons: horizons.clone(),
+            settings: self.settings.clone(),
+            held_out: self.held_out.clone(),
+            horizons: self.horizons.clone(),
+            ..*self
         }))
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fd_effect::{Candidate, map::mechanism};
+use fd_effect::{Candidate, Offers, Suspects, map::mechanism};
 use fd_sim::model::Model;
 
 use crate::{
@@ -241,17 +241,17 @@ impl EffectSet {
 
     /// Whether both are of the same causes, in any order.
     pub(in crate::diagnose) fn is_of(&self, other: &Self) -> bool {
-        let has = |set: &Self, one: &Candidate| set.members.iter().any(|of| is_same_cause(of, one));
-        self.members.len() == other.members.len()
-            && self.members.iter().all(|member| has(other, member))
+        self.has_as_many(other, is_same_cause)
     }
 
     /// Whether both are of the same causes with the same laws, in any order.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
-        let laws = |set: &Self, one: &Candidate| {
-            set.members.iter().any(|of| is_same_cause(of, one) && of.law == one.law)
-        };
-        self.is_of(other) && self.members.iter().all(|member| laws(other, member))
+        self.has_as_many(other, |a, b| is_same_cause(a, b) && a.law == b.law)
+    }
+
+    fn has_as_many(&self, other: &Self, is_one: fn(&Candidate, &Candidate) -> bool) -> bool {
+        let is_there = |member| other.members.iter().any(|of| is_one(of, member));
+        self.members.len() == other.members.len() && self.members.iter().all(is_there)
     }
 
     /// Whether each of them is there: a strength below its standard error beside the others is none, and what the set
@@ -282,14 +282,21 @@ pub(super) fn chained(
 ) -> Option<Vec<Candidate>> {
     let suspects = context.case.suspects;
     (0..n).try_fold(Vec::new(), |mut members: Vec<Candidate>, i| {
-        let offers = match members.last() {
-            None => suspects.alone(),
-            Some(last) => suspects.beside(last),
-        };
-        let found = offers.into_iter().flatten().find(|candidate| is_it(i, candidate))?;
+        let found = offers(suspects, &members)
+            .into_iter()
+            .flatten()
+            .find(|candidate| is_it(i, candidate))?;
         members.push(in_step(found, step));
         Some(members)
     })
+}
+
+/// What can be added to members of which each is on top of those before it.
+pub(super) fn offers(suspects: &dyn Suspects, members: &[Candidate]) -> Offers {
+    match members.last() {
+        None => suspects.alone(),
+        Some(last) => suspects.beside(last),
+    }
 }
 
 /// A candidate with an integration step.

@@ -10,10 +10,9 @@ use crate::{
     diagnose::{
         candidates::is_free_curve,
         context::Context,
-        monitor::Stage,
+        monitor::{Stage, WithinAPiece},
         search::trial::Trial,
         sets::{EffectSet, Wanted, beside, to_come_near},
-        settings::Settings,
     },
     fit::FitError,
 };
@@ -66,6 +65,11 @@ fn second(
     let Some(first) = EffectSet::single(first, &singles.reference) else { return Ok(Vec::new()) };
     let candidate = &|candidate: &_| !is_free_curve(candidate);
     let wanted = Wanted { candidate, least: to_come_near(&first, &singles.searched.noise) };
-    let settings = Settings { two: context.settings.two, ..context.settings.for_one_law() };
-    beside(&first, &wanted, singles, &Context { settings: &settings, ..*context })
+    let (settings, monitor) = (context.settings.for_one_law(), WithinAPiece(context.monitor));
+    beside(
+        &first,
+        &wanted,
+        singles,
+        &Context { settings: &settings, monitor: &monitor, ..*context },
+    )
 }
