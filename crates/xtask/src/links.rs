@@ -89,7 +89,7 @@ fn slug(heading: &str) -> String {
     lower.chars().filter(|c| kept(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
-fn markdown_files(directory: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
+pub(crate) fn markdown_files(directory: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
     let entries = fs::read_dir(directory).map_err(|e| format!("{}: {e}", directory.display()))?;
     for entry in entries {
         let path = entry.map_err(|e| e.to_string())?.path();
