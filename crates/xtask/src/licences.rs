@@ -1,29 +1,34 @@
-//! Which licences the dependencies may have, and which crates may appear in two versions.
+//! Which licences the dependencies may have, and which crates may appear in two versions: `deny.toml`, without a network.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fs,
     path::Path,
     process::Command,
 };
 
 use crate::Faults;
 
-/// Licences that go with MIT / Apache-2.0 without further duties for users.
-const ALLOWED: [&str; 9] = [
-    "MIT",
-    "Apache-2.0",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "ISC",
-    "Zlib",
-    "Unicode-3.0",
-    "BSL-1.0",
-    "CC0-1.0",
-];
+/// What `deny.toml` allows.
+#[derive(Debug, Default)]
+struct Rules {
+    /// Licences.
+    licences: Vec<String>,
+    /// Crates that may be built in several versions, or versions of a crate that may be there beside another.
+    duplicates: Vec<(String, Option<String>)>,
+}
 
-/// Crates that may be built in several versions: macro helpers of faer's matrix kernels and of
-/// serde, clap and thiserror, which have not all moved to the same generation yet.
-const DUPLICATES: [&str; 3] = ["equator", "equator-macro", "syn"];
+impl Rules {
+    /// Whether a version, such as `v1.2.3`, may be there beside others.
+    fn skips(&self, name: &str, version: &str) -> bool {
+        let is_of = |part: &str| {
+            let rest = version.strip_prefix('v').and_then(|version| version.strip_prefix(part));
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let mut of_name = self.duplicates.iter().filter(|(known, _)| known == name);
+        of_name.any(|(_, part)| part.as_deref().is_none_or(is_of))
+    }
+}
 
 /// Checks everything that a build, a test or a benchmark compiles on this platform.
 pub(crate) fn check(root: &Path) -> Faults {
@@ -37,23 +42,45 @@ pub(crate) fn check(root: &Path) -> Faults {
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned());
     }
-    Ok(check_tree(&String::from_utf8_lossy(&output.stdout)))
+    let file = root.join("deny.toml");
+    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    Ok(check_tree(&String::from_utf8_lossy(&output.stdout), &rules(&text)?))
+}
+
+/// Reads the rules.
+fn rules(text: &str) -> Result<Rules, String> {
+    let table: toml::Table =
+        text.parse().map_err(|e: toml::de::Error| format!("deny.toml: {e}"))?;
+    let list = |section: &str, key: &str| {
+        let list = table.get(section).and_then(|section| section.get(key)?.as_array());
+        list.ok_or_else(|| format!("deny.toml has no list {section}.{key}"))
+    };
+    let text = |entry: &toml::Value| entry.as_str().map(str::to_owned);
+    let licences = list("licenses", "allow")?.iter().filter_map(text).collect();
+    let skipped = list("bans", "skip")?.iter().filter_map(|entry| entry.get("crate")?.as_str());
+    let duplicates = skipped.map(|skipped| match skipped.split_once('@') {
+        Some((name, version)) => (name.to_owned(), Some(version.to_owned())),
+        None => (skipped.to_owned(), None),
+    });
+    let duplicates = duplicates.collect();
+    Ok(Rules { licences, duplicates })
 }
 
 /// Checks lines of the form `name v1.2.3 (notes)|licence`.
-fn check_tree(tree: &str) -> Vec<String> {
+fn check_tree(tree: &str, rules: &Rules) -> Vec<String> {
     let mut faults = Vec::new();
     let mut versions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     let lines: BTreeSet<&str> = tree.lines().filter(|line| !line.is_empty()).collect();
     for (package, licence) in lines.iter().filter_map(|line| line.split_once('|')) {
         let mut words = package.split(' ');
         let (name, version) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
-        if versions.entry(name).or_default().insert(version) && !is_allowed(licence) {
+        if versions.entry(name).or_default().insert(version) && !is_allowed(licence, rules) {
             faults.push(format!("{name} {version}: licence `{licence}` is not on the list"));
         }
     }
-    for (name, versions) in versions {
-        if versions.len() > 1 && !DUPLICATES.contains(&name) {
+    for (name, mut versions) in versions {
+        versions.retain(|version| !rules.skips(name, version));
+        if versions.len() > 1 {
             let versions: Vec<&str> = versions.into_iter().collect();
             faults.push(format!("{name} is built in versions {}", versions.join(", ")));
         }
@@ -61,9 +88,10 @@ fn check_tree(tree: &str) -> Vec<String> {
     faults
 }
 
-fn is_allowed(licence: &str) -> bool {
+fn is_allowed(licence: &str, rules: &Rules) -> bool {
+    let is_listed = |id: &str| rules.licences.iter().any(|known| known == id);
     spdx::Expression::parse_mode(licence, spdx::ParseMode::LAX)
-        .is_ok_and(|e| e.evaluate(|r| r.license.id().is_some_and(|id| ALLOWED.contains(&id.name))))
+        .is_ok_and(|e| e.evaluate(|r| r.license.id().is_some_and(|id| is_listed(id.name))))
 }
 
 #[cfg(test)]
@@ -74,9 +102,22 @@ mod tests {
     fn licences_and_duplicates_are_found() {
         let tree = "a v1.0.0|MIT OR Apache-2.0\nb v1.0.0 (proc-macro)|AGPL-3.0-only\n\
                     b v2.0.0|MIT/Apache-2.0\nb v2.0.0|MIT/Apache-2.0\n";
-        let faults = check_tree(tree);
+        let text = "licenses.allow = [\"MIT\"]\nbans.skip = []\n";
+        let faults = check_tree(tree, &rules(text).unwrap());
         assert_eq!(faults.len(), 2, "{faults:?}");
         assert!(faults[0].contains("AGPL-3.0-only"));
         assert!(faults[1].contains("v1.0.0, v2.0.0"));
+        let text =
+            "licenses.allow = [\"MIT\", \"AGPL-3.0-only\"]\nbans.skip = [{ crate = \"b@1\" }]\n";
+        assert_eq!(check_tree(tree, &rules(text).unwrap()), Vec::<String>::new());
+        assert!(rules("").is_err());
+        let rules =
+            rules("licenses.allow = []\nbans.skip = [{ crate = \"b@1\" }, { crate = \"c\" }]\n")
+                .unwrap();
+        assert!(
+            rules.skips("b", "v1.0.0")
+                && !rules.skips("b", "v10.0.0")
+                && rules.skips("c", "v2.0.0")
+        );
     }
 }
