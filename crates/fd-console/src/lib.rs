@@ -10,13 +10,13 @@
 //! | [`bounds`] | `--time-limit`, `--memory-limit`: what any command may take |
 //! | [`failure`] | why a command failed, and its exit code |
 //! | [`provenance`] | what a page says of where it is from |
-//! | [`toml_file`] | settings from TOML files |
 //! | [`shell`] | completions and pages of `man` |
 
 pub mod bounds;
 #[cfg(feature = "testing")]
 pub mod documented;
 pub mod failure;
+mod layout;
 pub mod output;
 pub mod patience;
 pub mod pool;
@@ -24,4 +24,3 @@ pub mod progress;
 pub mod provenance;
 pub mod say;
 pub mod shell;
-pub mod toml_file;

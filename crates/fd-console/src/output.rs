@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::{
     bounds,
     failure::Failure,
+    layout,
     provenance::provenance,
     say::{is_watched, remark, say},
 };
@@ -104,14 +105,23 @@ impl<'a> Output<'a> {
         &self,
         headline: &str,
         tables: &[Table],
-        mut page: Page,
+        page: Page,
         data: &impl Serialize,
         inputs: &[&Path],
     ) -> Result<(), Failure> {
-        let written =
-            if self.compact { serde_json::to_string } else { serde_json::to_string_pretty };
-        let json =
-            written(data).map_err(|e| Failure::output(self.directory.join("report.json"), e))?;
+        let refuse = |e| Failure::output(self.directory.join("report.json"), e);
+        let json = layout::json(data, self.compact).map_err(refuse)?;
+        self.finish_as(headline, tables, page, json, inputs)
+    }
+
+    fn finish_as(
+        &self,
+        headline: &str,
+        tables: &[Table],
+        mut page: Page,
+        json: String,
+        inputs: &[&Path],
+    ) -> Result<(), Failure> {
         self.write("report.json", &json)?;
         for name in self.written.borrow().iter() {
             page.file(name);

@@ -2,7 +2,10 @@
 
 use std::{fmt, path::Path};
 
-use fd_model::{Channel, ResamplePolicy, Shown, file::LinearModel};
+use fd_model::{
+    Channel, ResamplePolicy, Shown,
+    file::{LinearModel, SettingsError, read_settings},
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{derived::names, time_map::TimeMap};
@@ -192,6 +195,15 @@ pub struct ColumnMap {
 }
 
 impl LogMap {
+    /// Reads a map from a TOML file.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_settings`].
+    pub fn read(file: &Path) -> Result<Self, SettingsError> {
+        read_settings(file)
+    }
+
     /// Columns that are called as the channels, converted to the units of the channels.
     ///
     /// ```

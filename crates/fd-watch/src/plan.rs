@@ -228,7 +228,7 @@ impl Request {
                 inputs: model.inputs.len(),
             },
             places: spec.isolation.places(&model.inputs, &model.outputs).unwrap_or_default(),
-            rule: kind_of(&spec),
+            rule: spec.detector.kind(),
             most_units: self.most_units,
             alarms: self.alarms,
             identity,
@@ -291,11 +291,4 @@ impl Plan {
         let plant = NominalPlant::from(&self.plant).in_units(self.model.scaling());
         Ok(train_within(&self.spec, plant, &healthy, &self.limits)?)
     }
-}
-
-/// Kind of the detector, as the spec calls it.
-fn kind_of(spec: &PipelineSpec) -> String {
-    let table = toml::Table::try_from(&spec.detector).ok();
-    let kind = table.as_ref().and_then(|table| table.get("kind")?.as_str());
-    kind.unwrap_or("detector").to_owned()
 }

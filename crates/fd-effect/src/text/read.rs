@@ -1,7 +1,8 @@
 //! Effects as they are written.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
+use fd_model::file::{SettingsError, read_settings};
 use fd_sim::equation::{Expr, is_name};
 use serde::{Deserialize, Serialize};
 
@@ -117,6 +118,15 @@ impl TextParameter {
 }
 
 impl TextEffects {
+    /// Reads effects from a TOML file.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_settings`].
+    pub fn read(file: &Path) -> Result<Self, SettingsError> {
+        read_settings(file)
+    }
+
     /// The effects, checked as far as that is possible without a model.
     ///
     /// # Errors

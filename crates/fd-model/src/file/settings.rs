@@ -60,23 +60,32 @@ pub fn read_settings<T: DeserializeOwned>(path: &Path) -> Result<T, SettingsErro
 ///
 /// As [`read_settings`].
 pub fn parse_settings<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, SettingsError> {
-    toml::from_str(text).map_err(|error| {
-        let blamed = text.parse::<Table>().ok().and_then(|table| to_blame::<T>(&table));
-        let line = error.span().map(|span| line_of(text, span.start));
-        let key = blamed.unwrap_or_default();
-        // Errors inside a table with a `kind` are placed at the head of the table.
-        let exact = key.rsplit('.').next().and_then(|key| {
-            let is_it = |line: &&str| {
-                let rest = line.trim_start().strip_prefix(key);
-                rest.is_some_and(|rest| rest.trim_start().starts_with('='))
-            };
-            let from = line.unwrap_or(1) - 1;
-            let found = text.lines().skip(from).position(|line| is_it(&line))?;
-            Some(from + found + 1)
-        });
-        let message = error.message().to_owned();
-        SettingsError { file: file.to_owned(), line: exact.or(line), key, message }
-    })
+    toml::from_str(text)
+        .map_err(|error| refuse(file, text, &error, &|text| toml::from_str::<T>(text).is_ok()))
+}
+
+/// Says what is wrong; `is_fine` tells of other texts whether they are right.
+fn refuse(
+    file: &str,
+    text: &str,
+    error: &toml::de::Error,
+    is_fine: &dyn Fn(&str) -> bool,
+) -> SettingsError {
+    let blamed = text.parse::<Table>().ok().and_then(|table| to_blame(&table, is_fine));
+    let line = error.span().map(|span| line_of(text, span.start));
+    let key = blamed.unwrap_or_default();
+    // Errors inside a table with a `kind` are placed at the head of the table.
+    let exact = key.rsplit('.').next().and_then(|key| {
+        let is_it = |line: &&str| {
+            let rest = line.trim_start().strip_prefix(key);
+            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+        };
+        let from = line.unwrap_or(1) - 1;
+        let found = text.lines().skip(from).position(|line| is_it(&line))?;
+        Some(from + found + 1)
+    });
+    let message = error.message().to_owned();
+    SettingsError { file: file.to_owned(), line: exact.or(line), key, message }
 }
 
 fn line_of(text: &str, at: usize) -> usize {
@@ -84,8 +93,9 @@ fn line_of(text: &str, at: usize) -> usize {
 }
 
 /// The path of the one value that is wrong: with another one, or without it, all is well. `serde` does
-/// not know it inside of tables whose `kind` is read first.
-fn to_blame<T: DeserializeOwned>(whole: &Table) -> Option<String> {
+/// not know it inside of tables whose `kind` is read first. Tables are tried as text, so that types are read in one way only,
+/// which halves what is compiled.
+fn to_blame(whole: &Table, is_fine: &dyn Fn(&str) -> bool) -> Option<String> {
     let others = [
         None,
         Some(Value::Integer(1)),
@@ -98,7 +108,7 @@ fn to_blame<T: DeserializeOwned>(whole: &Table) -> Option<String> {
         others.iter().any(|other| {
             let mut changed = whole.clone();
             change(&mut changed, path, other.clone());
-            T::deserialize(Value::Table(changed)).is_ok()
+            toml::to_string(&changed).is_ok_and(|text| is_fine(&text))
         })
     };
     leaves(whole).into_iter().find(cures).map(|path| path.join("."))

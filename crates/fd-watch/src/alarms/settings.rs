@@ -1,5 +1,8 @@
 //! How alarms are raised, held and repeated.
 
+use std::path::Path;
+
+use fdiag::model::file::{self, read_settings};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -99,6 +102,15 @@ impl AlarmSettings {
     pub fn immediate() -> Self {
         let (off_delay_s, deadband, hold_s, renotify_s, update_s) = (0.0, 0.0, 0.0, 0.0, 0.0);
         Self { off_delay_s, deadband, hold_s, renotify_s, update_s, ..Self::default() }
+    }
+
+    /// Reads them from a TOML file; [`check`](Self::check) is left to the monitor.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_settings`].
+    pub fn read(file: &Path) -> Result<Self, file::SettingsError> {
+        read_settings(file)
     }
 
     /// Reads them from TOML.

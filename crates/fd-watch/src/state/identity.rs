@@ -54,7 +54,7 @@ impl Identity {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             model: of(&model.to_toml()),
             // Every spec can be written as TOML: it is what users write.
-            spec: of(&toml::to_string(spec).unwrap_or_default()),
+            spec: of(&spec.to_toml().unwrap_or_default()),
             samples: samples.to_string(),
         }
     }

@@ -3,6 +3,7 @@
 use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
+use fd_log::LogMap;
 use fd_report::Table;
 use fdiag::{
     gap::estimate::Standing,
@@ -14,7 +15,6 @@ use super::{
     failure::{ExitCode, Failure},
     gap::refusal,
     say::{remark, say},
-    toml_file,
 };
 
 pub(crate) const CALIBRATE_HELP: &str = "\
@@ -59,7 +59,12 @@ pub(crate) fn run(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
     let mut resample = plain.resample;
     resample.disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
     let request = Request {
-        columns: args.columns.as_deref().map(toml_file::read).transpose()?,
+        columns: args
+            .columns
+            .as_deref()
+            .map(LogMap::read)
+            .transpose()
+            .map_err(Failure::of_input)?,
         tolerances: args.tolerance.clone(),
         noise: args.noise.clone(),
         resample,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::logs::{LogStudy, LogStudyError, Request};
+use fd_log::LogMap;
 use fdiag::{
     core::Limits,
     model::file::LinearModel,
@@ -16,11 +17,11 @@ use super::{
     output::Output,
     progress::Bar,
     say::say,
-    toml_file,
 };
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
-    let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
+    let spec =
+        args.spec.as_deref().map(PipelineSpec::read).transpose().map_err(Failure::of_input)?;
     let spec = spec.unwrap_or_default();
     if args.print_spec {
         return print(&spec, &args.model);
@@ -34,7 +35,12 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
         model: args.model.clone(),
         healthy,
         logs,
-        columns: args.columns.as_deref().map(toml_file::read).transpose()?,
+        columns: args
+            .columns
+            .as_deref()
+            .map(LogMap::read)
+            .transpose()
+            .map_err(Failure::of_input)?,
         spec,
         share_to_learn: args.learn_share,
         limits: Limits::default(),
@@ -60,7 +66,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
     progress.finish()?;
     let mut page = study.page(&traces).map_err(Failure::analysis)?;
     page.heading("Settings");
-    page.details("Show the spec", toml::to_string(&study.spec).map_err(Failure::analysis)?);
+    page.details("Show the spec", study.spec.to_toml().map_err(Failure::analysis)?);
     let files = [&args.model].into_iter().chain(&args.healthy).chain(&args.logs);
     let files = files.chain(&args.spec).chain(&args.columns).map(PathBuf::as_path);
     let inputs: Vec<&Path> = files.collect();
@@ -72,7 +78,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
 /// The spec as it would run on a model, with what it leaves to the model as a comment.
 fn print(spec: &PipelineSpec, model: &Path) -> Result<ExitCode, Failure> {
     let model = LinearModel::read(model).map_err(Failure::of_input)?;
-    let mut text = toml::to_string(spec).map_err(Failure::analysis)?;
+    let mut text = spec.to_toml().map_err(Failure::analysis)?;
     let sampled = model.system.sample_time().and_then(|ts| model.system.sampled(ts).ok());
     // What is learned from logs has no settling time before.
     let settling = sampled.and_then(|system| settling_time(spec, &system).ok());

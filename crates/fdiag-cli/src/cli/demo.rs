@@ -12,6 +12,7 @@ use fdiag::{
     core::Limits,
     gap_study::{self, GapStudy, HeldOutChoice, Request as GapRequest},
     model::figure,
+    spec::PipelineSpec,
     training::Trace,
 };
 use serde::Serialize;
@@ -24,7 +25,6 @@ use super::{
     pool::pool,
     progress::{Bar, Stages},
     say::remark,
-    toml_file,
 };
 
 /// After the options in the help text.
@@ -112,7 +112,7 @@ fn compensate(engine: &Path) -> Result<(LogStudy, Traces), Failure> {
         healthy: healthy.map(|(name, _)| engine.join(name)).collect(),
         logs: vec![engine.join("today.csv")],
         columns: None,
-        spec: toml_file::read_spec(&engine.join("spec.toml"))?,
+        spec: PipelineSpec::read(&engine.join("spec.toml")).map_err(Failure::of_input)?,
         share_to_learn: 0.7,
         limits: Limits::default(),
     };

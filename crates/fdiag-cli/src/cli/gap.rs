@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use fd_log::LogMap;
 use fd_page::{page, tables};
 use fdiag::{
     core::{Limits, Resource},
@@ -25,7 +26,6 @@ use super::{
     pool::pool,
     progress::Stages,
     say::{complain, remark, say},
-    toml_file,
 };
 
 /// Exit code of a program that Ctrl-C has ended, as shells have it.
@@ -83,7 +83,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         (files, _) => HeldOutChoice::Logs(files.to_vec()),
     };
     let effects = args.effects.as_deref().map(|file| {
-        let read: TextEffects = toml_file::read(file)?;
+        let read = TextEffects::read(file).map_err(Failure::of_input)?;
         if read == TextEffects::default() {
             let expected = "there is no effect in it: expected a table for each, such as [brush]";
             return Err(Failure::input(file, expected));
@@ -95,7 +95,12 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
     let disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
     let plain = Request::new(&args.model, &args.logs);
     Ok(Request {
-        columns: args.columns.as_deref().map(toml_file::read).transpose()?,
+        columns: args
+            .columns
+            .as_deref()
+            .map(LogMap::read)
+            .transpose()
+            .map_err(Failure::of_input)?,
         held_out,
         effects,
         horizon: args.horizon,

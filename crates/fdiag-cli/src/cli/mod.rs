@@ -16,7 +16,7 @@ mod watch;
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
-use fd_console::{bounds, failure, output, pool, progress, say, shell, toml_file};
+use fd_console::{bounds, failure, output, pool, progress, say, shell};
 use fdiag::NoPrograms;
 
 use self::{

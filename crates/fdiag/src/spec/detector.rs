@@ -242,6 +242,14 @@ impl DetectorData<'_> {
 }
 
 impl DetectorSpec {
+    /// The kind, as a spec calls it.
+    #[must_use]
+    pub fn kind(&self) -> String {
+        let table = toml::Table::try_from(self).ok();
+        let kind = table.as_ref().and_then(|table| table.get("kind")?.as_str());
+        kind.unwrap_or("detector").to_owned()
+    }
+
     /// The detector for residuals like these.
     ///
     /// # Errors

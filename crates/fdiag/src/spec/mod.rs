@@ -16,13 +16,14 @@ mod start;
 #[cfg(feature = "testing")]
 pub mod testing;
 
-use std::str::FromStr;
+use std::{path::Path, str::FromStr};
 
 use fd_compensate::{
     calibrate::CalibrationPlan,
     decide::{Debouncing, Sizing},
     residual_compensation::CompensationPlan,
 };
+use fd_model::file::{SettingsError, read_settings};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
@@ -73,6 +74,28 @@ pub struct PipelineSpec {
     pub settle_s: Option<f64>,
     /// Most missing samples in a row that are replaced by the last good one; 0 refuses them.
     pub hold_missing: u64,
+}
+
+impl PipelineSpec {
+    /// Reads a spec from a file; the path of a model file in it begins where the spec is.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_settings`].
+    pub fn read(file: &Path) -> Result<Self, SettingsError> {
+        let mut spec: Self = read_settings(file)?;
+        spec.generator.begin_in(file.parent().unwrap_or(Path::new("")));
+        Ok(spec)
+    }
+
+    /// The spec as TOML, compiled once: `toml::to_string` is compiled again wherever it is used.
+    ///
+    /// # Errors
+    ///
+    /// None for a spec that was read.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
 }
 
 impl FromStr for PipelineSpec {

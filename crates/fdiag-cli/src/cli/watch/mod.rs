@@ -22,7 +22,10 @@ use std::{
 };
 
 use fd_log::{ColumnMap, LogMap, read_log};
-use fd_watch::{Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader, StateFolder};
+use fd_watch::{
+    AlarmSettings, Board, Format, InputMap, Learning, Monitor, Plan, Request, RowReader,
+    StateFolder,
+};
 use fdiag::{
     core::Limits,
     model::{
@@ -30,6 +33,7 @@ use fdiag::{
         file::{LinearModel, read_text},
     },
     sim::outside::OUTSIDE_KINDS,
+    spec::PipelineSpec,
 };
 use signal_hook::consts::{SIGINT, SIGTERM};
 
@@ -44,7 +48,6 @@ use super::{
     bounds,
     failure::{ExitCode, Failure},
     say::{is_watched, remark},
-    toml_file,
 };
 
 pub(crate) fn run(args: &WatchArgs) -> Result<ExitCode, Failure> {
@@ -252,9 +255,10 @@ fn model_file(args: &WatchArgs) -> Result<&Path, Failure> {
 
 /// What is watched, and where it is found in the stream.
 fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
-    let spec = args.spec.as_deref().map(toml_file::read_spec).transpose()?;
+    let spec =
+        args.spec.as_deref().map(PipelineSpec::read).transpose().map_err(Failure::of_input)?;
     let model = LinearModel::read(model_file(args)?).map_err(Failure::of_input)?;
-    let map = args.columns.as_deref().map(toml_file::read::<LogMap>).transpose()?;
+    let map = args.columns.as_deref().map(LogMap::read).transpose().map_err(Failure::of_input)?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
     let mut channels = map.inputs.iter().chain(&map.outputs);
     let is_none = |channel: &&ColumnMap| channel.constant.is_some() || channel.expression.is_some();
@@ -281,6 +285,7 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         step.get_or_insert(log.record.ts());
         logs.push(log.record);
     }
+    let alarms = args.alarms.as_deref().map(AlarmSettings::read).transpose();
     let learning = match args.learn {
         Some(samples) => Learning::Stream { samples },
         None => Learning::Logs(logs),
@@ -294,7 +299,7 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         most_units: args.most_units,
         #[cfg(any(feature = "http", feature = "mqtt"))]
         ask: args.ask,
-        alarms: args.alarms.as_deref().map(toml_file::read).transpose()?.unwrap_or_default(),
+        alarms: alarms.map_err(Failure::of_input)?.unwrap_or_default(),
         ..Request::new(model, learning)
     };
     Ok((request.plan().map_err(failures::of_plan)?, map))
