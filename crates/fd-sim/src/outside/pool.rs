@@ -147,5 +147,5 @@ impl Pool {
     }
 }
 
-#[cfg(all(test, feature = "loom"))]
+#[cfg(test)]
 mod tests;

@@ -13,7 +13,7 @@ use crate::{
     model::Parameter,
     outside::{
         Contract, Instance, Lost, OutsideError, OutsideSimulator, Powers, Source, Start,
-        sync::IS_LATE,
+        sync::in_model,
     },
     simulate::{Initial, Simulator},
 };
@@ -92,9 +92,8 @@ fn in_all_orders(changes: usize, is_late: bool, model: impl Fn() + Send + Sync +
     let orders = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&orders);
     builder.check(move || {
-        IS_LATE.set(is_late);
         counted.fetch_add(1, Relaxed);
-        model();
+        in_model(is_late, &model);
     });
     println!("{} orders", orders.load(Relaxed));
 }
