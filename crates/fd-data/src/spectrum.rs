@@ -1,6 +1,7 @@
 //! Eigenvalues of covariances, largest first.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
+use fd_numeric::dense::Dense;
 
 use crate::error::DataError;
 
@@ -15,9 +16,7 @@ impl Spectrum {
     /// Of a symmetric matrix that is not negative; what rounding made negative is zero.
     pub(crate) fn of(matrix: MatRef<'_, f64>, what: &'static str) -> Result<Self, DataError> {
         let n = matrix.nrows();
-        let eigen = matrix
-            .self_adjoint_eigen(Side::Lower)
-            .map_err(|_| DataError::NoConvergence { what })?;
+        let eigen = matrix.symmetric_eigen().map_err(|_| DataError::NoConvergence { what })?;
         let (s, u) = (eigen.S(), eigen.U());
         let values = (0..n).rev().map(|i| s[i].max(0.0)).collect();
         let vectors = Mat::from_fn(n, n, |i, j| u[(i, n - 1 - j)]);

@@ -11,7 +11,8 @@
 //! errors are then as much larger as the residual is than the noise, and still say nothing about the bias; the report
 //! says what is left, and a diagnosis looks for its cause. Slow disturbances are taken for white noise here.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use fd_numeric::dense::Dense;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -182,7 +183,7 @@ fn open(covariance: &Mat<f64>, names: &[&str]) -> Vec<Combination> {
     for group in groups(covariance) {
         let n = group.len();
         let part = Mat::from_fn(n, n, |i, j| covariance[(group[i], group[j])]);
-        let Ok(eigen) = part.self_adjoint_eigen(Side::Lower) else { continue };
+        let Ok(eigen) = part.symmetric_eigen() else { continue };
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         for k in (0..n).rev() {
             let of_prior = values[k].max(0.0).sqrt();

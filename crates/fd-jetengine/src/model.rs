@@ -2,6 +2,7 @@
 
 use faer::{Mat, prelude::Solve};
 use fd_model::{Channel, Continuous, ModelError, StateSpace};
+use fd_numeric::dense::Dense;
 
 use crate::error::EngineError;
 
@@ -71,7 +72,7 @@ impl EngineModel {
     /// Returns an error when `A` is singular, or an output or state does not answer any input.
     pub fn equilibrated(&self) -> Result<(Self, Scaling), EngineError> {
         let m = &self.model;
-        let steady: Mat<f64> = m.a().partial_piv_lu().solve(&(-m.b()));
+        let steady: Mat<f64> = m.a().lu().solve(&(-m.b()));
         let gain = m.c() * &steady + m.d();
         let mut u = vec![1.0; m.nu()];
         let mut y = vec![1.0; m.ny()];

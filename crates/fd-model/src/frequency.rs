@@ -1,6 +1,7 @@
 //! Frequency response and steady-state gain.
 
 use faer::{Mat, MatRef, c64, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use crate::{
     domain::TimeDomain,
@@ -49,7 +50,7 @@ impl<D: TimeDomain> StateSpace<D> {
             let a = c64::new(self.a()[(i, j)], 0.0);
             if i == j { point - a } else { -a }
         });
-        let x = resolvent.partial_piv_lu().solve(complex(self.b()));
+        let x = resolvent.lu().solve(complex(self.b()));
         let response = complex(self.c()) * x + complex(self.d());
         let finite = (0..response.ncols()).all(|j| response.col(j).iter().all(|g| g.is_finite()));
         if finite {

@@ -1,6 +1,7 @@
 //! Units of all signals in which a model has entries of like size.
 
 use faer::{Mat, MatRef, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use crate::{domain::TimeDomain, error::ModelError, state_space::StateSpace};
 
@@ -203,7 +204,7 @@ fn least_squares(entries: &[Entry], weights: &[f64], count: usize) -> Vec<f64> {
             }
         }
     }
-    let units = normal.partial_piv_lu().solve(&right);
+    let units = normal.lu().solve(&right);
     let sound = |unit: f64| if unit.is_finite() { unit } else { 0.0 };
     (0..count).map(|i| sound(units[(i, 0)])).collect()
 }

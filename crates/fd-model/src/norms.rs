@@ -1,6 +1,7 @@
 //! H2 and H-infinity norms.
 
 use faer::{Mat, c64};
+use fd_numeric::dense::Dense;
 
 use crate::{
     domain::{Continuous, TimeDomain},
@@ -138,7 +139,7 @@ impl<D: TimeDomain> StateSpace<D> {
                 continue;
             }
             let gains = response
-                .singular_values()
+                .sigmas()
                 .map_err(|_| ModelError::NoConvergence { what: "the gain", order: self.nx() })?;
             let norm = gains.iter().copied().fold(0.0, f64::max);
             if best.norm < norm {

@@ -16,6 +16,7 @@
 
 use faer::{Mat, MatRef, Scale, prelude::Solve};
 use fd_core::Shape;
+use fd_numeric::dense::Dense;
 
 use crate::{
     domain::unit_disk_margin,
@@ -246,7 +247,7 @@ fn double(a: &Mat<f64>, mut g: Mat<f64>, mut h: Mat<f64>) -> Option<Mat<f64>> {
         return Some(h);
     }
     for _ in 0..DOUBLINGS {
-        let lu = (Mat::<f64>::identity(n, n) + &g * &h).partial_piv_lu();
+        let lu = (Mat::<f64>::identity(n, n) + &g * &h).lu();
         let wa = lu.solve(&a);
         let wg = lu.solve(&g);
         let step = a.transpose() * &h * &wa;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | multiply short vectors at run time, in any precision | [`dot()`] |
 //! | multiply long signals | [`wide::dot`], [`wide::dots`] |
+//! | decompose and solve (in `f64`) | [`dense`] |
 //! | compute with many numbers side by side (SIMD) | [`lanes`] |
 //! | measure the size of a signal | [`rms()`], [`mean_and_deviation`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
@@ -19,6 +20,7 @@
 //! assert_eq!(dot(&[1.0, 2.0], &[3.0, 4.0]), 11.0);
 //! ```
 
+pub mod dense;
 mod dot;
 pub mod lanes;
 mod quantile;

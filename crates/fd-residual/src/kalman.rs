@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef, Scale, prelude::Solve};
 use fd_model::{ModelError, TimeDomain, riccati as discrete_riccati};
+use fd_numeric::dense::{Dense, DenseReal};
 
 use crate::{
     error::DesignError,
@@ -43,7 +44,7 @@ pub(crate) fn filter<D: TimeDomain>(
         return Ok(Filter { gain: Mat::zeros(0, c.nrows()), innovation: r.clone() });
     }
     // Feeding S R⁻¹ (y − C x) into the states leaves noises that are independent.
-    let inverse = r.partial_piv_lu().solve(Mat::<f64>::identity(r.nrows(), r.nrows()));
+    let inverse = r.lu().solve(Mat::<f64>::identity(r.nrows(), r.nrows()));
     if !inverse.norm_max().is_finite() {
         return Err(ModelError::Singular { role: "measurement noise R" }.into());
     }
@@ -58,7 +59,7 @@ pub(crate) fn filter<D: TimeDomain>(
             Err(ModelError::NotStabilisable { .. } | ModelError::NotPositive { .. }) => {
                 let p = discrete(&free, &(c.transpose() * &inverse * c), &rest)?;
                 let innovation = r + c * &p * c.transpose();
-                let gain = innovation.partial_piv_lu().solve(c * &p * free.transpose());
+                let gain = innovation.lu().solve(c * &p * free.transpose());
                 (gain.transpose() + common, innovation, "the discrete filter")
             }
             found => {
@@ -71,7 +72,7 @@ pub(crate) fn filter<D: TimeDomain>(
         ((p * c.transpose() + s) * inverse, r.clone(), "the continuous filter")
     };
     let (closed, order) = (a - &gain * c, a.nrows());
-    let modes = closed.eigenvalues().map_err(|_| ModelError::NoConvergence { what, order })?;
+    let modes = closed.modes().map_err(|_| ModelError::NoConvergence { what, order })?;
     match modes.iter().find(|&&mode| !domain.decays(mode)) {
         Some(mode) => Err(ModelError::NotStabilisable { what, re: mode.re, im: mode.im }.into()),
         None => Ok(Filter { gain, innovation }),
@@ -121,7 +122,7 @@ fn discrete(a: &Mat<f64>, g: &Mat<f64>, q: &Mat<f64>) -> Result<Mat<f64>, Design
     let minus_q = Scale(-1.0) * q;
     let left = blocks(&[&[a.transpose(), none.as_ref()], &[minus_q.as_ref(), one.as_ref()]]);
     let right = blocks(&[&[one.as_ref(), g.as_ref()], &[none.as_ref(), a.as_ref()]]);
-    decaying((&left + &right).partial_piv_lu().solve(&left - &right))
+    decaying((&left + &right).lu().solve(&left - &right))
 }
 
 /// `P` such that `[I; P]` spans the decaying modes of a Hamiltonian matrix, from the matrix's sign
@@ -133,7 +134,7 @@ fn decaying(mut z: Mat<f64>) -> Result<Mat<f64>, DesignError> {
         DesignError::from(ModelError::NoConvergence { what, order: n })
     };
     for _ in 0..STEPS {
-        let inverse = z.partial_piv_lu().solve(Mat::<f64>::identity(2 * n, 2 * n));
+        let inverse = z.lu().solve(Mat::<f64>::identity(2 * n, 2 * n));
         let scale = (inverse.norm_l2() / z.norm_l2()).sqrt();
         if !(0.0 < scale && scale.is_finite()) {
             return Err(failed());
@@ -151,7 +152,7 @@ fn decaying(mut z: Mat<f64>) -> Result<Mat<f64>, DesignError> {
     let one = Mat::<f64>::identity(n, n);
     let tall = blocks(&[&[z.submatrix(0, n, n, n)], &[(z.submatrix(n, n, n, n) + &one).as_ref()]]);
     let right = blocks(&[&[(z.submatrix(0, 0, n, n) + &one).as_ref()], &[z.submatrix(n, 0, n, n)]]);
-    let svd = tall.thin_svd().map_err(|_| failed())?;
+    let svd = tall.economic_svd().map_err(|_| failed())?;
     Ok(symmetric(&(Scale(-1.0) * (svd.pseudoinverse() * right))))
 }
 

@@ -1,8 +1,9 @@
 //! Small matrix helpers that every design room needs.
 
-use faer::{Mat, MatRef, Scale, c64, traits::ComplexField};
+use faer::{Mat, MatRef, Scale, c64};
 use fd_core::{Shape, ShapeError};
 use fd_model::{ModelError, NaturalUnits, StateSpace, TimeDomain};
+use fd_numeric::dense::{Dense, Number};
 
 use crate::{analysis::UnknownInputs, error::DesignError};
 
@@ -58,7 +59,7 @@ pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<c64> {
 pub(crate) fn orthonormal_rows(m: &Mat<f64>) -> Mat<f64> {
     // Rotations from the left that leave the largest columns to the first rows: they round each column
     // relative to itself, and what remains is far from parallel.
-    let staircase = m.col_piv_qr();
+    let staircase = m.pivoted_qr();
     let mut rows = staircase.R() * staircase.P();
     for i in 0..rows.nrows() {
         let unit = |rows: &mut Mat<f64>| {
@@ -81,12 +82,12 @@ pub(crate) fn orthonormal_rows(m: &Mat<f64>) -> Mat<f64> {
 }
 
 /// Largest singular value; zero for an empty matrix.
-pub(crate) fn spectral_norm<T: ComplexField<Real = f64>>(m: MatRef<'_, T>) -> f64 {
+pub(crate) fn spectral_norm<T: Number>(m: MatRef<'_, T>) -> f64 {
     if m.nrows() == 0 || m.ncols() == 0 {
         return 0.0;
     }
     // The Frobenius norm is the safe side when the iteration fails (it never does for finite data).
-    m.singular_values().ok().and_then(|s| s.first().copied()).unwrap_or_else(|| m.norm_l2())
+    m.sigmas().ok().and_then(|s| s.first().copied()).unwrap_or_else(|| m.norm_l2())
 }
 
 /// Checks the size of a given matrix.

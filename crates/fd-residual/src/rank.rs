@@ -9,8 +9,9 @@
 
 use std::fmt;
 
-use faer::{Mat, MatRef, linalg::solvers::Svd};
+use faer::{Mat, MatRef};
 use fd_model::ModelError;
+use fd_numeric::dense::{Dense, Svd};
 
 use crate::error::DesignError;
 
@@ -182,7 +183,7 @@ pub(crate) fn decide(
         });
     }
     let failed = ModelError::NoConvergence { what: "rank", order: rows.min(columns) };
-    let svd = m.svd().map_err(|_| failed)?;
+    let svd = m.full_svd().map_err(|_| failed)?;
     let scale = if 0.0 < scale { scale } else { 1.0 };
     let values: Vec<f64> = svd.S().column_vector().iter().map(|&s| s / scale).collect();
     Ok(Decided {

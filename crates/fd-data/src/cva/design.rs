@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 use fd_model::Record;
+use fd_numeric::dense::Dense;
 
 use super::order::{Prediction, States};
 use crate::{
@@ -91,7 +92,7 @@ impl CvaDesign {
         let whiten_future = whitening(covariance(future.as_ref(), future.as_ref()).as_ref())?;
         let shared = &whiten * covariance(past, future.as_ref());
         let svd = (&shared * whiten_future.transpose())
-            .svd()
+            .full_svd()
             .map_err(|_| DataError::NoConvergence { what: "canonical correlations" })?;
         // Rounding alone may put a correlation above 1.
         let correlations: Vec<f64> =

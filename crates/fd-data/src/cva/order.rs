@@ -1,6 +1,7 @@
 //! How many canonical variates are states.
 
 use faer::MatRef;
+use fd_numeric::dense::Dense;
 
 use crate::error::DataError;
 
@@ -73,7 +74,7 @@ impl Prediction<'_> {
 
 /// `ln det`, none where rounding leaves nothing positive.
 fn log_determinant(matrix: MatRef<'_, f64>) -> Option<f64> {
-    let factor = matrix.llt(faer::Side::Lower).ok()?;
+    let factor = matrix.cholesky().ok()?;
     let l = factor.L();
     Some((0..l.nrows()).map(|i| 2.0 * l[(i, i)].ln()).sum())
 }

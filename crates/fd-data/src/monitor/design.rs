@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef};
 use fd_core::{Frame, IoDims, Scalar, stage::Stage};
 use fd_model::{Record, freeze};
+use fd_numeric::dense::Dense;
 
 use super::run::Monitor;
 use crate::{
@@ -223,7 +224,7 @@ fn root_of(rows: &Mat<f64>) -> Result<Mat<f64>, DataError> {
 /// `V Uᵀ` of `S = U Σ Vᵀ`, so that `V Uᵀ S = (Sᵀ S)^½`.
 fn root(scores: MatRef<'_, f64>) -> Result<Mat<f64>, DataError> {
     let svd = scores
-        .thin_svd()
+        .economic_svd()
         .map_err(|_| DataError::NoConvergence { what: "the root of the scores" })?;
     Ok(svd.V() * svd.U().transpose())
 }

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use fd_model::Record;
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::DataError,
@@ -68,16 +69,16 @@ impl DataParityDesign {
         let rows = all.nrows();
         let column = |j: usize| if j < before { j } else { place(j - before) };
         let sorted = Mat::from_fn(rows, before + du + dy, |i, j| all[(i, column(j))]);
-        let l = sorted.qr().thin_R().transpose().to_owned();
+        let l = sorted.factor_qr().thin_R().transpose().to_owned();
         let size = (rows as f64).sqrt();
         let known = Mat::from_fn(du + dy, before + du, |i, j| l[(before + i, j)] / size);
         let left = Mat::from_fn(dy, dy, |i, j| l[(before + du + i, before + du + j)] / size);
         let no = |what| move |_| DataError::NoConvergence { what };
-        let svd = known.svd().map_err(no("singular values of the windows"))?;
+        let svd = known.full_svd().map_err(no("singular values of the windows"))?;
         let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
         let largest = values.first().copied().unwrap_or(0.0);
         let noise = left
-            .singular_values()
+            .sigmas()
             .map_err(no("singular values of the noise"))?
             .first()
             .copied()
@@ -90,7 +91,7 @@ impl DataParityDesign {
         let rank = values.iter().take_while(|&&value| value > least).count();
         let excited = known
             .subrows(0, du)
-            .singular_values()
+            .sigmas()
             .map_err(no("singular values of the inputs"))?
             .iter()
             .filter(|&&value| value > 1e-9 * largest)

@@ -1,6 +1,7 @@
 //! How far to forecast: the memory of the plant settles it.
 
 use faer::Mat;
+use fd_numeric::dense::DenseReal;
 use fd_numeric::upper_median;
 use fd_sim::simulate::{Outcome, Simulator, walk};
 
@@ -93,7 +94,7 @@ fn slowest_decay(
         moved[j] = x[j];
     }
     let finite = (0..x.len()).all(|j| (0..x.len()).all(|i| f64::is_finite(transition[(i, j)])));
-    let eigenvalues = finite.then(|| transition.eigenvalues().ok())??;
+    let eigenvalues = finite.then(|| transition.modes().ok())??;
     // A difference quotient cannot tell an integrator from a decay over 1e5 samples.
     let decays = eigenvalues.iter().map(|mu| mu.norm()).filter(|mu| *mu < 1.0 - 1e-5);
     let slowest = decays.fold(0.0, f64::max);

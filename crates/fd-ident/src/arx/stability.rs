@@ -1,6 +1,7 @@
 //! Poles of difference equations, and how to bring unstable ones inside the unit circle.
 
 use faer::{Mat, c64};
+use fd_numeric::dense::DenseReal;
 
 use crate::{arx::ArxModel, error::IdentError};
 
@@ -110,7 +111,7 @@ pub(crate) fn roots(a: &[f64]) -> Result<Vec<c64>, IdentError> {
         _ => f64::from(u8::from(i == j + 1)),
     });
     companion
-        .eigenvalues()
+        .modes()
         .map_err(|_| IdentError::NoConvergence { what: "eigenvalues of the companion matrix" })
 }
 

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 
 use faer::{ColRef, Mat, MatRef};
 use fd_model::Record;
+use fd_numeric::dense::Dense;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -191,7 +192,7 @@ pub(crate) fn two_stage(
 ) -> Result<LinearFit, IdentError> {
     // Checks sizes, finiteness and rank of the instruments: QR alone would make up directions.
     LeastSquares::new().solve(z, target)?;
-    let q = z.qr().compute_thin_Q();
+    let q = z.factor_qr().compute_thin_Q();
     let projected = &q * (q.transpose() * phi);
     let mut fit = LeastSquares::new().solve(projected.as_ref(), target)?;
     let (y, theta) = (ColRef::from_slice(target), ColRef::from_slice(&fit.coefficients));

@@ -2,6 +2,7 @@
 
 use faer::{ColRef, Mat, MatRef, prelude::SolveLstsq};
 use fd_core::{Shape, ShapeError};
+use fd_numeric::dense::Dense;
 
 use super::modes::Modes;
 use crate::{columns, error::IdentError};
@@ -98,7 +99,7 @@ impl LeastSquares {
         let scales: Vec<f64> = (0..n).map(|j| power_of_two(x.col(j).norm_l2())).collect();
         let scaled = columns::scaled(x, &scales);
 
-        let qr = scaled.col_piv_qr();
+        let qr = scaled.pivoted_qr();
         let (_, place) = qr.P().arrays();
         let r = qr.thin_R();
         let unpivoted =
@@ -108,7 +109,7 @@ impl LeastSquares {
         let (factor, q) = if is_sound {
             (unpivoted, None)
         } else {
-            let plain = scaled.qr();
+            let plain = scaled.factor_qr();
             (plain.thin_R().to_owned(), Some(plain.compute_thin_Q()))
         };
         let Modes { u, sigma, v } = Modes::of(factor.as_ref())?;

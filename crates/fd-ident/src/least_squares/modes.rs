@@ -1,6 +1,7 @@
 //! Singular values of a small triangular factor, whatever it is like.
 
 use faer::{Mat, MatRef};
+use fd_numeric::dense::Dense;
 
 use crate::error::IdentError;
 
@@ -21,7 +22,7 @@ impl Modes {
     ///
     /// Returns an error when neither does, as with a value that is not finite.
     pub(super) fn of(r: MatRef<'_, f64>) -> Result<Self, IdentError> {
-        match r.thin_svd() {
+        match r.economic_svd() {
             Ok(svd) => Ok(Self {
                 u: svd.U().to_owned(),
                 sigma: svd.S().column_vector().iter().copied().collect(),

@@ -4,6 +4,7 @@ use std::{collections::HashSet, sync::OnceLock};
 
 use faer::{Mat, MatRef};
 use fd_model::Record;
+use fd_numeric::dense::Dense;
 
 use crate::{
     arx::{ArxModel, ArxOrders, Regression, check_records},
@@ -165,7 +166,7 @@ impl Compressed {
                 },
             );
         let power = stacked.col(n).squared_norm_l2() / rows as f64;
-        let factor = stacked.qr();
+        let factor = stacked.factor_qr();
         let thin: MatRef<'_, f64> = factor.thin_R();
         let r = Mat::from_fn(n + 1, n + 1, |i, j| if i <= j { thin[(i, j)] } else { 0.0 });
         regression.forget_rows();

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 
 use faer::{Mat, MatRef, prelude::SolveLstsq};
 use fd_model::{Discrete, Record, StateSpace};
+use fd_numeric::dense::{Dense, DenseReal};
 
 use super::{
     StateSpaceBias,
@@ -129,7 +130,7 @@ impl Subspace {
 fn shift(gamma: MatRef<'_, f64>, ny: usize) -> Result<(Mat<f64>, bool), IdentError> {
     let rows = gamma.nrows() - ny;
     let next = gamma.subrows(ny, rows);
-    let a = gamma.subrows(0, rows).qr().solve_lstsq(next);
+    let a = gamma.subrows(0, rows).factor_qr().solve_lstsq(next);
     if spectral_radius(a.as_ref())? < 1.0 {
         return Ok((a, false));
     }
@@ -141,12 +142,11 @@ fn shift(gamma: MatRef<'_, f64>, ny: usize) -> Result<(Mat<f64>, bool), IdentErr
                 if i < rows { next[(i, j)] } else { 0.0 }
             },
         );
-    Ok((gamma.qr().solve_lstsq(padded), true))
+    Ok((gamma.factor_qr().solve_lstsq(padded), true))
 }
 
 fn spectral_radius(a: MatRef<'_, f64>) -> Result<f64, IdentError> {
-    let eigenvalues = a
-        .eigenvalues()
-        .map_err(|_| IdentError::NoConvergence { what: "eigenvalues of the shift" })?;
+    let eigenvalues =
+        a.modes().map_err(|_| IdentError::NoConvergence { what: "eigenvalues of the shift" })?;
     Ok(eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max))
 }

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 
 use faer::Mat;
 use fd_model::Record;
+use fd_numeric::dense::Dense;
 
 use crate::error::IdentError;
 
@@ -46,12 +47,13 @@ pub(super) fn future_from_past(
     (nu, ny): (usize, usize),
     constant: bool,
 ) -> Result<(Mat<f64>, Vec<f64>), IdentError> {
-    let r = windows.qr().thin_R().to_owned();
+    let r = windows.factor_qr().thin_R().to_owned();
     let (u, z, y) = (horizon * nu + usize::from(constant), horizon * (nu + ny), horizon * ny);
     // Rows of Rᵀ are the blocks of L.
     let l32 = Mat::from_fn(y, z, |i, j| r[(u + j, u + z + i)]);
-    let svd =
-        l32.thin_svd().map_err(|_| IdentError::NoConvergence { what: "singular values of L32" })?;
+    let svd = l32
+        .economic_svd()
+        .map_err(|_| IdentError::NoConvergence { what: "singular values of L32" })?;
     let values = svd.S().column_vector().iter().copied().collect();
     Ok((svd.U().to_owned(), values))
 }

@@ -1,6 +1,7 @@
 //! Equilibria: damped Newton in relative deviations.
 
 use faer::{Mat, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use super::{
     auxiliary::Auxiliary,
@@ -111,7 +112,7 @@ impl Engine17<f64> {
             let negative = Mat::from_fn(NX, 1, |i, _| -rates[i] / x[i]);
             residual = largest(negative.col(0).iter());
             let jacobian = relative_jacobian(self, &x, fuel);
-            let step = jacobian.partial_piv_lu().solve(&negative);
+            let step = jacobian.lu().solve(&negative);
             let length = largest(step.col(0).iter());
             if !length.is_finite() {
                 return Err(EngineError::NoTrim { fuel, iterations, residual });

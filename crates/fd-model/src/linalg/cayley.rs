@@ -1,6 +1,7 @@
 //! The Cayley transform that carries a continuous system to a discrete one with the same gramians.
 
 use faer::{Mat, MatRef, Scale, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::ModelError,
@@ -72,7 +73,7 @@ fn central_rate(a: MatRef<'_, f64>) -> f64 {
         }
         (logarithm / f64::from(STEPS - STEPS / 2)).exp()
     };
-    let lu = a.partial_piv_lu();
+    let lu = a.lu();
     let (fastest, slowest) = (growth(&|x| a * x), growth(&|x| lu.solve(x)).recip());
     let central = (fastest * slowest).sqrt();
     // A singular matrix has a mode that does not die out, and any shift will show it.

@@ -1,6 +1,7 @@
 //! Eigenvalues of badly scaled matrices, and the check that they all decay.
 
 use faer::{Mat, MatRef, c64};
+use fd_numeric::dense::DenseReal;
 
 use crate::{error::ModelError, linalg::balance::balance};
 
@@ -12,7 +13,7 @@ pub(crate) fn eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<c64>, ModelError> {
     }
     let scaling = balance(a, Mat::zeros(n, 0).as_ref(), Mat::zeros(0, n).as_ref());
     let failed = ModelError::NoConvergence { what: "eigenvalues", order: n };
-    let values = scaling.a(a).eigenvalues().map_err(|_| failed.clone())?;
+    let values = scaling.a(a).modes().map_err(|_| failed.clone())?;
     if values.iter().all(|value| value.is_finite()) { Ok(values) } else { Err(failed) }
 }
 

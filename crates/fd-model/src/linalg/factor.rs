@@ -1,6 +1,7 @@
 //! Factors of gramians by doubling.
 
 use faer::{Mat, MatRef, concat};
+use fd_numeric::dense::Dense;
 
 /// Factors of both gramians of a discrete system.
 pub(crate) struct SmithFactors {
@@ -101,5 +102,5 @@ impl Growing {
 
 /// A square factor of the same product as one with more columns than rows.
 fn compress(factor: MatRef<'_, f64>) -> Mat<f64> {
-    factor.transpose().qr().thin_R().transpose().to_owned()
+    factor.transpose().factor_qr().thin_R().transpose().to_owned()
 }

@@ -1,6 +1,7 @@
 //! Generalised eigenvalues and rank-revealing rotations.
 
 use faer::{Mat, MatRef, Scale, c64, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::ModelError,
@@ -39,7 +40,7 @@ pub(crate) fn generalised_eigenvalues(
         }
     }
     let (shift, shifted) = best.ok_or(ModelError::Singular { role: "the system pencil" })?;
-    let inverse = eigenvalues(shifted.partial_piv_lu().solve(b).as_ref())?;
+    let inverse = eigenvalues(shifted.lu().solve(b).as_ref())?;
     Ok(inverse.into_iter().map(|mu| mu.inv() + shift).collect())
 }
 
@@ -53,7 +54,7 @@ pub(crate) fn compress_rows(
     if rows == 0 || cols == 0 {
         return Ok((Mat::identity(rows, rows), 0));
     }
-    let svd = a.svd().map_err(|_| ModelError::NoConvergence {
+    let svd = a.full_svd().map_err(|_| ModelError::NoConvergence {
         what: "singular values",
         order: rows.min(cols),
     })?;

@@ -1,6 +1,7 @@
 //! Definiteness of symmetric matrices.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
+use fd_numeric::dense::DenseReal;
 
 use crate::error::ModelError;
 
@@ -33,7 +34,7 @@ pub(crate) fn is_positive(a: MatRef<'_, f64>, floor: f64) -> Result<bool, ModelE
         return Ok(true);
     }
     let values = scaled
-        .self_adjoint_eigenvalues(Side::Lower)
+        .symmetric_eigenvalues()
         .map_err(|_| ModelError::NoConvergence { what: "eigenvalues of a weight", order: n })?;
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
     Ok(if 0.0 < floor { floor < smallest } else { -rounding <= smallest })

@@ -1,10 +1,7 @@
 //! Linear systems whose matrix may be singular.
 
-use faer::{
-    Mat, MatRef,
-    linalg::solvers::{DenseSolveCore, PartialPivLu},
-    prelude::Solve,
-};
+use faer::{Mat, MatRef, prelude::Solve};
+use fd_numeric::dense::{Dense, Lu};
 
 use crate::error::ModelError;
 
@@ -36,11 +33,8 @@ pub(crate) fn inverse(role: &'static str, a: MatRef<'_, f64>) -> Result<Mat<f64>
     Ok(inverse)
 }
 
-fn factorise(
-    role: &'static str,
-    a: MatRef<'_, f64>,
-) -> Result<(PartialPivLu<f64>, Mat<f64>), ModelError> {
-    let lu = a.partial_piv_lu();
+fn factorise(role: &'static str, a: MatRef<'_, f64>) -> Result<(Lu<f64>, Mat<f64>), ModelError> {
+    let lu = a.lu();
     let inverse = lu.inverse();
     // The row sums of |A⁻¹| |A|.
     let sums = absolute_times(inverse.as_ref(), &absolute_times(a, &vec![1.0; a.ncols()]));

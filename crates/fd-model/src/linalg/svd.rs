@@ -1,6 +1,7 @@
 //! Singular value decomposition with sizes of zero allowed.
 
 use faer::{Mat, MatRef};
+use fd_numeric::dense::Dense;
 
 use crate::error::ModelError;
 
@@ -17,7 +18,7 @@ pub(crate) fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, ModelError
     if a.nrows() == 0 || a.ncols() == 0 {
         return Ok(Vec::new());
     }
-    a.singular_values().map_err(|_| no_convergence(a))
+    a.sigmas().map_err(|_| no_convergence(a))
 }
 
 /// Thin singular value decomposition.
@@ -26,7 +27,7 @@ pub(crate) fn svd(a: MatRef<'_, f64>) -> Result<Svd, ModelError> {
         let (u, v) = (Mat::zeros(a.nrows(), 0), Mat::zeros(a.ncols(), 0));
         return Ok(Svd { u, values: Vec::new(), v });
     }
-    let svd = a.thin_svd().map_err(|_| no_convergence(a))?;
+    let svd = a.economic_svd().map_err(|_| no_convergence(a))?;
     Ok(Svd {
         u: svd.U().to_owned(),
         values: svd.S().column_vector().iter().copied().collect(),

@@ -4,6 +4,7 @@ use std::fmt;
 
 use faer::{Mat, MatRef, c64, prelude::Solve};
 use fd_model::{StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::DesignError,
@@ -165,7 +166,7 @@ impl Response {
             let a = c64::new(system.a()[(i, j)], 0.0);
             if i == j { point - a } else { -a }
         });
-        let resolvent = pencil.partial_piv_lu().solve(Mat::<c64>::identity(n, n));
+        let resolvent = pencil.lu().solve(Mat::<c64>::identity(n, n));
         let size = |m: MatRef<'_, f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs());
         let (b, c, d) = (system.b(), system.c(), system.d());
         let sizes = Mat::from_fn(n, n, |i, j| resolvent[(i, j)].norm());

@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef, Scale, c64};
 use fd_core::Shape;
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::DesignError,
@@ -64,7 +65,7 @@ impl<D: TimeDomain> BeardDesign<D> {
             return Err(DesignError::HiddenDirection { rank_ce, rank_e });
         }
         let failed = || ModelError::NoConvergence { what: "inverse of C E", order: n };
-        let inverse = ce.svd().map_err(|_| failed())?.pseudoinverse();
+        let inverse = ce.full_svd().map_err(|_| failed())?.pseudoinverse();
         let fixed = (a * e - Scale(pole) * e) * &inverse;
         // Z sees what is left of the outputs, which does not show the events.
         let left = Mat::<f64>::identity(ny, ny) - &ce * inverse;
@@ -90,7 +91,7 @@ impl<D: TimeDomain> BeardDesign<D> {
             return Err(DesignError::HiddenDirection { rank_ce: shown, rank_e: n });
         }
         let failed = || ModelError::NoConvergence { what: "inverse of C", order: n };
-        let inverse = model.c().svd().map_err(|_| failed())?.pseudoinverse();
+        let inverse = model.c().full_svd().map_err(|_| failed())?.pseudoinverse();
         let gain = (a - Scale(pole) * Mat::<f64>::identity(n, n)) * inverse;
         Ok(Self { observer: ObserverDesign::with_gain(model, gain.as_ref())? })
     }

@@ -1,8 +1,9 @@
 //! Principal directions of modelling errors.
 
-use faer::{Mat, MatRef, Scale, Side};
+use faer::{Mat, MatRef, Scale};
 use fd_core::Shape;
 use fd_model::{Discrete, ModelError, Record, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use super::estimate::{Expectation, check_record, second_moment};
 use crate::{
@@ -140,7 +141,7 @@ impl Directions {
     fn principal(moment: MatRef<'_, f64>) -> Result<Self, DesignError> {
         let n = moment.nrows();
         let failed = ModelError::NoConvergence { what: "principal directions", order: n };
-        let eigen = moment.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
+        let eigen = moment.symmetric_eigen().map_err(|_| failed)?;
         let (u, values) = (eigen.U(), eigen.S().column_vector());
         // faer sorts eigenvalues in ascending order.
         let columns = Mat::from_fn(n, n, |i, j| u[(i, n - 1 - j)]);

@@ -3,6 +3,7 @@
 use faer::{Mat, Scale, c64};
 use fd_core::{Shape, ShapeError};
 use fd_model::{Discrete, ModelError, Record, StateSpace, TimeDomain, riccati};
+use fd_numeric::dense::DenseReal;
 
 use crate::{error::DesignError, matrix::blocks};
 
@@ -100,7 +101,7 @@ impl Filter {
     fn settling(&self) -> Result<usize, DesignError> {
         let closed = &self.a - &self.gain * &self.c;
         let failed = ModelError::NoConvergence { what: "eigenvalues", order: closed.nrows() };
-        let modes = closed.eigenvalues().map_err(|_| failed)?;
+        let modes = closed.modes().map_err(|_| failed)?;
         let slowest = modes.iter().map(|p: &c64| p.norm()).fold(0.0, f64::max);
         Ok(if 0.0 < slowest { (-5.0 / slowest.ln()).ceil() as usize } else { 0 })
     }

@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef, prelude::Solve};
 use fd_core::{IoDims, stage::ResidualGenerator};
 use fd_model::{Discrete, StateSpace, TimeDomain, riccati};
+use fd_numeric::dense::Dense;
 
 use crate::{
     analysis::UnknownInputs,
@@ -95,7 +96,7 @@ impl FaultEstimatorDesign {
 
         // f̂(k|k) = f̂(k|k−1) + P_f Cᵀ S⁻¹ ε, with the covariance P − P Cᵀ S⁻¹ C P.
         let pc = &found.p * c.transpose();
-        let correct = found.weight.partial_piv_lu().solve(pc.transpose()).transpose().to_owned();
+        let correct = found.weight.lu().solve(pc.transpose()).transpose().to_owned();
         let left = &found.p - &correct * pc.transpose();
         let deviations = (n..n + nf).map(|i| left[(i, i)].max(0.0).sqrt()).collect();
         let correct = correct.subrows(n, nf);

@@ -1,7 +1,8 @@
 //! The H-infinity and the H2 filter of a signal that the same unknown inputs drive.
 
-use faer::{Mat, Scale, Side, prelude::Solve};
+use faer::{Mat, Scale, prelude::Solve};
 use fd_model::{Continuous, ModelError, StateSpace};
+use fd_numeric::dense::{Dense, DenseReal};
 
 use crate::{
     error::DesignError,
@@ -53,14 +54,14 @@ impl Estimation {
         let (ny, none) = (measured.ny(), Mat::<f64>::zeros);
         let failed = || ModelError::Singular { role: "the noise and faults on the residual" };
         let root = (measured.d() * measured.d().transpose())
-            .llt(Side::Lower)
+            .cholesky()
             .map_err(|_| failed())?
             .L()
             .to_owned();
-        let back = root.partial_piv_lu().solve(Mat::<f64>::identity(ny, ny));
+        let back = root.lu().solve(Mat::<f64>::identity(ny, ny));
         let along = &back * measured.d();
         // Orthonormal rows of the rest.
-        let svd = along.svd().map_err(|_| failed())?;
+        let svd = along.full_svd().map_err(|_| failed())?;
         let across = svd.V().subcols(ny, measured.nu() - ny).transpose().to_owned();
 
         let (n, nr) = (measured.nx(), wanted.nx());
@@ -95,11 +96,10 @@ impl Estimation {
             let g = Scale(inverse);
             // W = (I − D₂ᵀ D₂/γ²)⁻¹ on the side of the inputs.
             let w = (one(self.d2.ncols()) - g * self.d2.transpose() * &self.d2)
-                .partial_piv_lu()
+                .lu()
                 .solve(one(self.d2.ncols()));
-            let z = (one(self.d2.nrows()) - g * &self.d2 * self.d2.transpose())
-                .partial_piv_lu()
-                .solve(&self.cz);
+            let z =
+                (one(self.d2.nrows()) - g * &self.d2 * self.d2.transpose()).lu().solve(&self.cz);
             let a = &self.f + g * &self.b2 * &w * self.d2.transpose() * &self.cz;
             let quadratic = self.c.transpose() * &self.c - g * self.cz.transpose() * z;
             let constant = &self.b2 * &w * self.b2.transpose();
@@ -107,7 +107,7 @@ impl Estimation {
                 return Ok(None);
             };
             let failed = |_| ModelError::NoConvergence { what: "the filter", order: n };
-            let values = p.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+            let values = p.symmetric_eigenvalues().map_err(failed)?;
             let least = values.first().copied().unwrap_or(0.0);
             if least.is_nan() || least < -1e-8 * p.norm_l2() {
                 return Ok(None);

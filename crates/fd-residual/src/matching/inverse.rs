@@ -2,6 +2,7 @@
 
 use faer::{Mat, c64, prelude::Solve};
 use fd_model::{ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use super::stable::slower;
 use crate::{
@@ -140,7 +141,7 @@ fn candidates(rows: usize, rank: usize) -> Vec<Mat<f64>> {
 /// `(A − B D⁻¹ C, B D⁻¹, −D⁻¹ C, D⁻¹)`
 fn inverse_of<D: TimeDomain>(g: &StateSpace<D>) -> Result<StateSpace<D>, DesignError> {
     let (a, b, c, d) = (g.a(), g.b(), g.c(), g.d());
-    let lu = d.partial_piv_lu();
+    let lu = d.lu();
     let (through, back) = (lu.solve(c), lu.solve(Mat::<f64>::identity(d.nrows(), d.nrows())));
     Ok(StateSpace::new(a - b * &through, b * &back, -through, back, g.domain())?)
 }

@@ -1,7 +1,8 @@
 //! The ν-gap metric.
 
-use faer::{Mat, Scale, Side, prelude::Solve};
+use faer::{Mat, Scale, prelude::Solve};
 use fd_model::{ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::DesignError,
@@ -74,8 +75,8 @@ fn left_coprime<D: TimeDomain>(g: &StateSpace<D>) -> Result<StateSpace<D>, Desig
     let noises = Noises { q: b * b.transpose(), s: b * d.transpose(), r: &one + d * d.transpose() };
     let found = filter(g.domain(), a, c, &noises)?;
     let failed = ModelError::NoConvergence { what: "coprime factors", order: g.nx() };
-    let root = found.innovation.llt(Side::Lower).map_err(|_| failed)?;
-    let scale = root.L().partial_piv_lu().solve(&one);
+    let root = found.innovation.cholesky().map_err(|_| failed)?;
+    let scale = root.L().lu().solve(&one);
     let l = &found.gain;
     let from = blocks(&[&[(b - l * d).as_ref(), l.as_ref()]]);
     let direct = blocks(&[&[d, (Scale(-1.0) * &one).as_ref()]]);

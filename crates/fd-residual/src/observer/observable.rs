@@ -1,6 +1,7 @@
 //! Whether the outputs show a mode.
 
 use faer::{Mat, MatRef, c64};
+use fd_numeric::dense::{Dense, DenseReal};
 
 use super::place::no_convergence;
 use crate::error::DesignError;
@@ -19,7 +20,7 @@ pub(crate) fn check_observable(
         return Ok(());
     }
     let scale = a.norm_l2().hypot(c.norm_l2());
-    let modes = a.eigenvalues().map_err(|_| no_convergence("eigenvalues", n))?;
+    let modes = a.modes().map_err(|_| no_convergence("eigenvalues", n))?;
     for mode in modes.into_iter().filter(|&mode| matters(mode)) {
         let pencil = Mat::from_fn(n + c.nrows(), n, |i, j| {
             if n <= i {
@@ -28,7 +29,7 @@ pub(crate) fn check_observable(
             let shift = if i == j { mode } else { c64::new(0.0, 0.0) };
             c64::new(a[(i, j)], 0.0) - shift
         });
-        let sigma = pencil.singular_values().map_err(|_| no_convergence("singular values", n))?;
+        let sigma = pencil.sigmas().map_err(|_| no_convergence("singular values", n))?;
         let distance = sigma.last().copied().unwrap_or(0.0) / scale;
         // A zero matrix pair has scale zero and shows nothing.
         if distance.is_nan() || distance <= UNOBSERVABLE {

@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use faer::{Mat, MatRef, Scale, c64};
 use fd_core::Shape;
 use fd_model::ModelError;
+use fd_numeric::dense::Dense;
 
 use super::observable::check_observable;
 use crate::{
@@ -84,7 +85,7 @@ pub fn place_poles(
 
     // M = X Λ X⁻¹ in real arithmetic; then Cᵀ Lᵀ = Aᵀ − M has a solution by construction.
     let (x, lambda) = vectors.real(n);
-    let svd = x.svd().map_err(|_| no_convergence("eigenvectors", n))?;
+    let svd = x.full_svd().map_err(|_| no_convergence("eigenvectors", n))?;
     let sigma = svd.S().column_vector();
     let condition = sigma[0] / sigma[n - 1];
     if condition.recip() <= f64::EPSILON {
@@ -109,7 +110,7 @@ struct Range {
 
 impl Range {
     fn of(c: MatRef<'_, f64>, n: usize) -> Result<Self, DesignError> {
-        let svd = c.transpose().svd().map_err(|_| no_convergence("singular values", n))?;
+        let svd = c.transpose().full_svd().map_err(|_| no_convergence("singular values", n))?;
         let sigma = svd.S().column_vector();
         let cutoff = RANK * sigma.iter().copied().fold(0.0, f64::max);
         let rank = sigma.iter().filter(|&&s| cutoff < s).count();
@@ -179,7 +180,7 @@ impl Eigenvectors {
             let space = if range.rank == n {
                 Mat::identity(n, n)
             } else {
-                let svd = constraint.svd().map_err(|_| no_convergence("null space", n))?;
+                let svd = constraint.full_svd().map_err(|_| no_convergence("null space", n))?;
                 svd.V().subcols(n - range.rank, range.rank).to_owned()
             };
             all.spaces.push(space);
@@ -192,7 +193,7 @@ impl Eigenvectors {
                 widest_pair(space, &free, n)?
             } else {
                 let seen = free.adjoint() * space;
-                let svd = seen.svd().map_err(|_| no_convergence("eigenvectors", n))?;
+                let svd = seen.full_svd().map_err(|_| no_convergence("eigenvectors", n))?;
                 space * svd.V().subcols(0, 1)
             };
             all.chosen.push(start);
@@ -282,7 +283,7 @@ fn complement_of(m: MatRef<'_, f64>, n: usize) -> Result<Mat<f64>, DesignError> 
     if m.ncols() == 0 {
         return Ok(Mat::identity(n, n));
     }
-    let svd = m.svd().map_err(|_| no_convergence("eigenvectors", n))?;
+    let svd = m.full_svd().map_err(|_| no_convergence("eigenvectors", n))?;
     let sigma = svd.S().column_vector();
     let rank = sigma.iter().filter(|&&s| RANK * sigma[0] < s).count();
     Ok(svd.U().subcols(rank, n - rank).to_owned())
@@ -305,9 +306,7 @@ fn widest_pair(space: &Mat<c64>, free: &Mat<c64>, n: usize) -> Result<Mat<c64>, 
                 let area = seen[(j, p)].conj() * seen[(i, q)] - seen[(i, p)].conj() * seen[(j, q)];
                 area / c64::new(0.0, 2.0)
             });
-            let eigen = h
-                .self_adjoint_eigen(faer::Side::Lower)
-                .map_err(|_| no_convergence("eigenvectors", n))?;
+            let eigen = h.symmetric_eigen().map_err(|_| no_convergence("eigenvectors", n))?;
             for k in 0..m {
                 let size = eigen.S()[k].re.abs();
                 if widest < size {

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef, c64};
 use fd_model::{StateSpace, TimeDomain};
+use fd_numeric::dense::{Dense, DenseReal};
 
 use super::place::{no_convergence, place_poles};
 use crate::{
@@ -100,7 +101,7 @@ pub(crate) fn visible_part_of(
         for _ in 0..2 {
             newest = &newest - &seen * (seen.transpose() * &newest);
         }
-        let svd = newest.svd().map_err(|_| no_convergence("staircase", n))?;
+        let svd = newest.full_svd().map_err(|_| no_convergence("staircase", n))?;
         let grown = svd.S().column_vector().iter().filter(|&&s| new * size < s).count();
         let fresh = svd.U().subcols(0, grown).to_owned();
         seen = blocks(&[&[seen.as_ref(), fresh.as_ref()]]);
@@ -110,7 +111,7 @@ pub(crate) fn visible_part_of(
     if seen.ncols() == 0 {
         return Ok((seen, Mat::identity(n, n)));
     }
-    let svd = seen.svd().map_err(|_| no_convergence("staircase", n))?;
+    let svd = seen.full_svd().map_err(|_| no_convergence("staircase", n))?;
     let rest = svd.U().subcols(seen.ncols(), n - seen.ncols()).to_owned();
     Ok((seen, rest))
 }
@@ -135,7 +136,7 @@ pub(crate) fn place_visible<D: TimeDomain>(
     let (seen, rest) = visible_part(a, c)?;
     if 0 < rest.ncols() {
         let block = rest.transpose() * a * &rest;
-        let modes = block.eigenvalues().map_err(|_| no_convergence("eigenvalues", n))?;
+        let modes = block.modes().map_err(|_| no_convergence("eigenvalues", n))?;
         if let Some(&mode) = modes.iter().find(|&&mode| !domain.decays(mode)) {
             return Err(hidden(mode));
         }
@@ -159,7 +160,7 @@ pub(crate) fn rank(m: MatRef<'_, f64>) -> Result<usize, DesignError> {
     if m.nrows() == 0 || m.ncols() == 0 {
         return Ok(0);
     }
-    let sigma = m.singular_values().map_err(|_| no_convergence("rank", m.nrows()))?;
+    let sigma = m.sigmas().map_err(|_| no_convergence("rank", m.nrows()))?;
     Ok(sigma.iter().filter(|&&s| NEW * sigma[0] < s && 0.0 < s).count())
 }
 

@@ -1,7 +1,8 @@
 //! Factorising the noise.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use super::infinity::regular;
 use crate::{
@@ -245,7 +246,7 @@ fn innovations<D: TimeDomain>(s: &StateSpace<D>) -> Result<(Mat<f64>, Mat<f64>),
     let found = filter(s.domain(), s.a(), s.c(), &noises)?;
     let order = s.ny();
     let failed = ModelError::NoConvergence { what: "covariance of the innovations", order };
-    let eigen = found.innovation.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
+    let eigen = found.innovation.symmetric_eigen().map_err(|_| failed)?;
     let (u, values) = (eigen.U(), eigen.S().column_vector());
     let scaled = Mat::from_fn(order, order, |i, j| u[(i, j)] / values[j].sqrt());
     Ok((found.gain, scaled * u.transpose()))
@@ -268,7 +269,7 @@ pub(crate) fn loudest<D: TimeDomain>(
         }
     }
     let failed = ModelError::NoConvergence { what: "directions of the noise", order: noise.nx() };
-    let svd = all.svd().map_err(|_| failed)?;
+    let svd = all.full_svd().map_err(|_| failed)?;
     let sigma = svd.S().column_vector();
     let clear = sigma.iter().filter(|&&s| RANK * sigma[0] < s).count();
     if clear < rank {

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef, Scale};
 use fd_model::{ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use crate::{
     error::DesignError,
@@ -36,7 +37,7 @@ pub(crate) fn regular<D: TimeDomain>(
     let (mut filters, mut size) = (Vec::new(), 0.0_f64);
     for _ in 0..=n {
         let failed = |_| ModelError::NoConvergence { what: "zeros at infinity", order: n };
-        let svd = d.svd().map_err(failed)?;
+        let svd = d.full_svd().map_err(failed)?;
         // Without cancellation, and without states that the noise does not reach, whatever their units.
         let terms = sizes(c.as_ref()) * sizes(b);
         size = size.max(d.norm_l2() + terms.norm_l2() / speed);

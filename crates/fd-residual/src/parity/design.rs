@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef};
 use fd_core::{Heap, IoDims, Scalar, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze};
+use fd_numeric::dense::Dense;
 
 use super::{
     natural::NaturalPlant,
@@ -200,7 +201,7 @@ impl ParityDesign {
             all = blocks(&[&[all.as_ref(), gamma.as_ref()]]);
         }
         let svd = all
-            .svd()
+            .full_svd()
             .map_err(|_| ModelError::NoConvergence { what: "parity vectors", order: rows })?;
         let best_first = Mat::from_fn(count, rows, |i, j| svd.U()[(j, rows - 1 - i)]);
         let mut design = Self::unchecked(nominal, order, best_first, None);

@@ -3,6 +3,7 @@
 use faer::{Mat, Scale};
 use fd_core::{Shape, ShapeError};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::Dense;
 
 use super::{
     design::ParityDesign,
@@ -151,7 +152,7 @@ fn reacting_combination(
     let mut directions = Vec::new();
     for m in reactions {
         let failed = ModelError::NoConvergence { what: "reaction to a fault", order: m.nrows() };
-        let svd = m.svd().map_err(|_| failed)?;
+        let svd = m.full_svd().map_err(|_| failed)?;
         if svd.S()[0] <= tolerance.value() {
             return Ok(None);
         }

@@ -1,7 +1,8 @@
 //! Eigenvalues for given weights, and the search for weights.
 
-use faer::{Mat, Scale, Side};
+use faer::{Mat, Scale};
 use fd_model::ModelError;
+use fd_numeric::dense::Dense;
 
 use super::moments::Moments;
 use crate::{error::DesignError, kalman::symmetric};
@@ -31,12 +32,12 @@ pub(super) fn best_rows(
         })
     };
     let failed = || ModelError::NoConvergence { what: "robust residual rows", order: n };
-    let eigen = scaled(&a, FLOOR).self_adjoint_eigen(Side::Lower).map_err(|_| failed())?;
+    let eigen = scaled(&a, FLOOR).symmetric_eigen().map_err(|_| failed())?;
     let (u, values) = (eigen.U(), eigen.S().column_vector());
     // Ā⁻½; rounding leaves no variance below the floor.
     let root = Mat::from_fn(n, n, |i, j| u[(i, j)] / values[j].max(FLOOR).sqrt());
     let white = symmetric(&(root.transpose() * scaled(&b, 0.0) * &root));
-    let eigen = white.self_adjoint_eigen(Side::Lower).map_err(|_| failed())?;
+    let eigen = white.symmetric_eigen().map_err(|_| failed())?;
     let (z, quotients) = (eigen.U(), eigen.S().column_vector());
     // In ascending order.
     let z = Mat::from_fn(n, count, |i, j| z[(i, n - 1 - j)]);

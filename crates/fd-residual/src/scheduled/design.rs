@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef};
 use fd_core::{IoDims, Shape, ShapeError, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain};
+use fd_numeric::dense::DenseReal;
 
 use super::{
     run::{Local, ScheduledObserver},
@@ -192,7 +193,7 @@ impl ScheduledDesign {
         for at in self.looked_at() {
             let (model, gain) = self.at(at)?;
             let f = model.a() - &gain * model.c();
-            let modes = f.eigenvalues().map_err(|_| ModelError::NoConvergence {
+            let modes = f.modes().map_err(|_| ModelError::NoConvergence {
                 what: "a scheduled observer",
                 order: f.nrows(),
             })?;

@@ -1,7 +1,8 @@
 //! Whether the estimation error dies out at every operating point, and under changes of any speed.
 
-use faer::{Mat, Scale, Side};
+use faer::{Mat, Scale};
 use fd_model::lyapunov;
+use fd_numeric::dense::DenseReal;
 
 use crate::kalman::symmetric;
 
@@ -27,7 +28,7 @@ fn decreases(p: &Mat<f64>, f: &Mat<f64>) -> bool {
     const CLEAR: f64 = 1e-12;
     let drop = symmetric(&(p - f.transpose() * p * f));
     let least = |m: &Mat<f64>| {
-        let values = m.self_adjoint_eigenvalues(Side::Lower).ok();
+        let values = m.symmetric_eigenvalues().ok();
         values.and_then(|values| values.first().copied())
     };
     least(&drop).is_none_or(|value| CLEAR * p.norm_l2() < value)

@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef, c64};
 use fd_core::{IoDims, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, riccati};
+use fd_numeric::dense::Dense;
 
 use crate::{
     decouple::refuse_what_enters,
@@ -222,8 +223,9 @@ fn decoupling<D: TimeDomain>(
     // H does not depend on the units of the unknown inputs, but its rounding does.
     let e = Mat::from_fn(n, e.ncols(), |i, j| e[(i, j)] * natural.units.inputs[j]);
     let ce = model.c() * &e;
-    let svd =
-        ce.svd().map_err(|_| ModelError::NoConvergence { what: "inverse of C E", order: n })?;
+    let svd = ce
+        .full_svd()
+        .map_err(|_| ModelError::NoConvergence { what: "inverse of C E", order: n })?;
     let scaled = Mat::from_fn(rank_ce, model.ny(), |i, j| svd.U()[(j, i)] / svd.S()[i]);
     let h = e * (svd.V().subcols(0, rank_ce) * scaled);
     let t = identity_less(h.as_ref(), model.c());

@@ -17,6 +17,7 @@
 use fd_model::{Continuous, Record, SampleTime, StateSpace, riccati};
 
 use faer::{Mat, Scale, prelude::Solve};
+use fd_numeric::dense::Dense;
 
 use super::{
     Nominal, OperatingPoint, Outcome, SimulateError, Simulator, linearize,
@@ -348,7 +349,7 @@ fn design(
     let r =
         Mat::from_fn(noise.len(), noise.len(), |i, j| if i == j { noise[i].powi(2) } else { 0.0 });
     let filter = riccati::discrete_filter(sampled.a(), sampled.c(), q.as_ref(), r.as_ref()).ok()?;
-    let gain = by_corrections.partial_piv_lu().solve(&filter.gain);
+    let gain = by_corrections.lu().solve(&filter.gain);
     let is_finite = (0..n).all(|i| (0..noise.len()).all(|j| f64::is_finite(gain[(i, j)])));
     let sizes = (0..noise.len()).map(|j| filter.weight[(j, j)].sqrt()).collect();
     is_finite.then_some((gain, sizes))

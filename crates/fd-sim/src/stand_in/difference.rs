@@ -5,6 +5,7 @@
 //! of the plant; the order is the least one whose *simulation* is nearly as good as any other's.
 
 use faer::{Mat, linalg::solvers::SolveLstsq};
+use fd_numeric::dense::Dense;
 
 use super::respond::pulse;
 use crate::simulate::DifferenceEquation;
@@ -101,7 +102,7 @@ impl Data<'_> {
         for column in 0..columns {
             left[(rows + column, column)] = RIDGE * (rows as f64).sqrt();
         }
-        let found = left.qr().solve_lstsq(right);
+        let found = left.factor_qr().solve_lstsq(right);
         let found: Vec<f64> = (0..columns).map(|i| found[(i, 0)]).collect();
         let b = found[order..].chunks_exact(order + 1).zip(self.responses);
         let b = b.map(|(b, r)| b.iter().map(|b| b * scale / r.size).collect()).collect();

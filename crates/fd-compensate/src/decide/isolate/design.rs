@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use faer::Mat;
+use fd_numeric::dense::Dense;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -195,7 +196,7 @@ impl FaultFree {
                     return None;
                 }
                 let columns = Mat::from_fn(n, chosen.len(), |i, j| self.whitening[(i, chosen[j])]);
-                let basis = columns.qr().compute_thin_Q();
+                let basis = columns.factor_qr().compute_thin_Q();
                 Some((basis.transpose().to_owned(), None))
             }
         }

@@ -1,6 +1,7 @@
 //! The whitening matrix and the threshold of the chi-square detector.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use fd_numeric::dense::Dense;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{detect::error::DetectorError, rows::SampleRows};
@@ -52,7 +53,7 @@ pub(crate) fn whitening(covariance: &Mat<f64>, samples: usize) -> Result<Mat<f64
         return Err(DetectorError::ConstantChannel { channel, samples });
     }
     let correlation = Mat::from_fn(n, n, |i, j| covariance[(i, j)] / (sigma[i] * sigma[j]));
-    let factor = correlation.llt(Side::Lower).map_err(|error| {
+    let factor = correlation.cholesky().map_err(|error| {
         let faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } = error;
         DetectorError::SingularCovariance { channel: index }
     })?;

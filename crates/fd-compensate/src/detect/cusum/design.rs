@@ -1,6 +1,7 @@
 //! Exact average run length of the cumulative sum, and the threshold for a wanted one.
 
 use faer::{Mat, linalg::solvers::Solve};
+use fd_numeric::dense::Dense;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use crate::{
@@ -104,7 +105,7 @@ fn one_sided(h: f64, drift: f64) -> f64 {
         };
         f64::from(u8::from(i == j)) - transition
     });
-    let solution = system.partial_piv_lu().solve(Mat::<f64>::from_fn(size, 1, |_, _| 1.0));
+    let solution = system.lu().solve(Mat::<f64>::from_fn(size, 1, |_, _| 1.0));
     let length = solution[(0, 0)];
     // Past the reach of the arithmetic the solution is huge, negative or not a number.
     if (1.0..LONGEST).contains(&length) { length } else { f64::INFINITY }

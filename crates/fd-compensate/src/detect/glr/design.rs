@@ -1,6 +1,7 @@
 //! Courses of faults after whitening, and their information.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use fd_numeric::dense::Dense;
 
 use crate::detect::{
     error::{DetectorError, positive},
@@ -113,7 +114,7 @@ fn roots(effect: &[Mat<f64>]) -> Result<Vec<Mat<f64>>, DetectorError> {
         .iter()
         .map(|effect| {
             information += effect.transpose() * effect;
-            let factor = information.llt(Side::Lower).map_err(|_| DetectorError::Parameter {
+            let factor = information.cholesky().map_err(|_| DetectorError::Parameter {
                 parameter: "information of a signature",
                 expected: "positive and finite",
                 found: (0..sizes).map(|i| information[(i, i)]).fold(f64::NAN, f64::min),

@@ -1,6 +1,7 @@
 //! Boundaries of the test and exact run lengths.
 
 use faer::{Mat, linalg::solvers::Solve};
+use fd_numeric::dense::Dense;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
@@ -122,7 +123,7 @@ pub fn operating_characteristic(
                 if column == 0 { 1.0 } else { normal.cdf(start(i) + drift - upper) }
             },
         );
-    let solution = system.partial_piv_lu().solve(right);
+    let solution = system.lu().solve(right);
     let (average_samples, alarm_probability) = (solution[(0, 0)], solution[(0, 1)]);
     Ok(Operating {
         alarm_probability,

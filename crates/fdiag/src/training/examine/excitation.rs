@@ -1,7 +1,8 @@
 //! Do the inputs move in as many ways as there are parameters?
 
-use faer::{Mat, Side};
+use faer::Mat;
 use fd_model::Record;
+use fd_numeric::dense::DenseReal;
 
 use super::Doubt;
 use crate::training::train::{Healthy, Trained};
@@ -82,7 +83,7 @@ fn doubt(healthy: &[Healthy<'_>], input: usize, lag: usize, needed: usize) -> Op
 
 /// Number of eigenvalues, squares of singular values, that count.
 fn independent(gram: &Mat<f64>) -> usize {
-    let Ok(values) = gram.self_adjoint_eigenvalues(Side::Lower) else { return 0 };
+    let Ok(values) = gram.symmetric_eigenvalues() else { return 0 };
     let largest = values.iter().fold(0.0_f64, |m, &v| m.max(v));
     values.iter().filter(|&&v| v > LEAST * LEAST * largest).count()
 }
