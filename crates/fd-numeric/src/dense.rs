@@ -6,10 +6,12 @@
 use std::ops::Deref;
 
 use faer::{
-    Conj, Mat, MatMut, MatRef, Side, c64,
+    Accum, Conj, Mat, MatMut, MatRef, Par, Side, c64,
+    linalg::matmul::triangular::{self, BlockStructure},
     linalg::solvers::{
         self, DenseSolveCore, EvdError, LltError, ShapeCore, SolveCore, SolveLstsqCore, SvdError,
     },
+    linalg::triangular_solve::solve_lower_triangular_in_place,
     mat::AsMatRef,
     traits::ComplexField,
 };
@@ -107,6 +109,30 @@ impl<T: Number> Svd<T> {
     pub fn pseudoinverse(&self) -> Mat<T> {
         T::pseudoinverse(&self.0)
     }
+}
+
+impl Cholesky<f64> {
+    /// `x ← L⁻¹ x`.
+    pub fn solve_half(&self, x: MatMut<'_, f64>) {
+        solve_lower_triangular_in_place(self.0.L(), x, Par::Seq);
+    }
+}
+
+/// The lower half of `A ← A + X Xᵀ`.
+pub fn add_gram(a: MatMut<'_, f64>, x: MatRef<'_, f64>) {
+    use BlockStructure::{Rectangular, TriangularLower};
+    let other = x.transpose();
+    triangular::matmul(
+        a,
+        TriangularLower,
+        Accum::Add,
+        x,
+        Rectangular,
+        other,
+        Rectangular,
+        1.0,
+        Par::Seq,
+    );
 }
 
 impl<T: Number> Qr<T> {
