@@ -63,7 +63,7 @@ impl Trained {
         columns: Option<&str>,
     ) -> PyResult<Self> {
         let model = LinearModel::parse(file, text).map_err(|error| input(py, &error))?;
-        let spec: PipelineSpec = toml::from_str(spec).map_err(|error| {
+        let spec: PipelineSpec = spec.parse().map_err(|error| {
             let error = format!("spec: {error}");
             input(py, &error)
         })?;
