@@ -106,6 +106,7 @@ factor!(Svd, Svd, "`A = U S Vᵀ`.");
 
 impl<T: Number> Svd<T> {
     /// As faer's.
+    #[must_use]
     pub fn pseudoinverse(&self) -> Mat<T> {
         T::pseudoinverse(&self.0)
     }
@@ -137,6 +138,7 @@ pub fn add_gram(a: MatMut<'_, f64>, x: MatRef<'_, f64>) {
 
 impl<T: Number> Qr<T> {
     /// As faer's.
+    #[must_use]
     pub fn compute_thin_Q(&self) -> Mat<T> {
         T::thin_q(&self.0)
     }
@@ -144,6 +146,7 @@ impl<T: Number> Qr<T> {
 
 impl<T: Number> PivotedQr<T> {
     /// As faer's.
+    #[must_use]
     pub fn compute_thin_Q(&self) -> Mat<T> {
         T::pivoted_thin_q(&self.0)
     }
@@ -151,6 +154,7 @@ impl<T: Number> PivotedQr<T> {
 
 impl<T: Number> Lu<T> {
     /// As faer's.
+    #[must_use]
     pub fn inverse(&self) -> Mat<T> {
         T::inverse(&self.0)
     }

@@ -9,7 +9,7 @@ const ALLOWED: [(&str, &[&[&str]]); 24] = [
     ("fd-core", &[]),
     ("fd-report", &[]),
     ("fd-numeric", &[&["fd-core"]]),
-    ("fd-model", &[&["fd-core"]]),
+    ("fd-model", &[&["fd-core", "fd-numeric"]]),
     ("fd-log", &[MODELS, &["fd-sim"]]),
     ("fd-sim", &[MODELS]),
     ("fd-residual", &[MODELS]),
