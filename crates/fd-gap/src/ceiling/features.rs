@@ -1,11 +1,10 @@
 //! A small nonlinear difference equation: random features, ridge regression.
 
-use faer::{
-    Accum, Mat, Par, Side,
-    linalg::matmul::triangular::{self, BlockStructure},
-    prelude::Solve,
+use faer::{Mat, prelude::Solve};
+use fd_numeric::{
+    dense::{Dense, add_gram},
+    wide::dot,
 };
-use fd_numeric::wide::dot;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -100,17 +99,7 @@ impl Regression {
                 phi.iter().enumerate().for_each(|(i, phi)| right[(i, 0)] += phi * r);
             }
             let phi = Mat::from_fn(m, rows.len(), |i, k| phi[k][i]);
-            triangular::matmul(
-                gram.as_mut(),
-                BlockStructure::TriangularLower,
-                Accum::Add,
-                phi.as_ref(),
-                BlockStructure::Rectangular,
-                phi.transpose(),
-                BlockStructure::Rectangular,
-                1.0,
-                Par::Seq,
-            );
+            add_gram(gram.as_mut(), phi.as_ref());
         }
         let largest = LARGEST * rows.iter().map(|(_, r)| r.abs()).fold(0.0, f64::max);
         Some(Self { features, gram, right, rows: n, largest })
@@ -122,7 +111,7 @@ impl Regression {
         for i in 0..gram.nrows() {
             gram[(i, i)] += ridge * self.rows;
         }
-        let solution = gram.llt(Side::Lower).ok()?.solve(&self.right);
+        let solution = gram.cholesky().ok()?.solve(&self.right);
         let weights = (0..gram.nrows()).map(|i| solution[(i, 0)]).collect();
         Some(Network { features: self.features.clone(), weights, largest: self.largest })
     }

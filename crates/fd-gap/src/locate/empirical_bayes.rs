@@ -1,6 +1,7 @@
 //! Linear regression whose coefficients have a Gaussian prior of unknown size.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use fd_numeric::dense::Dense;
 
 use super::columns::Column;
 
@@ -40,17 +41,13 @@ pub(super) fn regress(
             let precision = if i == j { nuisances[i].1 } else { 0.0 };
             nuisances[i].0.dot(&nuisances[j].0) + precision
         });
-        let factor = corner.llt(Side::Lower).ok()?;
+        let factor = corner.cholesky().ok()?;
         // L⁻¹ NᵀJ and L⁻¹ Nᵀr.
         let mut seen = Mat::from_fn(p, m + 1, |i, j| match columns.get(j) {
             Some(column) => nuisances[i].0.dot(column),
             None => nuisances[i].0.dot_full(r),
         });
-        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-            factor.L(),
-            seen.as_mut(),
-            faer::Par::Seq,
-        );
+        factor.solve_half(seen.as_mut());
         for i in 0..m {
             let dot = |j: usize| (0..p).map(|k| seen[(k, i)] * seen[(k, j)]).sum::<f64>();
             for j in 0..=i {
@@ -59,7 +56,7 @@ pub(super) fn regress(
             right[i] -= dot(m);
         }
     }
-    let eigen = gram.self_adjoint_eigen(Side::Lower).ok()?;
+    let eigen = gram.symmetric_eigen().ok()?;
     let lambda: Vec<f64> = (0..m).map(|i| eigen.S()[i]).collect();
     let largest = lambda.iter().copied().fold(0.0, f64::max);
     if largest <= 0.0 {
