@@ -16,6 +16,7 @@ use crate::{
         follows_anything, is_a_pair, is_curve_of_signal, wanders,
     },
     fit::FitError,
+    quality::{Defect, Finding},
 };
 
 /// Diagnoses a case whose suspects have signals inside the model among them, after a diagnosis of what is `around` it.
@@ -80,6 +81,7 @@ pub fn inside(
     if around.verdict == Verdict::NoGap {
         return Ok(None);
     }
+    let case = &around.as_diagnosed(case);
     if !around.names_all() {
         // What comes near the noise from far above it is seen before a whole diagnosis.
         let is_far = around.regime == Regime::AboveTheFloor && !around.is_logged_loop;
@@ -87,7 +89,7 @@ pub fn inside(
             return Ok(None);
         }
         let found = diagnose(case, settings, monitor)?;
-        return Ok(found.names_all().then_some(found));
+        return Ok(found.names_all().then(|| with_accidents(found, around)));
     }
     // A path over time says nothing of another log; against that a curve of a signal is an answer, too.
     let has_paths = is_of_paths(around);
@@ -109,7 +111,19 @@ pub fn inside(
     let singles = Settings { two: 0.0, ..settings.clone() };
     let found = diagnose(case, &singles, monitor)?;
     let is_named = matches!(found.verdict, Verdict::Cause | Verdict::Tied);
-    Ok((is_named && explains_more(&found, around, settings)).then_some(found))
+    let is_answer = is_named && explains_more(&found, around, settings);
+    Ok(is_answer.then(|| with_accidents(found, around)))
+}
+
+/// What was found with the samples left out that a diagnosis of what is `around` has left out.
+fn with_accidents(mut found: Diagnosis, around: &Diagnosis) -> Diagnosis {
+    let accidents = around.findings.iter();
+    let accidents = accidents.filter(|f| matches!(f.defect, Defect::WrongSample { .. }));
+    let missing: Vec<Finding> =
+        accidents.filter(|accident| !found.findings.contains(accident)).cloned().collect();
+    found.findings.extend(missing);
+    found.cleaned = found.cleaned.or_else(|| around.cleaned.clone());
+    found
 }
 
 /// Whether any single effect inside, or around, comes near the noise.

@@ -265,6 +265,7 @@ pub(crate) fn told(
     let mut again = told(&Case { logs: &logs, ..*case }, settings, monitor, true)?;
     again.diagnosis.findings.extend(findings);
     again.diagnosis.simulations += before;
+    again.diagnosis.cleaned = Some(logs);
     Ok(again)
 }
 

@@ -35,6 +35,8 @@ pub enum Objection {
         of: usize,
         /// Whether they are most of them.
         is_most: bool,
+        /// Whether held-out logs surely show the cause all the same: small effects that nobody listed may push parameters.
+        is_shown: bool,
     },
     /// The log reads what the saturated sensor could not show.
     ReadsBeyondLimit {
@@ -51,7 +53,7 @@ impl Objection {
     pub fn forbids(&self) -> bool {
         match self {
             Self::FaintStrength { is_none, .. } => *is_none,
-            Self::ParametersAtEdges { is_most, .. } => *is_most,
+            Self::ParametersAtEdges { is_most, is_shown, .. } => *is_most && !*is_shown,
             Self::NoBetterThanConstant
             | Self::NoBetterThanLastValue
             | Self::WorseThanNominal

@@ -5,11 +5,12 @@ mod held_out;
 use std::fmt::{self, Display, Formatter};
 
 use fd_effect::{Candidate, NotTestable, Side, SiteRef};
+use fd_model::Record;
 use fd_sim::model::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{objection::Objection, settings::Beginning};
+use super::{case::Case, objection::Objection, settings::Beginning};
 use crate::quality::Finding;
 
 pub use self::held_out::HeldOut;
@@ -85,6 +86,9 @@ pub struct Diagnosis {
     /// Whether logs were taken to begin in motion, wherever the model says that they begin; not serialised.
     #[serde(skip)]
     pub is_in_motion: bool,
+    /// The fitted logs without the samples that are wrong by accident, where there are such; not serialised.
+    #[serde(skip)]
+    pub cleaned: Option<Vec<Record>>,
     /// Whether it was stopped before its end: causes and pairs may be missing.
     pub is_stopped: bool,
     /// Simulations of all logs that were made.
@@ -115,6 +119,12 @@ impl Diagnosis {
     pub fn names_all(&self) -> bool {
         let is_named = matches!(self.verdict, Verdict::Cause | Verdict::Tied | Verdict::Pair);
         is_named && self.explains_all()
+    }
+
+    /// A case as it was diagnosed, for what is asked next: without samples that are wrong by accident.
+    #[must_use]
+    pub fn as_diagnosed<'a>(&'a self, case: &Case<'a>) -> Case<'a> {
+        self.cleaned.as_ref().map_or(*case, |logs| Case { logs, ..*case })
     }
 
     /// Where it took the logs to begin.

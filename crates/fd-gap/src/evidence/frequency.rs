@@ -4,7 +4,7 @@
 //! how often a class wins under a moving-block bootstrap of its forecast errors (Künsch 1989, here
 //! on the blocks closed to a circle).
 //!
-//! A replica draws as many blocks as there are. The error of a class is the mean, over horizons
+//! A replica draws as many blocks as there are. The error of a class is the mean, over sets of logs, horizons
 //! and outputs, of the logarithm of its root mean square error; the least error wins.
 //!
 //! *When not to use:* on blocks that are shorter than the memory of the errors (they are then as
@@ -16,8 +16,6 @@ use fd_compensate::calibrate::CircularBlocks;
 /// Errors of which the logarithms differ by less than this are equal: no one should be blamed for a
 /// per mille.
 const EQUAL: f64 = 1e-3;
-/// The most that frequencies can say: the law may be in no library.
-const SUREST: f64 = 0.95;
 
 /// Errors at one horizon: per class, per block, the sum of squares and how many there are.
 pub type BlockErrors = [Vec<[f64; 2]>];
@@ -38,33 +36,53 @@ pub type BlockErrors = [Vec<[f64; 2]>];
 /// ```
 #[must_use]
 pub fn win_frequencies(blocks: &BlockErrors, replicas: usize, seed: u64) -> Vec<f64> {
-    win_frequencies_over(&[blocks], 1, replicas, seed)
+    win_frequencies_over(&[&[blocks]], 1, replicas, seed)
 }
 
-/// The same over several horizons (or outputs), with blocks that are drawn `run` in a row, so that
-/// blocks can begin anywhere. Blocks must be the same stretches of the log at all horizons.
+/// The same over several sets of logs, of which each has blocks of its own and weighs as much as any other, and over several
+/// horizons (or outputs) in each, with blocks that are drawn `run` in a row, so that blocks can begin anywhere. Blocks
+/// must be the same stretches of the logs of a set at all horizons.
 ///
-/// A horizon at which some replica has no error at all does not count in that replica.
+/// A horizon at which some replica has no error at all does not count in that replica, nor a set without blocks.
+///
+/// ```
+/// use fd_gap::evidence::win_frequencies_over;
+///
+/// // By a hundredth worse in the logs of the fit, and by a factor of two better in those held out.
+/// let fitted = [vec![[1.0, 1.0]], vec![[1.02, 1.0]]];
+/// let held_out = [vec![[4.0, 1.0]; 2], vec![[1.0, 1.0]; 2]];
+/// assert_eq!(win_frequencies_over(&[&[&fitted], &[&held_out]], 1, 100, 1), [0.0, 1.0]);
+/// ```
 #[must_use]
 pub fn win_frequencies_over(
-    horizons: &[&BlockErrors],
+    sets: &[&[&BlockErrors]],
     run: usize,
     replicas: usize,
     seed: u64,
 ) -> Vec<f64> {
-    let classes = horizons.first().map_or(0, |blocks| blocks.len());
-    let blocks = horizons.iter().flat_map(|h| h.iter()).map(Vec::len).min().unwrap_or(0);
+    let all = || sets.iter().flat_map(|horizons| horizons.iter());
+    let classes = all().map(|blocks| blocks.len()).next().unwrap_or(0);
+    let blocks = |horizons: &[&BlockErrors]| {
+        horizons.iter().flat_map(|h| h.iter()).map(Vec::len).min().unwrap_or(0)
+    };
+    let mut drawn: Vec<(usize, CircularBlocks)> = sets
+        .iter()
+        .zip(seed..)
+        .map(|(horizons, seed)| (blocks(horizons), seed))
+        .map(|(blocks, seed)| (blocks, CircularBlocks::new(blocks, run, seed)))
+        .collect();
     let mut wins = vec![0.0; classes];
-    if classes == 0 || blocks == 0 || replicas == 0 {
+    if classes == 0 || replicas == 0 || drawn.iter().all(|(blocks, _)| *blocks == 0) {
         return wins;
     }
-    let mut drawn = CircularBlocks::new(blocks, run, seed);
     let mut errors = vec![0.0; classes];
     for _ in 0..replicas {
-        let replica: Vec<usize> = drawn.by_ref().take(blocks).collect();
         errors.fill(0.0);
-        for horizon in horizons {
-            add_log_errors(horizon, &replica, &mut errors);
+        for (horizons, (blocks, drawn)) in sets.iter().zip(&mut drawn) {
+            let replica: Vec<usize> = drawn.by_ref().take(*blocks).collect();
+            for horizon in *horizons {
+                add_log_errors(horizon, &replica, &mut errors);
+            }
         }
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
         let is_best = |error: f64| error <= least + EQUAL;
@@ -94,18 +112,4 @@ fn add_log_errors(horizon: &BlockErrors, replica: &[usize], errors: &mut [f64]) 
         let log = if mean.is_finite() { mean.max(f64::MIN_POSITIVE).ln() } else { f64::INFINITY };
         *error += 0.5 * log;
     }
-}
-
-/// What to believe of a class (or of several together) that wins with these frequencies on held-out
-/// blocks and on those of the fit: their geometric mean, at most .95.
-///
-/// ```
-/// use fd_gap::evidence::confidence;
-///
-/// assert_eq!(confidence(1.0, 1.0), 0.95);
-/// assert_eq!(confidence(1.0, 0.25), 0.5);
-/// ```
-#[must_use]
-pub fn confidence(held_out: f64, training: f64) -> f64 {
-    (held_out * training).sqrt().min(SUREST)
 }

@@ -13,7 +13,7 @@ mod tie;
 
 pub(crate) use self::likelihood::of_rounding;
 pub use self::{
-    frequency::{BlockErrors, confidence, win_frequencies, win_frequencies_over},
+    frequency::{BlockErrors, win_frequencies, win_frequencies_over},
     laplace::{DECADES, evidence},
     likelihood::{Likelihood, NoisePrior, likelihood},
     posterior::{pool, probabilities},

@@ -52,6 +52,8 @@ pub(super) struct Journey<'a> {
     pub(super) most: usize,
     /// Horizon at which forecasts judge; `None` without held-out logs.
     pub(super) horizon: Option<Horizon>,
+    /// Whether a set counts only if it leaves nothing but noise.
+    pub(super) is_to_the_noise: bool,
 }
 
 impl Journey<'_> {
@@ -107,10 +109,12 @@ pub fn road(
     };
     if first.regime == Regime::AtTheFloor {
         let Some(search) = simulated(begin(false))? else { return Ok(None) };
-        return simulated(by_evidence(&Journey { looks, first, search: &search, most, horizon }));
+        let is_to_the_noise = first.verdict != Verdict::Pair;
+        let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise };
+        return simulated(by_evidence(&journey));
     }
     let Some(search) = simulated(begin(true))? else { return Ok(None) };
-    let journey = Journey { looks, first, search: &search, most, horizon };
+    let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise: false };
     let found = simulated(beyond(&journey))?;
     let is_open = found.as_ref().is_none_or(|found| found.end == End::NothingHelps);
     if is_open && !is_dear {
@@ -118,7 +122,10 @@ pub fn road(
         // What explains everything does so from the beginning of the log to its end.
         let free = if search.is_in_windows { simulated(begin(false))? } else { None };
         let search = free.as_ref().unwrap_or(&search);
-        let explained = simulated(to_the_noise(&Journey { search, ..journey }, &believed))?;
+        let explained = simulated(to_the_noise(
+            &Journey { search, is_to_the_noise: true, ..journey },
+            &believed,
+        ))?;
         if explained.is_some() {
             return Ok(explained);
         }

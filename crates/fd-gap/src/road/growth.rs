@@ -7,6 +7,7 @@ use fd_effect::Candidate;
 use super::{
     drive::{Found, Journey, Named},
     result::End,
+    to_the_noise::FURTHER,
 };
 use crate::{
     diagnose::{Cause, EffectSet, FAINT, Settings, Wanted, follows_anything, is_a_pair},
@@ -21,31 +22,38 @@ const CLEARLY: f64 = 0.1;
 impl Journey<'_> {
     /// The set with what else is found, after it does not change any more; `None` where that takes too long.
     pub(super) fn grown(&self, set: EffectSet) -> Result<Option<Found>, FitError> {
-        let (mut set, mut end) = self.onwards(set)?;
+        let Some((mut set, mut end)) = self.onwards(set)? else { return Ok(None) };
         let mut known = vec![set.clone()];
         while self.goes_on() {
             let (other, named) = self.looked_back(set, &mut known)?;
             if let Some(named) = named {
                 return Ok(Some(Found { set: other, named, end }));
             }
-            (set, end) = self.onwards(other)?;
+            match self.onwards(other)? {
+                Some(further) => (set, end) = further,
+                None => return Ok(None),
+            }
         }
         Ok(None)
     }
 
-    /// Adds the law with the most evidence, as long as one is worth a place.
-    fn onwards(&self, mut set: EffectSet) -> Result<(EffectSet, End), FitError> {
+    /// Adds the law with the most evidence, as long as one is worth a place; `None` where only noise may be left, and the
+    /// best law takes too little for that.
+    fn onwards(&self, mut set: EffectSet) -> Result<Option<(EffectSet, End)>, FitError> {
         while self.goes_on() {
             match self.next(&set)? {
+                Some(next) if self.is_to_the_noise && !takes_its_share(&set, &next) => {
+                    return Ok(None);
+                }
                 Some(next) if set.members.len() < self.most => {
                     set = self.search.in_short_steps(next);
                 }
-                Some(_) => return Ok((set, End::Enough)),
-                None if self.search.is_noise(&set) => return Ok((set, End::AtTheNoise)),
+                Some(_) => return Ok(Some((set, End::Enough))),
+                None if self.search.is_noise(&set) => return Ok(Some((set, End::AtTheNoise))),
                 None => break,
             }
         }
-        Ok((set, End::NothingHelps))
+        Ok(Some((set, End::NothingHelps)))
     }
 
     /// Whether there is time for more.
@@ -209,6 +217,13 @@ impl Journey<'_> {
         let Settings { replicas, seed, .. } = *self.search.settings();
         closed(before?, after?, self.floor(), replicas, seed).map(Closed::between_runs)
     }
+}
+
+/// Whether the best of those that leave only noise together may have taken what a law takes of the squares above the noise:
+/// the best of so many takes at least the mean.
+fn takes_its_share(set: &EffectSet, next: &EffectSet) -> bool {
+    let above = |set: &EffectSet| (set.gap.powi(2) - 1.0).max(0.0);
+    above(next) <= (1.0 - 1.0 / FURTHER as f64) * above(set)
 }
 
 /// How much speaks for a cause in a set.

@@ -20,7 +20,7 @@ use crate::{
 
 /// Causes in which a list gets to the noise from where it is begun. One of four that are missing may take little until the
 /// others are there; on a real system, with a hundred small ones, no list gets there.
-const FURTHER: usize = 5;
+pub(super) const FURTHER: usize = 5;
 /// Most that the list may leave of the held-out gap, in multiples of its floor.
 const HELD_OUT: f64 = 1.5;
 

@@ -2,6 +2,7 @@
 
 use fd_compensate::calibrate::autocorrelation_time;
 use fd_sim::simulate::Simulator;
+use rayon::prelude::*;
 
 use super::{
     forecast::{Forecast, Settled, forecast},
@@ -40,15 +41,14 @@ pub struct Contest {
     /// Shares of replicas that each contender wins.
     pub wins: Vec<f64>,
     /// Per contender and horizon, the share of the reducible gap of the first contender that is
-    /// closed; `None` where a simulation diverges, or there is no gap.
+    /// closed in the last set of logs; `None` where a simulation diverges, or there is no gap.
     pub closed: Vec<Vec<Option<Closed>>>,
-    /// Length of a block of the bootstrap, in samples.
-    pub block: usize,
 }
 
-/// Lets settled models forecast logs at several horizons; the first is the one without any
-/// effect. Wins go by the mean over horizons and outputs of the logarithm of the error, under a
-/// moving-block bootstrap ([`win_frequencies_over`]).
+/// Lets settled models forecast sets of logs at several horizons: usually those of the fit, and those held out. The first
+/// model is the one without any effect. Wins go by the mean over sets, horizons and outputs of the logarithm of the error,
+/// under a moving-block bootstrap ([`win_frequencies_over`]): what fits a little better and forecasts much worse
+/// loses, and where the two disagree there is one winner all the same. Sets without logs do not count.
 ///
 /// # Errors
 ///
@@ -56,42 +56,64 @@ pub struct Contest {
 pub fn contest(
     nominal: &dyn Simulator,
     contenders: &[Settled<'_>],
-    logs: &[Log],
+    sets: &[&[Log]],
     rules: &Rules<'_>,
 ) -> Result<Contest, FitError> {
-    use rayon::prelude::*;
-
-    let forecasts: Vec<Vec<Option<Forecast>>> = contenders
-        .par_iter()
-        .map(|contender| {
-            let each = rules.horizons.iter();
-            each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
-        })
-        .collect::<Result<_, _>>()?;
-    let Some(first) = forecasts.first() else {
-        return Ok(Contest { wins: vec![], closed: vec![], block: 0 });
-    };
-    let samples: usize = logs.iter().map(Log::samples).sum();
-    let block = block_length(first, samples);
-    let cells = Cells::new(logs, block.div_ceil(PIECES));
-    let mut tables: Vec<Vec<Vec<[f64; 2]>>> = Vec::new();
-    for h in 0..rules.horizons.len() {
-        for output in 0..nominal.outputs().len() {
-            let of = |all: &Vec<Option<Forecast>>| cells.sums(all[h].as_ref(), output);
-            tables.push(forecasts.iter().map(of).collect());
-        }
-    }
-    let tables: Vec<&BlockErrors> = tables.iter().map(Vec::as_slice).collect();
-    let wins = win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed);
-    let shares = |all: &Vec<Option<Forecast>>| -> Vec<Option<Closed>> {
-        let pairs = first.iter().zip(all);
-        let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
-            let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
-            closed(before, after, rules.floor, rules.replicas, rules.seed)
+    let sets = sets.iter().filter(|logs| !logs.is_empty());
+    let mut all: Vec<Vec<Forecasts>> = Vec::new();
+    let mut tables: Vec<Vec<Vec<Vec<[f64; 2]>>>> = Vec::new();
+    for logs in sets {
+        let forecasts = forecasts(nominal, contenders, logs, rules)?;
+        let Some(first) = forecasts.first() else { continue };
+        let samples: usize = logs.iter().map(Log::samples).sum();
+        let cells = Cells::new(logs, block_length(first, samples).div_ceil(PIECES));
+        let at = |h: usize, output: usize| {
+            let of = |all: &Forecasts| cells.sums(all[h].as_ref(), output);
+            forecasts.iter().map(of).collect()
         };
-        pairs.map(share).collect()
+        let outputs = nominal.outputs().len();
+        let horizons = 0..rules.horizons.len();
+        tables.push(
+            horizons
+                .flat_map(|h| (0..outputs).map(move |c| (h, c)))
+                .map(|(h, c)| at(h, c))
+                .collect(),
+        );
+        all.push(forecasts);
+    }
+    let tables: Vec<Vec<&BlockErrors>> =
+        tables.iter().map(|set| set.iter().map(Vec::as_slice).collect()).collect();
+    let tables: Vec<&[&BlockErrors]> = tables.iter().map(Vec::as_slice).collect();
+    let wins = win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed);
+    let closed = all.last().map_or_else(Vec::new, |forecasts| shares(forecasts, rules));
+    Ok(Contest { wins, closed })
+}
+
+/// Forecasts of one contender, horizon by horizon.
+type Forecasts = Vec<Option<Forecast>>;
+
+/// What all contenders forecast.
+fn forecasts(
+    nominal: &dyn Simulator,
+    contenders: &[Settled<'_>],
+    logs: &[Log],
+    rules: &Rules<'_>,
+) -> Result<Vec<Forecasts>, FitError> {
+    let of = |contender: &Settled<'_>| {
+        let each = rules.horizons.iter();
+        each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
     };
-    Ok(Contest { wins, closed: forecasts.par_iter().map(shares).collect(), block })
+    contenders.par_iter().map(of).collect()
+}
+
+/// The shares of the gap of the first contender that each one closes.
+fn shares(forecasts: &[Forecasts], rules: &Rules<'_>) -> Vec<Vec<Option<Closed>>> {
+    let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
+        let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
+        closed(before, after, rules.floor, rules.replicas, rules.seed)
+    };
+    let of = |all: &Forecasts| forecasts[0].iter().zip(all).map(share).collect();
+    forecasts.par_iter().map(of).collect()
 }
 
 /// Five autocorrelation times of the errors without any effect, at the longest horizon.

@@ -177,6 +177,7 @@ pub(super) fn mended(
     let logs = &data.fit[..];
     let case = Case { nominal, suspects, logs, held_out: &[] };
     let diagnosis = as_read.as_ref().ok().map(|attempt| &attempt.diagnosis);
+    let case = diagnosis.map_or(case, |diagnosis| diagnosis.as_diagnosed(&case));
     Mended::of(request, subject, suspect(&case, horizon, diagnosis).ok()??)
 }
 

@@ -40,6 +40,7 @@ impl Further {
         Asked { request, settings, is_followed, is_dear, pause }: Asked<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
+        let case = &diagnosis.as_diagnosed(case);
         let bounds = Bounds { most: request.most, is_dear };
         let road = match request.most {
             2.. if pause.goes_on("further causes") => {

@@ -2,11 +2,11 @@
 
 use fd_sim::simulate::Simulator;
 
-use super::{groups::groups, probabilities::Probabilities};
+use super::probabilities::Probabilities;
 use crate::{
     diagnose::{
         candidates::{follows_anything, is_same_cause},
-        result::{Cause, CauseId, Group},
+        result::Cause,
         search::searched::{Searched, TrialId},
         settings::Settings,
         weigh::{
@@ -15,7 +15,6 @@ use crate::{
             values::FittedValues,
         },
     },
-    evidence::confidence,
     fit::{FitError, Log},
     shrink::{self, Closed, Contest, Rules, Settled},
 };
@@ -55,26 +54,12 @@ pub(in crate::diagnose) struct Standing {
     pub(in crate::diagnose) best: Option<usize>,
     /// How often it wins.
     wins: f64,
-    /// What is believed of that.
+    /// What is believed of it.
     pub(in crate::diagnose) probability: f64,
 }
 
-/// Shares of wins.
-#[derive(Clone, Copy, Debug, Default)]
-struct Wins {
-    held_out: f64,
-    training: f64,
-}
-
-impl Wins {
-    fn both(self) -> f64 {
-        self.held_out * self.training
-    }
-
-    fn either(self) -> f64 {
-        self.held_out + self.training
-    }
-}
+/// The most that wins can say: the law may be in no library.
+const SUREST: f64 = 0.95;
 
 /// Gives causes their probabilities by forecasts, and orders them by these. All laws of the first
 /// `settings.finalists` causes compete, and a cause wins what its laws win; the others have
@@ -102,10 +87,9 @@ pub(super) fn contest<'a>(
         Some(Entrant { cause: *cause, cost: best.cost, values })
     });
     let entrants: Vec<Entrant<'_>> = entrants.collect();
-    let competing: Vec<&Cause> = causes[..finalists].iter().map(|ranked| &ranked.cause).collect();
     let logs = [searched.null.problem.plan().logs.as_slice(), held_out];
     let Standings { no_gap, causes: standings } =
-        compete(simulator, &null, &competing, &entrants, logs, rules)?;
+        compete(simulator, &null, finalists, &entrants, logs, rules)?;
     let mut contested: Vec<(f64, RankedCause)> = Vec::with_capacity(causes.len());
     let mut standings = standings.into_iter();
     for ranked in causes {
@@ -136,36 +120,29 @@ pub(super) fn contest<'a>(
 pub(in crate::diagnose) fn compete(
     simulator: &dyn Simulator,
     null: &FittedValues<'_>,
-    causes: &[&Cause],
+    causes: usize,
     entrants: &[Entrant<'_>],
     [training, held_out]: [&[Log]; 2],
     rules: &Rules<'_>,
 ) -> Result<Standings, FitError> {
     let laws = entrants.iter().map(|entrant| entrant.values.settled());
     let settled: Vec<Settled<'_>> = std::iter::once(null.settled()).chain(laws).collect();
-    let run = |logs: &[Log]| shrink::contest(simulator, &settled, logs, rules);
-    let training = run(training)?;
-    let test = if held_out.is_empty() { training.clone() } else { run(held_out)? };
+    let Contest { wins, closed } =
+        shrink::contest(simulator, &settled, &[training, held_out], rules)?;
     let of_cause = |place: usize| {
         let own = || entrants.iter().enumerate().filter(move |(_, law)| law.cause == place);
-        let sum = |contest: &Contest| own().map(|(i, _)| contest.wins[i + 1]).sum();
-        let wins = Wins { held_out: sum(&test), training: sum(&training) };
-        let score = |i: usize| test.wins[i + 1] + training.wins[i + 1];
         let best = own().max_by(|(a, x), (b, y)| {
             // Of equal ones the first counts.
-            score(*a).total_cmp(&score(*b)).then(y.cost.total_cmp(&x.cost)).then(b.cmp(a))
+            let by_wins = wins[a + 1].total_cmp(&wins[b + 1]);
+            by_wins.then(y.cost.total_cmp(&x.cost)).then(b.cmp(a))
         });
-        (wins, best.map(|(place, _)| place))
+        let best = best.map(|(place, _)| place);
+        let wins = own().map(|(i, _)| wins[i + 1]).sum();
+        let trust = best.map_or(0.0, |place| trust(&closed[place + 1]));
+        Standing { best, wins, probability: SUREST * wins * trust }
     };
-    let found: Vec<(Wins, Option<usize>)> = (0..causes.len()).map(of_cause).collect();
-    let wins: Vec<Wins> = found.iter().map(|(wins, _)| *wins).collect();
-    let believed = believe(causes, &wins);
-    let standings = found.into_iter().zip(believed).map(|((_, best), wins)| {
-        let closed = best.map_or(&[][..], |place| &test.closed[place + 1]);
-        Standing { best, wins, probability: wins * trust(closed) }
-    });
-    let no_gap = confidence(test.wins[0], training.wins[0]);
-    Ok(Standings { no_gap, causes: standings.collect() })
+    let causes = (0..causes).map(of_cause).collect();
+    Ok(Standings { no_gap: SUREST * wins[0], causes })
 }
 
 /// How far a law may be believed: up to the share of the variance above the noise that it explains in forecasts, at the
@@ -188,26 +165,6 @@ fn laws(causes: &[RankedCause], searched: &Searched<'_>) -> Vec<Law> {
         laws.extend(of_cause.map(|(trial, _)| Law { cause, trial }));
     }
     laws
-}
-
-/// Probabilities from wins. A mechanism at a place is believed as a whole, and its causes share that.
-fn believe(causes: &[&Cause], wins: &[Wins]) -> Vec<f64> {
-    let mut believed = vec![0.0; causes.len()];
-    for Group { causes: members, .. } in groups(causes.iter().copied(), &[]) {
-        let sum = |value: &dyn Fn(Wins) -> f64| -> f64 {
-            members.iter().map(|id| value(wins[id.0])).sum()
-        };
-        let together = confidence(sum(&|w| w.held_out), sum(&|w| w.training));
-        let products = sum(&|wins| wins.both().sqrt());
-        let sums = sum(&Wins::either);
-        for CauseId(place) in &members {
-            let wins = wins[*place];
-            let (weight, weights) =
-                if 0.0 < products { (wins.both().sqrt(), products) } else { (wins.either(), sums) };
-            believed[*place] = together * weight / weights.max(f64::MIN_POSITIVE);
-        }
-    }
-    believed
 }
 
 #[cfg(test)]

@@ -12,9 +12,8 @@ const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
 const COARSE: f64 = 1.0;
 /// A grid above this many times the noise is a property of the log that is worth telling, not of the file's digits.
 const SEEN: f64 = 0.5;
-/// Times the stated noise that the best explanation leaves from which likelihoods are no use.
-const FAR: f64 = 5.0;
-/// Errors within this many times the noise may be noise of another colour.
+/// Errors within this many times the noise may be noise of another colour; beyond it they are the work of something else, and
+/// likelihoods are no use.
 pub(in crate::diagnose) const REACHED: f64 = 2.0;
 
 /// What is known of the noise of each output.
@@ -76,28 +75,14 @@ impl KnownNoise {
         self.stated[output].map(|stated| stated.hypot(rounding) / self.sigma[output])
     }
 
+    /// Whether errors (in sigma) are so far above the noise that likelihoods are no use: there, forecasts are better judges.
+    pub(in crate::diagnose) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
+        REACHED < self.reach(errors)
+    }
+
     /// How many times the noise is in errors (in sigma), in the output with the most; where none is
     /// stated, how many times their own floor.
     pub(in crate::diagnose) fn reach(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        self.reaches(errors).into_iter().map(|reach| reach.times).fold(0.0, f64::max)
-    }
-
-    /// Whether errors (in sigma) are so far above the noise that likelihoods are no use. Nobody
-    /// promises that there is noise as small as an estimated floor, and to reach it nearly is no
-    /// success: there, forecasts are better judges.
-    pub(in crate::diagnose) fn is_far(&self, errors: &[Vec<Vec<f64>>]) -> bool {
-        1.0 < self.farness(errors)
-    }
-
-    /// How many times as far above the noise errors (in sigma) are as likelihoods are of use, in the output with the most.
-    pub(in crate::diagnose) fn farness(&self, errors: &[Vec<Vec<f64>>]) -> f64 {
-        let limit = |is_stated| if is_stated { FAR } else { REACHED };
-        let reaches = self.reaches(errors).into_iter();
-        reaches.map(|reach| reach.times / limit(reach.is_stated)).fold(0.0, f64::max)
-    }
-
-    /// As [`reach`](Self::reach), per output.
-    fn reaches(&self, errors: &[Vec<Vec<f64>>]) -> Vec<Reach> {
         let gaps = gap_per_output(errors);
         let of = |c: usize| {
             let expected = self.expected(c);
@@ -109,22 +94,13 @@ impl KnownNoise {
                 let found = noise_floor(&errors[c].join(&f64::NAN), None).unwrap_or(1.0);
                 found.max(self.at_least(c))
             };
-            Reach { times: gaps[c] / floor, is_stated: expected.is_some() }
+            gaps[c] / floor
         };
-        (0..errors.len()).map(of).collect()
+        (0..errors.len()).map(of).fold(0.0, f64::max)
     }
 }
 
 /// Noise that has a size after it was rounded to a grid, before that.
 fn without_rounding(sigma: f64, step: f64) -> f64 {
     (sigma * sigma - of_rounding(step).powi(2)).max(0.0).sqrt()
-}
-
-/// How far above the noise the errors of an output are.
-#[derive(Clone, Copy, Debug)]
-struct Reach {
-    /// Root mean square of the errors, in multiples of the noise.
-    times: f64,
-    /// Whether that noise is stated by the model, or estimated from the errors.
-    is_stated: bool,
 }

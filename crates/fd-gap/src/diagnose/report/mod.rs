@@ -79,8 +79,7 @@ pub(super) fn report(
     };
     // Where the controller was on logged outputs, what was explained so is explained once more.
     let again = |model: &Model, problem: &Problem, at: &Minimum| {
-        let is_other = feedback.is_logged();
-        is_other.then(|| explain(model, &mut problem.clone(), &at.z)).flatten()
+        feedback.is_logged().then(|| explain(model, &mut problem.clone(), &at.z)).flatten()
     };
     let refitted = again(&model, &nominal, &null.minimum).unwrap_or(refit.explanation);
     let best = match &fit {
@@ -153,6 +152,7 @@ pub(super) fn report(
         not_tested,
         idle,
         is_in_motion,
+        cleaned: None,
         is_stopped: context.monitor.is_stopped(),
         simulations,
     })

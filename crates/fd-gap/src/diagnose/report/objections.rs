@@ -55,7 +55,7 @@ pub(super) struct Claim<'a> {
 /// against the model itself: that most of its parameters had to leave what is known of them.
 pub(super) fn objections(claim: Claim<'_>, verdict: Verdict) -> Vec<Objection> {
     if verdict == Verdict::NoneOfThese {
-        return at_edges(claim.answer).into_iter().filter(Objection::forbids).collect();
+        return at_edges(claim).into_iter().filter(Objection::forbids).collect();
     }
     if claim.causes.is_empty() {
         return Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn objections(claim: Claim<'_>, verdict: Verdict) -> Vec<Objection> {
         claim.causes.iter().filter_map(|cause| faint(cause, claim.held_out)).collect();
     all.extend(useless(claim));
     all.extend(not_shown(claim));
-    all.extend(at_edges(claim.answer));
+    all.extend(at_edges(claim));
     all.extend(claim.causes.iter().filter_map(|cause| beyond(cause, claim)));
     all.sort_by_key(|objection| !objection.forbids());
     all
@@ -153,8 +153,10 @@ fn not_shown(claim: Claim<'_>) -> Option<Objection> {
     (follows && is_tested && !held_out.iter().any(is_shown)).then_some(Objection::NotShown)
 }
 
-/// Refitted parameters at the edges of what their tolerances allow.
-fn at_edges(answer: &Answer) -> Option<Objection> {
+/// Refitted parameters at the edges of what their tolerances allow. Where small effects that nobody listed push most of them
+/// there, a cause that held-out logs clearly show is there all the same.
+fn at_edges(claim: Claim<'_>) -> Option<Objection> {
+    let Claim { answer, held_out, .. } = claim;
     let fit = answer.fit.as_ref()?;
     let nuisances = fit.problem.plan().nuisances();
     let is_at_edge = |(variable, z): (&Variable, &f64)| {
@@ -163,11 +165,13 @@ fn at_edges(answer: &Answer) -> Option<Objection> {
         (*z - low < near || high - z < near).then(|| variable.name.clone())
     };
     let names: Vec<String> = nuisances.iter().zip(&fit.minimum.z).filter_map(is_at_edge).collect();
+    let is_shown = !claim.causes.is_empty() && held_out.iter().any(is_shown);
     let is_most = MANY <= names.len() && MOST * nuisances.len() as f64 <= names.len() as f64;
     (!names.is_empty()).then_some(Objection::ParametersAtEdges {
         names,
         of: nuisances.len(),
         is_most,
+        is_shown,
     })
 }
 

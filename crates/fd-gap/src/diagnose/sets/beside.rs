@@ -13,7 +13,10 @@ use crate::{
     diagnose::{
         candidates::{Candidates, is_same_cause},
         context::Context,
-        prepare::{Prepared, noise::KnownNoise},
+        prepare::{
+            Prepared,
+            noise::{KnownNoise, REACHED},
+        },
         search::{search_beside, trial::MORE_THAN_PROMISED},
         weigh::{answer::Fit, singles::Singles},
     },
@@ -72,7 +75,7 @@ fn is_of_the_plant(site: &SiteRef, nominal: &Model) -> bool {
 
 /// What a cause must take of the squares that a set leaves, to come where likelihoods are of use.
 pub(in crate::diagnose) fn to_come_near(set: &EffectSet, noise: &KnownNoise) -> f64 {
-    let farness = set.errors().map_or(1.0, |errors| noise.farness(&errors));
+    let farness = set.errors().map_or(1.0, |errors| noise.reach(&errors) / REACHED);
     to_take(set.cost(), farness)
 }
 

@@ -264,7 +264,8 @@ impl<'a> SetSearch<'a> {
             seed: self.settings.seed,
         };
         let training = &self.singles.base.plan().logs;
-        let found = compete(simulator, &values, &causes, &entrants, [training, &held_out], &rules)?;
+        let found =
+            compete(simulator, &values, causes.len(), &entrants, [training, &held_out], &rules)?;
         let each = found.causes.into_iter();
         Ok(each.filter_map(|standing| Some((standing.best?, standing.probability))).collect())
     }

@@ -185,7 +185,7 @@ fn the_truth_wins() {
     ];
     let horizons = horizons(Some(5.0), 1, 900);
     let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
-    let outcome = contest(&nominal, &all, &logs, &rules).unwrap();
+    let outcome = contest(&nominal, &all, &[&logs], &rules).unwrap();
     // Equals share.
     assert_eq!(outcome.wins, [0.0, 0.5, 0.0, 0.5]);
     for closed in &outcome.closed[1] {

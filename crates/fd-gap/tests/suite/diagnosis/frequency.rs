@@ -1,6 +1,6 @@
 //! Laws of the frequencies with which classes win.
 
-use fd_gap::evidence::{confidence, win_frequencies, win_frequencies_over};
+use fd_gap::evidence::{win_frequencies, win_frequencies_over};
 use proptest::prelude::*;
 
 type Class = Vec<[f64; 2]>;
@@ -83,7 +83,7 @@ proptest! {
         let same = vec![vec![[1.0, 2.0]; better.len()]; classes.len() + 1];
         let mut classes = classes;
         classes.push(better);
-        let wins = win_frequencies_over(&[&classes, &same], run, 100, seed);
+        let wins = win_frequencies_over(&[&[&classes, &same]], run, 100, seed);
         let last = wins.len() - 1;
         // Replicas without any sample at the first horizon are shared by all.
         let counts: Vec<f64> = classes[last].iter().map(|[_, n]| *n).collect();
@@ -121,13 +121,20 @@ fn errors_are_means_over_samples() {
     assert_eq!(win_frequencies(&[often(2.0, 4.0), often(2.0, 1.0)], 50, 1), [0.5, 0.5]);
     // Over two horizons logarithms are added: 2·2 beats 1·8 and 3·3.
     let [first, second] = [[4.0, 1.0, 9.0], [4.0, 64.0, 9.0]].map(|squares| squares.map(class));
-    let wins = win_frequencies_over(&[&first[..], &second[..]], 1, 50, 1);
+    let wins = win_frequencies_over(&[&[&first[..], &second[..]]], 1, 50, 1);
     assert_eq!(wins, [1.0, 0.0, 0.0]);
-}
-
-#[test]
-fn two_frequencies_make_one_confidence() {
-    assert_eq!(confidence(0.81, 0.25), 0.45);
-    assert_eq!(confidence(0.0, 1.0), 0.0);
-    assert_eq!(confidence(1.0, 1.0), 0.95);
+    // And over two sets of logs, however many blocks they have.
+    let wins = win_frequencies_over(
+        &[
+            &[&first[..]],
+            &[&second.map(|mut c| {
+                c.truncate(3);
+                c
+            })[..]],
+        ],
+        1,
+        50,
+        1,
+    );
+    assert_eq!(wins, [1.0, 0.0, 0.0]);
 }

@@ -105,6 +105,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         not_tested: Vec::new(),
         idle: Vec::new(),
         is_in_motion: false,
+        cleaned: None,
         is_stopped: false,
         simulations: 0,
     }
@@ -220,7 +221,8 @@ fn none_and_nothing() {
          could remove 60 % (50..70) of the gap on held-out data."
     );
     let names = vec!["m".to_owned(), "k".to_owned(), "d".to_owned()];
-    none.diagnosis.objections = vec![Objection::ParametersAtEdges { names, of: 4, is_most: true }];
+    none.diagnosis.objections =
+        vec![Objection::ParametersAtEdges { names, of: 4, is_most: true, is_shown: false }];
     let text = headline(&none);
     let edges =
         "; 3 of 4 refitted parameters lie at the edges of their tolerances (`m`, `k` and `d`).";
