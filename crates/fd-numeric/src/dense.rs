@@ -95,6 +95,16 @@ macro_rules! factor {
                 &self.0
             }
         }
+
+        impl<T: Number> ShapeCore for $name<T> {
+            fn nrows(&self) -> usize {
+                self.0.nrows()
+            }
+
+            fn ncols(&self) -> usize {
+                self.0.ncols()
+            }
+        }
     };
 }
 
@@ -162,16 +172,6 @@ impl<T: Number> Lu<T> {
 
 macro_rules! solves {
     ($name:ident, $solve:ident, $transposed:ident) => {
-        impl<T: Number> ShapeCore for $name<T> {
-            fn nrows(&self) -> usize {
-                self.0.nrows()
-            }
-
-            fn ncols(&self) -> usize {
-                self.0.ncols()
-            }
-        }
-
         impl<T: Number> SolveCore<T> for $name<T> {
             fn solve_in_place_with_conj(&self, conj: Conj, rhs: MatMut<'_, T>) {
                 T::$solve(&self.0, conj, rhs);
@@ -189,16 +189,6 @@ solves!(Cholesky, solve_cholesky, solve_cholesky_transposed);
 
 macro_rules! solves_least_squares {
     ($name:ident, $solve:ident) => {
-        impl<T: Number> ShapeCore for $name<T> {
-            fn nrows(&self) -> usize {
-                self.0.nrows()
-            }
-
-            fn ncols(&self) -> usize {
-                self.0.ncols()
-            }
-        }
-
         impl<T: Number> SolveLstsqCore<T> for $name<T> {
             fn solve_lstsq_in_place_with_conj(&self, conj: Conj, rhs: MatMut<'_, T>) {
                 T::$solve(&self.0, conj, rhs);

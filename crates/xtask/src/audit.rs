@@ -1,8 +1,11 @@
 //! `docs/unsafe.md` is whole: a row for each `unsafe` of the workspace, and the versions of `Cargo.lock`.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
-use crate::{Faults, sources::rust_files};
+use crate::{
+    Faults,
+    sources::{read, rust_files},
+};
 
 /// The page.
 const PAGE: &str = "docs/unsafe.md";
@@ -78,10 +81,6 @@ fn old_versions(page: &str, lock: &str) -> Faults {
         (!is_locked).then(|| format!("{PAGE}: {name} {version}, Cargo.lock has `{found}`"))
     });
     Ok(faults.collect())
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 #[cfg(test)]

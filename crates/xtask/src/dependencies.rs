@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::Faults;
+use crate::{Faults, sources::read};
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
 const ALLOWED: [(&str, &[&[&str]]); 24] = [
@@ -58,7 +58,7 @@ pub(crate) fn check(root: &Path) -> Faults {
     }
     for directory in directories {
         let path = directory.join("Cargo.toml");
-        let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let text = read(&path)?;
         faults.extend(check_manifest(&text).map_err(|e| format!("{}: {e}", path.display()))?);
     }
     Ok(faults)

@@ -2,12 +2,11 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     path::Path,
     process::Command,
 };
 
-use crate::Faults;
+use crate::{Faults, sources::read};
 
 /// What `deny.toml` allows.
 #[derive(Debug, Default)]
@@ -42,9 +41,8 @@ pub(crate) fn check(root: &Path) -> Faults {
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned());
     }
-    let file = root.join("deny.toml");
-    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-    Ok(check_tree(&String::from_utf8_lossy(&output.stdout), &rules(&text)?))
+    let rules = rules(&read(&root.join("deny.toml"))?)?;
+    Ok(check_tree(&String::from_utf8_lossy(&output.stdout), &rules))
 }
 
 /// Reads the rules.

@@ -7,7 +7,7 @@ use std::{
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
-use crate::Faults;
+use crate::{Faults, sources::read};
 
 /// Folders whose pages are not ours.
 const LEFT_OUT: [&str; 3] = ["target", ".git", "node_modules"];
@@ -46,10 +46,6 @@ fn fault(page: &Path, link: &str) -> Result<Option<String>, String> {
         return Ok(None);
     }
     Ok(Some(format!("`{link}` leads to a heading that is not there")))
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn links(text: &str) -> Vec<String> {

@@ -1,10 +1,14 @@
 //! What pages say of the code is there: items that they link to their file, and tests that they name.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
-use crate::{Faults, links::markdown_files, sources::rust_files};
+use crate::{
+    Faults,
+    links::markdown_files,
+    sources::{read, rust_files},
+};
 
 /// What defines an item.
 const KEYWORDS: [&str; 8] = ["fn", "struct", "enum", "trait", "type", "const", "static", "mod"];
@@ -100,10 +104,6 @@ fn has_test(package: &Path, test: &str) -> Result<bool, String> {
         }
     }
     Ok(false)
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 #[cfg(test)]

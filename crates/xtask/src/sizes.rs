@@ -2,7 +2,10 @@
 
 use std::{fs, path::Path};
 
-use crate::{Faults, sources::rust_files};
+use crate::{
+    Faults,
+    sources::{read, rust_files},
+};
 
 /// Largest share of all lines of code, tests among them, that one crate may hold.
 const MOST: f64 = 0.17;
@@ -17,8 +20,7 @@ pub(crate) fn check(root: &Path) -> Faults {
         rust_files(&path, &mut files)?;
         let mut count = 0;
         for file in files {
-            let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-            count += text.lines().count();
+            count += read(&file)?.lines().count();
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         lines.push((name, count));

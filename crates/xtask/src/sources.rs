@@ -38,11 +38,16 @@ pub(crate) fn check(root: &Path) -> Faults {
     }
     let mut faults = Vec::new();
     for path in files {
-        let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let text = read(&path)?;
         let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
         faults.extend(check_text(&text).into_iter().map(|fault| format!("{name}: {fault}")));
     }
     Ok(faults)
+}
+
+/// The text of a file; the message of one that cannot be read names it.
+pub(crate) fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn check_text(text: &str) -> Vec<String> {

@@ -60,17 +60,12 @@ pub fn win_frequencies_over(
     replicas: usize,
     seed: u64,
 ) -> Vec<f64> {
-    let all = || sets.iter().flat_map(|horizons| horizons.iter());
-    let classes = all().map(|blocks| blocks.len()).next().unwrap_or(0);
-    let blocks = |horizons: &[&BlockErrors]| {
-        horizons.iter().flat_map(|h| h.iter()).map(Vec::len).min().unwrap_or(0)
-    };
-    let mut drawn: Vec<(usize, CircularBlocks)> = sets
-        .iter()
-        .zip(seed..)
-        .map(|(horizons, seed)| (blocks(horizons), seed))
-        .map(|(blocks, seed)| (blocks, CircularBlocks::new(blocks, run, seed)))
-        .collect();
+    let classes = sets.iter().copied().flatten().next().map_or(0, |blocks| blocks.len());
+    let each = sets.iter().enumerate().map(|(i, horizons)| {
+        let blocks = horizons.iter().copied().flatten().map(Vec::len).min().unwrap_or(0);
+        (blocks, CircularBlocks::new(blocks, run, seed.wrapping_add(i as u64)))
+    });
+    let mut drawn: Vec<(usize, CircularBlocks)> = each.collect();
     let mut wins = vec![0.0; classes];
     if classes == 0 || replicas == 0 || drawn.iter().all(|(blocks, _)| *blocks == 0) {
         return wins;

@@ -7,7 +7,7 @@ use fd_effect::Candidate;
 use super::{
     drive::{Found, Journey, Named},
     result::End,
-    to_the_noise::FURTHER,
+    to_the_noise::{FURTHER, takes_the_mean},
 };
 use crate::{
     diagnose::{Cause, EffectSet, FAINT, Settings, Wanted, follows_anything, is_a_pair},
@@ -42,7 +42,10 @@ impl Journey<'_> {
     fn onwards(&self, mut set: EffectSet) -> Result<Option<(EffectSet, End)>, FitError> {
         while self.goes_on() {
             match self.next(&set)? {
-                Some(next) if self.is_to_the_noise && !takes_its_share(&set, &next) => {
+                Some(next)
+                    if self.is_to_the_noise
+                        && !takes_the_mean([&set, &next].map(above_the_noise), FURTHER) =>
+                {
                     return Ok(None);
                 }
                 Some(next) if set.members.len() < self.most => {
@@ -219,11 +222,9 @@ impl Journey<'_> {
     }
 }
 
-/// Whether the best of those that leave only noise together may have taken what a law takes of the squares above the noise:
-/// the best of so many takes at least the mean.
-fn takes_its_share(set: &EffectSet, next: &EffectSet) -> bool {
-    let above = |set: &EffectSet| (set.gap.powi(2) - 1.0).max(0.0);
-    above(next) <= (1.0 - 1.0 / FURTHER as f64) * above(set)
+/// Squares that a set leaves above the noise, in its mean square.
+fn above_the_noise(set: &EffectSet) -> f64 {
+    (set.gap.powi(2) - 1.0).max(0.0)
 }
 
 /// How much speaks for a cause in a set.

@@ -48,6 +48,12 @@ pub(super) fn to_the_noise(
     })
 }
 
+/// Whether what took squares from `before` to `after` may be the best of so many laws that leave nothing together: that one takes
+/// at least the mean.
+pub(super) fn takes_the_mean([before, after]: [f64; 2], of: usize) -> bool {
+    after <= (1.0 - 1.0 / of as f64) * before
+}
+
 /// Whether causes have taken their part of the squares of held-out errors as well.
 fn is_shown(journey: &Journey<'_>, begun: &EffectSet, set: &EffectSet) -> Result<bool, FitError> {
     let (before, after) = (left(journey, begun)?, left(journey, set)?);
@@ -57,7 +63,7 @@ fn is_shown(journey: &Journey<'_>, begun: &EffectSet, set: &EffectSet) -> Result
 }
 
 /// A set with as many laws more as it takes for the next one to come near the noise, each the best at first sight; `None`
-/// where they do not take their shares: the best of so many that leave nothing together takes at least the mean.
+/// where they do not take their shares.
 fn near(journey: &Journey<'_>, mut set: EffectSet) -> Result<Option<EffectSet>, FitError> {
     let Journey { search, most, .. } = *journey;
     let laws = |candidate: &Candidate| !follows_anything(candidate);
@@ -72,7 +78,7 @@ fn near(journey: &Journey<'_>, mut set: EffectSet) -> Result<Option<EffectSet>, 
         if !search.is_far(&next) {
             return Ok(Some(set));
         }
-        if 1.0 - 1.0 / (rest as f64) < (next.gap / set.gap).powi(2) {
+        if !takes_the_mean([&set, &next].map(|set| set.gap.powi(2)), rest) {
             return Ok(None);
         }
         set = next;

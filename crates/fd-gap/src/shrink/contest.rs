@@ -59,28 +59,12 @@ pub fn contest(
     sets: &[&[Log]],
     rules: &Rules<'_>,
 ) -> Result<Contest, FitError> {
-    let sets = sets.iter().filter(|logs| !logs.is_empty());
-    let mut all: Vec<Vec<Forecasts>> = Vec::new();
-    let mut tables: Vec<Vec<Vec<Vec<[f64; 2]>>>> = Vec::new();
-    for logs in sets {
-        let forecasts = forecasts(nominal, contenders, logs, rules)?;
-        let Some(first) = forecasts.first() else { continue };
-        let samples: usize = logs.iter().map(Log::samples).sum();
-        let cells = Cells::new(logs, block_length(first, samples).div_ceil(PIECES));
-        let at = |h: usize, output: usize| {
-            let of = |all: &Forecasts| cells.sums(all[h].as_ref(), output);
-            forecasts.iter().map(of).collect()
-        };
-        let outputs = nominal.outputs().len();
-        let horizons = 0..rules.horizons.len();
-        tables.push(
-            horizons
-                .flat_map(|h| (0..outputs).map(move |c| (h, c)))
-                .map(|(h, c)| at(h, c))
-                .collect(),
-        );
-        all.push(forecasts);
-    }
+    let sets = || sets.iter().filter(|logs| !logs.is_empty());
+    let all = sets().map(|logs| forecasts(nominal, contenders, logs, rules));
+    let all: Vec<Vec<Forecasts>> = all.collect::<Result<_, _>>()?;
+    let outputs = nominal.outputs().len();
+    let tables: Vec<Vec<Vec<Vec<[f64; 2]>>>> =
+        all.iter().zip(sets()).map(|(of_set, logs)| tables(of_set, logs, outputs)).collect();
     let tables: Vec<Vec<&BlockErrors>> =
         tables.iter().map(|set| set.iter().map(Vec::as_slice).collect()).collect();
     let tables: Vec<&[&BlockErrors]> = tables.iter().map(Vec::as_slice).collect();
@@ -104,6 +88,21 @@ fn forecasts(
         each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
     };
     contenders.par_iter().map(of).collect()
+}
+
+/// Errors in pieces of blocks: per horizon and output, per contender.
+fn tables(forecasts: &[Forecasts], logs: &[Log], outputs: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let Some(first) = forecasts.first() else { return Vec::new() };
+    let samples: usize = logs.iter().map(Log::samples).sum();
+    let cells = Cells::new(logs, block_length(first, samples).div_ceil(PIECES));
+    let mut tables = Vec::new();
+    for h in 0..first.len() {
+        for output in 0..outputs {
+            let of = |all: &Forecasts| cells.sums(all[h].as_ref(), output);
+            tables.push(forecasts.iter().map(of).collect());
+        }
+    }
+    tables
 }
 
 /// The shares of the gap of the first contender that each one closes.

@@ -14,6 +14,7 @@ use fdiag::{
 use super::{
     failure::{ExitCode, Failure},
     gap::refusal,
+    given,
     say::{remark, say},
 };
 
@@ -59,12 +60,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
     let mut resample = plain.resample;
     resample.disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
     let request = Request {
-        columns: args
-            .columns
-            .as_deref()
-            .map(LogMap::read)
-            .transpose()
-            .map_err(Failure::of_input)?,
+        columns: given(args.columns.as_deref(), LogMap::read)?,
         tolerances: args.tolerance.clone(),
         noise: args.noise.clone(),
         resample,

@@ -14,14 +14,14 @@ use fdiag::{
 use super::{
     args::CompensateArgs,
     failure::{ExitCode, Failure},
+    given,
     output::Output,
     progress::Bar,
     say::say,
 };
 
 pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
-    let spec =
-        args.spec.as_deref().map(PipelineSpec::read).transpose().map_err(Failure::of_input)?;
+    let spec = given(args.spec.as_deref(), PipelineSpec::read)?;
     let spec = spec.unwrap_or_default();
     if args.print_spec {
         return print(&spec, &args.model);
@@ -35,12 +35,7 @@ pub(crate) fn run(args: &CompensateArgs) -> Result<ExitCode, Failure> {
         model: args.model.clone(),
         healthy,
         logs,
-        columns: args
-            .columns
-            .as_deref()
-            .map(LogMap::read)
-            .transpose()
-            .map_err(Failure::of_input)?,
+        columns: given(args.columns.as_deref(), LogMap::read)?,
         spec,
         share_to_learn: args.learn_share,
         limits: Limits::default(),

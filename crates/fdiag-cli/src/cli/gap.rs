@@ -22,6 +22,7 @@ use signal_hook::{consts::SIGINT, flag};
 use super::{
     args::GapArgs,
     failure::{ExitCode, Failure},
+    given,
     output::Output,
     pool::pool,
     progress::Stages,
@@ -95,12 +96,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
     let disorder = if args.drop_disorder { Disorder::Drop } else { Disorder::Reject };
     let plain = Request::new(&args.model, &args.logs);
     Ok(Request {
-        columns: args
-            .columns
-            .as_deref()
-            .map(LogMap::read)
-            .transpose()
-            .map_err(Failure::of_input)?,
+        columns: given(args.columns.as_deref(), LogMap::read)?,
         held_out,
         effects,
         horizon: args.horizon,

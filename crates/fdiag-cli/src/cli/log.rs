@@ -9,6 +9,7 @@ use fdiag::model::figure;
 
 use super::{
     failure::{ExitCode, Failure},
+    given,
     say::say,
 };
 
@@ -43,7 +44,7 @@ pub(crate) struct InfoArgs {
 
 pub(crate) fn run(command: &LogCommand) -> Result<ExitCode, Failure> {
     let LogCommand::Info(args) = command;
-    let map = args.columns.as_deref().map(LogMap::read).transpose().map_err(Failure::of_input)?;
+    let map = given(args.columns.as_deref(), LogMap::read)?;
     let found = info(&args.file, &map.unwrap_or_default()).map_err(Failure::of_input)?;
     let text = if args.json {
         let json = serde_json::to_string_pretty(&found).map_err(Failure::analysis)?;

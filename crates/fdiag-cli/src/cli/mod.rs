@@ -13,7 +13,7 @@ mod simulator;
 mod structure;
 mod watch;
 
-use std::ffi::OsString;
+use std::{ffi::OsString, fmt::Display, path::Path};
 
 use clap::{CommandFactory, Parser};
 use fd_console::{bounds, failure, output, pool, progress, say, shell};
@@ -29,6 +29,14 @@ use self::{
 /// The last line of `fdiag` alone.
 const START: &str = "To start: `fdiag demo` shows both halves of the method in half a minute; \
                      `fdiag gap --help` has examples for a simulator and logs of your own.";
+
+/// What a file of settings says, where one is given.
+fn given<T, E: Display>(
+    file: Option<&Path>,
+    read: impl FnOnce(&Path) -> Result<T, E>,
+) -> Result<Option<T>, Failure> {
+    file.map(read).transpose().map_err(Failure::of_input)
+}
 
 /// Runs what the command line asks for, the name of the program first, and says how it went.
 ///

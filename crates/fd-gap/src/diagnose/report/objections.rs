@@ -89,10 +89,15 @@ fn is_shown(held_out: &HeldOut) -> bool {
     held_out.closed_of_refit.is_some_and(|closed| 0.0 < closed.interval[0])
 }
 
+/// Whether they do at any horizon.
+fn is_shown_at_all(held_out: &[HeldOut]) -> bool {
+    held_out.iter().any(is_shown)
+}
+
 /// All strengths of a cause are within their errors. One that held-out logs clearly show is there all the same: it only
 /// cannot be told from its other parameters.
 fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
-    if held_out.iter().any(is_shown) {
+    if is_shown_at_all(held_out) {
         return None;
     }
     let largest = cause.significance()?;
@@ -150,7 +155,7 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
 fn not_shown(claim: Claim<'_>) -> Option<Objection> {
     let Claim { follows, held_out, .. } = claim;
     let is_tested = held_out.iter().any(|h| h.closed_of_refit.is_some());
-    (follows && is_tested && !held_out.iter().any(is_shown)).then_some(Objection::NotShown)
+    (follows && is_tested && !is_shown_at_all(held_out)).then_some(Objection::NotShown)
 }
 
 /// Refitted parameters at the edges of what their tolerances allow. Where small effects that nobody listed push most of them
@@ -165,13 +170,12 @@ fn at_edges(claim: Claim<'_>) -> Option<Objection> {
         (*z - low < near || high - z < near).then(|| variable.name.clone())
     };
     let names: Vec<String> = nuisances.iter().zip(&fit.minimum.z).filter_map(is_at_edge).collect();
-    let is_shown = !claim.causes.is_empty() && held_out.iter().any(is_shown);
     let is_most = MANY <= names.len() && MOST * nuisances.len() as f64 <= names.len() as f64;
     (!names.is_empty()).then_some(Objection::ParametersAtEdges {
         names,
         of: nuisances.len(),
         is_most,
-        is_shown,
+        is_shown: !claim.causes.is_empty() && is_shown_at_all(held_out),
     })
 }
 

@@ -47,6 +47,7 @@ use super::{
     args_watch::{StreamFormat, WatchArgs},
     bounds,
     failure::{ExitCode, Failure},
+    given,
     say::{is_watched, remark},
 };
 
@@ -255,10 +256,9 @@ fn model_file(args: &WatchArgs) -> Result<&Path, Failure> {
 
 /// What is watched, and where it is found in the stream.
 fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
-    let spec =
-        args.spec.as_deref().map(PipelineSpec::read).transpose().map_err(Failure::of_input)?;
+    let spec = given(args.spec.as_deref(), PipelineSpec::read)?;
     let model = LinearModel::read(model_file(args)?).map_err(Failure::of_input)?;
-    let map = args.columns.as_deref().map(LogMap::read).transpose().map_err(Failure::of_input)?;
+    let map = given(args.columns.as_deref(), LogMap::read)?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
     let mut channels = map.inputs.iter().chain(&map.outputs);
     let is_none = |channel: &&ColumnMap| channel.constant.is_some() || channel.expression.is_some();
@@ -285,7 +285,6 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         step.get_or_insert(log.record.ts());
         logs.push(log.record);
     }
-    let alarms = args.alarms.as_deref().map(AlarmSettings::read).transpose();
     let learning = match args.learn {
         Some(samples) => Learning::Stream { samples },
         None => Learning::Logs(logs),
@@ -299,7 +298,7 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
         most_units: args.most_units,
         #[cfg(any(feature = "http", feature = "mqtt"))]
         ask: args.ask,
-        alarms: alarms.map_err(Failure::of_input)?.unwrap_or_default(),
+        alarms: given(args.alarms.as_deref(), AlarmSettings::read)?.unwrap_or_default(),
         ..Request::new(model, learning)
     };
     Ok((request.plan().map_err(failures::of_plan)?, map))
