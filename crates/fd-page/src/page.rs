@@ -168,7 +168,8 @@ fn is_answer(report: &Report) -> bool {
 /// Probabilities of mechanisms at places.
 fn groups(report: &Report) -> Bars {
     let diagnosis = &report.diagnosis;
-    let mut groups = Bars { title: "Mechanism and place".to_owned(), bars: Vec::new() };
+    let mut groups =
+        Bars { title: tables::titled("Mechanism and place", report), bars: Vec::new() };
     for group in diagnosis.groups.iter().filter(|g| SHOWN <= g.probability).take(BARS) {
         let p = group.probability;
         groups.bars.push(Bar::new(words::group(group), p, probability(p)));
@@ -188,7 +189,7 @@ fn groups(report: &Report) -> Bars {
 /// Probabilities of causes and pairs; those that the verdict names are strong.
 fn causes(report: &Report) -> Bars {
     let diagnosis = &report.diagnosis;
-    let mut causes = Bars { title: "Cause".to_owned(), bars: Vec::new() };
+    let mut causes = Bars { title: tables::titled("Cause", report), bars: Vec::new() };
     for (i, cause) in diagnosis.causes.iter().enumerate().take(BARS) {
         let is_tied = report.tied().contains(&CauseId(i));
         if SHOWN <= cause.probability || is_tied && is_answer(report) {

@@ -37,9 +37,19 @@ pub fn tables(report: &Report) -> Vec<Table> {
     tables
 }
 
+/// A title of what is said of single causes, beside a list of several.
+pub(crate) fn titled(title: &str, report: &Report) -> String {
+    if report.list().is_some() {
+        format!("{title}, if it were one alone")
+    } else {
+        title.to_owned()
+    }
+}
+
 /// Mechanisms at places.
 fn groups(report: &Report) -> Option<Table> {
-    let mut table = Table::new("Mechanism and place", &["mechanism", "side", "probability"]);
+    let title = titled("Mechanism and place", report);
+    let mut table = Table::new(&title, &["mechanism", "side", "probability"]);
     let diagnosis = &report.diagnosis;
     for group in diagnosis.groups.iter().filter(|g| SHOWN <= g.probability).take(ROWS) {
         let side = words::side(group.side).to_owned();
@@ -56,7 +66,7 @@ fn groups(report: &Report) -> Option<Table> {
 /// Single causes, or the causes of the pairs.
 fn causes(report: &Report) -> Option<Table> {
     let header = ["cause", "law", "strength", "probability", ""];
-    let mut table = Table::new("Cause", &header);
+    let mut table = Table::new(&titled("Cause", report), &header);
     if report.diagnosis.verdict == Verdict::Pair {
         pairs(report, &mut table);
     }

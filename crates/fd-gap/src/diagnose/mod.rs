@@ -176,7 +176,7 @@ pub(crate) use self::{
     judge::NAMED,
     prepare::prepare,
     report::objections::FAINT,
-    sets::{EffectSet, SetSearch, Wanted},
+    sets::{EffectSet, Round, SetSearch, Wanted},
     weigh::answer::is_a_pair,
 };
 use crate::fit::FitError;
@@ -271,7 +271,7 @@ pub(crate) fn told(
 
 /// From prepared logs to a judgement.
 fn judged<'a>(prepared: Prepared, context: &Context<'a>) -> Result<Judged<'a>, FitError> {
-    let searched = search(prepared, context)?;
+    let searched = search(prepared, context.settings.shortlist, context)?;
     let weighed = weigh(searched, context)?;
     judge(weighed, context)
 }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::{
-    beyond::beyond,
+    beyond::{believed, grown},
     by_evidence::by_evidence,
     finish::{at, finish, judged_at, total},
     result::{End, Road},
@@ -11,7 +11,8 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, EffectSet, Monitor, Regime, SetSearch, Settings, Verdict, is_law,
+        Case, Cause, Diagnosis, EffectSet, Monitor, NAMED, Regime, SetSearch, Settings, Verdict,
+        is_law,
     },
     fit::{FitError, Horizon},
 };
@@ -115,22 +116,29 @@ pub fn road(
     }
     let Some(search) = simulated(begin(true))? else { return Ok(None) };
     let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise: false };
-    let found = simulated(beyond(&journey))?;
-    let is_open = found.as_ref().is_none_or(|found| found.end == End::NothingHelps);
-    if is_open && !is_dear {
-        let believed = found.as_ref().map_or_else(Vec::new, |found| found.set.causes());
+    let is_believed = first.causes.first().is_some_and(|cause| NAMED < cause.probability);
+    if is_dear && !is_believed {
+        return Ok(None);
+    }
+    let Some(grown) = simulated(grown(&journey))? else { return Ok(None) };
+    if !is_dear {
         // What explains everything does so from the beginning of the log to its end.
         let free = if search.is_in_windows { simulated(begin(false))? } else { None };
+        let set = match &free {
+            Some(free) => free.of_causes(&grown.set.causes()),
+            None => Some(grown.set.clone()),
+        };
         let search = free.as_ref().unwrap_or(&search);
-        let explained = simulated(to_the_noise(
-            &Journey { search, is_to_the_noise: true, ..journey },
-            &believed,
-        ))?;
+        let journey = Journey { search, is_to_the_noise: true, ..journey };
+        let explained = match set {
+            Some(set) => simulated(to_the_noise(&journey, set))?,
+            None => None,
+        };
         if explained.is_some() {
             return Ok(explained);
         }
     }
-    match found {
+    match believed(&journey, &grown) {
         Some(found) => simulated(finish(&journey, found).map(Some)),
         None => Ok(None),
     }

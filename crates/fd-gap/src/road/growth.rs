@@ -5,9 +5,9 @@
 use fd_effect::Candidate;
 
 use super::{
+    beyond::takes_the_mean,
     drive::{Found, Journey, Named},
     result::End,
-    to_the_noise::{FURTHER, takes_the_mean},
 };
 use crate::{
     diagnose::{Cause, EffectSet, FAINT, Settings, Wanted, follows_anything, is_a_pair},
@@ -44,7 +44,7 @@ impl Journey<'_> {
             match self.next(&set)? {
                 Some(next)
                     if self.is_to_the_noise
-                        && !takes_the_mean([&set, &next].map(above_the_noise), FURTHER) =>
+                        && !takes_the_mean([&set, &next].map(above_the_noise), self.most) =>
                 {
                     return Ok(None);
                 }

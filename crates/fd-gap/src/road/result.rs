@@ -33,8 +33,7 @@ pub struct Road {
 pub struct Milestone {
     /// The cause, with its values beside all others.
     pub cause: Cause,
-    /// Probability when it was found, near the noise among the laws that could take its place, together with those that
-    /// the log cannot tell from it.
+    /// Probability among the laws that could take its place, together with those that the log cannot tell from it.
     pub probability: f64,
     /// Labels of these.
     pub tied: Vec<String>,

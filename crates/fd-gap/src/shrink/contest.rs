@@ -45,74 +45,117 @@ pub struct Contest {
     pub closed: Vec<Vec<Option<Closed>>>,
 }
 
-/// Lets settled models forecast sets of logs at several horizons: usually those of the fit, and those held out. The first
-/// model is the one without any effect. Wins go by the mean over sets, horizons and outputs of the logarithm of the error,
-/// under a moving-block bootstrap ([`win_frequencies_over`]): what fits a little better and forecasts much worse
-/// loses, and where the two disagree there is one winner all the same. Sets without logs do not count.
-///
-/// # Errors
-///
-/// As [`forecast_errors`](super::forecast_errors).
-pub fn contest(
-    nominal: &dyn Simulator,
-    contenders: &[Settled<'_>],
-    sets: &[&[Log]],
-    rules: &Rules<'_>,
-) -> Result<Contest, FitError> {
-    let sets = || sets.iter().filter(|logs| !logs.is_empty());
-    let all = sets().map(|logs| forecasts(nominal, contenders, logs, rules));
-    let all: Vec<Vec<Forecasts>> = all.collect::<Result<_, _>>()?;
-    let outputs = nominal.outputs().len();
-    let tables: Vec<Vec<Vec<Vec<[f64; 2]>>>> =
-        all.iter().zip(sets()).map(|(of_set, logs)| tables(of_set, logs, outputs)).collect();
-    let tables: Vec<Vec<&BlockErrors>> =
-        tables.iter().map(|set| set.iter().map(Vec::as_slice).collect()).collect();
-    let tables: Vec<&[&BlockErrors]> = tables.iter().map(Vec::as_slice).collect();
-    let wins = win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed);
-    let closed = all.last().map_or_else(Vec::new, |forecasts| shares(forecasts, rules));
-    Ok(Contest { wins, closed })
+/// What settled models forecast of sets of logs, at several horizons.
+#[derive(Clone, Debug)]
+pub struct Forecasts {
+    /// Sets that have logs, usually those of the fit and those held out.
+    sets: Vec<OfSet>,
+    outputs: usize,
 }
 
-/// Forecasts of one contender, horizon by horizon.
-type Forecasts = Vec<Option<Forecast>>;
-
-/// What all contenders forecast.
-fn forecasts(
-    nominal: &dyn Simulator,
-    contenders: &[Settled<'_>],
-    logs: &[Log],
-    rules: &Rules<'_>,
-) -> Result<Vec<Forecasts>, FitError> {
-    let of = |contender: &Settled<'_>| {
-        let each = rules.horizons.iter();
-        each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
-    };
-    contenders.par_iter().map(of).collect()
+#[derive(Clone, Debug)]
+struct OfSet {
+    /// Samples of each log.
+    samples: Vec<usize>,
+    /// Per model and horizon.
+    each: Vec<Vec<Option<Forecast>>>,
 }
 
-/// Errors in pieces of blocks: per horizon and output, per contender.
-fn tables(forecasts: &[Forecasts], logs: &[Log], outputs: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
-    let Some(first) = forecasts.first() else { return Vec::new() };
-    let samples: usize = logs.iter().map(Log::samples).sum();
-    let cells = Cells::new(logs, block_length(first, samples).div_ceil(PIECES));
-    let mut tables = Vec::new();
-    for h in 0..first.len() {
-        for output in 0..outputs {
-            let of = |all: &Forecasts| cells.sums(all[h].as_ref(), output);
-            tables.push(forecasts.iter().map(of).collect());
+impl Forecasts {
+    /// Lets models forecast; the first one is that without any effect. Sets without logs do not count.
+    ///
+    /// # Errors
+    ///
+    /// As [`forecast_errors`](super::forecast_errors).
+    pub fn of(
+        nominal: &dyn Simulator,
+        contenders: &[Settled<'_>],
+        sets: &[&[Log]],
+        rules: &Rules<'_>,
+    ) -> Result<Self, FitError> {
+        let of_set = |logs: &&[Log]| {
+            let of = |contender: &Settled<'_>| {
+                let each = rules.horizons.iter();
+                each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
+            };
+            let each = contenders.par_iter().map(of).collect::<Result<_, _>>()?;
+            Ok(OfSet { samples: logs.iter().map(Log::samples).collect(), each })
+        };
+        let sets = sets.iter().filter(|logs| !logs.is_empty()).map(of_set);
+        Ok(Self { sets: sets.collect::<Result<_, FitError>>()?, outputs: nominal.outputs().len() })
+    }
+
+    /// The same beside what is known later: all errors move as far as those of the model at the place `from` are from those
+    /// at the place `to` of what was forecast `later` of the same logs. Exact where effects add up; no run is needed.
+    #[must_use]
+    pub fn beside(&self, from: usize, later: &Self, to: usize) -> Self {
+        let mut moved = self.clone();
+        for (set, later) in moved.sets.iter_mut().zip(&later.sets) {
+            for (h, target) in later.each[to].iter().enumerate() {
+                let (Some(target), Some(known)) = (target, set.each[from][h].clone()) else {
+                    continue;
+                };
+                for forecast in set.each.iter_mut().filter_map(|all| all[h].as_mut()) {
+                    forecast.moved(&known, target);
+                }
+            }
+        }
+        moved
+    }
+
+    /// Who wins, by the mean over sets, horizons and outputs of the logarithm of the error, under a moving-block bootstrap
+    /// ([`win_frequencies_over`]): what fits a little better and forecasts much worse loses, and where the two disagree
+    /// there is one winner all the same.
+    #[must_use]
+    pub fn contest(&self, rules: &Rules<'_>) -> Contest {
+        let tables: Vec<_> = self.sets.iter().map(|set| set.tables(self.outputs)).collect();
+        let tables: Vec<Vec<&BlockErrors>> =
+            tables.iter().map(|set| set.iter().map(Vec::as_slice).collect()).collect();
+        let tables: Vec<&[&BlockErrors]> = tables.iter().map(Vec::as_slice).collect();
+        let wins = win_frequencies_over(&tables, PIECES, rules.replicas, rules.seed);
+        let closed = self.sets.last().map_or_else(Vec::new, |set| set.shares(rules));
+        Contest { wins, closed }
+    }
+}
+
+impl Forecast {
+    /// Its errors, as far from where they were as `to` is from `from`.
+    fn moved(&mut self, from: &Self, to: &Self) {
+        let from = from.errors.iter().flatten();
+        let signals = from.zip(to.errors.iter().flatten());
+        for (own, (from, to)) in self.errors.iter_mut().flatten().zip(signals) {
+            for (own, (from, to)) in own.iter_mut().zip(from.iter().zip(to)) {
+                *own += to - from;
+            }
         }
     }
-    tables
 }
 
-/// The shares of the gap of the first contender that each one closes.
-fn shares(forecasts: &[Forecasts], rules: &Rules<'_>) -> Vec<Vec<Option<Closed>>> {
-    let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
-        let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
-        closed(before, after, rules.floor, rules.replicas, rules.seed)
-    };
-    let of = |all: &Forecasts| forecasts[0].iter().zip(all).map(share).collect();
-    forecasts.par_iter().map(of).collect()
+impl OfSet {
+    /// Errors in pieces of blocks: per horizon and output, per contender.
+    fn tables(&self, outputs: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
+        let Some(first) = self.each.first() else { return Vec::new() };
+        let length = block_length(first, self.samples.iter().sum());
+        let cells = Cells::new(&self.samples, length.div_ceil(PIECES));
+        let mut tables = Vec::new();
+        for h in 0..first.len() {
+            for output in 0..outputs {
+                let of = |all: &Vec<Option<Forecast>>| cells.sums(all[h].as_ref(), output);
+                tables.push(self.each.iter().map(of).collect());
+            }
+        }
+        tables
+    }
+
+    /// The shares of the gap of the first contender that each one closes.
+    fn shares(&self, rules: &Rules<'_>) -> Vec<Vec<Option<Closed>>> {
+        let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
+            let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
+            closed(before, after, rules.floor, rules.replicas, rules.seed)
+        };
+        let of = |all: &Vec<Option<Forecast>>| self.each[0].iter().zip(all).map(share).collect();
+        self.each.par_iter().map(of).collect()
+    }
 }
 
 /// Five autocorrelation times of the errors without any effect, at the longest horizon.
@@ -143,11 +186,11 @@ struct Cells {
 }
 
 impl Cells {
-    fn new(logs: &[Log], length: usize) -> Self {
+    fn new(samples: &[usize], length: usize) -> Self {
         let mut count = 0;
-        let first = logs.iter().map(|log| {
+        let first = samples.iter().map(|samples| {
             let first = count;
-            count += log.samples().div_ceil(length);
+            count += samples.div_ceil(length);
             first
         });
         Self { first: first.collect(), length, count }

@@ -18,7 +18,7 @@ pub(crate) use self::begun::as_begun;
 pub use self::{
     another_run::Paths,
     baselines::Baselines,
-    contest::{Contest, Rules, contest},
+    contest::{Contest, Forecasts, Rules},
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},

@@ -16,7 +16,7 @@ use crate::{
         },
     },
     fit::{FitError, Log},
-    shrink::{self, Closed, Contest, Rules, Settled},
+    shrink::{Closed, Contest, Forecasts, Rules, Settled},
 };
 
 /// Causes in the order of their probabilities, with those of the other answers.
@@ -27,12 +27,12 @@ pub(super) struct Contested<'a> {
 }
 
 /// A law that takes part.
-pub(in crate::diagnose) struct Entrant<'e> {
+#[derive(Clone, Copy, Debug)]
+pub(in crate::diagnose) struct Entrant {
     /// Place of its cause.
     pub(in crate::diagnose) cause: usize,
     /// Sum of squares of its fit: laws that win nothing are ranked by that.
     pub(in crate::diagnose) cost: f64,
-    pub(in crate::diagnose) values: FittedValues<'e>,
 }
 
 /// A law of a search.
@@ -44,7 +44,7 @@ struct Law {
 
 /// How causes came out, the model that they were added to first.
 pub(in crate::diagnose) struct Standings {
-    pub(in crate::diagnose) no_gap: f64,
+    no_gap: f64,
     pub(in crate::diagnose) causes: Vec<Standing>,
 }
 
@@ -80,16 +80,19 @@ pub(super) fn contest<'a>(
     let finalists = settings.finalists.min(causes.len());
     let laws = laws(&causes[..finalists], &searched);
     let null = FittedValues::of(&searched.null.problem, &searched.null.minimum);
-    let entrants = laws.iter().filter_map(|Law { cause, trial }| {
+    let (mut entrants, mut values) = (Vec::new(), vec![null]);
+    for Law { cause, trial } in &laws {
         let trial = searched.trial(*trial);
-        let best = trial.best.as_ref()?;
-        let values = FittedValues::of(&trial.problem, best);
-        Some(Entrant { cause: *cause, cost: best.cost, values })
-    });
-    let entrants: Vec<Entrant<'_>> = entrants.collect();
+        if let Some(best) = &trial.best {
+            entrants.push(Entrant { cause: *cause, cost: best.cost });
+            values.push(FittedValues::of(&trial.problem, best));
+        }
+    }
+    let settled: Vec<Settled<'_>> = values.iter().map(FittedValues::settled).collect();
     let logs = [searched.null.problem.plan().logs.as_slice(), held_out];
+    let forecasts = Forecasts::of(simulator, &settled, &logs, rules)?;
     let Standings { no_gap, causes: standings } =
-        compete(simulator, &null, finalists, &entrants, logs, rules)?;
+        standings(finalists, &entrants, &forecasts.contest(rules));
     let mut contested: Vec<(f64, RankedCause)> = Vec::with_capacity(causes.len());
     let mut standings = standings.into_iter();
     for ranked in causes {
@@ -116,19 +119,12 @@ pub(super) fn contest<'a>(
     Ok(Contested { others, singles: Singles { searched, causes, ..singles } })
 }
 
-/// Lets laws of causes, and the `null` that they were added to, forecast the logs of the fit and those held out.
-pub(in crate::diagnose) fn compete(
-    simulator: &dyn Simulator,
-    null: &FittedValues<'_>,
+/// How causes come out by what their laws, after the model that they were added to, have won.
+pub(in crate::diagnose) fn standings(
     causes: usize,
-    entrants: &[Entrant<'_>],
-    [training, held_out]: [&[Log]; 2],
-    rules: &Rules<'_>,
-) -> Result<Standings, FitError> {
-    let laws = entrants.iter().map(|entrant| entrant.values.settled());
-    let settled: Vec<Settled<'_>> = std::iter::once(null.settled()).chain(laws).collect();
-    let Contest { wins, closed } =
-        shrink::contest(simulator, &settled, &[training, held_out], rules)?;
+    entrants: &[Entrant],
+    Contest { wins, closed }: &Contest,
+) -> Standings {
     let of_cause = |place: usize| {
         let own = || entrants.iter().enumerate().filter(move |(_, law)| law.cause == place);
         let best = own().max_by(|(a, x), (b, y)| {
@@ -142,7 +138,7 @@ pub(in crate::diagnose) fn compete(
         Standing { best, wins, probability: SUREST * wins * trust }
     };
     let causes = (0..causes).map(of_cause).collect();
-    Ok(Standings { no_gap: SUREST * wins[0], causes })
+    Standings { no_gap: SUREST * wins[0], causes }
 }
 
 /// How far a law may be believed: up to the share of the variance above the noise that it explains in forecasts, at the

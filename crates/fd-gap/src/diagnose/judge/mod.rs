@@ -18,7 +18,7 @@ mod verdict;
 pub(crate) use self::verdict::NAMED;
 use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
 pub(super) use self::{
-    contest::{Entrant, compete},
+    contest::{Entrant, standings},
     groups::{groups, sides},
     probabilities::Probabilities,
     starts::{is_open, prefer},

@@ -37,12 +37,13 @@ const PROMISE_OF_MANY: f64 = 0.02;
 
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
 /// little from the best starts, and fits the best causes (effect and site, all their laws) to the
-/// end, with an integration step that is short enough for them.
+/// end, with an integration step that is short enough for them. Only so many causes are fitted as the shortlist has.
 pub(super) fn search<'a>(
     prepared: Prepared,
+    shortlist: usize,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, context)?)
+    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, shortlist, context)?)
 }
 
 /// The same with the integration step that the model has, beside whatever has been found already: causes that promise less
@@ -50,6 +51,7 @@ pub(super) fn search<'a>(
 pub(super) fn search_beside<'a>(
     prepared: Prepared,
     least: f64,
+    shortlist: usize,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
     let Context { case, settings, monitor, .. } = *context;
@@ -85,7 +87,7 @@ pub(super) fn search_beside<'a>(
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
     let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
     monitor.begin(Stage::Fit, screened.len());
-    let (promises, shortlisted) = promises(&screened, settings.shortlist);
+    let (promises, shortlisted) = promises(&screened, shortlist);
     let fits: Vec<Result<Trial<'a>, NotTested>> = screened
         .into_par_iter()
         .zip(promises)

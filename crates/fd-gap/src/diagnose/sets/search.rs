@@ -11,7 +11,7 @@ use crate::{
         candidates::{Candidates, is_law},
         case::Case,
         context::Context,
-        judge::{Entrant, compete, horizons},
+        judge::{Entrant, horizons, standings},
         monitor::Monitor,
         prepare::{noise::REACHED, prepared, start::in_motion},
         result::{Cause, Diagnosis},
@@ -26,7 +26,7 @@ use crate::{
     },
     evidence::{SEPARATED, distance, probabilities},
     fit::{FitError, Horizon, Log},
-    shrink::{Rules, as_begun, forecast_errors},
+    shrink::{Forecasts, Rules, Settled, as_begun, forecast_errors},
 };
 
 /// Nothing is tried but sets.
@@ -232,41 +232,52 @@ impl<'a> SetSearch<'a> {
         forecast_errors(simulator, values.settled(), &logs, horizon, sigma)
     }
 
-    /// How probable each of these is beside a set, by how often it forecasts best, up to the share that it surely explains:
-    /// for each cause the place of its best law, and its probability.
-    pub(crate) fn contest(
+    /// What a set and those with one more effect each forecast, from where held-out logs begin for the set.
+    pub(crate) fn round(&self, set: &EffectSet, more: Vec<EffectSet>) -> Result<Round, FitError> {
+        let simulator = self.singles.base.simulator();
+        let fits = std::iter::once(set).chain(&more).map(|set| &set.fit);
+        let values: Vec<FittedValues<'_>> =
+            fits.map(|fit| FittedValues::of(&fit.problem, &fit.minimum)).collect();
+        let settled: Vec<Settled<'_>> = values.iter().map(FittedValues::settled).collect();
+        let held_out = as_begun(simulator, settled[0], self.held_out.clone(), self.sigma())?;
+        let training = &self.singles.base.plan().logs;
+        let rules = self.rules(0.0);
+        let forecasts = Forecasts::of(simulator, &settled, &[training, &held_out], &rules)?;
+        Ok(Round { more, forecasts })
+    }
+
+    /// How probable each cause of a round is by these forecasts, above this floor, and the place of its best law.
+    pub(crate) fn standings(
         &self,
-        set: &EffectSet,
-        more: &[EffectSet],
+        round: &Round,
+        forecasts: &Forecasts,
         floor: f64,
-    ) -> Result<Vec<(usize, f64)>, FitError> {
-        let last = |set: &EffectSet| set.causes().pop();
-        let each: Vec<Cause> = more.iter().filter_map(last).collect();
-        let mut causes: Vec<&Cause> = Vec::new();
-        let entrants = more.iter().zip(&each).map(|(set, cause)| {
-            let known = causes.iter().position(|known| known.identity() == cause.identity());
-            let place = known.unwrap_or_else(|| {
-                causes.push(cause);
+    ) -> Vec<(usize, f64)> {
+        let mut causes: Vec<&Candidate> = Vec::new();
+        let entrants = round.more.iter().filter_map(|set| {
+            let last = set.members.last()?;
+            let known = causes.iter().position(|known| known.identity() == last.identity());
+            let cause = known.unwrap_or_else(|| {
+                causes.push(last);
                 causes.len() - 1
             });
-            let values = FittedValues::of(&set.fit.problem, &set.fit.minimum);
-            Entrant { cause: place, cost: set.cost(), values }
+            Some(Entrant { cause, cost: set.cost() })
         });
-        let entrants: Vec<Entrant<'_>> = entrants.collect();
-        let simulator = self.singles.base.simulator();
-        let values = FittedValues::of(&set.fit.problem, &set.fit.minimum);
-        let held_out = as_begun(simulator, values.settled(), self.held_out.clone(), self.sigma())?;
-        let rules = Rules {
-            horizons: &self.horizons,
-            sigma: self.sigma(),
-            floor,
-            replicas: self.settings.replicas,
-            seed: self.settings.seed,
-        };
-        let training = &self.singles.base.plan().logs;
-        let found =
-            compete(simulator, &values, causes.len(), &entrants, [training, &held_out], &rules)?;
-        let each = found.causes.into_iter();
-        Ok(each.filter_map(|standing| Some((standing.best?, standing.probability))).collect())
+        let entrants: Vec<Entrant> = entrants.collect();
+        let contest = forecasts.contest(&self.rules(floor));
+        let each = standings(causes.len(), &entrants, &contest).causes.into_iter();
+        each.filter_map(|standing| Some((standing.best?, standing.probability))).collect()
     }
+
+    fn rules(&self, floor: f64) -> Rules<'_> {
+        let Settings { replicas, seed, .. } = self.settings;
+        Rules { horizons: &self.horizons, sigma: self.sigma(), floor, replicas, seed }
+    }
+}
+
+/// Sets with one more effect each than one that they compete to follow.
+pub(crate) struct Round {
+    pub(crate) more: Vec<EffectSet>,
+    /// Of the set without any of them, and of each.
+    pub(crate) forecasts: Forecasts,
 }

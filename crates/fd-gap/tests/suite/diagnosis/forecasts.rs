@@ -4,7 +4,7 @@ use fd_effect::{Candidate, library, offers};
 use fd_gap::{
     fit::{Horizon, Log, Variable},
     shrink::{
-        Paths, Rules, Settled, contest, dominant_time_constant, forecast_errors, gap, horizons,
+        Forecasts, Paths, Rules, Settled, dominant_time_constant, forecast_errors, gap, horizons,
     },
 };
 use fd_model::{Channel, Record, SampleTime};
@@ -17,16 +17,23 @@ use proptest::prelude::*;
 
 /// A lag behind an actuator, sampled every 0.1 s.
 fn lag() -> Model {
-    r#"
+    lag_of("u", "x")
+}
+
+/// The same with something else that drives it, or that is measured.
+fn lag_of(drive: &str, measured: &str) -> Model {
+    format!(
+        r#"
     version = 1
     kind = "equations"
     name = "lag"
     sample_time = 0.1
-    parameters = { T = { unit = "s", value = 0.5, tolerance = 0.0 } }
-    inputs = { u = { unit = "V" } }
-    states = { x = { unit = "V", initial = 0.0, tolerance = 0.1, derivative = "(u - x)/T" } }
-    outputs = { y = { unit = "V", value = "x", noise = 0.001 } }
+    parameters = {{ T = {{ unit = "s", value = 0.5, tolerance = 0.0 }} }}
+    inputs = {{ u = {{ unit = "V" }} }}
+    states = {{ x = {{ unit = "V", initial = 0.0, tolerance = 0.1, derivative = "({drive} - x)/T" }} }}
+    outputs = {{ y = {{ unit = "V", value = "{measured}", noise = 0.001 }} }}
     "#
+    )
     .parse()
     .unwrap()
 }
@@ -185,10 +192,40 @@ fn the_truth_wins() {
     ];
     let horizons = horizons(Some(5.0), 1, 900);
     let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
-    let outcome = contest(&nominal, &all, &[&logs], &rules).unwrap();
+    let outcome = Forecasts::of(&nominal, &all, &[&logs], &rules).unwrap().contest(&rules);
     // Equals share.
     assert_eq!(outcome.wins, [0.0, 0.5, 0.0, 0.5]);
     for closed in &outcome.closed[1] {
         assert!(0.99 < closed.unwrap().interval[0], "{closed:?}");
     }
+}
+
+#[test]
+fn a_law_is_judged_by_what_all_others_leave() {
+    let u = input(900);
+    let [nominal, offset, bias, both] =
+        [["u", "x"], ["u + 0.3", "x"], ["u", "x + 0.2"], ["u + 0.3", "x + 0.2"]]
+            .map(|[drive, measured]| EquationSimulator::new(&lag_of(drive, measured)).unwrap());
+    let record = answer(&both, &[0.5], &u);
+    let logs = [Log::new(&record, &nominal, 1).unwrap()];
+    let horizons = [Horizon::FreeRun];
+    let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
+    let forecasts = |all: [&EquationSimulator; 3]| {
+        let all = all.map(|simulator| Settled {
+            simulator,
+            nuisances: &[],
+            effects: &[],
+            paths: Paths::AsFitted,
+        });
+        Forecasts::of(&nominal, &all, &[&logs], &rules).unwrap()
+    };
+    let first = forecasts([&nominal, &offset, &bias]);
+    let share = |forecasts: &Forecasts| forecasts.contest(&rules).closed[1][0].unwrap().fraction;
+    // Of 0.5 V, one sigma being 1 mV, all but the noise that is not there.
+    assert!((share(&first) - 0.3 / 0.499).abs() < 1e-3, "{}", share(&first));
+    // Of 0.3 V, with the bias there.
+    let second = forecasts([&offset, &both, &offset]);
+    let beside = first.beside(1, &second, 1);
+    assert!((share(&beside) - 0.3 / 0.299).abs() < 1e-3, "{}", share(&beside));
+    assert_eq!(beside.contest(&rules).wins, [0.0, 1.0, 0.0]);
 }

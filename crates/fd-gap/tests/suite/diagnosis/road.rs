@@ -3,7 +3,7 @@
 use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Regime, Settings, diagnose},
-    road::{End, road},
+    road::{End, Milestone, road},
 };
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, scales::ReplayScales};
@@ -163,4 +163,64 @@ fn laws_that_explain_everything_are_found_beside_a_curve() {
     }
     assert!(labels.iter().any(|label| label.ends_with("-lag")), "{labels:?}");
     assert!(found.unexplained < 0.02, "{found:?}");
+}
+
+/// Three lags of which each drive has a dead zone, and something that no law here is.
+fn three_drives(model: &Model, seed: u64) -> Record {
+    let noise = WhiteNoise::new(0.002, seed).values(3 * SAMPLES).unwrap();
+    let mut x = [0.0_f64; 3];
+    let rows = (0..SAMPLES).map(|k| {
+        let t = k as f64 + 1000.0 * seed as f64;
+        let u = [0.31, 0.23, 0.17].map(|w: f64| 1.3 * (0.1 * w * t).sin() + 0.7 * (w * t).cos());
+        let y = [0, 1, 2].map(|i| x[i] + noise[3 * k + i]);
+        for ((x, u), width) in x.iter_mut().zip(u).zip([0.4, 0.3, 0.35]) {
+            let acts = u - u.clamp(-width, width) + 0.03 * (7.0 * *x).sin();
+            *x = acts + (*x - acts) * (-0.2_f64).exp();
+        }
+        (u, y)
+    });
+    let rows: Vec<([f64; 3], [f64; 3])> = rows.collect();
+    let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+    Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+}
+
+/// No dead zone explains half of the gap, and yet each is sure: it explains what the others leave.
+#[test]
+fn the_same_effect_in_three_places_is_found_in_all_of_them() {
+    let three = ["a", "b", "c"];
+    let each = |what: &dyn Fn(&str) -> String| three.map(what).join("\n");
+    let model = format!(
+        "version = 1\nkind = \"equations\"\nname = \"drives\"\nsample_time = 0.1\n[inputs]\n{}\n[states]\n{}\n[outputs]\n{}\n",
+        each(&|i| format!("u{i} = {{ unit = \"V\" }}")),
+        each(&|i| format!(
+            "x{i} = {{ unit = \"V\", initial = 0.0, derivative = \"(u{i} - x{i})/0.5\" }}"
+        )),
+        each(&|i| format!("y{i} = {{ unit = \"V\", value = \"x{i}\", noise = 0.002 }}")),
+    );
+    let model: Model = model.parse().unwrap();
+    let (fitted, held_out) = (three_drives(&model, 1), three_drives(&model, 2));
+    let suspects = suspects(&model, &fitted, &FEW);
+    let (logs, held_out) = ([fitted], [held_out]);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let settings = Settings::default();
+    let first = diagnose(&case, &settings, &()).unwrap();
+    assert_eq!(first.regime, Regime::AboveTheFloor);
+    assert!(first.causes[0].probability < 0.5, "one of three: {:?}", first.causes[0]);
+
+    let found = road(&case, &first, &settings, 8, &()).unwrap().unwrap();
+    let mut named: Vec<(&str, &str)> = found
+        .causes
+        .iter()
+        .map(|Milestone { cause, .. }| (cause.label, cause.site.name().unwrap_or_default()))
+        .collect();
+    named.sort_unstable();
+    assert_eq!(named, ["ua", "ub", "uc"].map(|input| ("input-dead-zone", input)));
+    assert!(found.causes.iter().all(|m| 0.8 < m.probability), "{:?}", found.causes);
+    // Each as wide as it is, but for what the unknown part makes of it.
+    for Milestone { cause, .. } in &found.causes {
+        let widths = [("ua", 0.4), ("ub", 0.3), ("uc", 0.35)];
+        let truth = widths.iter().find(|(input, _)| Some(*input) == cause.site.name()).unwrap().1;
+        let found = cause.parameters[0].value;
+        assert!((found - truth).abs() < 0.05, "{found} for {truth}");
+    }
 }

@@ -75,7 +75,7 @@ fn answer(report: &Report) -> String {
             words::defect(&finding.defect)
         );
     }
-    if let Some(road) = report.road.as_ref().filter(|road| 1 < road.causes.len()) {
+    if let Some(road) = report.list() {
         return several(road);
     }
     match report.diagnosis.verdict {

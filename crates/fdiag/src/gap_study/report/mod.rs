@@ -90,6 +90,12 @@ pub struct Timing {
 }
 
 impl Report {
+    /// Several causes, if they are the answer.
+    #[must_use]
+    pub fn list(&self) -> Option<&Road> {
+        self.road.as_ref().filter(|road| 1 < road.causes.len())
+    }
+
     /// The causes that this log cannot tell apart; none when it can.
     #[must_use]
     pub fn tied(&self) -> &[CauseId] {

@@ -25,8 +25,9 @@ const DOUBTED: f64 = 0.3;
 pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let diagnosis = &report.diagnosis;
     let mut steps = Vec::new();
-    let is_open =
-        matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
+    let is_list = report.list().is_some();
+    let is_open = !is_list
+        && matches!(diagnosis.verdict, Verdict::Tied | Verdict::Unclear | Verdict::NoneOfThese);
     // That two causes need not be told apart says nothing where none is believed.
     let advised = report.advice.as_ref().filter(|found| !is_open || !found.between.is_empty());
     let said = advised.map(|found| advice(found, diagnosis));
@@ -36,7 +37,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     steps.extend(missed(report).as_deref().map(fit_as_well));
     steps.extend(slow_noise(report).as_deref().map(state_it));
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
-    if diagnosis.verdict == Verdict::NoneOfThese || is_doubted {
+    if !is_list && (diagnosis.verdict == Verdict::NoneOfThese || is_doubted) {
         steps.extend(liftable(report));
         steps.extend(limits(report));
         steps.push(of_what_is_left(report));
