@@ -48,8 +48,8 @@ pub(crate) fn titled(title: &str, report: &Report) -> String {
 
 /// Mechanisms at places.
 fn groups(report: &Report) -> Option<Table> {
-    let title = titled("Mechanism and place", report);
-    let mut table = Table::new(&title, &["mechanism", "side", "probability"]);
+    let header = ["mechanism", "side", "probability"];
+    let mut table = Table::new(titled("Mechanism and place", report), &header);
     let diagnosis = &report.diagnosis;
     for group in diagnosis.groups.iter().filter(|g| SHOWN <= g.probability).take(ROWS) {
         let side = words::side(group.side).to_owned();
@@ -66,7 +66,7 @@ fn groups(report: &Report) -> Option<Table> {
 /// Single causes, or the causes of the pairs.
 fn causes(report: &Report) -> Option<Table> {
     let header = ["cause", "law", "strength", "probability", ""];
-    let mut table = Table::new(&titled("Cause", report), &header);
+    let mut table = Table::new(titled("Cause", report), &header);
     if report.diagnosis.verdict == Verdict::Pair {
         pairs(report, &mut table);
     }
