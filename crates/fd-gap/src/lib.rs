@@ -73,3 +73,4 @@ pub mod reading;
 pub mod road;
 pub mod shrink;
 pub mod stretches;
+mod together;

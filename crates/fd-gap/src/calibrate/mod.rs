@@ -14,7 +14,7 @@ mod replica;
 mod result;
 mod verdicts;
 
-use rayon::prelude::*;
+use crate::together::each;
 
 pub use self::result::{Confusion, Truth};
 use self::{
@@ -87,28 +87,26 @@ pub fn self_calibrate(
     let jobs: Vec<(usize, usize)> =
         (0..truths.len()).flat_map(|row| (0..replicas).map(move |i| (row, i))).collect();
     monitor.begin(Stage::Calibrate, jobs.len());
-    let outcomes: Vec<Outcome> = jobs
-        .into_par_iter()
-        .filter_map(|(row, i)| {
-            if monitor.is_over() || monitor.is_stopped() {
-                return None;
-            }
-            let (model, starts) = match truths[row] {
-                None => (&diagnosis.refit.model, diagnosis.refit.starts.clone()),
-                Some(cause) => (&cause.model, starts(diagnosis, cause)),
-            };
-            let seed = seed(settings.seed, row, i);
-            let outcome = source.draw(model, &starts, seed).and_then(|logs| {
-                let case = Case { logs: &logs, held_out: &[], ..*case };
-                // A replica that cannot be diagnosed is left out, and counted as such.
-                let found = diagnose(&case, settings, &()).ok()?;
-                let answers = Answers::of(&found, truths[row], settings.no_gap);
-                Some(Outcome { row, column: column(&found, &truths, row), answers })
-            });
-            monitor.advance();
-            outcome
-        })
-        .collect();
+    let outcomes = each(jobs, |(row, i)| {
+        if monitor.is_over() || monitor.is_stopped() {
+            return None;
+        }
+        let (model, starts) = match truths[row] {
+            None => (&diagnosis.refit.model, diagnosis.refit.starts.clone()),
+            Some(cause) => (&cause.model, starts(diagnosis, cause)),
+        };
+        let seed = seed(settings.seed, row, i);
+        let outcome = source.draw(model, &starts, seed).and_then(|logs| {
+            let case = Case { logs: &logs, held_out: &[], ..*case };
+            // A replica that cannot be diagnosed is left out, and counted as such.
+            let found = diagnose(&case, settings, &()).ok()?;
+            let answers = Answers::of(&found, truths[row], settings.no_gap);
+            Some(Outcome { row, column: column(&found, &truths, row), answers })
+        });
+        monitor.advance();
+        outcome
+    });
+    let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
     Ok(confusion(diagnosis, settings, &leading, &outcomes))
 }
 

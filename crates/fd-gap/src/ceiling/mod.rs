@@ -12,6 +12,7 @@
 mod features;
 mod result;
 
+use crate::together::each;
 use fd_ident::{
     arx::{ArxFit, ArxModel, ArxOrders, Projection, Start as ArxStart},
     least_squares::{Deficient, LeastSquares},
@@ -19,7 +20,6 @@ use fd_ident::{
 };
 use fd_model::{Channel, Record};
 use fd_sim::simulate::{Outcome, Simulator, walk};
-use rayon::prelude::*;
 
 use self::features::{Example, Network, Regression};
 pub use self::result::{Ceiling, Compensation};
@@ -118,7 +118,7 @@ pub fn ceiling(
                 };
                 held_out.iter().map(of_log).collect()
             };
-            Some((0..outputs.len()).into_par_iter().map(of_output).collect())
+            Some(each(0..outputs.len(), of_output))
         };
         let (before, after) = (errors(false)?, errors(true)?);
         let physical = gap_per_output(&after).into_iter().zip(&diagnosis.sigma);
@@ -245,7 +245,7 @@ fn linear(
                 training.iter().map(|log| record(log, residual(log, c), ts)).collect();
             fit_linear(&records?, kind)
         };
-        (0..ny).into_par_iter().map(of_output).collect::<Option<Vec<ArxModel>>>()
+        each(0..ny, of_output).into_iter().collect::<Option<Vec<ArxModel>>>()
     };
     let loss = |models: &[ArxModel], residual: &dyn Fn(&Trained, usize) -> Vec<f64>| {
         let mut sums = [0.0; 2];
@@ -297,7 +297,7 @@ fn nonlinear(training: &[Trained], ny: usize, seed: u64) -> Option<(usize, Vec<N
             let regression = regression(na, c, &|residual| part(residual, true))?;
             Some(RIDGES.map(|ridge| Some(errors(&regression.with_ridge(ridge)?, c))).to_vec())
         };
-        let outputs: Vec<_> = (0..ny).into_par_iter().map(of_output).collect();
+        let outputs = each(0..ny, of_output);
         let of_ridge = |(i, ridge): (usize, &f64)| {
             let mut total = [0.0; 2];
             for output in &outputs {
@@ -311,7 +311,7 @@ fn nonlinear(training: &[Trained], ny: usize, seed: u64) -> Option<(usize, Vec<N
     let (_, (na, ridge)) =
         FEEDBACKS.into_iter().flat_map(losses).min_by(|a, b| a.0.total_cmp(&b.0))?;
     let whole = |c: usize| regression(na, c, &<[f64]>::to_vec)?.with_ridge(ridge);
-    let networks: Option<Vec<Network>> = (0..ny).into_par_iter().map(whole).collect();
+    let networks: Option<Vec<Network>> = each(0..ny, whole).into_iter().collect();
     Some((na, networks?))
 }
 

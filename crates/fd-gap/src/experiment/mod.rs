@@ -14,8 +14,8 @@ mod excitation;
 mod result;
 mod rival;
 
+use crate::together::each;
 use fd_numeric::upper_median;
-use rayon::prelude::*;
 
 pub use self::result::{Advice, Excitation, Experiment, Reach, Rival, Sensor, Separation};
 use self::{
@@ -107,15 +107,13 @@ pub fn next(
     let now = now.into_iter().fold(f64::INFINITY, f64::min);
     let try_all = |experiments: Vec<Experiment>| -> Vec<Separation> {
         monitor.begin(Stage::Experiment, experiments.len());
-        let mut tried: Vec<Separation> = experiments
-            .into_par_iter()
-            .filter_map(|experiment| {
-                let distances = arena(experiment.sensor.clone(), experiment.faster)
-                    .and_then(|mut arena| arena.distances(&rivals, Some(&experiment.u)));
-                monitor.advance();
-                Some(Separation { experiment, distances: distances? })
-            })
-            .collect();
+        let tried = each(experiments, |experiment| {
+            let distances = arena(experiment.sensor.clone(), experiment.faster)
+                .and_then(|mut arena| arena.distances(&rivals, Some(&experiment.u)));
+            monitor.advance();
+            Some(Separation { experiment, distances: distances? })
+        });
+        let mut tried: Vec<Separation> = tried.into_iter().flatten().collect();
         tried.sort_by(|a, b| b.least().total_cmp(&a.least()));
         tried
     };

@@ -1,8 +1,8 @@
 //! Sides of the plant, and places on them: inputs, forces, state equations, outputs.
 
+use crate::together::each;
 use fd_effect::{Side, SiteRef};
 use fd_sim::{equation::Expr, model::Model, simulate::Simulator};
-use rayon::prelude::*;
 
 use super::{
     free_signal::Probe,
@@ -26,15 +26,13 @@ pub(super) fn places(
     let sites = sites(model, probe.simulator(), diagnosis);
     monitor.begin(Stage::Locate, sites.len());
     let weights = weights(model, diagnosis, &sites);
-    let mut places: Vec<PlaceEvidence> = (sites.into_par_iter().zip(weights))
-        .map(|((site, equations), probability)| {
-            let free = probe.at(&site);
-            let side = side(&site);
-            let statement = words(&site, probability, free.as_ref(), model.outputs.len());
-            monitor.advance();
-            PlaceEvidence { site, side, equations, probability, free, statement }
-        })
-        .collect();
+    let mut places = each(sites.into_iter().zip(weights), |((site, equations), probability)| {
+        let free = probe.at(&site);
+        let side = side(&site);
+        let statement = words(&site, probability, free.as_ref(), model.outputs.len());
+        monitor.advance();
+        PlaceEvidence { site, side, equations, probability, free, statement }
+    });
     let evidence = |place: &PlaceEvidence| place.free.as_ref().map_or(0.0, |f| f.log_evidence);
     // What differs by rounding is equal.
     let key = |place: &PlaceEvidence| (1e6 * place.probability).round();

@@ -1,7 +1,7 @@
 //! Can a few functions of known signals still predict a residual?
 
+use crate::together::each;
 use fd_numeric::wide::dot;
-use rayon::prelude::*;
 
 use super::Autoregression;
 
@@ -53,16 +53,14 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
     if n < 50.0 {
         return 0.0;
     }
-    let mut columns: Vec<Vec<f64>> = functions(residual, signals)
-        .into_par_iter()
-        .filter_map(|function| normalised(whitened(&colour, residual, &function)))
-        .collect();
+    let column = |function: Vec<Vec<f64>>| normalised(whitened(&colour, residual, &function));
+    let mut columns: Vec<Vec<f64>> =
+        each(functions(residual, signals), column).into_iter().flatten().collect();
     let price = 0.5 * n.ln() + (columns.len().max(1) as f64).ln();
     let (mut best, mut total) = (0.0_f64, 0.0);
     for _ in 0..MOST {
         let power = dot(&left, &left);
-        let correlations: Vec<f64> =
-            columns.par_iter().map(|c| dot(c, &left).powi(2) / power).collect();
+        let correlations = each(&columns, |c| dot(c, &left).powi(2) / power);
         let Some((at, share)) = correlations
             .into_iter()
             .enumerate()
@@ -76,14 +74,12 @@ pub fn pattern(residual: &[Vec<f64>], signals: &[Signal]) -> f64 {
         // Orthogonal to what was used.
         let used = columns.swap_remove(at);
         remove(&used, &mut left);
-        columns = columns
-            .into_par_iter()
-            .filter_map(|mut column| {
-                remove(&used, &mut column);
-                // Less is the same function again.
-                if dot(&column, &column) < 1e-4 { None } else { normalised(column) }
-            })
-            .collect();
+        let rest = each(columns, |mut column| {
+            remove(&used, &mut column);
+            // Less is the same function again.
+            if dot(&column, &column) < 1e-4 { None } else { normalised(column) }
+        });
+        columns = rest.into_iter().flatten().collect();
     }
     best
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::together::each;
 use fd_effect::Candidate;
-use rayon::prelude::*;
 
 use super::{
     hypotheses::{Hypothesis, hypotheses},
@@ -39,13 +39,12 @@ pub(super) fn shortlist(case: &Case<'_>) -> Result<Vec<Hypothesis>, FitError> {
         Mistake::Clock { channel, late } => !delayed.contains(&(channel.clone(), 0 < *late)),
         _ => true,
     };
-    let others = all.par_iter().filter(is_other);
-    let mut looked: Vec<(f64, &Hypothesis)> = others
-        .filter_map(|hypothesis| {
-            let misfit = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake)?;
-            Some((misfit.rough(), hypothesis))
-        })
-        .collect();
+    let others = all.iter().filter(is_other);
+    let others = each(others, |hypothesis| {
+        let misfit = look(case, &as_read, nominal.as_deref(), &hypothesis.mistake)?;
+        Some((misfit.rough(), hypothesis))
+    });
+    let mut looked: Vec<(f64, &Hypothesis)> = others.into_iter().flatten().collect();
     looked.extend(parameters(&mut as_read, &all));
     looked.retain(|(rough, _)| *rough <= limit);
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -73,14 +72,13 @@ fn zeros<'h>(
 ) -> Vec<&'h Hypothesis> {
     let read = nominal.and_then(|simulated| as_read.misfit(simulated, Look::Rough));
     let Some(limit) = read.map(|misfit| misfit.rough_about_zero()) else { return Vec::new() };
-    let all = all.par_iter().filter(|h| matches!(h.mistake, Mistake::Zero { .. }));
-    let mut found: Vec<(f64, &Hypothesis)> = all
-        .filter_map(|hypothesis| {
-            let misfit = look(case, as_read, nominal, &hypothesis.mistake)?;
-            Some((misfit.rough_about_zero(), hypothesis))
-        })
-        .filter(|(misfit, _)| *misfit < limit)
-        .collect();
+    let all = all.iter().filter(|h| matches!(h.mistake, Mistake::Zero { .. }));
+    let all = each(all, |hypothesis| {
+        let misfit = look(case, as_read, nominal, &hypothesis.mistake)?;
+        Some((misfit.rough_about_zero(), hypothesis))
+    });
+    let mut found: Vec<(f64, &Hypothesis)> =
+        all.into_iter().flatten().filter(|(misfit, _)| *misfit < limit).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, hypothesis)| hypothesis).collect()
 }

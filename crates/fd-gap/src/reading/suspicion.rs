@@ -1,7 +1,7 @@
 //! From a first look to a mistake that is worth a diagnosis, and from that to a reading.
 
+use crate::together::each;
 use fd_model::Record;
-use rayon::prelude::*;
 
 use super::{
     cut_off::cut_off,
@@ -119,13 +119,11 @@ impl Explained {
         horizon: Horizon,
     ) -> Result<Option<Suspicion>, FitError> {
         let Self { known, refit, price, .. } = self;
-        let hypotheses = shortlist(case)?.into_par_iter();
-        let fits: Vec<(Hypothesis, Misfit)> = hypotheses
-            .filter_map(|hypothesis| {
-                let misfit = fit(case, horizon, &hypothesis.mistake)?;
-                Some((hypothesis, misfit))
-            })
-            .collect();
+        let fits = each(shortlist(case)?, |hypothesis| {
+            let misfit = fit(case, horizon, &hypothesis.mistake)?;
+            Some((hypothesis, misfit))
+        });
+        let fits: Vec<(Hypothesis, Misfit)> = fits.into_iter().flatten().collect();
         let mut best: Option<(Hypothesis, Misfit)> = None;
         for fit in &fits {
             if best.as_ref().is_none_or(|best| 0.0 < beats(fit, best)) {

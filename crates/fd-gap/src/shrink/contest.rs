@@ -1,8 +1,8 @@
 //! Which of several settled models forecasts best, and how sure that is.
 
+use crate::together::each;
 use fd_compensate::calibrate::autocorrelation_time;
 use fd_sim::simulate::Simulator;
-use rayon::prelude::*;
 
 use super::{
     forecast::{Forecast, Settled, forecast},
@@ -78,7 +78,7 @@ impl Forecasts {
                 let each = rules.horizons.iter();
                 each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
             };
-            let each = contenders.par_iter().map(of).collect::<Result<_, _>>()?;
+            let each = each(contenders, of).into_iter().collect::<Result<_, _>>()?;
             Ok(OfSet { samples: logs.iter().map(Log::samples).collect(), each })
         };
         let sets = sets.iter().filter(|logs| !logs.is_empty()).map(of_set);
@@ -154,7 +154,7 @@ impl OfSet {
             closed(before, after, rules.floor, rules.replicas, rules.seed)
         };
         let of = |all: &Vec<Option<Forecast>>| self.each[0].iter().zip(all).map(share).collect();
-        self.each.par_iter().map(of).collect()
+        each(&self.each, of)
     }
 }
 

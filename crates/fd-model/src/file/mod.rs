@@ -13,7 +13,7 @@ pub use self::{
     atomic::write_atomically,
     model::{LinearModel, LinearSystem, ModelChannel},
     model_error::{FileAction, ModelFileError},
-    settings::{SettingsError, parse_settings, read_settings},
+    settings::{SettingsError, parse_settings, read_settings, write_settings},
     text::{NAMED_PIPE, is_named_pipe, read_text},
 };
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use fd_core::Limits;
-use serde::de::DeserializeOwned;
+use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
 use toml::{Table, Value};
 
@@ -64,6 +64,22 @@ pub fn parse_settings<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, 
         .map_err(|error| refuse(file, text, &error, &|text| toml::from_str::<T>(text).is_ok()))
 }
 
+/// Settings as TOML.
+///
+/// They become a table before they become text: `toml::to_string` alone compiles each type in them three times, which were
+/// a quarter of the library `fdiag`.
+///
+/// # Errors
+///
+/// None for settings that were read.
+pub fn write_settings<T: Serialize>(settings: &T) -> Result<String, toml::ser::Error> {
+    text(&Table::try_from(settings)?)
+}
+
+fn text(table: &Table) -> Result<String, toml::ser::Error> {
+    toml::to_string(table)
+}
+
 /// Says what is wrong; `is_fine` tells of other texts whether they are right.
 fn refuse(
     file: &str,
@@ -108,7 +124,7 @@ fn to_blame(whole: &Table, is_fine: &dyn Fn(&str) -> bool) -> Option<String> {
         others.iter().any(|other| {
             let mut changed = whole.clone();
             change(&mut changed, path, other.clone());
-            toml::to_string(&changed).is_ok_and(|text| is_fine(&text))
+            text(&changed).is_ok_and(|text| is_fine(&text))
         })
     };
     leaves(whole).into_iter().find(cures).map(|path| path.join("."))

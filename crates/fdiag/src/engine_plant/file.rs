@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, path::Path};
 
 use fd_jetengine::engine17::{input_channels, output_channels};
-use fd_model::{Channel, SampleTime};
+use fd_model::{Channel, SampleTime, file::write_settings};
 use fd_sim::{
     model::Model,
     simulate::{Nominal, Shell},
@@ -324,7 +324,7 @@ impl EngineFile {
             ..self.clone()
         };
         // Numbers, names and text: nothing that TOML does not have.
-        toml::to_string(&file).unwrap_or_default()
+        write_settings(&file).unwrap_or_default()
     }
 
     /// What went wrong with the engine of a file.

@@ -23,7 +23,7 @@ use fd_compensate::{
     decide::{Debouncing, Sizing},
     residual_compensation::CompensationPlan,
 };
-use fd_model::file::{SettingsError, read_settings};
+use fd_model::file::{SettingsError, read_settings, write_settings};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
@@ -94,7 +94,7 @@ impl PipelineSpec {
     ///
     /// None for a spec that was read.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
-        toml::to_string(self)
+        write_settings(self)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Gaps on held-out logs, before and after.
 
-use rayon::prelude::*;
+use crate::together::each;
 
 use crate::{
     diagnose::{
@@ -48,12 +48,10 @@ pub(super) fn held_out_gaps(
     // Where runs are dear, all of them are made at the same time.
     let run = |settled, horizon| forecast_errors(nominal, settled, logs, horizon, sigma);
     let models = [as_it_came, refit.settled(), best.settled()];
-    let forecasts: Vec<_> = horizons
-        .par_iter()
-        .map(|&horizon| {
-            models.par_iter().map(|settled| run(*settled, horizon)).collect::<Result<Vec<_>, _>>()
-        })
-        .collect::<Result<_, _>>()?;
+    let of_models = |&horizon: &_| -> Result<Vec<_>, _> {
+        each(models, |settled| run(settled, horizon)).into_iter().collect()
+    };
+    let forecasts: Vec<_> = each(horizons, of_models).into_iter().collect::<Result<_, _>>()?;
     let mut all = Vec::new();
     for (&horizon, forecasts) in horizons.iter().zip(forecasts) {
         let Ok([Some(before), Some(refit), Some(after)]) = <[_; 3]>::try_from(forecasts) else {

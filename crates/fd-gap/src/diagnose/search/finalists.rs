@@ -1,7 +1,7 @@
 //! The fits to the end.
 
+use crate::together::each;
 use fd_effect::Candidate;
-use rayon::prelude::*;
 
 use super::trial::Trial;
 use crate::{diagnose::candidates::is_same_cause, fit::NullFit};
@@ -19,10 +19,8 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
         }
     }
     // Of a cause that is worth it, all laws are: where slopes are rough, what they promise says little of the right one.
-    trials
-        .par_iter_mut()
-        .filter(|trial| is_among(&chosen, trial))
-        .for_each(|trial| trial.full_fit(null));
+    let fitted = trials.iter_mut().filter(|trial| is_among(&chosen, trial));
+    each(fitted, |trial| trial.full_fit(null));
     // A law starts from the best one of its cause as well, by the names of the parameters.
     let mut starts: Vec<Option<Vec<f64>>> = Vec::with_capacity(trials.len());
     for trial in trials.iter() {
@@ -32,7 +30,7 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
         let other = best.filter(|best| is_chosen && best.index != trial.index);
         starts.push(other.and_then(|best| best.values_for(trial.candidate)));
     }
-    trials.par_iter_mut().zip(starts).for_each(|(trial, start)| {
+    each(trials.iter_mut().zip(starts), |(trial, start)| {
         if let Some(values) = start
             && trial.warm_start(null, &values)
         {

@@ -11,7 +11,7 @@ pub(super) mod trial;
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
+use crate::together::each;
 
 pub(super) use self::{command::Command, finalists::finish};
 use self::{
@@ -62,54 +62,45 @@ pub(super) fn search_beside<'a>(
     let commands = Command::all(nominal, &model, &null, candidates);
     monitor.begin(Stage::Screen, candidates.len());
     let is_many = MANY < candidates.len();
-    let tried: Vec<Result<Screened<'a>, NotTested>> = candidates
-        .par_iter()
-        .enumerate()
-        .map(|(index, candidate)| {
-            let refuse = |reason: String| NotTested::of(candidate, reason);
-            // The first one is the best proposal, if they have an order.
-            if 0 < index && monitor.is_stopped() {
-                return Err(refuse(stopped()));
-            }
-            let tried =
-                Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
-            let screened = tried.map(|mut trial| {
-                let command = Command::of_candidate(&commands, candidate);
-                trial.screen(&null, &projection, &lines, command);
-                Screened::of(trial, is_many)
-            });
-            monitor.advance();
-            screened
-        })
-        .collect();
+    let tried = each(candidates.iter().enumerate(), |(index, candidate)| {
+        let refuse = |reason: String| NotTested::of(candidate, reason);
+        // The first one is the best proposal, if they have an order.
+        if 0 < index && monitor.is_stopped() {
+            return Err(refuse(stopped()));
+        }
+        let tried = Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
+        let screened = tried.map(|mut trial| {
+            let command = Command::of_candidate(&commands, candidate);
+            trial.screen(&null, &projection, &lines, command);
+            Screened::of(trial, is_many)
+        });
+        monitor.advance();
+        screened
+    });
     let mut not_tested = Vec::new();
     let screened = tested(tried, &mut not_tested);
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
     let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
     monitor.begin(Stage::Fit, screened.len());
     let (promises, shortlisted) = promises(&screened, shortlist);
-    let fits: Vec<Result<Trial<'a>, NotTested>> = screened
-        .into_par_iter()
-        .zip(promises)
-        .map(|(screened, promise)| {
-            let Screened { candidate, index, .. } = screened;
-            let refuse = |reason: String| NotTested::of(candidate, reason);
-            if 0 < index && monitor.is_stopped() {
-                return Err(refuse(stopped()));
-            }
-            let is_short_of_it = promise < least.max(shortlisted);
-            if is_short_of_it || promises_less(promise, least_promise, most) {
-                monitor.advance();
-                return Err(refuse("others promise far more".to_owned()));
-            }
-            let again = |candidate| Trial::new(nominal, candidate, index, &null);
-            let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
-            trial.short_fits(&null, most);
+    let fits = each(screened.into_iter().zip(promises), |(screened, promise)| {
+        let Screened { candidate, index, .. } = screened;
+        let refuse = |reason: String| NotTested::of(candidate, reason);
+        if 0 < index && monitor.is_stopped() {
+            return Err(refuse(stopped()));
+        }
+        let is_short_of_it = promise < least.max(shortlisted);
+        if is_short_of_it || promises_less(promise, least_promise, most) {
             monitor.advance();
-            let diverges = || refuse("its simulation diverges".to_owned());
-            if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }
-        })
-        .collect();
+            return Err(refuse("others promise far more".to_owned()));
+        }
+        let again = |candidate| Trial::new(nominal, candidate, index, &null);
+        let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
+        trial.short_fits(&null, most);
+        monitor.advance();
+        let diverges = || refuse("its simulation diverges".to_owned());
+        if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }
+    });
     let mut trials = tested(fits, &mut not_tested);
     finish(&mut trials, &null, settings.finalists);
     let is_coloured = false;

@@ -1,10 +1,10 @@
 //! Is the integration step short enough for the effects that matter?
 
+use crate::together::each;
 use fd_sim::{
     model::{Law, Model},
     simulate::Nominal,
 };
-use rayon::prelude::*;
 
 use super::{searched::Searched, trial::Trial};
 use crate::{
@@ -45,10 +45,9 @@ pub(super) fn with_short_steps<'a>(
         model = with_step(&model, step);
         let simulator = nominal.patched(&model, null.problem.simulator().ts())?;
         null = null_fit(null.problem.plan(), &*simulator, null.problem.weights())?;
-        trials
-            .par_iter_mut()
-            .filter(|trial| trial.is_final)
-            .try_for_each(|trial| trial.refine(nominal, step, &null))?;
+        let finalists = trials.iter_mut().filter(|trial| trial.is_final);
+        let refined = each(finalists, |trial| trial.refine(nominal, step, &null));
+        refined.into_iter().collect::<Result<(), _>>()?;
     }
     Ok(Searched { model, null, trials, ..searched })
 }

@@ -1,6 +1,6 @@
 //! The colour of the noise.
 
-use rayon::prelude::*;
+use crate::together::each;
 
 use crate::{
     diagnose::{
@@ -50,7 +50,7 @@ pub(in crate::diagnose) fn with_colour<'a>(
     noise.sigma.clone_from(&weights.sigma);
     let null = null_fit(white.problem.plan(), white.problem.simulator(), weights)?;
     let least = trials.iter().map(Trial::cost).fold(f64::INFINITY, f64::min);
-    trials.par_iter_mut().for_each(|trial| trial.recolour(&null, weights, least));
+    each(&mut trials, |trial| trial.recolour(&null, weights, least));
     finish(&mut trials, &null, finalists);
     Ok(Searched { null, trials, noise, is_coloured: true, ..searched })
 }

@@ -1,6 +1,6 @@
 //! Second causes beside first ones.
 
-use rayon::prelude::*;
+use crate::together::each;
 
 use super::{
     rank::{Basis, RankedCause},
@@ -34,17 +34,14 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Ef
     let best = best.filter(|trial| !is_free_curve(trial.candidate) && trial.best.is_some());
     let firsts: Vec<&Trial<'_>> = best.take(FIRSTS).collect();
     monitor.begin(Stage::Pairs, firsts.len());
-    let found: Vec<Vec<EffectSet>> = firsts
-        .par_iter()
-        .map(|first| {
-            if monitor.is_stopped() {
-                return Vec::new();
-            }
-            let pairs = second(first, singles, context).unwrap_or_default();
-            monitor.advance();
-            pairs
-        })
-        .collect();
+    let found: Vec<Vec<EffectSet>> = each(&firsts, |first| {
+        if monitor.is_stopped() {
+            return Vec::new();
+        }
+        let pairs = second(first, singles, context).unwrap_or_default();
+        monitor.advance();
+        pairs
+    });
     let mut all: Vec<EffectSet> = found.into_iter().flatten().collect();
     all.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
     let mut kept: Vec<EffectSet> = Vec::new();

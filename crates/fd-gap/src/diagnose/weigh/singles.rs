@@ -1,7 +1,7 @@
 //! Single causes, weighed with the noise as it is taken to be.
 
+use crate::together::each;
 use fd_effect::Candidate;
-use rayon::prelude::*;
 
 use super::{
     answer::{Answer, Proposal},
@@ -54,9 +54,7 @@ pub(in crate::diagnose) fn weigh_singles<'a>(
     let measured: Vec<MeasurementCause<'_>> =
         candidates.filter_map(|c| weigh_measurement(c, measured, noise, is_coloured)).collect();
     let reference = Reference { noise: priors, log_evidence };
-    let trials: Vec<_> = searched.trials_mut().collect();
-    let laws: Vec<_> =
-        trials.into_par_iter().map(|(id, trial)| weigh_law(id, trial, &reference)).collect();
+    let laws = each(searched.trials_mut(), |(id, trial)| weigh_law(id, trial, &reference));
     let causes = rank(laws.into_iter(), &measured, &explanation);
     let refit = Answer { explanation, errors, fit: None, effects: 0, log_evidence: 0.0 };
     Ok(Singles { searched, base, refit, reference, measured, causes })

@@ -1,6 +1,6 @@
 //! What single causes learn from pairs.
 
-use rayon::prelude::*;
+use crate::together::each;
 
 use super::singles::{Singles, weigh_singles};
 use crate::{
@@ -39,7 +39,7 @@ pub(super) fn taught_by<'a>(
         }
         0 < is_better
     };
-    let have_learned = trials.par_iter_mut().map(learn).reduce(|| false, |a, b| a | b);
+    let have_learned = each(&mut trials, learn).contains(&true);
     let searched = Searched { null, trials, ..singles.searched };
     if have_learned {
         weigh_singles(searched, context.candidates)
