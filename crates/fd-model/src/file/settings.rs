@@ -66,8 +66,8 @@ pub fn parse_settings<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, 
 
 /// Settings as TOML.
 ///
-/// They become a table before they become text: `toml::to_string` alone compiles each type in them three times, which were
-/// a quarter of the library `fdiag`.
+/// They become a table before they become text: `toml::to_string` alone compiles each type in them three times, which was
+/// a tenth of what compiling the library `fdiag` takes (CPU: 53.5 s, 48.8 without).
 ///
 /// # Errors
 ///
