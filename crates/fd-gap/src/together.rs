@@ -15,7 +15,7 @@ pub(crate) fn each<T: Send, R: Send>(
         let mut place = places[at].lock().unwrap_or_else(PoisonError::into_inner);
         place.1 = place.0.take().map(&make);
     });
-    let made = places.into_iter().map(|place| place.into_inner());
+    let made = places.into_iter().map(Mutex::into_inner);
     made.filter_map(|place| place.unwrap_or_else(PoisonError::into_inner).1).collect()
 }
 
