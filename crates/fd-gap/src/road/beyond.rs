@@ -10,6 +10,7 @@ use fd_effect::Candidate;
 use super::{
     drive::{Found, Journey, Named},
     finish::left,
+    growth::above_the_noise,
     result::End,
 };
 use crate::{
@@ -17,17 +18,40 @@ use crate::{
     fit::FitError,
 };
 
-/// A set that has grown, and the rounds in which it did.
+/// The rounds in which a set has grown, at least one, and why it ends there.
 pub(super) struct Grown {
-    pub(super) set: EffectSet,
-    pub(super) end: End,
     steps: Vec<Step>,
+    end: End,
+}
+
+impl Grown {
+    /// What it has come to.
+    pub(super) fn set(&self) -> Option<&EffectSet> {
+        self.steps.last().map(Step::set)
+    }
 }
 
 /// A round, and the place of what was taken from it.
 struct Step {
     round: Round,
     place: usize,
+}
+
+impl Step {
+    fn set(&self) -> &EffectSet {
+        &self.round.more[self.place]
+    }
+}
+
+/// The cause that a diagnosis believes in alone, if it is a law and nothing forbids it.
+pub(super) fn believed_alone<'a>(journey: &Journey<'a>) -> Option<&'a Cause> {
+    let first = journey.first;
+    let cause = first.causes.first().filter(|cause| NAMED < cause.probability)?;
+    (!is_forbidden(first) && journey.search.is_law(cause)).then_some(cause)
+}
+
+fn is_forbidden(first: &Diagnosis) -> bool {
+    first.objections.iter().any(Objection::forbids)
 }
 
 /// The first law of a diagnosis, and what takes its part of what is left beside it; `None` where there is no law.
@@ -38,77 +62,79 @@ pub(super) fn grown(journey: &Journey<'_>) -> Result<Option<Grown>, FitError> {
     let causes = first.causes.iter().filter(|cause| search.is_law(cause)).take(rivals);
     let alone = causes.filter_map(|cause| search.of_causes(std::slice::from_ref(cause)));
     let round = search.round(&search.none()?, alone.collect())?;
-    let Some(set) = round.more.first().cloned() else { return Ok(None) };
-    let mut grown = Grown { set, end: End::NothingHelps, steps: vec![Step { round, place: 0 }] };
+    if round.more.is_empty() {
+        return Ok(None);
+    }
+    let mut last = Step { round, place: 0 };
+    let mut before = journey.above_the_floor(last.set())?;
+    let mut steps = Vec::new();
     let laws = |candidate: &Candidate| !follows_anything(candidate);
-    let mut before = journey.above_the_floor(&grown.set)?;
-    loop {
-        if search.is_noise(&grown.set) {
-            grown.end = End::AtTheNoise;
-        }
-        let rest = most.saturating_sub(grown.set.members.len());
+    let end = loop {
+        let set = last.set();
+        let rest = most.saturating_sub(set.members.len());
         if rest == 0 {
-            grown.end = End::Enough;
+            break End::Enough;
         }
-        if grown.end != End::NothingHelps || search.is_stopped() {
-            return Ok(Some(grown));
+        if search.is_noise(set) {
+            break End::AtTheNoise;
         }
-        let more = search.beside(&grown.set, &Wanted { candidate: &laws, least: 0.0 })?;
-        let round = search.round(&grown.set, more)?;
+        if search.is_stopped() {
+            break End::NothingHelps;
+        }
+        let more = search.beside(set, &Wanted { candidate: &laws, least: 0.0 })?;
+        let round = search.round(set, more)?;
         let standings = search.standings(&round, &round.forecasts, journey.floor());
         let best = standings.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((place, _)) = best else { return Ok(Some(grown)) };
-        let set = round.more[place].clone();
-        let after = journey.above_the_floor(&set)?;
+        let Some((place, _)) = best else { break End::NothingHelps };
+        let next = Step { round, place };
+        let after = journey.above_the_floor(next.set())?;
         if !takes_the_mean([before, after], rest) {
-            return Ok(Some(grown));
+            break End::NothingHelps;
         }
-        grown.steps.push(Step { round, place });
-        (grown.set, before) = (set, after);
-    }
+        steps.push(std::mem::replace(&mut last, next));
+        before = after;
+    };
+    steps.push(last);
+    Ok(Some(Grown { steps, end }))
 }
 
 /// As few laws of a set, in the order in which they were found, as are more probable than not all together, and those after
 /// them that remain so; `None` where there are none.
 pub(super) fn believed(journey: &Journey<'_>, grown: &Grown) -> Option<Found> {
     let Journey { first, search, .. } = *journey;
-    let steps = &grown.steps;
-    if first.objections.iter().any(Objection::forbids) {
+    let Grown { steps, end } = grown;
+    if is_forbidden(first) {
         return None;
     }
-    // Beside what was found up to the last one.
-    let probability = |Step { round, place }: &Step, last: &Step| {
+    // Of what was found in a step, beside what was found up to the last one.
+    let named = |i: usize, last: usize| {
+        let (Step { round, place }, last) = (&steps[i], &steps[last]);
         let forecasts = round.forecasts.beside(place + 1, &last.round.forecasts, last.place + 1);
         let standings = search.standings(round, &forecasts, journey.floor());
-        probability_of(*place, round, &standings)
+        let before = steps[..i].last().map_or(0.0, |before| before.set().log_evidence);
+        Named {
+            log_evidence: steps[i].set().log_evidence - before,
+            probability: probability_of(*place, round, &standings),
+            tied: Vec::new(),
+            odds: 1.0,
+        }
     };
-    let together = |last: usize| -> Vec<Named> {
-        let of = |step| unrivalled(probability(step, &steps[last]), &steps[last]);
-        steps[..=last].iter().map(of).collect()
-    };
+    let together = |last: usize| -> Vec<Named> { (0..=last).map(|i| named(i, last)).collect() };
     let is_believed = |named: &Vec<Named>| NAMED < named.iter().map(|n| n.probability).product();
     // What is believed of one alone, the diagnosis has said.
-    let alone = first.causes.first().filter(|cause| NAMED < cause.probability);
-    let mut named = match alone.filter(|cause| search.is_law(cause)) {
+    let mut all = match believed_alone(journey) {
         Some(cause) => vec![of_first(first, cause)],
         None => (1..steps.len()).map(together).find(is_believed)?,
     };
-    while let Some(next) = steps.get(named.len()) {
-        named.push(unrivalled(probability(next, next), next));
-        if !is_believed(&named) {
-            named.pop();
+    while all.len() < steps.len() {
+        all.push(named(all.len(), all.len()));
+        if !is_believed(&all) {
+            all.pop();
             break;
         }
     }
-    let Step { round, place } = &steps[named.len() - 1];
-    let end = if named.len() == steps.len() { grown.end } else { End::NothingHelps };
-    Some(Found { set: round.more[*place].clone(), named, end })
-}
-
-/// What is said of a cause that nothing is tied with.
-fn unrivalled(probability: f64, Step { round, place }: &Step) -> Named {
-    let log_evidence = round.more[*place].log_evidence;
-    Named { log_evidence, probability, tied: Vec::new(), odds: 1.0 }
+    let end = if all.len() == steps.len() { *end } else { End::NothingHelps };
+    Some(Found { set: steps[all.len() - 1].set().clone(), named: all, end })
 }
 
 /// The probability of the cause of which a law is at a place of a round.
@@ -127,9 +153,9 @@ pub(super) fn takes_the_mean([before, after]: [f64; 2], of: usize) -> bool {
 impl Journey<'_> {
     /// Squares that a set leaves of held-out logs above their floor, or of the fitted ones above the noise without any.
     fn above_the_floor(&self, set: &EffectSet) -> Result<f64, FitError> {
-        let (left, floor) = (left(self, set)?, self.floor());
-        let [left, floor] = if left.is_nan() { [set.gap, 1.0] } else { [left, floor] };
-        Ok((left.powi(2) - floor.powi(2)).max(0.0))
+        let left = left(self, set)?;
+        let above = (left.powi(2) - self.floor().powi(2)).max(0.0);
+        Ok(if left.is_nan() { above_the_noise(set) } else { above })
     }
 }
 

@@ -73,7 +73,7 @@ fn gained(search: &SetSearch<'_>, set: &EffectSet, over: &Cause) -> f64 {
 }
 
 /// What the first diagnosis found: a pair, if it is worth more than one cause, or the first cause.
-pub(super) fn beginning(journey: &Journey<'_>) -> Result<Option<EffectSet>, FitError> {
+fn beginning(journey: &Journey<'_>) -> Result<Option<EffectSet>, FitError> {
     let Journey { first, search, .. } = *journey;
     let single = first.causes.iter().find(|cause| search.is_law(cause));
     let alone = single.map_or(f64::NEG_INFINITY, |cause| cause.log_evidence);

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::{
-    beyond::{believed, grown},
+    beyond::{believed, believed_alone, grown},
     by_evidence::by_evidence,
     finish::{at, finish, judged_at, total},
     result::{End, Road},
@@ -11,8 +11,7 @@ use super::{
 };
 use crate::{
     diagnose::{
-        Case, Cause, Diagnosis, EffectSet, Monitor, NAMED, Regime, SetSearch, Settings, Verdict,
-        is_law,
+        Case, Cause, Diagnosis, EffectSet, Monitor, Regime, SetSearch, Settings, Verdict, is_law,
     },
     fit::{FitError, Horizon},
 };
@@ -116,18 +115,17 @@ pub fn road(
     }
     let Some(search) = simulated(begin(true))? else { return Ok(None) };
     let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise: false };
-    let is_believed = first.causes.first().is_some_and(|cause| NAMED < cause.probability);
-    if is_dear && !is_believed {
+    if is_dear && believed_alone(&journey).is_none() {
         return Ok(None);
     }
     let Some(grown) = simulated(grown(&journey))? else { return Ok(None) };
     if !is_dear {
         // What explains everything does so from the beginning of the log to its end.
         let free = if search.is_in_windows { simulated(begin(false))? } else { None };
-        let set = match &free {
-            Some(free) => free.of_causes(&grown.set.causes()),
-            None => Some(grown.set.clone()),
-        };
+        let set = grown.set().and_then(|set| match &free {
+            Some(free) => free.of_causes(&set.causes()),
+            None => Some(set.clone()),
+        });
         let search = free.as_ref().unwrap_or(&search);
         let journey = Journey { search, is_to_the_noise: true, ..journey };
         let explained = match set {

@@ -223,7 +223,7 @@ impl Journey<'_> {
 }
 
 /// Squares that a set leaves above the noise, in its mean square.
-fn above_the_noise(set: &EffectSet) -> f64 {
+pub(super) fn above_the_noise(set: &EffectSet) -> f64 {
     (set.gap.powi(2) - 1.0).max(0.0)
 }
 

@@ -21,12 +21,8 @@ const FEWEST_BLOCKS: usize = 8;
 const PIECES: usize = 4;
 
 /// How a contest is run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rules<'a> {
-    /// Horizons.
-    pub horizons: &'a [Horizon],
-    /// Noise of each output, in its unit.
-    pub sigma: &'a [f64],
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rules {
     /// Noise floor, in sigma.
     pub floor: f64,
     /// Replicas of the bootstrap.
@@ -62,7 +58,8 @@ struct OfSet {
 }
 
 impl Forecasts {
-    /// Lets models forecast; the first one is that without any effect. Sets without logs do not count.
+    /// Lets models forecast at these horizons, with noise of `sigma` in each output, in its unit; the first model is the one
+    /// without any effect. Sets without logs do not count.
     ///
     /// # Errors
     ///
@@ -71,12 +68,13 @@ impl Forecasts {
         nominal: &dyn Simulator,
         contenders: &[Settled<'_>],
         sets: &[&[Log]],
-        rules: &Rules<'_>,
+        horizons: &[Horizon],
+        sigma: &[f64],
     ) -> Result<Self, FitError> {
         let of_set = |logs: &&[Log]| {
             let of = |contender: &Settled<'_>| {
-                let each = rules.horizons.iter();
-                each.map(|h| forecast(nominal, *contender, logs, *h, rules.sigma)).collect()
+                let each = horizons.iter();
+                each.map(|h| forecast(nominal, *contender, logs, *h, sigma)).collect()
             };
             let each = each(contenders, of).into_iter().collect::<Result<_, _>>()?;
             Ok(OfSet { samples: logs.iter().map(Log::samples).collect(), each })
@@ -107,7 +105,7 @@ impl Forecasts {
     /// ([`win_frequencies_over`]): what fits a little better and forecasts much worse loses, and where the two disagree
     /// there is one winner all the same.
     #[must_use]
-    pub fn contest(&self, rules: &Rules<'_>) -> Contest {
+    pub fn contest(&self, rules: &Rules) -> Contest {
         let tables: Vec<_> = self.sets.iter().map(|set| set.tables(self.outputs)).collect();
         let tables: Vec<Vec<&BlockErrors>> =
             tables.iter().map(|set| set.iter().map(Vec::as_slice).collect()).collect();
@@ -148,7 +146,7 @@ impl OfSet {
     }
 
     /// The shares of the gap of the first contender that each one closes.
-    fn shares(&self, rules: &Rules<'_>) -> Vec<Vec<Option<Closed>>> {
+    fn shares(&self, rules: &Rules) -> Vec<Vec<Option<Closed>>> {
         let share = |(before, after): (&Option<Forecast>, &Option<Forecast>)| {
             let (before, after) = (&before.as_ref()?.errors, &after.as_ref()?.errors);
             closed(before, after, rules.floor, rules.replicas, rules.seed)

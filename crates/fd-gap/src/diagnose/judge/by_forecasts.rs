@@ -20,6 +20,7 @@ use crate::{
         prepare::prepare,
         result::Regime,
         search::search,
+        settings::Settings,
         weigh::{Weighed, singles::weigh_singles},
     },
     fit::{FitError, Horizon, Log},
@@ -39,15 +40,10 @@ pub(super) fn by_forecasts<'a>(
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
     let Weighed { singles, best, lack_of_fit, .. } =
         in_windows_where_lost(weighed, &horizons, context)?;
-    let rules = Rules {
-        horizons: &horizons,
-        sigma: &singles.searched.noise.sigma.clone(),
-        floor: floor(&best.errors),
-        replicas: settings.replicas,
-        seed: settings.seed,
-    };
+    let Settings { replicas, seed, .. } = *settings;
+    let rules = Rules { floor: floor(&best.errors), replicas, seed };
     let Contested { others: probabilities, singles } =
-        contest(&*simulator, singles, held_out, &rules, settings)?;
+        contest(&*simulator, singles, held_out, &horizons, &rules, settings.finalists)?;
     let in_doubt = singles.causes.iter().take_while(|ranked| 0.0 < ranked.cause.probability);
     let ties = ties(&singles.causes[..in_doubt.count()], &singles.searched, settings);
     let (best, lack_of_fit) = match singles.first_answer() {

@@ -8,14 +8,13 @@ use crate::{
         candidates::{follows_anything, is_same_cause},
         result::Cause,
         search::searched::{Searched, TrialId},
-        settings::Settings,
         weigh::{
             rank::{Basis, RankedCause, weigh_law},
             singles::Singles,
             values::FittedValues,
         },
     },
-    fit::{FitError, Log},
+    fit::{FitError, Horizon, Log},
     shrink::{Closed, Contest, Forecasts, Rules, Settled},
 };
 
@@ -62,14 +61,15 @@ pub(in crate::diagnose) struct Standing {
 const SUREST: f64 = 0.95;
 
 /// Gives causes their probabilities by forecasts, and orders them by these. All laws of the first
-/// `settings.finalists` causes compete, and a cause wins what its laws win; the others have
+/// `finalists` causes compete, and a cause wins what its laws win; the others have
 /// nothing. Without held-out logs those of the fit count alone.
 pub(super) fn contest<'a>(
     simulator: &dyn Simulator,
     singles: Singles<'a>,
     held_out: &[Log],
-    rules: &Rules<'_>,
-    settings: &Settings,
+    horizons: &[Horizon],
+    rules: &Rules,
+    finalists: usize,
 ) -> Result<Contested<'a>, FitError> {
     let Singles { mut searched, mut causes, .. } = singles;
     // What follows a log as it pleases draws what is missing: it is no explanation, but leaves room for one.
@@ -77,7 +77,7 @@ pub(super) fn contest<'a>(
         Basis::Simulation(id) => !follows_anything(searched.trial(id).candidate),
         Basis::Measurement(_) => true,
     });
-    let finalists = settings.finalists.min(causes.len());
+    let finalists = finalists.min(causes.len());
     let laws = laws(&causes[..finalists], &searched);
     let null = FittedValues::of(&searched.null.problem, &searched.null.minimum);
     let (mut entrants, mut values) = (Vec::new(), vec![null]);
@@ -90,7 +90,8 @@ pub(super) fn contest<'a>(
     }
     let settled: Vec<Settled<'_>> = values.iter().map(FittedValues::settled).collect();
     let logs = [searched.null.problem.plan().logs.as_slice(), held_out];
-    let forecasts = Forecasts::of(simulator, &settled, &logs, rules)?;
+    let sigma = &searched.noise.sigma;
+    let forecasts = Forecasts::of(simulator, &settled, &logs, horizons, sigma)?;
     let Standings { no_gap, causes: standings } =
         standings(finalists, &entrants, &forecasts.contest(rules));
     let mut contested: Vec<(f64, RankedCause)> = Vec::with_capacity(causes.len());

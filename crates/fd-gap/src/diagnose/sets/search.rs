@@ -241,8 +241,9 @@ impl<'a> SetSearch<'a> {
         let settled: Vec<Settled<'_>> = values.iter().map(FittedValues::settled).collect();
         let held_out = as_begun(simulator, settled[0], self.held_out.clone(), self.sigma())?;
         let training = &self.singles.base.plan().logs;
-        let rules = self.rules(0.0);
-        let forecasts = Forecasts::of(simulator, &settled, &[training, &held_out], &rules)?;
+        let logs: [&[Log]; 2] = [training, &held_out];
+        let (horizons, sigma) = (&self.horizons, self.sigma());
+        let forecasts = Forecasts::of(simulator, &settled, &logs, horizons, sigma)?;
         Ok(Round { more, forecasts })
     }
 
@@ -264,14 +265,10 @@ impl<'a> SetSearch<'a> {
             Some(Entrant { cause, cost: set.cost() })
         });
         let entrants: Vec<Entrant> = entrants.collect();
-        let contest = forecasts.contest(&self.rules(floor));
+        let Settings { replicas, seed, .. } = self.settings;
+        let contest = forecasts.contest(&Rules { floor, replicas, seed });
         let each = standings(causes.len(), &entrants, &contest).causes.into_iter();
         each.filter_map(|standing| Some((standing.best?, standing.probability))).collect()
-    }
-
-    fn rules(&self, floor: f64) -> Rules<'_> {
-        let Settings { replicas, seed, .. } = self.settings;
-        Rules { horizons: &self.horizons, sigma: self.sigma(), floor, replicas, seed }
     }
 }
 

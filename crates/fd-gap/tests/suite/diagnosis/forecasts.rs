@@ -191,8 +191,9 @@ fn the_truth_wins() {
         settled(&limited, &known),
     ];
     let horizons = horizons(Some(5.0), 1, 900);
-    let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
-    let outcome = Forecasts::of(&nominal, &all, &[&logs], &rules).unwrap().contest(&rules);
+    let rules = Rules { floor: 1.0, replicas: 200, seed: 1 };
+    let forecasts = Forecasts::of(&nominal, &all, &[&logs], &horizons, &[0.001]).unwrap();
+    let outcome = forecasts.contest(&rules);
     // Equals share.
     assert_eq!(outcome.wins, [0.0, 0.5, 0.0, 0.5]);
     for closed in &outcome.closed[1] {
@@ -208,8 +209,7 @@ fn a_law_is_judged_by_what_all_others_leave() {
             .map(|[drive, measured]| EquationSimulator::new(&lag_of(drive, measured)).unwrap());
     let record = answer(&both, &[0.5], &u);
     let logs = [Log::new(&record, &nominal, 1).unwrap()];
-    let horizons = [Horizon::FreeRun];
-    let rules = Rules { horizons: &horizons, sigma: &[0.001], floor: 1.0, replicas: 200, seed: 1 };
+    let rules = Rules { floor: 1.0, replicas: 200, seed: 1 };
     let forecasts = |all: [&EquationSimulator; 3]| {
         let all = all.map(|simulator| Settled {
             simulator,
@@ -217,7 +217,7 @@ fn a_law_is_judged_by_what_all_others_leave() {
             effects: &[],
             paths: Paths::AsFitted,
         });
-        Forecasts::of(&nominal, &all, &[&logs], &rules).unwrap()
+        Forecasts::of(&nominal, &all, &[&logs], &[Horizon::FreeRun], &[0.001]).unwrap()
     };
     let first = forecasts([&nominal, &offset, &bias]);
     let share = |forecasts: &Forecasts| forecasts.contest(&rules).closed[1][0].unwrap().fraction;

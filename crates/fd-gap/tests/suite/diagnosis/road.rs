@@ -34,6 +34,16 @@ struct Real {
 /// Far above the noise.
 const LARGE: Real = Real { dead_zone: 0.4, end: 1.1, lag: 0.4, noise: 0.002 };
 
+/// A log of inputs and outputs.
+fn record<const N: usize>(
+    model: &Model,
+    rows: impl Iterator<Item = ([f64; N], [f64; N])>,
+) -> Record {
+    let rows: Vec<([f64; N], [f64; N])> = rows.collect();
+    let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+    Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+}
+
 /// Steps of the command are held over a sample, so that both lags are exact.
 fn reality(model: &Model, real: Real, seed: u64) -> Record {
     let noise = WhiteNoise::new(real.noise, seed).values(SAMPLES).unwrap();
@@ -53,9 +63,7 @@ fn reality(model: &Model, real: Real, seed: u64) -> Record {
         }
         ([u], [y])
     });
-    let rows: Vec<([f64; 1], [f64; 1])> = rows.collect();
-    let (inputs, outputs) = (model.external_inputs(), model.output_channels());
-    Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+    record(model, rows)
 }
 
 /// A few effects that could be at work here.
@@ -179,9 +187,7 @@ fn three_drives(model: &Model, seed: u64) -> Record {
         }
         (u, y)
     });
-    let rows: Vec<([f64; 3], [f64; 3])> = rows.collect();
-    let (inputs, outputs) = (model.external_inputs(), model.output_channels());
-    Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+    record(model, rows)
 }
 
 /// No dead zone explains half of the gap, and yet each is sure: it explains what the others leave.
