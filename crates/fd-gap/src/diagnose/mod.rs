@@ -271,7 +271,7 @@ pub(crate) fn told(
 
 /// From prepared logs to a judgement.
 fn judged<'a>(prepared: Prepared, context: &Context<'a>) -> Result<Judged<'a>, FitError> {
-    let searched = search(prepared, context.settings.shortlist, context)?;
+    let searched = search(prepared, context)?;
     let weighed = weigh(searched, context)?;
     judge(weighed, context)
 }

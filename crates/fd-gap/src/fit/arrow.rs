@@ -86,6 +86,15 @@ impl Arrow {
         }
     }
 
+    pub(crate) fn diagonal(&self, i: usize) -> f64 {
+        if i < self.shared {
+            self.corner[i * self.shared + i]
+        } else {
+            let k = i - self.shared;
+            self.blocks[k * self.own + k % self.own]
+        }
+    }
+
     /// Takes an unknown out: its row and column become those of the unit matrix.
     pub(crate) fn fix(&mut self, i: usize) {
         self.gradient[i] = 0.0;

@@ -1,13 +1,12 @@
 //! Levenberg's and Marquardt's method in a box.
 
-use std::{ops::Range, sync::Arc};
-
-use fd_numeric::dot;
+use std::sync::Arc;
 
 use super::{
     arrow::Arrow,
     columns::Columns,
-    layout::{Layout, LeastSquares, Linearization},
+    descent::{Descent, Next, Setting},
+    layout::{Layout, LeastSquares},
 };
 
 /// How long to search, and what to leave as it is.
@@ -24,7 +23,7 @@ pub struct Search {
     pub frozen: usize,
     /// The shared unknowns stay where they are.
     pub own_only: bool,
-    /// Damping at which it gives up; it grows tenfold with each step that leads up.
+    /// Damping at which it gives up.
     pub give_up: f64,
     /// Slopes are rough: steps go by what those before them have shown as well.
     pub by_secants: bool,
@@ -63,13 +62,6 @@ impl Search {
     }
 }
 
-/// Damping at the beginning, as a fraction of the diagonal of the normal equations.
-const DAMPING: f64 = 1e-3;
-/// Damping that is as good as none.
-const LOWEST_DAMPING: f64 = 1e-9;
-/// Part of the way to the edge of the box that counts as being there.
-const EDGE: f64 = 1e-9;
-
 /// Residuals of so many rows and outputs are not kept with every candidate, of which there are thousands.
 const LONG: usize = 10_000;
 
@@ -88,7 +80,7 @@ pub struct Minimum {
     /// their scalar products were kept.
     pub slopes: Columns,
     /// These products.
-    products: Option<Arc<Arrow>>,
+    pub(super) products: Option<Arc<Arrow>>,
     /// Whether the search ended because it could not get lower.
     pub converged: bool,
 }
@@ -126,7 +118,7 @@ impl Minimum {
         self.equations_in(problem.layout(), problem.prior(), weight)
     }
 
-    fn equations_in(&self, layout: &Layout, prior: &[[f64; 2]], weight: f64) -> Arrow {
+    pub(super) fn equations_in(&self, layout: &Layout, prior: &[[f64; 2]], weight: f64) -> Arrow {
         let known = self.products.as_deref().cloned();
         let products = known.unwrap_or_else(|| Arrow::of_slopes(layout, &self.slopes, &self.r));
         products.with_prior(prior, &self.z, weight)
@@ -157,7 +149,7 @@ pub fn minimise(
 /// As [`minimise`], from several places, with the results that each would have alone. All searches
 /// ask for their next residuals and slopes at once ([`LeastSquares::linearize`]): slopes at a place
 /// that turns out worse are thrown away, but where several simulations run side by side they cost
-/// little.
+/// little. Where a step led up, several shorter ones are looked at together, without slopes.
 ///
 /// # Panics
 ///
@@ -186,209 +178,32 @@ pub fn minimise_all(
         .map(|(there, z)| Some(Descent::new(&setting, z, there?, first.clone(), slopes)))
         .collect();
     loop {
-        let (mut places, mut active) = (Vec::new(), Vec::new());
+        let (mut places, mut steps) = (Vec::new(), Vec::new());
+        let (mut looking, mut trying) = (Vec::new(), Vec::new());
         for descent in descents.iter_mut().flatten() {
-            if let Some(place) = descent.next_place() {
-                places.push(place);
-                active.push(descent);
+            match descent.next() {
+                Next::Place(place) => {
+                    places.push(place);
+                    looking.push(descent);
+                }
+                Next::OneOf(some) => {
+                    steps.extend(some.iter().map(|step| step.z.clone()));
+                    trying.push((descent, some));
+                }
+                Next::Nowhere => {}
             }
         }
-        if places.is_empty() {
+        if places.is_empty() && steps.is_empty() {
             break;
         }
         let found = problem.linearize(&places, refreshed.clone());
-        for ((descent, z), there) in active.into_iter().zip(places).zip(found) {
+        for ((descent, z), there) in looking.into_iter().zip(places).zip(found) {
             descent.look_at(z, there, refreshed.start);
+        }
+        let mut found = problem.linearize(&steps, 0..0).into_iter();
+        for (descent, steps) in trying {
+            descent.choose(steps, &mut found);
         }
     }
     descents.into_iter().map(|descent| descent.map(|descent| descent.at)).collect()
-}
-
-/// By how much the sum of squares at a place would fall if residuals were as linear as their slopes say.
-pub(crate) fn promised(problem: &dyn LeastSquares, at: &Minimum) -> f64 {
-    let setting = Setting::of(problem, Search::PLAIN);
-    let equations = setting.linear_equations(at, None);
-    let Some(factor) = equations.factor() else { return f64::INFINITY };
-    let mut step = equations.gradient.clone();
-    factor.solve(&mut step);
-    dot(&step, &equations.gradient)
-}
-
-/// What all searches of a problem have in common.
-struct Setting {
-    layout: Layout,
-    bounds: Vec<[f64; 2]>,
-    prior: Vec<[f64; 2]>,
-    search: Search,
-}
-
-impl Setting {
-    fn of(problem: &dyn LeastSquares, search: Search) -> Self {
-        Self {
-            layout: problem.layout().clone(),
-            bounds: problem.bounds().to_vec(),
-            prior: problem.prior().to_vec(),
-            search,
-        }
-    }
-
-    /// Normal equations at a place, by secants where there are any, with held unknowns taken out.
-    fn linear_equations(&self, at: &Minimum, secants: Option<&Secants>) -> Arrow {
-        let Self { layout, bounds, prior, search } = self;
-        let z = &at.z;
-        let mut equations = match secants {
-            Some(Secants(slopes)) => {
-                Arrow::of_slopes(layout, slopes, &at.r).with_prior(prior, z, 1.0)
-            }
-            None => at.equations_in(layout, prior, 1.0),
-        };
-        for (i, [low, high]) in bounds.iter().enumerate() {
-            let (edge, slope) = (EDGE * (high - low), equations.gradient[i]);
-            let is_held = search.own_only && i < layout.shared
-                || z[i] <= low + edge && 0.0 <= slope
-                || high - edge <= z[i] && slope <= 0.0;
-            if is_held || *equations.diagonal_mut(i) <= 0.0 {
-                equations.fix(i);
-            }
-        }
-        equations
-    }
-
-    fn inside(&self, z: &[f64]) -> Vec<f64> {
-        assert_eq!(z.len(), self.layout.unknowns(), "one start per unknown");
-        z.iter().zip(&self.bounds).map(|(z, [low, high])| z.clamp(*low, *high)).collect()
-    }
-
-    /// Sum of squares, and the part of the prior.
-    fn cost(&self, z: &[f64], r: &[f64]) -> [f64; 2] {
-        let prior = self.prior.iter().zip(z).map(|([m, p], z)| p * (z - m).powi(2)).sum::<f64>();
-        [r.iter().map(|r| r * r).sum::<f64>() + prior, prior]
-    }
-
-    /// A gain that is not worth another step.
-    fn negligible(&self, cost: f64) -> f64 {
-        self.search.absolute + self.search.relative * cost
-    }
-}
-
-/// A search on its way down. It says where it wants to look next, and is told what is there.
-struct Descent<'a> {
-    setting: &'a Setting,
-    at: Minimum,
-    damping: f64,
-    /// Normal equations at this place, with held unknowns taken out.
-    equations: Option<Arrow>,
-    iterations: usize,
-    secants: Option<Secants>,
-}
-
-impl<'a> Descent<'a> {
-    fn new(
-        setting: &'a Setting,
-        z: Vec<f64>,
-        there: Linearization,
-        columns: Range<usize>,
-        known: Option<&Columns>,
-    ) -> Self {
-        let [cost, prior_cost] = setting.cost(&z, &there.r);
-        let rows = there.r.len();
-        let all = setting.layout.shared + setting.layout.own;
-        let mut slopes = known.cloned().unwrap_or_else(|| Columns::new(vec![vec![0.0; rows]; all]));
-        slopes.splice(columns, there.slopes);
-        let (r, converged, products) = (there.r, false, None);
-        let at = Minimum { z, cost, prior_cost, r, slopes, products, converged };
-        Self { setting, at, damping: DAMPING, equations: None, iterations: 0, secants: None }
-    }
-
-    /// Where to look next; `None` at the end.
-    fn next_place(&mut self) -> Option<Vec<f64>> {
-        let Search { iterations, give_up, .. } = self.setting.search;
-        let is_over = self.at.converged || self.iterations == iterations;
-        if is_over || give_up <= self.damping {
-            return None;
-        }
-        let equations = match self.equations.take() {
-            Some(equations) => equations,
-            None => self.setting.linear_equations(&self.at, self.secants.as_ref()),
-        };
-        let mut next = None;
-        while next.is_none() && self.damping < give_up {
-            let mut damped = equations.clone();
-            for i in 0..self.at.z.len() {
-                *damped.diagonal_mut(i) *= 1.0 + self.damping;
-            }
-            let Some(factor) = damped.factor() else {
-                self.damping *= 10.0;
-                continue;
-            };
-            let mut step = equations.gradient.clone();
-            factor.solve(&mut step);
-            let predicted = dot(&step, &equations.gradient);
-            if predicted < self.setting.negligible(self.at.cost) {
-                self.at.converged = true;
-                return None;
-            }
-            let moved: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, step)| z - step).collect();
-            next = Some(self.setting.inside(&moved));
-        }
-        self.equations = Some(equations);
-        next
-    }
-
-    /// Goes there if it is lower, and shortens the step if not.
-    fn look_at(&mut self, z: Vec<f64>, there: Option<Linearization>, first_column: usize) {
-        if let Some(there) = there {
-            let [cost, prior_cost] = self.setting.cost(&z, &there.r);
-            if self.setting.search.by_secants {
-                let secants = self.secants.take();
-                let mut secants = secants.unwrap_or_else(|| Secants(self.at.slopes.clone()));
-                secants.learn(&self.setting.layout, &self.at, (&z, &there.r));
-                self.secants = Some(secants);
-                self.equations = None;
-            }
-            if cost < self.at.cost {
-                let gain = self.at.cost - cost;
-                let columns = first_column..first_column + there.slopes.len();
-                self.at.slopes.splice(columns, there.slopes);
-                (self.at.z, self.at.r) = (z, there.r);
-                (self.at.cost, self.at.prior_cost) = (cost, prior_cost);
-                self.at.converged = gain <= self.setting.negligible(cost);
-                self.damping = (self.damping / 10.0).max(LOWEST_DAMPING);
-                self.equations = None;
-                self.iterations += 1;
-                return;
-            }
-        }
-        self.damping *= 10.0;
-    }
-}
-
-/// Slopes that steps have shown: Broyden's update, the least change of slopes that agrees with the last step, where each
-/// unknown is measured by what it does to the residuals (Dennis & Schnabel 1996, section 8.1 and theorem 8.2.2).
-struct Secants(Columns);
-
-impl Secants {
-    fn learn(&mut self, layout: &Layout, from: &Minimum, (z, r): (&[f64], &[f64])) {
-        let mut slopes: Vec<Vec<f64>> = self.0.iter().map(<[f64]>::to_vec).collect();
-        for (s, rows) in layout.segments.iter().enumerate() {
-            let own = layout.first_own(s);
-            let unknowns = (0..layout.shared).chain(own..own + layout.own);
-            let step: Vec<f64> = unknowns.map(|i| z[i] - from.z[i]).collect();
-            let here = slopes.iter().map(|column| &column[rows.clone()]);
-            let along: Vec<f64> =
-                here.zip(&step).map(|(column, step)| dot(column, column) * step).collect();
-            let length = dot(&along, &step);
-            if length.is_nan() || length <= 0.0 {
-                continue;
-            }
-            for row in rows.clone() {
-                let foretold: f64 = slopes.iter().zip(&step).map(|(c, step)| c[row] * step).sum();
-                let missing = r[row] - from.r[row] - foretold;
-                for (column, along) in slopes.iter_mut().zip(&along) {
-                    column[row] += missing * along / length;
-                }
-            }
-        }
-        self.0 = Columns::new(slopes);
-    }
 }

@@ -14,6 +14,7 @@
 mod arrow;
 mod cholesky;
 mod columns;
+mod descent;
 mod error;
 mod hidden_states;
 mod holes;
@@ -27,7 +28,7 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::{cholesky::Cholesky, levenberg::promised};
+pub(crate) use self::{cholesky::Cholesky, descent::promised};
 pub use self::{
     columns::Columns,
     error::FitError,

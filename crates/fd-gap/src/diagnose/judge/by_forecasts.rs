@@ -82,8 +82,7 @@ fn in_windows_where_lost<'a>(
         Err(FitError::Diverged) => return Ok(weighed),
         Err(error) => return Err(error),
     };
-    // As many again as can compete may be better in windows than they were in the free run.
-    let searched = search(prepared, 2 * settings.finalists, context)?;
+    let searched = search(prepared, context)?;
     Ok(Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings))
 }
 

@@ -18,7 +18,7 @@ use self::{
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
-    trial::{Trial, promises_less},
+    trial::{MORE_THAN_PROMISED, Trial, promises_less},
 };
 use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
 use crate::{
@@ -37,21 +37,19 @@ const PROMISE_OF_MANY: f64 = 0.02;
 
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
 /// little from the best starts, and fits the best causes (effect and site, all their laws) to the
-/// end, with an integration step that is short enough for them. Only so many causes are fitted as the shortlist has.
+/// end, with an integration step that is short enough for them.
 pub(super) fn search<'a>(
     prepared: Prepared,
-    shortlist: usize,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, shortlist, context)?)
+    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, context)?)
 }
 
-/// The same with the integration step that the model has, beside whatever has been found already: causes that promise less
-/// than the `least` sum of squares are not fitted.
+/// The same with the integration step that the model has, beside whatever has been found already: causes that promise by far less
+/// than the `least` that they must take from the sum of squares are not fitted.
 pub(super) fn search_beside<'a>(
     prepared: Prepared,
     least: f64,
-    shortlist: usize,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
     let Context { case, settings, monitor, .. } = *context;
@@ -82,14 +80,14 @@ pub(super) fn search_beside<'a>(
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
     let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
     monitor.begin(Stage::Fit, screened.len());
-    let (promises, shortlisted) = promises(&screened, shortlist);
+    let (promises, shortlisted) = promises(&screened, settings.shortlist);
     let fits = each(screened.into_iter().zip(promises), |(screened, promise)| {
         let Screened { candidate, index, .. } = screened;
         let refuse = |reason: String| NotTested::of(candidate, reason);
         if 0 < index && monitor.is_stopped() {
             return Err(refuse(stopped()));
         }
-        let is_short_of_it = promise < least.max(shortlisted);
+        let is_short_of_it = promise < (least / MORE_THAN_PROMISED).max(shortlisted);
         if is_short_of_it || promises_less(promise, least_promise, most) {
             monitor.advance();
             return Err(refuse("others promise far more".to_owned()));

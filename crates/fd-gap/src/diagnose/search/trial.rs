@@ -18,8 +18,8 @@ const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
 const SHORT: Search =
     Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
-/// A fit to the end: what is left is a hundredth of a nat.
-const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-6, ..Search::PLAIN };
+/// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
+const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
 /// No step, but residuals and slopes.
 const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 /// A short fit with all slopes.
@@ -40,7 +40,7 @@ const FAR_BELOW: f64 = 200.0;
 const OUT_OF_REACH: f64 = 1.2;
 
 /// A sum of squares may fall by so many times what slopes promise.
-pub(in crate::diagnose) const MORE_THAN_PROMISED: f64 = 2.0;
+pub(super) const MORE_THAN_PROMISED: f64 = 2.0;
 
 /// Whether a gain is below this share of `most`, and far below it.
 pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {

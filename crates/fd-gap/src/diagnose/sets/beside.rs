@@ -17,7 +17,7 @@ use crate::{
             Prepared,
             noise::{KnownNoise, REACHED},
         },
-        search::{search_beside, trial::MORE_THAN_PROMISED},
+        search::search_beside,
         weigh::{answer::Fit, singles::Singles},
     },
     fit::{FitError, NullFit, Problem},
@@ -58,8 +58,7 @@ pub(in crate::diagnose) fn beside(
     let (model, noise) = (set.model.clone(), singles.searched.noise.clone());
     let prepared = Prepared { model, null: base, noise };
     let context = Context { candidates: &candidates, ..*context };
-    let (least, shortlist) = (wanted.least / MORE_THAN_PROMISED, context.settings.shortlist);
-    let searched = search_beside(prepared, least, shortlist, &context)?;
+    let searched = search_beside(prepared, wanted.least, &context)?;
     let finals = searched.trials.iter().filter(|trial| trial.is_final);
     let mut sets: Vec<EffectSet> = finals.filter_map(|trial| set.with(trial, singles)).collect();
     sets.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));

@@ -40,6 +40,11 @@ impl Problem {
         (0..count).map(move |s| column + s * own)
     }
 
+    /// Whether a column has anywhere to go: what is held in a box without width need not be simulated.
+    fn can_move(&self, column: usize) -> bool {
+        self.unknowns(column).any(|i| self.bounds[i][0] < self.bounds[i][1])
+    }
+
     /// Residuals and slopes by differences.
     fn differences(
         &mut self,
@@ -47,12 +52,13 @@ impl Problem {
         places: &[Vec<f64>],
         columns: Range<usize>,
     ) -> Vec<Option<Linearization>> {
+        let moving: Vec<usize> = columns.clone().filter(|column| self.can_move(*column)).collect();
         let steps: Vec<Vec<f64>> =
-            places.iter().map(|z| columns.clone().map(|c| self.step(by, z, c)).collect()).collect();
-        let mut batch = Vec::with_capacity(places.len() * (1 + columns.len()));
+            places.iter().map(|z| moving.iter().map(|c| self.step(by, z, *c)).collect()).collect();
+        let mut batch = Vec::with_capacity(places.len() * (1 + moving.len()));
         for (z, steps) in places.iter().zip(&steps) {
             batch.push(z.clone());
-            batch.extend(columns.clone().zip(steps).map(|(c, step)| self.moved(z, c, *step)));
+            batch.extend(moving.iter().zip(steps).map(|(c, step)| self.moved(z, *c, *step)));
         }
         let mut found = self.compare(by, &batch).into_iter();
         let mut all = Vec::with_capacity(places.len());
@@ -60,25 +66,25 @@ impl Problem {
         let mut again: Vec<(usize, usize)> = Vec::new();
         for (p, steps) in steps.iter().enumerate() {
             let r = found.next().flatten();
-            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(columns.len()).collect();
+            let trials: Vec<Option<Vec<f64>>> = found.by_ref().take(moving.len()).collect();
             all.push(r.map(|r| {
-                let slope = |(i, trial): (usize, Option<Vec<f64>>)| {
-                    let Some(trial) = trial else {
-                        again.push((p, i));
-                        return vec![0.0; r.len()];
-                    };
-                    difference(trial, &r, steps[i])
-                };
-                let slopes = trials.into_iter().enumerate().map(slope).collect();
+                let mut slopes = vec![vec![0.0; r.len()]; columns.len()];
+                for (i, trial) in trials.into_iter().enumerate() {
+                    match trial {
+                        Some(trial) => {
+                            slopes[moving[i] - columns.start] = difference(trial, &r, steps[i]);
+                        }
+                        None => again.push((p, i)),
+                    }
+                }
                 Linearization { r, slopes }
             }));
         }
-        let back =
-            |(p, i): &(usize, usize)| self.moved(&places[*p], columns.start + i, -steps[*p][*i]);
+        let back = |(p, i): &(usize, usize)| self.moved(&places[*p], moving[*i], -steps[*p][*i]);
         let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
         for ((p, i), trial) in again.into_iter().zip(self.compare(by, &batch)) {
             if let (Some(there), Some(trial)) = (&mut all[p], trial) {
-                there.slopes[i] = difference(trial, &there.r, -steps[p][i]);
+                there.slopes[moving[i] - columns.start] = difference(trial, &there.r, -steps[p][i]);
             }
         }
         all
