@@ -146,6 +146,12 @@ pub trait Effect: std::fmt::Debug + Send + Sync {
         true
     }
 
+    /// Whether places of one kind are often made alike, so that its simplest law is tried at all of them together as well,
+    /// with one strength.
+    fn is_often_alike(&self) -> bool {
+        false
+    }
+
     /// One candidate per law and site, or the reason why there is none.
     fn candidates(
         &self,

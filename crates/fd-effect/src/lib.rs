@@ -37,6 +37,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod alike;
 mod candidate;
 mod default_sites;
 pub mod dynamics;
@@ -54,6 +55,7 @@ mod units;
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
+use self::alike::alike;
 pub use self::{
     candidate::{
         Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Observation, Reason,
@@ -84,8 +86,15 @@ pub fn library() -> Vec<Box<dyn Effect>> {
     [input::all(), dynamics::all(), sensor::all(), map::all()].into_iter().flatten().collect()
 }
 
-/// What all effects of a library offer for a model, in the order of the library.
+/// What all effects of a library offer for a model, in the order of the library: at each place, and at all places of a kind
+/// together where these are often made alike.
 #[must_use]
 pub fn offers(library: &[Box<dyn Effect>], nominal: &Model, scales: &ReplayScales) -> Offers {
-    library.iter().flat_map(|effect| effect.candidates(nominal, scales)).collect()
+    let each = library.iter().flat_map(|effect| {
+        let mut offers = effect.candidates(nominal, scales);
+        let offered: Vec<Candidate> = offers.iter().flatten().cloned().collect();
+        offers.extend(alike(&**effect, &offered, nominal, scales).into_iter().map(Ok));
+        offers
+    });
+    each.collect()
 }

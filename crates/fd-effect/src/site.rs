@@ -41,12 +41,39 @@ pub enum SiteRef {
     Parameter(usize, String),
     /// A part of a simulator outside of this program, by its place among the native effects.
     Part(usize, String),
+    /// Several inputs, forces or outputs that are made alike: one law with the same strength at each; and their names.
+    Alike(Vec<SiteRef>, String),
     /// No place in particular.
     WholeModel,
 }
 
 impl SiteRef {
-    /// Name of the input, site, state, output, signal, parameter or part.
+    /// Several places that are made alike.
+    pub(crate) fn alike(places: Vec<Self>) -> Self {
+        let names: Vec<&str> = places.iter().filter_map(Self::name).collect();
+        let names = names.join(", ");
+        Self::Alike(places, names)
+    }
+
+    /// The places that it stands for: one, if it is not several that are made alike.
+    #[must_use]
+    pub fn each(&self) -> &[Self] {
+        match self {
+            Self::Alike(places, _) => places,
+            one => std::slice::from_ref(one),
+        }
+    }
+
+    /// Beginning of the names of what an effect adds to a model there.
+    #[must_use]
+    pub fn prefix(&self) -> String {
+        match self {
+            Self::Alike(..) => "alike".to_owned(),
+            one => one.name().map_or_else(|| "plant".to_owned(), as_name),
+        }
+    }
+
+    /// Name of the input, site, state, output, signal, parameter or part; of several places all names.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         match self {
@@ -56,7 +83,8 @@ impl SiteRef {
             | Self::Output(_, name)
             | Self::Signal(_, name)
             | Self::Parameter(_, name)
-            | Self::Part(_, name) => Some(name),
+            | Self::Part(_, name)
+            | Self::Alike(_, name) => Some(name),
             Self::WholeModel => None,
         }
     }
@@ -80,6 +108,12 @@ enum Site {
     Parameter(String),
     /// A part of a simulator outside of this program.
     Part(String),
+    /// Several inputs, with the same strength at each: their names.
+    Inputs(String),
+    /// Several named places for forces, with the same strength at each.
+    Forces(String),
+    /// Several outputs, with the same strength at each.
+    Outputs(String),
     /// No place in particular.
     Model,
 }
@@ -94,7 +128,19 @@ impl From<SiteRef> for Site {
             SiteRef::Signal(_, name) => Self::Signal(name),
             SiteRef::Parameter(_, name) => Self::Parameter(name),
             SiteRef::Part(_, name) => Self::Part(name),
+            SiteRef::Alike(places, names) => match places.first() {
+                Some(SiteRef::Input(..)) => Self::Inputs(names),
+                Some(SiteRef::Output(..)) => Self::Outputs(names),
+                _ => Self::Forces(names),
+            },
             SiteRef::WholeModel => Self::Model,
         }
     }
+}
+
+/// The text with `_` for what cannot stand in a name; places of equations have none of that.
+fn as_name(text: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let name: String = text.chars().map(plain).collect();
+    if name.starts_with(|c: char| c.is_ascii_digit()) { format!("x_{name}") } else { name }
 }

@@ -16,13 +16,6 @@ use super::{
     site::{Side, SiteRef},
 };
 
-/// The text with `_` for what cannot stand in a name; places of equations have none of that.
-fn as_name(text: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    let name: String = text.chars().map(plain).collect();
-    if name.starts_with(|c: char| c.is_ascii_digit()) { format!("x_{name}") } else { name }
-}
-
 /// A candidate in the making.
 ///
 /// Equations are templates, in which short local names stand for what they are bound to: `u` for
@@ -157,7 +150,7 @@ impl<'a> Sketch<'a> {
         let mut patch = Patch::of(nominal);
         patch.pin_step(scales.step);
         Self {
-            prefix: site.name().map_or_else(|| "plant".to_owned(), as_name),
+            prefix: site.prefix(),
             candidate: Candidate {
                 label: effect.label(),
                 law,

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use fd_sim::model::Model;
 use fd_sim::scales::ReplayScales;
 
-use super::{Candidate, Effect, NotTestable, Offers, offers};
+use super::{Candidate, Effect, NotTestable, Offers, SiteRef, offers};
 
 /// What a diagnosis tries.
 ///
@@ -72,6 +72,7 @@ pub struct EverySite<'a> {
     model: &'a Model,
     scales: ReplayScales,
     excluded: Vec<String>,
+    has_alike: bool,
 }
 
 impl<'a> EverySite<'a> {
@@ -99,7 +100,7 @@ impl<'a> EverySite<'a> {
     /// ```
     #[must_use]
     pub fn new(effects: Vec<Box<dyn Effect>>, model: &'a Model, scales: ReplayScales) -> Self {
-        Self { effects, model, scales, excluded: Vec::new() }
+        Self { effects, model, scales, excluded: Vec::new(), has_alike: true }
     }
 
     /// Leaves out labels (`coulomb-friction`), families (`friction`), or either at one site
@@ -107,6 +108,13 @@ impl<'a> EverySite<'a> {
     #[must_use]
     pub fn without(mut self, excluded: &[String]) -> Self {
         self.excluded.extend_from_slice(excluded);
+        self
+    }
+
+    /// Each place for itself, none [alike](crate::SiteRef::Alike).
+    #[must_use]
+    pub fn one_by_one(mut self) -> Self {
+        self.has_alike = false;
         self
     }
 
@@ -129,11 +137,13 @@ impl<'a> EverySite<'a> {
                 Ok(Candidate { label, family, site, .. }) => (label, *family, site),
                 Err(NotTestable { label, site, .. }) => (label, "", site),
             };
-            !self.excluded.iter().any(|excluded| {
-                let (what, place) = excluded.split_once('@').unwrap_or((excluded, ""));
-                (what == *label || what == family)
-                    && (place.is_empty() || site.name() == Some(place))
-            })
+            let is_wanted = self.has_alike || !matches!(site, SiteRef::Alike(..));
+            is_wanted
+                && !self.excluded.iter().any(|excluded| {
+                    let (what, place) = excluded.split_once('@').unwrap_or((excluded, ""));
+                    (what == *label || what == family)
+                        && (place.is_empty() || site.each().iter().any(|s| s.name() == Some(place)))
+                })
         });
         offers
     }

@@ -39,6 +39,10 @@ impl Effect for CoulombFriction {
         true
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let unit = &at.site.unit;

@@ -26,6 +26,10 @@ impl Effect for ViscousFriction {
         true
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_site(self, nominal, scales, |sketch, at| {
             let scale = at.force() / at.velocity();

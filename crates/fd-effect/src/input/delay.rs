@@ -30,6 +30,10 @@ impl Effect for InputDelay {
         "actuator-dynamics"
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (longest, starts) = delays(scales);
         each_place(self, nominal, scales, |sketch, _| {

@@ -23,6 +23,10 @@ impl Effect for InputGain {
         true
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         each_place(self, nominal, scales, |sketch, _| {
             let gain = |law| sketch(law).strength("e", "gain_error", "1", 1.0, [-0.9, 2.0]);

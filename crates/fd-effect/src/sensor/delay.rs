@@ -18,6 +18,10 @@ impl Effect for SensorDelay {
         "sensor-dynamics"
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (longest, starts) = delays(scales);
         each_output(self, nominal, scales, |sketch, _| {

@@ -29,6 +29,10 @@ impl Effect for SensorLag {
         "sensor-dynamics"
     }
 
+    fn is_often_alike(&self) -> bool {
+        true
+    }
+
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let longest = LONGEST.min(0.5 * scales.duration / scales.ts);
         each_output(self, nominal, scales, |sketch, output| {

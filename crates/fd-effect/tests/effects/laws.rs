@@ -40,7 +40,7 @@ fn candidate(case: &Case, label: &str, law: &str, site: &str) -> Candidate {
 
 /// Whether the output is a control signal, which is held between samples.
 fn is_held(candidate: &Candidate) -> bool {
-    candidate.site.name() == Some("voltage")
+    candidate.site.each().iter().any(|site| site.name() == Some("voltage"))
 }
 
 /// Output `channel` of the bench, against `exact` of the time.
@@ -284,7 +284,8 @@ fn friction_and_springs_work_against_the_motion_at_every_site() {
             site.mobility.signum() * power.sum::<f64>() / usual
         };
         for candidate in case.simulated() {
-            if effect(&candidate).dissipates() {
+            // What is alike at several places does there what it does at each (`alike`).
+            if effect(&candidate).dissipates() && candidate.site.each().len() == 1 {
                 for start in &candidate.starts {
                     let power = work(&candidate, start);
                     // What sticks all the time does no work, up to rounding.

@@ -7,6 +7,7 @@
     reason = "tests panic to fail, compare numbers that are exact, and report what they counted"
 )]
 
+mod alike;
 mod cases;
 mod convergence;
 mod finer;

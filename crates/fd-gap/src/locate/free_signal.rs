@@ -323,6 +323,7 @@ fn with_free_input(model: &Model, site: &SiteRef) -> Option<(Model, String)> {
         | SiteRef::Signal(..)
         | SiteRef::Parameter(..)
         | SiteRef::Part(..)
+        | SiteRef::Alike(..)
         | SiteRef::WholeModel => return None,
     };
     patch.add_input(Input { name, unit: unit.clone(), saturation: None });

@@ -65,6 +65,7 @@ pub(super) fn sides(diagnosis: &Diagnosis, places: &[PlaceEvidence]) -> Vec<Side
 
 fn side(site: &SiteRef) -> Side {
     match site {
+        SiteRef::Alike(places, _) => places.first().map_or(Side::Dynamics, side),
         SiteRef::Input(..) => Side::Input,
         SiteRef::Output(..) => Side::Output,
         _ => Side::Dynamics,
@@ -164,7 +165,7 @@ fn places_of(model: &Model, cause: &Cause, sites: &[(SiteRef, Vec<String>)]) -> 
             places.dedup();
             places
         }
-        site => place(site).into_iter().collect(),
+        site => site.each().iter().filter_map(place).collect(),
     }
 }
 
@@ -188,6 +189,7 @@ pub(crate) fn name(site: &SiteRef) -> String {
         SiteRef::Signal(_, name) => format!("signal `{name}`"),
         SiteRef::Parameter(_, name) => format!("parameter `{name}`"),
         SiteRef::Part(_, name) => format!("part `{name}`"),
+        SiteRef::Alike(places, _) => places.iter().map(name).collect::<Vec<_>>().join(" and "),
         SiteRef::WholeModel => "the whole model".to_owned(),
     }
 }

@@ -168,9 +168,11 @@ fn axes(nominal: &Model, patched: &Model, cause: &Cause) -> Option<Axes> {
                 adds: false,
             })
         }
-        SiteRef::State(..) | SiteRef::Parameter(..) | SiteRef::Part(..) | SiteRef::WholeModel => {
-            None
-        }
+        SiteRef::State(..)
+        | SiteRef::Parameter(..)
+        | SiteRef::Part(..)
+        | SiteRef::Alike(..)
+        | SiteRef::WholeModel => None,
     }
 }
 

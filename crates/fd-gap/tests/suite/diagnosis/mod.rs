@@ -7,6 +7,7 @@
     reason = "tests panic to fail, compare numbers that are exact, and print what they saw"
 )]
 
+mod alike;
 mod another_run;
 mod bad_input;
 mod bench_cases;

@@ -73,7 +73,7 @@ pub fn strength(cause: &Cause) -> String {
         let largest = strengths.iter().max_by(by_size);
         return largest.map_or_else(String::new, |p| format!("up to {}", estimate(cause.label, p)));
     }
-    let prefix = format!("{}_", cause.site.name().unwrap_or("plant"));
+    let prefix = format!("{}_", cause.site.prefix());
     let named = |p: &&Estimate| {
         let name = p.name.strip_prefix(&prefix).unwrap_or(&p.name).replace('_', " ");
         format!("{name} {}", estimate_of(cause, p))

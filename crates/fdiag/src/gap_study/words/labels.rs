@@ -52,8 +52,8 @@ pub fn family(family: &str) -> String {
 
 /// A place with the word that goes before it, such as `at input u`.
 #[must_use]
-pub fn at(site: &SiteRef) -> String {
-    match site {
+pub fn at(place: &SiteRef) -> String {
+    match place {
         SiteRef::Input(_, name) => format!("at input {name}"),
         SiteRef::Force(_, name) => format!("at {name}"),
         SiteRef::State(_, name) => format!("in the equation of {name}"),
@@ -61,6 +61,7 @@ pub fn at(site: &SiteRef) -> String {
         SiteRef::Signal(_, name) => format!("on {name}"),
         SiteRef::Parameter(_, name) => format!("of parameter {name}"),
         SiteRef::Part(_, name) => format!("of {name}"),
+        SiteRef::Alike(..) => format!("at {}", site(place)),
         SiteRef::WholeModel => String::new(),
     }
 }
@@ -75,6 +76,11 @@ pub fn site(site: &SiteRef) -> String {
         SiteRef::Output(_, name) => format!("output {name}"),
         SiteRef::Signal(_, name) => format!("signal {name}"),
         SiteRef::Parameter(_, name) => format!("parameter {name}"),
+        SiteRef::Alike(places, names) => match places.first() {
+            Some(SiteRef::Input(..)) => format!("inputs {names} alike"),
+            Some(SiteRef::Output(..)) => format!("outputs {names} alike"),
+            _ => format!("{names} alike"),
+        },
         SiteRef::WholeModel => "the whole model".to_owned(),
     }
 }
