@@ -7,6 +7,7 @@ use fd_gap::{
     inside::inside,
     quality::{Defect, Finding},
     reading::{Mistake, Reading, Suspicion, glance, suspect},
+    road::{Bounds, Road, road},
 };
 use fd_model::SampleTime;
 use fd_sim::{
@@ -59,6 +60,23 @@ impl<'a> Attempt<'a> {
     /// What answers further questions: with fewer runs where the slopes of these logs are known.
     pub(super) fn nominal(&self) -> &dyn Nominal {
         self.sparing.as_ref().map_or(self.nominal, |(_, lent)| lent)
+    }
+
+    /// What further questions are asked of.
+    pub(super) fn case(&self) -> Case<'_> {
+        let Data { fit, held_out, .. } = self.data;
+        Case { nominal: self.nominal(), suspects: &self.suspects, logs: fit, held_out }
+    }
+
+    /// Several causes together, where one is not all there is to say.
+    pub(super) fn road(
+        &self,
+        request: &Request,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Road>, FitError> {
+        let bounds = Bounds { most: request.most, is_dear: self.sparing.is_some() };
+        let case = &self.diagnosis.as_diagnosed(&self.case());
+        road(case, &self.diagnosis, &self.settings, bounds, monitor)
     }
 
     /// The diagnosis with effects on signals inside the model as well, if that is to be reported instead of one of what
@@ -126,6 +144,8 @@ impl<'a> Ground<'a> {
             effects.push(Box::new(own.clone()));
         }
         let every = EverySite::new(effects, model, scales.clone());
+        // Where runs are counted only a few causes are confirmed, and what is alike would take the places of others.
+        let every = if subject.outside().is_some() { every.one_by_one() } else { every };
         let suspects = Chosen::new(every, model, &request.exclude, &request.only)?;
         Ok(Self { subject, nominal, data, scales, suspects, logs, memory, settings, ts })
     }
@@ -215,9 +235,6 @@ pub(super) fn confirmed<'a>(
     let Mended { subject: other, data, suspicion } = mended?;
     let subject = other.as_ref().unwrap_or(subject);
     let attempt = Attempt::new(request, subject, subject.nominal(), data, monitor).ok()?;
-    let suspects = &attempt.suspects;
-    let (logs, held_out) = (&data.fit[..], &data.held_out[..]);
-    let case = Case { nominal: subject.nominal(), suspects, logs, held_out };
-    let reading = suspicion.clone().judged(&case, &attempt.diagnosis)?;
+    let reading = suspicion.clone().judged(&attempt.case(), &attempt.diagnosis)?;
     Some((attempt, reading))
 }

@@ -3,13 +3,13 @@
 use fd_gap::{
     calibrate::{Confusion, self_calibrate},
     ceiling::{Ceiling, ceiling},
-    diagnose::{Case, Diagnosis, Monitor, Settings, Verdict},
+    diagnose::{Monitor, Verdict},
     experiment::{Advice, Reach, next},
     locate::{Location, locate},
-    road::{Bounds, Road, road},
+    road::Road,
 };
 
-use super::{error::GapError, pause::Pause, request::Request};
+use super::{attempt::Attempt, error::GapError, pause::Pause, request::Request};
 
 /// Answers to further questions; `None` where a question makes no sense or was not asked.
 pub(super) struct Further {
@@ -24,30 +24,24 @@ pub(super) struct Further {
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
     pub(super) request: &'a Request,
-    pub(super) settings: &'a Settings,
     /// Whether the simulator follows the logs: with logged outputs among the inputs, a black box would explain each
     /// output by itself, and other inputs cannot be tried.
     pub(super) is_followed: bool,
-    /// Whether runs of the simulator are counted.
-    pub(super) is_dear: bool,
     pub(super) pause: &'a Pause<'a>,
 }
 
 impl Further {
     pub(super) fn of(
-        case: &Case<'_>,
-        diagnosis: &Diagnosis,
-        Asked { request, settings, is_followed, is_dear, pause }: Asked<'_>,
+        attempt: &Attempt<'_>,
+        Asked { request, is_followed, pause }: Asked<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Self, GapError> {
-        let case = &diagnosis.as_diagnosed(case);
-        let bounds = Bounds { most: request.most, is_dear };
+        let Attempt { diagnosis, settings, .. } = attempt;
         let road = match request.most {
-            2.. if pause.goes_on("further causes") => {
-                road(case, diagnosis, settings, bounds, monitor)?
-            }
+            2.. if pause.goes_on("further causes") => attempt.road(request, monitor)?,
             _ => None,
         };
+        let case = &diagnosis.as_diagnosed(&attempt.case());
         let location = locate(case, diagnosis, monitor)?;
         let ceiling = if !is_followed && pause.goes_on("black boxes") {
             ceiling(case, diagnosis, settings, monitor)?

@@ -1,7 +1,7 @@
 //! From files to an answer.
 
 use fd_gap::{
-    diagnose::{Beginning, Case, Monitor, Settings},
+    diagnose::{Beginning, Monitor, Settings},
     fit::{FitError, Horizon, Log},
     quality::{Defect, Finding},
 };
@@ -105,21 +105,14 @@ impl GapStudy {
         let shelf = Shelf::default();
         let search = Search { request, subject, nominal, data: &data, follower: follower.as_ref() };
         let Found { attempt, reading, whole } = search.find(&shelf, &pause, monitor)?;
-        let Attempt { subject, nominal, data, suspects, logs, memory, settings, ts, .. } = attempt;
+        let asked = Asked { request, is_followed: follower.is_some(), pause: &pause };
+        let further = Further::of(&attempt, asked, monitor)?;
+        let Further { road, location, ceiling, advice, calibration } = further;
+        let Attempt { subject, nominal, data, logs, memory, settings, ts, .. } = attempt;
         let (diagnosis, sparing) = (attempt.diagnosis, attempt.sparing);
         // What knows the slopes of these logs answers further questions with fewer runs.
         let nominal: &dyn Nominal = sparing.as_ref().map_or(nominal, |(_, lent)| lent);
         let (model, [fitted, _]) = (subject.model(), &logs);
-        let case = Case { nominal, suspects: &suspects, logs: &data.fit, held_out: &data.held_out };
-        let asked = Asked {
-            request,
-            settings: &settings,
-            is_followed: follower.is_some(),
-            is_dear: sparing.is_some(),
-            pause: &pause,
-        };
-        let further = Further::of(&case, &diagnosis, asked, monitor)?;
-        let Further { road, location, ceiling, advice, calibration } = further;
         let law = law(nominal, &diagnosis, &location, fitted, ts);
         let models = patched_models(subject, &diagnosis, road.as_ref(), data);
         let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
