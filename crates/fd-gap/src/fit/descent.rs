@@ -100,7 +100,7 @@ pub(super) struct Step {
     /// Where it leads.
     pub(super) z: Vec<f64>,
     damping: f64,
-    /// By how much the sum of squares falls, if residuals are linear.
+    /// By how much the sum of squares falls, if residuals are linear; NaN where the step ends at the edge of the box.
     predicted: f64,
 }
 
@@ -207,6 +207,9 @@ impl<'a> Descent<'a> {
             let predicted = predicted + self.damping * held.sum::<f64>();
             let moved: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, step)| z - step).collect();
             let z = self.setting.inside(&moved);
+            // What ends at the edge of the box goes less far, and was not predicted.
+            let is_cut = z.iter().zip(&moved).any(|(z, moved)| z.total_cmp(moved).is_ne());
+            let predicted = if is_cut { f64::NAN } else { predicted };
             return Some(Step { z, damping: self.damping, predicted });
         }
         None
