@@ -254,10 +254,9 @@ impl<'a> Descent<'a> {
                 (self.at.z, self.at.r) = (z, there.r);
                 (self.at.cost, self.at.prior_cost) = (cost, prior_cost);
                 self.at.converged = gain <= self.setting.negligible(cost);
-                let part = 1.0 - (2.0 * gain / self.predicted - 1.0).powi(3);
-                // What secants predict says little of them.
-                self.damping *=
-                    if self.setting.search.by_secants { 0.1 } else { part.max(1.0 / 3.0) };
+                // At most tenfold; what secants predict says little of them.
+                let well = 1.0 - (2.0 * gain / self.predicted - 1.0).powi(3);
+                self.damping *= if self.setting.search.by_secants { 0.1 } else { well.max(0.1) };
                 self.growth = 2.0;
                 (self.has_failed, self.equations) = (false, None);
                 self.iterations += 1;
