@@ -13,21 +13,20 @@ use fd_sim::{
     scales::ReplayScales,
 };
 
-use super::{Candidate, Effect, EffectParameter, Kind, SiteRef};
+use super::{Candidate, Effect, EffectParameter, Kind, Offers, SiteRef};
 
 /// The simplest law of an effect at all places of a kind together, for each kind of which there are several. `offered` is what
 /// the effect offers for the model at each of them.
 pub(super) fn alike(
     effect: &dyn Effect,
-    offered: &[Candidate],
+    offered: &Offers,
     nominal: &Model,
     scales: &ReplayScales,
 ) -> Vec<Candidate> {
-    let Some(first) = offered.first().filter(|_| effect.is_often_alike()) else {
-        return Vec::new();
-    };
+    let mut offered = offered.iter().flatten().filter(|_| effect.is_often_alike()).peekable();
+    let Some(law) = offered.peek().map(|first| first.law) else { return Vec::new() };
     let mut kinds: BTreeMap<(&str, &str), Vec<&Candidate>> = BTreeMap::new();
-    for candidate in offered.iter().filter(|candidate| candidate.law == first.law) {
+    for candidate in offered.filter(|candidate| candidate.law == law) {
         let kind = match candidate.site {
             SiteRef::Input(..) => "input",
             SiteRef::Force(..) => "force",
@@ -54,9 +53,7 @@ fn together(
     }
     let sites: Vec<SiteRef> = places.iter().map(|candidate| candidate.site.clone()).collect();
     let mut all = Candidate { site: SiteRef::alike(sites), ..(*first).clone() };
-    for parameter in 0..all.parameters.len() {
-        named_for_all(&mut all, parameter, &first.site.prefix())?;
-    }
+    name_for_all(&mut all, &first.site.prefix())?;
     for place in others {
         let on_top = effect.candidates(&all.model, scales).into_iter().flatten();
         let next = on_top.into_iter().find(|c| c.law == place.law && c.site == place.site)?;
@@ -67,14 +64,15 @@ fn together(
         .then_some(all)
 }
 
-/// Gives a parameter of the first place a name that does not speak of it.
-fn named_for_all(all: &mut Candidate, parameter: usize, prefix: &str) -> Option<()> {
-    let own = all.parameters[parameter].name.clone();
-    let what = own.strip_prefix(&format!("{prefix}_")).unwrap_or(&own);
-    let mut draft = all.model.clone().into_draft();
-    let name = draft.fresh_name(&format!("{}_{what}", all.site.prefix()));
-    draft.rename(&own, &name);
-    all.parameters[parameter].name = name;
+/// Gives the parameters of the first place names that do not speak of it.
+fn name_for_all(all: &mut Candidate, prefix: &str) -> Option<()> {
+    let (mut draft, alike) = (all.model.clone().into_draft(), all.site.prefix());
+    for parameter in &mut all.parameters {
+        let what = parameter.name.strip_prefix(&format!("{prefix}_")).unwrap_or(&parameter.name);
+        let name = draft.fresh_name(&format!("{alike}_{what}"));
+        draft.rename(&parameter.name, &name);
+        parameter.name = name;
+    }
     all.model = Model::try_from(draft).ok()?;
     Some(())
 }

@@ -92,8 +92,8 @@ pub fn library() -> Vec<Box<dyn Effect>> {
 pub fn offers(library: &[Box<dyn Effect>], nominal: &Model, scales: &ReplayScales) -> Offers {
     let each = library.iter().flat_map(|effect| {
         let mut offers = effect.candidates(nominal, scales);
-        let offered: Vec<Candidate> = offers.iter().flatten().cloned().collect();
-        offers.extend(alike(&**effect, &offered, nominal, scales).into_iter().map(Ok));
+        let alike = alike(&**effect, &offers, nominal, scales);
+        offers.extend(alike.into_iter().map(Ok));
         offers
     });
     each.collect()

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use fd_sim::model::Model;
 use fd_sim::scales::ReplayScales;
 
-use super::{Candidate, Effect, NotTestable, Offers, SiteRef, offers};
+use super::{Candidate, Effect, NotTestable, Offers, offers};
 
 /// What a diagnosis tries.
 ///
@@ -131,19 +131,22 @@ impl<'a> EverySite<'a> {
     }
 
     fn on(&self, model: &Model) -> Offers {
-        let mut offers = offers(&self.effects, model, &self.scales);
+        let (effects, scales) = (&self.effects, &self.scales);
+        let mut offers = if self.has_alike {
+            offers(effects, model, scales)
+        } else {
+            effects.iter().flat_map(|effect| effect.candidates(model, scales)).collect()
+        };
         offers.retain(|offer| {
             let (label, family, site) = match offer {
                 Ok(Candidate { label, family, site, .. }) => (label, *family, site),
                 Err(NotTestable { label, site, .. }) => (label, "", site),
             };
-            let is_wanted = self.has_alike || !matches!(site, SiteRef::Alike(..));
-            is_wanted
-                && !self.excluded.iter().any(|excluded| {
-                    let (what, place) = excluded.split_once('@').unwrap_or((excluded, ""));
-                    (what == *label || what == family)
-                        && (place.is_empty() || site.each().iter().any(|s| s.name() == Some(place)))
-                })
+            !self.excluded.iter().any(|excluded| {
+                let (what, place) = excluded.split_once('@').unwrap_or((excluded, ""));
+                (what == *label || what == family)
+                    && (place.is_empty() || site.each().iter().any(|s| s.name() == Some(place)))
+            })
         });
         offers
     }
