@@ -76,9 +76,9 @@ fn several(page: &mut Page, report: &Report) {
     let Some(road) = &report.road else { return };
     page.heading("Several causes");
     let mut bars = Bars { title: "Share of the held-out gap".to_owned(), bars: Vec::new() };
-    for milestone in &road.causes {
-        let Some(share) = milestone.share else { continue };
-        let bar = Bar::new(words::with_strength(&milestone.cause), share, percent(share));
+    for listed in &road.causes {
+        let Some(share) = listed.share else { continue };
+        let bar = Bar::new(words::with_strength(&listed.cause), share, percent(share));
         bars.bars.push(Bar { is_strong: true, ..bar });
     }
     for (name, share) in [("unexplained", road.unexplained), ("noise", road.noise)] {

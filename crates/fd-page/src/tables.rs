@@ -4,7 +4,7 @@ use fd_gap::{
     diagnose::{Cause, CauseId, HeldOut, PairId, Verdict},
     fit::Horizon,
     quality::Severity,
-    road::Road,
+    road::CauseList,
 };
 use fd_model::figure;
 use fd_report::Table;
@@ -155,18 +155,18 @@ pub(crate) fn how_far(horizons: &[HeldOut], inputs: &Inputs) -> Table {
 }
 
 /// Several causes, one after another.
-pub(crate) fn road(road: &Road) -> Table {
+pub(crate) fn road(road: &CauseList) -> Table {
     let header = ["cause", "law", "probability", "tied with", "closes of what was left", "share"];
     let mut table = Table::new("Several causes", &header);
-    for milestone in &road.causes {
-        let closed = milestone.closed.map_or_else(String::new, |c| share(c.fraction, c.interval));
+    for listed in &road.causes {
+        let closed = listed.closed.map_or_else(String::new, |c| share(c.fraction, c.interval));
         table.push([
-            words::with_strength(&milestone.cause),
-            milestone.cause.law.to_owned(),
-            probability(milestone.probability),
-            milestone.tied.join(", "),
+            words::with_strength(&listed.cause),
+            listed.cause.law.to_owned(),
+            probability(listed.probability),
+            listed.tied.join(", "),
             closed,
-            milestone.share.map_or_else(String::new, percent),
+            listed.share.map_or_else(String::new, percent),
         ]);
     }
     for (name, of_gap) in [("unexplained", road.unexplained), ("noise", road.noise)] {

@@ -169,6 +169,7 @@ pub use self::{
         Cause, CauseId, Diagnosis, Estimate, Explanation, Group, HeldOut, Leftover, NotTested,
         Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
+    sets::{EffectSet, SetSearch, Wanted},
     settings::{Beginning, Settings, Without},
 };
 pub(crate) use self::{
@@ -176,7 +177,8 @@ pub(crate) use self::{
     judge::NAMED,
     prepare::prepare,
     report::objections::FAINT,
-    sets::{EffectSet, Round, SetSearch, Wanted},
+    sets::Round,
+    settings::LEADING,
     weigh::answer::is_a_pair,
 };
 use crate::fit::FitError;

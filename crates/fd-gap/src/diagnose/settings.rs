@@ -50,6 +50,10 @@ pub enum Beginning {
     InMotion,
 }
 
+/// Of the best, so many get another look: second causes are tried beside them, forecasts asked of them, other causes fitted from
+/// where they are.
+pub(crate) const LEADING: usize = 4;
+
 /// Causes that are fitted to the end where only the best law is wanted.
 const FINALISTS: usize = 3;
 /// Causes that are fitted at all there.

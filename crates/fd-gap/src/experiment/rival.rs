@@ -5,13 +5,11 @@ use fd_sim::model::Model;
 
 use super::result::Rival;
 use crate::{
-    diagnose::{Case, Cause, Diagnosis, Start, Verdict},
+    diagnose::{Case, Cause, Diagnosis, LEADING, Start, Verdict},
     fit::Variable,
     locate::places::name,
 };
 
-/// Most rivals that are refitted.
-const MOST_RIVALS: usize = 4;
 /// "No gap" is a rival when it is at most this many times less probable than the leader.
 const PROBABLE: f64 = 20.0;
 
@@ -49,7 +47,7 @@ pub(super) fn between(diagnosis: &Diagnosis) -> Vec<Rival> {
     if probability.is_some_and(|p| p <= PROBABLE * diagnosis.no_gap) {
         all.insert(1, Rival::NoGap);
     }
-    if all.len() < 2 { Vec::new() } else { all.into_iter().take(1 + MOST_RIVALS).collect() }
+    if all.len() < 2 { Vec::new() } else { all.into_iter().take(1 + LEADING).collect() }
 }
 
 /// The settled model of the leader, and where its runs start if that is known.

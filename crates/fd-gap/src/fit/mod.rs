@@ -28,7 +28,7 @@ mod screen;
 mod variable;
 mod weights;
 
-pub(crate) use self::{cholesky::Cholesky, descent::promised};
+pub(crate) use self::{cholesky::Cholesky, descent::promised, problem::AT_A_TIME};
 pub use self::{
     columns::Columns,
     error::FitError,

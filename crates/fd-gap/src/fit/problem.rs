@@ -9,6 +9,7 @@ use fd_sim::simulate::{Outcome, Run, Simulator};
 use rayon::prelude::*;
 
 use super::{
+    arrow::Arrow,
     error::FitError,
     layout::Layout,
     levenberg::{Minimum, Search},
@@ -17,8 +18,8 @@ use super::{
     weights::Weights,
 };
 
-/// Places that are simulated side by side.
-const AT_A_TIME: usize = 16;
+/// Places that are simulated side by side, and whose residuals are in memory at a time.
+pub(crate) const AT_A_TIME: usize = 16;
 
 /// Who simulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -338,7 +339,7 @@ impl Problem {
     /// was known before, when noise is `scale` times as large as the weights say.
     #[must_use]
     pub fn covariance(&self, at: &Minimum, scale: f64) -> Option<faer::Mat<f64>> {
-        let factor = at.equations(self, 1.0 / scale).factor()?;
+        let factor = self.told(at, scale).0.factor()?;
         let (n, all) = (self.plan.shared.len(), self.layout.unknowns());
         let column = |i: usize| {
             let mut unit = vec![0.0; all];
@@ -350,14 +351,27 @@ impl Problem {
         Some(faer::Mat::from_fn(n, n, |i, j| columns[j][i]))
     }
 
-    /// Standard deviation of each parameter of the effect, in its unit, when noise is `scale`
-    /// times as large as the weights say.
+    /// Standard deviation of each parameter of the effect, in its unit, when noise is `scale` times as large as the weights
+    /// say; of a shape that no residual depends on, that of any value in its box.
     #[must_use]
     pub fn standard_errors(&self, at: &Minimum, scale: f64) -> Option<Vec<f64>> {
-        let equations = at.equations(self, 1.0 / scale);
-        let factor = equations.factor()?;
-        let first = self.plan.shared.len();
-        let deviation = |(i, v): (usize, &Variable)| v.scale * factor.variance(first + i).sqrt();
+        let (equations, idle) = self.told(at, scale);
+        let (factor, first) = (equations.factor()?, self.plan.shared.len());
+        let deviation = |(i, v): (usize, &Variable)| {
+            let [low, high] = self.bounds[first + i];
+            let any = (high - low) / 12.0_f64.sqrt();
+            v.scale * if idle[first + i] { any } else { factor.variance(first + i).sqrt() }
+        };
         Some(self.effects.iter().enumerate().map(deviation).collect())
+    }
+
+    /// Normal equations with noise so many times as large as the weights say, without unknowns that no residual depends on,
+    /// as the shape of a law without strength, which would make them singular; and which these are.
+    fn told(&self, at: &Minimum, scale: f64) -> (Arrow, Vec<bool>) {
+        let mut equations = at.equations(self, 1.0 / scale);
+        let idle: Vec<bool> =
+            (0..self.layout.unknowns()).map(|i| equations.diagonal(i) <= 0.0).collect();
+        (0..idle.len()).filter(|i| idle[*i]).for_each(|i| equations.fix(i));
+        (equations, idle)
     }
 }

@@ -47,7 +47,7 @@ pub struct OutlierMixture {
 /// How many times wider outliers may be.
 pub(crate) const OUTLIER_WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 50.0, 200.0];
 /// Largest share of outliers.
-const MOST: f64 = 0.3;
+pub(crate) const MOST_OUTLIERS: f64 = 0.3;
 /// Steps of the iteration.
 const STEPS: usize = 60;
 
@@ -92,7 +92,7 @@ fn fit(errors: &[f64], robust: f64, width: f64) -> OutlierMixture {
         if is_done {
             break;
         }
-        share = (outliers / n).clamp(0.1 / n, MOST);
+        share = (outliers / n).clamp(0.1 / n, MOST_OUTLIERS);
         scale = (squares / n).sqrt().max(f64::MIN_POSITIVE);
     }
     OutlierMixture { log, scale, share, width }

@@ -30,7 +30,8 @@ pub use self::{
 };
 pub(crate) use self::{
     direct_path::passes_at_once,
-    distribution::OUTLIER_WIDTHS,
+    distribution::{MOST_OUTLIERS, OUTLIER_WIDTHS},
+    noise_floor::EXPLAINED,
     spectrum::transform,
-    wrong_sample::{MOST_ACCIDENTS, neighbours, wrong_sample},
+    wrong_sample::{MOST_ACCIDENTS, NEIGHBOURS, neighbours, wrong_sample},
 };

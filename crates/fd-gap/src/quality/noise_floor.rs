@@ -4,6 +4,9 @@ use fd_numeric::{rms, robust_deviation};
 
 use super::Autoregression;
 
+/// Errors of so many times the noise are explained down to it.
+pub(crate) const EXPLAINED: f64 = 1.5;
+
 /// Standard deviation of white noise on a slow signal, `rms(Δ³ r) / √20`: a third difference
 /// removes what is locally a parabola, and multiplies the variance of white noise by
 /// `1 + 9 + 9 + 1`. `None` without four samples in a row.

@@ -12,7 +12,7 @@ use fd_numeric::robust_deviation;
 use super::{channel::grid_step, finding::Defect};
 
 /// Neighbours on either side.
-const NEIGHBOURS: usize = 2;
+pub(crate) const NEIGHBOURS: usize = 2;
 /// Distance from the neighbours, in the robust spread of such distances, of a sample that is wrong …
 const OFF: f64 = 15.0;
 /// … and in the range of the neighbours themselves: they agree with each other, and not with it.

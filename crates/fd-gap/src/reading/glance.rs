@@ -2,11 +2,12 @@
 
 use super::{
     mistake::Mistake,
-    suspicion::{EXPLAINED, Explained, Suspicion},
+    suspicion::{Explained, Suspicion},
 };
 use crate::{
     diagnose::Case,
     fit::{FitError, Horizon},
+    quality::EXPLAINED,
 };
 
 /// A log as it is read is out of reach if its errors are so many times the noise.

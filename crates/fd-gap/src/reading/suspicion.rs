@@ -17,6 +17,7 @@ use super::{
 use crate::{
     diagnose::{Case, Diagnosis, Verdict},
     fit::{FitError, Horizon},
+    quality::EXPLAINED,
 };
 
 /// Mistakes within this much (natural logarithm) cannot be told apart.
@@ -26,8 +27,6 @@ const TIED: f64 = 3.0;
 const DETERMINED: f64 = 4.0;
 /// Part of the spread of a column that a mended simulation may leave.
 const FOLLOWS: f64 = 0.7;
-/// A mended log whose errors are so many times the noise is explained.
-pub(super) const EXPLAINED: f64 = 1.5;
 /// By how much (natural logarithm) errors must shrink where they stay above the noise.
 const SHRINKS: f64 = 0.5;
 /// Where no physical cause comes near the noise, a diagnosis of the mended log is worth its time if errors of the

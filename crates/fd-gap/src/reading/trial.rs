@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     diagnose::Case,
-    fit::{FitError, Horizon, Log, Plan, Problem, Search, Weights, minimise},
+    fit::{AT_A_TIME, FitError, Horizon, Log, Plan, Problem, Search, Weights, minimise},
     quality::{grid_step, robust_third_difference_floor},
 };
 
@@ -22,8 +22,6 @@ use crate::{
 const STEPS: usize = 10;
 /// Samples of a log that are enough to judge a slower clock by.
 const BEGINNING: usize = 100;
-/// Simulations side by side.
-const LANES: usize = 16;
 
 /// A log as one mistake makes it, with the simulator that it is compared with.
 #[derive(Debug)]
@@ -140,7 +138,7 @@ fn runs(
     let mut all: Vec<Option<Vec<Vec<f64>>>> = vec![Some(Vec::new()); sets.len()];
     for log in logs {
         let u = inputs(log);
-        for (sets, found) in sets.chunks(LANES).zip(all.chunks_mut(LANES)) {
+        for (sets, found) in sets.chunks(AT_A_TIME).zip(all.chunks_mut(AT_A_TIME)) {
             let mut outputs = vec![vec![0.0; log.y.len()]; sets.len()];
             let pairs = sets.iter().zip(&mut outputs);
             let mut runs: Vec<Run<'_>> = pairs.map(|(theta, y)| Run::new(theta, &x0, y)).collect();

@@ -5,9 +5,9 @@
 //! set stays as it is: coordinate ascent of the evidence over its members.
 
 use super::{
-    drive::{Found, Journey},
-    finish::finish,
-    result::{End, Road},
+    elimination::finish,
+    result::{CauseList, End},
+    selection::{Found, Selection},
 };
 use crate::{
     diagnose::{Cause, EffectSet, SetSearch, Verdict, is_a_pair},
@@ -15,28 +15,28 @@ use crate::{
 };
 
 /// Causes as long as evidence asks for more. `None` where one cause or two are all there is to say.
-pub(super) fn by_evidence(journey: &Journey<'_>) -> Result<Option<Road>, FitError> {
-    let Some(set) = beginning(journey)? else { return Ok(None) };
-    let first = journey.first;
-    if first.verdict == Verdict::Pair && journey.next(&set)?.is_none() {
+pub(super) fn by_evidence(selection: &Selection<'_>) -> Result<Option<CauseList>, FitError> {
+    let Some(set) = beginning(selection)? else { return Ok(None) };
+    let first = selection.first;
+    if first.verdict == Verdict::Pair && selection.next(&set)?.is_none() {
         return Ok(None);
     }
-    in_colour(journey, set, |journey, found| {
+    in_colour(selection, set, |selection, found| {
         let n = found.set.members.len();
         let is_news = match (first.verdict, first.causes.first()) {
             (Verdict::Pair, _) => 2 < n,
             // Laws that explain clearly more than what follows anything …
             (Verdict::Cause | Verdict::Tied, Some(leader)) => {
-                is_a_pair(gained(journey.search, &found.set, leader), 0.0)
+                is_a_pair(gained(selection.search, &found.set, leader), 0.0)
             }
             _ => true,
         };
         // … and what nothing else explains must be explained to the end, by what is credible.
         let is_explained = first.verdict == Verdict::Pair || found.end == End::AtTheNoise;
-        if !is_news || n < 2 || !is_explained || !is_credible(journey, &found) {
+        if !is_news || n < 2 || !is_explained || !is_credible(selection, &found) {
             return Ok(None);
         }
-        let road = finish(journey, found)?;
+        let road = finish(selection, found)?;
         // What forecasts held-out logs no better than refitted parameters is no answer; without any, nothing is known of that.
         let is_missed = 1.0 <= road.unexplained + road.noise;
         Ok((!is_missed).then_some(road))
@@ -45,25 +45,27 @@ pub(super) fn by_evidence(journey: &Journey<'_>) -> Result<Option<Road>, FitErro
 
 /// A set that has grown, from one that it begins with, in white noise and then in that of the colour of what it leaves.
 pub(super) fn in_colour(
-    journey: &Journey<'_>,
+    selection: &Selection<'_>,
     set: EffectSet,
-    then: impl FnOnce(&Journey<'_>, Found) -> Result<Option<Road>, FitError>,
-) -> Result<Option<Road>, FitError> {
-    let Some(found) = journey.grown(set)? else { return Ok(None) };
-    let Some(search) = journey.search.coloured(&found.set)? else { return then(journey, found) };
-    let journey = Journey { search: &search, ..*journey };
+    then: impl FnOnce(&Selection<'_>, Found) -> Result<Option<CauseList>, FitError>,
+) -> Result<Option<CauseList>, FitError> {
+    let Some(found) = selection.grown(set)? else { return Ok(None) };
+    let Some(search) = selection.search.coloured(&found.set)? else {
+        return then(selection, found);
+    };
+    let selection = Selection { search: &search, ..*selection };
     let all: Vec<usize> = (0..found.set.members.len()).collect();
     let Some(set) = search.only(&found.set, &all) else { return Ok(None) };
-    match journey.grown(set)? {
-        Some(found) => then(&journey, found),
+    match selection.grown(set)? {
+        Some(found) => then(&selection, found),
         None => Ok(None),
     }
 }
 
 /// Whether nothing beside the same others explained clearly better than any of the causes: a law that a curve without a law
 /// beats by far stands for something else.
-pub(super) fn is_credible(journey: &Journey<'_>, found: &Found) -> bool {
-    let least = 1.0 / journey.search.settings().bayes_factor;
+pub(super) fn is_credible(selection: &Selection<'_>, found: &Found) -> bool {
+    let least = 1.0 / selection.search.settings().bayes_factor;
     found.named.iter().all(|named| least <= named.odds)
 }
 
@@ -73,8 +75,8 @@ fn gained(search: &SetSearch<'_>, set: &EffectSet, over: &Cause) -> f64 {
 }
 
 /// What the first diagnosis found: a pair, if it is worth more than one cause, or the first cause.
-fn beginning(journey: &Journey<'_>) -> Result<Option<EffectSet>, FitError> {
-    let Journey { first, search, .. } = *journey;
+fn beginning(selection: &Selection<'_>) -> Result<Option<EffectSet>, FitError> {
+    let Selection { first, search, .. } = *selection;
     let single = first.causes.iter().find(|cause| search.is_law(cause));
     let alone = single.map_or(f64::NEG_INFINITY, |cause| cause.log_evidence);
     let pair = first.pairs.iter().find(|pair| pair.causes.iter().all(|c| search.is_law(c)));

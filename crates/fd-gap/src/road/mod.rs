@@ -21,15 +21,15 @@
 //! in place of an F-test: with a wrong model everything is significant. By evidence: floating search (Pudil, Novovičová and
 //! Kittler 1994), which looks back before it ends.
 
-mod beyond;
 mod by_evidence;
-mod drive;
-mod finish;
-mod growth;
+mod by_forecasts;
+mod elimination;
+mod floating;
 mod result;
+mod selection;
 mod to_the_noise;
 
 pub use self::{
-    drive::{Bounds, road},
-    result::{End, Milestone, Road},
+    result::{CauseList, End, ListedCause},
+    selection::{Bounds, road},
 };

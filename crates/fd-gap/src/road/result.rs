@@ -9,9 +9,9 @@ use crate::{diagnose::Cause, shrink::Closed};
 /// Several causes, the largest first: near the noise by the evidence of each beside all others, far above it in the order
 /// in which they were found.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Road {
+pub struct CauseList {
     /// The causes that were accepted.
-    pub causes: Vec<Milestone>,
+    pub causes: Vec<ListedCause>,
     /// Share of the held-out gap of the refitted model that no cause takes away and that is not noise, 0 to 1;
     /// NaN (`null`) without held-out logs.
     pub unexplained: f64,
@@ -28,9 +28,9 @@ pub struct Road {
     pub model: Model,
 }
 
-/// A cause on the road.
+/// A cause of a list.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Milestone {
+pub struct ListedCause {
     /// The cause, with its values beside all others.
     pub cause: Cause,
     /// Probability among the laws that could take its place, together with those that the log cannot tell from it.
@@ -47,7 +47,7 @@ pub struct Milestone {
     pub odds: f64,
 }
 
-/// Why a road ends.
+/// Why a list ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {

@@ -7,29 +7,26 @@
 
 use super::{
     by_evidence::{in_colour, is_credible},
-    drive::Journey,
-    finish::{finish, left},
-    result::{End, Road},
+    elimination::{finish, left},
+    result::{CauseList, End},
+    selection::Selection,
 };
-use crate::{diagnose::EffectSet, fit::FitError};
-
-/// Most that the list may leave of the held-out gap, in multiples of its floor.
-const HELD_OUT: f64 = 1.5;
+use crate::{diagnose::EffectSet, fit::FitError, quality::EXPLAINED};
 
 /// A list of laws that leaves noise alone, from a set on that comes near it; `None` where there is none in reach.
 pub(super) fn to_the_noise(
-    journey: &Journey<'_>,
+    selection: &Selection<'_>,
     set: EffectSet,
-) -> Result<Option<Road>, FitError> {
-    if journey.search.is_far(&set) {
+) -> Result<Option<CauseList>, FitError> {
+    if selection.search.is_far(&set) {
         return Ok(None);
     }
-    in_colour(journey, set, |journey, found| {
-        if found.end != End::AtTheNoise || !is_credible(journey, &found) {
+    in_colour(selection, set, |selection, found| {
+        if found.end != End::AtTheNoise || !is_credible(selection, &found) {
             return Ok(None);
         }
         // Without held-out logs there is nothing to compare.
-        let is_missed = HELD_OUT * journey.floor() < left(journey, &found.set)?;
-        if is_missed { Ok(None) } else { finish(journey, found).map(Some) }
+        let is_missed = EXPLAINED * selection.floor() < left(selection, &found.set)?;
+        if is_missed { Ok(None) } else { finish(selection, found).map(Some) }
     })
 }

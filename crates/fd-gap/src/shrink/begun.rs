@@ -9,8 +9,8 @@ use super::{
 };
 use crate::fit::{FitError, Horizon, Log};
 
-/// What a free start must gain, per unknown, beyond `ln n`, as where fitted logs begin in motion.
-const SURE: f64 = 10.0;
+/// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
+pub(crate) const SURE: f64 = 10.0;
 /// Times the noise in a forecast from which its start is doubted.
 const MISSED: f64 = 2.0;
 /// Part of the squares of the forecast that may be left with another start.

@@ -6,15 +6,13 @@ use fd_sim::simulate::Simulator;
 
 use super::{
     forecast::{Forecast, Settled, forecast},
-    gap::{Closed, closed},
+    gap::{BLOCK, Closed, closed},
 };
 use crate::{
     evidence::{BlockErrors, win_frequencies_over},
     fit::{FitError, Horizon, Log},
 };
 
-/// Length of a bootstrap block, in autocorrelation times of the errors without any effect.
-const BLOCK: f64 = 5.0;
 /// A block is at most this part of the logs, or there would be too few.
 const FEWEST_BLOCKS: usize = 8;
 /// Pieces of a block: blocks begin at any of them.

@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 pub type Errors = [Vec<Vec<f64>>];
 
 /// Length of a bootstrap block, in autocorrelation times.
-const BLOCK: f64 = 5.0;
+pub(super) const BLOCK: f64 = 5.0;
 /// Relative standard deviation of a noise floor, which comes from about a thousand samples:
 /// `1/√(2n)` of the noise itself, and as much again of the method.
 const FLOOR_SPREAD: f64 = 0.03;

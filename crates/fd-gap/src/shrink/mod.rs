@@ -14,7 +14,7 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::begun::as_begun;
+pub(crate) use self::begun::{SURE, as_begun};
 pub use self::{
     another_run::Paths,
     baselines::Baselines,

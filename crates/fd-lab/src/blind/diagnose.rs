@@ -11,7 +11,7 @@ use fd_gap::{
     fit::Horizon,
     inside::inside,
     reading::{self as gap, Mistake, Suspicion, glance, suspect},
-    road::{Road, road},
+    road::{CauseList, road},
 };
 use fd_model::Record;
 use fd_sim::{
@@ -154,14 +154,14 @@ fn inputs(record: &Record) -> Vec<f64> {
 }
 
 /// A diagnosis as an answer.
-fn told(name: &str, diagnosis: &Diagnosis, road: Option<&Road>) -> Answer {
+fn told(name: &str, diagnosis: &Diagnosis, road: Option<&CauseList>) -> Answer {
     let above = diagnosis.best.gap.iter().zip(&diagnosis.floor).map(|(gap, f)| (gap / f).ln());
     let physical = |gaps: &[f64]| -> Vec<f64> {
         gaps.iter().zip(&diagnosis.sigma).map(|(gap, sigma)| gap * sigma).collect()
     };
     let list = road.filter(|road| 1 < road.causes.len());
     let together = match (list, diagnosis.verdict, diagnosis.pairs.first()) {
-        (Some(list), ..) => list.causes.iter().map(|milestone| named(&milestone.cause)).collect(),
+        (Some(list), ..) => list.causes.iter().map(|listed| named(&listed.cause)).collect(),
         (_, Verdict::Pair, Some(pair)) => pair.causes.iter().map(named).collect(),
         _ => Vec::new(),
     };
@@ -213,7 +213,7 @@ impl Diagnosed {
         logs: &[Record],
         held_out: &[Record],
         approach: &Approach,
-    ) -> Result<Option<Road>, BlindError> {
+    ) -> Result<Option<CauseList>, BlindError> {
         let has_lists = approach.method.has(Feature::Lists) && !self.is_inside;
         let Some(train) = logs.first().filter(|_| has_lists) else { return Ok(None) };
         let scales = nominal.scales(train.ts(), &inputs(train), train.len())?;

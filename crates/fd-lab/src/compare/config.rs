@@ -6,7 +6,7 @@ use fd_compensate::decide::Debouncing;
 use fd_core::Limits;
 use fd_model::{
     fault::Site,
-    file::{SettingsError, read_settings},
+    file::{SettingsError, read_settings, write_settings},
 };
 use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
@@ -26,8 +26,7 @@ pub const CONFIG_VERSION: u32 = 1;
 ///
 /// ```
 /// let config = fd_lab::compare::CompareConfig::default();
-/// let text = toml::to_string(&config)?;
-/// assert_eq!(toml::from_str::<fd_lab::compare::CompareConfig>(&text)?, config);
+/// assert_eq!(config.to_toml()?.parse::<fd_lab::compare::CompareConfig>()?, config);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -210,6 +209,15 @@ impl CompareConfig {
     /// A file that is missing or wrong; a wrong one with line and key.
     pub fn read(file: &Path) -> Result<Self, SettingsError> {
         read_settings(file)
+    }
+
+    /// The configuration as TOML, compiled once: `toml::to_string` is compiled again wherever it is used.
+    ///
+    /// # Errors
+    ///
+    /// None for a configuration that was read.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        write_settings(self)
     }
 
     /// The benchmark behind a scenario.

@@ -10,7 +10,7 @@ use fd_core::{LimitError, Limits, Resource};
 use fd_ident::arx::ArxOrders;
 use fd_jetengine::{Perturbation, engine17::Unmodelled};
 use fd_model::{
-    file::{SettingsError, read_settings},
+    file::{SettingsError, read_settings, write_settings},
     uncertainty::MatrixPerturbation,
 };
 use fdiag::spec::{
@@ -34,8 +34,7 @@ pub const CONFIG_VERSION: u32 = 1;
 ///
 /// ```
 /// let config = fd_lab::engine::EngineConfig::default();
-/// let text = toml::to_string(&config)?;
-/// assert_eq!(toml::from_str::<fd_lab::engine::EngineConfig>(&text)?, config);
+/// assert_eq!(config.to_toml()?.parse::<fd_lab::engine::EngineConfig>()?, config);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -235,6 +234,15 @@ impl EngineConfig {
     /// A file that is missing or wrong; a wrong one with line and key.
     pub fn read(file: &Path) -> Result<Self, SettingsError> {
         read_settings(file)
+    }
+
+    /// The configuration as TOML, compiled once: `toml::to_string` is compiled again wherever it is used.
+    ///
+    /// # Errors
+    ///
+    /// None for a configuration that was read.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        write_settings(self)
     }
 
     /// Compares the size of the benchmark and the numbers of its spec with limits.

@@ -7,7 +7,7 @@ use fd_gap::{
     inside::inside,
     quality::{Defect, Finding},
     reading::{Mistake, Reading, Suspicion, glance, suspect},
-    road::{Bounds, Road, road},
+    road::{Bounds, CauseList, road},
 };
 use fd_model::SampleTime;
 use fd_sim::{
@@ -73,7 +73,7 @@ impl<'a> Attempt<'a> {
         &self,
         request: &Request,
         monitor: &dyn Monitor,
-    ) -> Result<Option<Road>, FitError> {
+    ) -> Result<Option<CauseList>, FitError> {
         let bounds = Bounds { most: request.most, is_dear: self.sparing.is_some() };
         let case = &self.diagnosis.as_diagnosed(&self.case());
         road(case, &self.diagnosis, &self.settings, bounds, monitor)

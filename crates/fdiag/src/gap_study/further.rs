@@ -6,14 +6,14 @@ use fd_gap::{
     diagnose::{Monitor, Verdict},
     experiment::{Advice, Reach, next},
     locate::{Location, locate},
-    road::Road,
+    road::CauseList,
 };
 
 use super::{attempt::Attempt, error::GapError, pause::Pause, request::Request};
 
 /// Answers to further questions; `None` where a question makes no sense or was not asked.
 pub(super) struct Further {
-    pub(super) road: Option<Road>,
+    pub(super) road: Option<CauseList>,
     pub(super) location: Location,
     pub(super) ceiling: Option<Ceiling>,
     pub(super) advice: Option<Advice>,

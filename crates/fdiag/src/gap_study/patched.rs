@@ -2,7 +2,7 @@
 
 use fd_gap::{
     diagnose::{Cause, Diagnosis, Verdict, adjustable},
-    road::Road,
+    road::CauseList,
 };
 use fd_sim::model::Model;
 use schemars::JsonSchema;
@@ -31,7 +31,7 @@ pub struct PatchedModel {
 pub(super) fn patched_models(
     subject: &Subject,
     diagnosis: &Diagnosis,
-    road: Option<&Road>,
+    road: Option<&CauseList>,
     data: &Data,
 ) -> Vec<PatchedModel> {
     let fitted = data.parts.iter().filter(|part| part.role == Role::Fit);
@@ -59,7 +59,7 @@ pub(super) fn patched_models(
     let first = match (road, diagnosis.verdict, diagnosis.pairs.first()) {
         (Some(road), ..) => {
             let causes: Vec<String> =
-                road.causes.iter().map(|milestone| words::cause(&milestone.cause)).collect();
+                road.causes.iter().map(|listed| words::cause(&listed.cause)).collect();
             let content = format!("the model with {}", words::list(&causes, "and"));
             file("patched.toml".to_owned(), content, &logs, &subject.text(&road.model))
         }

@@ -1,6 +1,6 @@
 //! Which pairs are worth being called so, and which of them the log cannot tell apart.
 
-use super::judged::NamedPairs;
+use super::{judged::NamedPairs, ties::MOST_RIVALS};
 use crate::{
     diagnose::{
         result::{Pair, PairId},
@@ -13,9 +13,6 @@ use crate::{
     },
     evidence::{SEPARATED, distance},
 };
-
-/// Rivals of the best pair that are refitted to its simulation.
-const MOST_RIVALS: usize = 6;
 
 /// A pair, and what it is tied with.
 struct Weighed {

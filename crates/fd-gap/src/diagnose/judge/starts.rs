@@ -1,10 +1,7 @@
 //! Which reading of the starts of the logs to believe.
 
 use super::judged::Judged;
-use crate::{
-    diagnose::prepare::{Prepared, start::SURE},
-    fit::Plan,
-};
+use crate::{diagnose::prepare::Prepared, fit::Plan, shrink::SURE};
 
 /// What free starts must gain where they are not the plainer answer.
 fn needed(free: &Plan) -> f64 {

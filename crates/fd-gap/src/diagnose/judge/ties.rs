@@ -11,8 +11,8 @@ use crate::{
     evidence::{SEPARATED, distance},
 };
 
-/// Rivals that are refitted to the simulation of the best cause.
-const MOST_RIVALS: usize = 8;
+/// Rivals that are refitted to the simulation of the best cause or pair.
+pub(super) const MOST_RIVALS: usize = 8;
 
 /// The causes that this log cannot tell from the first, and those that are nearly as probable but
 /// could be told apart. A cause of the measurement ties with none: it has no simulation of its own.

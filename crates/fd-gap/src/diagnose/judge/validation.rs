@@ -8,7 +8,7 @@
 use crate::{
     diagnose::{
         context::Context,
-        settings::Settings,
+        settings::{LEADING, Settings},
         weigh::{
             answer::{Answer, Fit},
             rank::Basis,
@@ -29,9 +29,6 @@ const CLOSES_MUCH: f64 = 0.8;
 
 /// Spread of `ln` of the noise from one run to another.
 const BETWEEN_RUNS: f64 = 0.05;
-
-/// Rivals of the best cause whose forecasts are looked at.
-const MOST_RIVALS: usize = 4;
 
 /// How an explanation forecasts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,7 +58,7 @@ pub(super) fn validate_with_rivals(
         let near = best.log_evidence - settings.bayes_factor.ln();
         let others = singles.causes.iter().skip(1);
         let rivals = others.take_while(|ranked| near < ranked.cause.log_evidence);
-        for ranked in rivals.take(MOST_RIVALS) {
+        for ranked in rivals.take(LEADING) {
             let Basis::Simulation(id) = ranked.basis else { continue };
             let Some(rival) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
             let other = validate(&rival, Paths::AsFitted)?;

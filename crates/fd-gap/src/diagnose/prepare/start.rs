@@ -14,18 +14,16 @@ use crate::{
         settings::{Beginning, Settings},
     },
     fit::{FitError, NullFit, Plan},
+    quality::EXPLAINED,
+    shrink::SURE,
 };
 
-/// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
-pub(in crate::diagnose) const SURE: f64 = 10.0;
 /// Part of a log within which a start is forgotten …
 const BEGINNING: f64 = 1.0 / 3.0;
 /// … and the share of the gain that must lie there. What a free start gains all along the log, as the
 /// offset of an integrator does, may as well be an effect …
 const AT_THE_BEGINNING: f64 = 0.8;
-/// … unless free starts alone come this near to the noise …
-const DOWN_TO: f64 = 1.5;
-/// … or leave no more than this part of the squares of some output: what hardly damps never forgets how it began.
+/// … unless free starts alone explain the log, or leave no more than this part of the squares of some output: what hardly damps never forgets how it began.
 const MOST: f64 = 0.1;
 /// The first samples of a log, …
 const FIRST: usize = 3;
@@ -95,7 +93,7 @@ impl Squares {
 
     /// Whether they are near those of noise.
     fn are_noise(&self) -> bool {
-        self.all < DOWN_TO * DOWN_TO * self.samples
+        self.all < EXPLAINED * EXPLAINED * self.samples
     }
 
     fn sum(outputs: &[Self]) -> Self {

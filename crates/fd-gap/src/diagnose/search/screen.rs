@@ -6,7 +6,7 @@ use super::{
     command::Command,
     trial::{ScoredStart, Trial},
 };
-use crate::fit::{NullFit, Projection};
+use crate::fit::{AT_A_TIME, NullFit, Projection};
 
 /// Largest amplitude that a score test may ask for: laws are not linear.
 const AMPLITUDE: f64 = 4.0;
@@ -17,8 +17,6 @@ const EIGHTHS: [u16; 2] = [64, 480];
 const ROUGH_ROUNDS: usize = 2;
 /// … with so many points on either side, up to its neighbour.
 const ROUGH_POINTS: i32 = 8;
-/// Starts that are simulated at a time: their residuals must fit into memory.
-const AT_A_TIME: usize = 16;
 
 impl Trial<'_> {
     /// Scores every start; `lines` are the frequencies of the lines of the residual, in Hz, and

@@ -24,11 +24,12 @@ use crate::{
 };
 
 /// What is sought beside a set.
-pub(crate) struct Wanted<'a> {
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
     /// Whether a candidate is.
-    pub(crate) candidate: &'a dyn Fn(&Candidate) -> bool,
+    pub candidate: &'a dyn Fn(&Candidate) -> bool,
     /// What it must take of the squares that are left.
-    pub(crate) least: f64,
+    pub least: f64,
 }
 
 /// The set with one more effect each, the most evidence first: all laws of the most promising causes.

@@ -6,14 +6,9 @@
 mod beside;
 mod search;
 mod set;
-#[cfg(test)]
-mod tests;
 
-pub(crate) use self::{
-    beside::Wanted,
-    search::{Round, SetSearch},
-    set::EffectSet,
-};
+pub(crate) use self::search::Round;
+pub use self::{beside::Wanted, search::SetSearch, set::EffectSet};
 pub(super) use self::{
     beside::{beside, to_come_near},
     set::Member,

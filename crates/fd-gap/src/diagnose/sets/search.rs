@@ -33,8 +33,56 @@ use crate::{
 static NOTHING: Candidates =
     Candidates { simulated: Vec::new(), measured: Vec::new(), refused: Vec::new() };
 
-/// The logs, the noise and the fit without any effect that sets are compared by, after a diagnosis.
-pub(crate) struct SetSearch<'a> {
+/// The logs, the noise and the fit without any effect that sets of effects are compared by, after a diagnosis.
+///
+/// Effects that a log shows together are found together, each beside the others:
+///
+/// ```
+/// use fd_effect::{Candidate, EverySite, library};
+/// use fd_gap::diagnose::{Case, SetSearch, Settings, Wanted, diagnose};
+/// use fd_model::Record;
+/// use fd_sim::{model::Model, scales::ReplayScales};
+///
+/// let lag: Model = r#"
+/// version = 1
+/// kind = "equations"
+/// name = "lag"
+/// sample_time = 0.1
+/// inputs = { u = { unit = "V" } }
+/// outputs = { y = { unit = "V", value = "x", noise = 0.01 } }
+/// states = { x = { unit = "V", initial = 0.0, derivative = "u - x" } }
+/// "#.parse()?;
+/// // In reality the sensor has a bias of 0.2 V, and the amplifier delivers 10 % less.
+/// let ts = lag.sample_time()?;
+/// let (mut x, mut rows) = (0.0, Vec::new());
+/// for k in 0..300_u32 {
+///     let (u, k) = ((0.05 * f64::from(k)).sin() + 0.3, f64::from(k));
+///     rows.push(([u], [x + 0.2 + 0.0173 * ((k * k * 0.618).sin().asin() / 1.5708)]));
+///     x = 0.9 * u + (-0.1_f64).exp() * (x - 0.9 * u);
+/// }
+/// let logs = [Record::from_rows(lag.external_inputs(), lag.output_channels(), rows, ts)?];
+/// let mut effects = library();
+/// effects.retain(|effect| ["sensor-bias", "input-gain"].contains(&effect.label()));
+/// let u: Vec<f64> = logs[0].samples().flat_map(|(u, _)| u.to_vec()).collect();
+/// let suspects = EverySite::new(effects, &lag, ReplayScales::of(&lag, ts, &u, u.len())?);
+/// let case = Case { nominal: &lag, suspects: &suspects, logs: &logs, held_out: &[] };
+/// let settings = Settings::default();
+/// let first = diagnose(&case, &settings, &())?;
+///
+/// let search = SetSearch::new(&case, &first, None, false, &settings, &())?;
+/// let none = search.none()?;
+/// let named = |label: &'static str| move |candidate: &Candidate| candidate.label == label;
+/// let bias = named("sensor-bias");
+/// let one = search.beside(&none, &Wanted { candidate: &bias, least: 0.0 })?.swap_remove(0);
+/// let gain = named("input-gain");
+/// let both = search.beside(&one, &Wanted { candidate: &gain, least: 0.0 })?.swap_remove(0);
+/// assert!(!search.is_noise(&one) && search.is_noise(&both));
+/// assert!(both.cost() < one.cost() && 5.0 < search.gain(&both, &one));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// *When not to use:* instead of a diagnosis. It needs one, for the noise, the beginnings and the step of integration.
+pub struct SetSearch<'a> {
     case: Case<'a>,
     /// Those for one effect at a time.
     settings: Settings,
@@ -53,7 +101,11 @@ pub(crate) struct SetSearch<'a> {
 impl<'a> SetSearch<'a> {
     /// With the beginnings and the integration step of the `first` diagnosis, and in its windows where the free run is lost
     /// and `may_be_in_windows`; forecasts are judged at this horizon.
-    pub(crate) fn new(
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model cannot be simulated or does not fit the logs.
+    pub fn new(
         case: &Case<'a>,
         first: &Diagnosis,
         horizon: Option<Horizon>,
@@ -122,7 +174,11 @@ impl<'a> SetSearch<'a> {
     }
 
     /// No effect.
-    pub(crate) fn none(&self) -> Result<EffectSet, FitError> {
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the model diverges.
+    pub fn none(&self) -> Result<EffectSet, FitError> {
         EffectSet::none(&self.singles).ok_or(FitError::Diverged)
     }
 
@@ -140,7 +196,8 @@ impl<'a> SetSearch<'a> {
     }
 
     /// The members of a set at these places alone, in this order, fitted from where they are.
-    pub(crate) fn only(&self, set: &EffectSet, places: &[usize]) -> Option<EffectSet> {
+    #[must_use]
+    pub fn only(&self, set: &EffectSet, places: &[usize]) -> Option<EffectSet> {
         set.only(places, &self.singles, &self.context())
     }
 
@@ -156,11 +213,11 @@ impl<'a> SetSearch<'a> {
     }
 
     /// The set with one more effect each, the most evidence first.
-    pub(crate) fn beside(
-        &self,
-        set: &EffectSet,
-        wanted: &Wanted<'_>,
-    ) -> Result<Vec<EffectSet>, FitError> {
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when the set cannot be simulated.
+    pub fn beside(&self, set: &EffectSet, wanted: &Wanted<'_>) -> Result<Vec<EffectSet>, FitError> {
         beside(set, wanted, &self.singles, &self.context())
     }
 
@@ -170,14 +227,16 @@ impl<'a> SetSearch<'a> {
     }
 
     /// Whether a set leaves nothing but noise.
-    pub(crate) fn is_noise(&self, set: &EffectSet) -> bool {
+    #[must_use]
+    pub fn is_noise(&self, set: &EffectSet) -> bool {
         let left = set.answer().map(|answer| self.singles.lack_of_fit(&answer));
         left.is_some_and(|left| !left.is_unexplained) && !self.is_far(set)
     }
 
     /// Logarithm of the evidence of a set over that of another, of which it has all members but one: near the noise in that
     /// of any colour, which would be explained by effects otherwise.
-    pub(crate) fn gain(&self, set: &EffectSet, without: &EffectSet) -> f64 {
+    #[must_use]
+    pub fn gain(&self, set: &EffectSet, without: &EffectSet) -> f64 {
         let Searched { noise, is_coloured, .. } = &self.singles.searched;
         let is_near = set.errors().is_some_and(|errors| noise.reach(&errors) <= REACHED);
         let in_colour =
@@ -210,7 +269,8 @@ impl<'a> SetSearch<'a> {
     }
 
     /// Whether the logs cannot tell two sets apart, of which the second has not much less evidence.
-    pub(crate) fn are_tied(&self, set: &EffectSet, rival: &EffectSet) -> bool {
+    #[must_use]
+    pub fn are_tied(&self, set: &EffectSet, rival: &EffectSet) -> bool {
         let [a, b] = [&set.fit, &rival.fit];
         set.log_evidence - rival.log_evidence < self.settings.bayes_factor.ln()
             && distance(&a.problem, &a.minimum, &b.problem, &b.minimum) < SEPARATED

@@ -32,16 +32,16 @@ const THERE: f64 = 1.0;
 
 /// Effects that were fitted together.
 #[derive(Clone, Debug)]
-pub(crate) struct EffectSet {
+pub struct EffectSet {
     /// The effects, each in the model that has those before it.
-    pub(crate) members: Vec<Candidate>,
+    pub members: Vec<Candidate>,
     /// The model with all of them; its parameters are not settled.
     pub(in crate::diagnose) model: Model,
     pub(in crate::diagnose) fit: Fit,
     /// Logarithm of the evidence over that of "no gap".
-    pub(crate) log_evidence: f64,
+    pub log_evidence: f64,
     /// Root mean square of the training residual, in sigma.
-    pub(crate) gap: f64,
+    pub gap: f64,
     /// Size of the noise in the fit, in sigma.
     scale: f64,
 }
@@ -200,7 +200,8 @@ impl EffectSet {
     }
 
     /// Sum of squares, with what moved parameters cost.
-    pub(crate) fn cost(&self) -> f64 {
+    #[must_use]
+    pub fn cost(&self) -> f64 {
         self.fit.minimum.cost
     }
 
@@ -245,7 +246,8 @@ impl EffectSet {
     }
 
     /// Whether both are of the same causes with the same laws, in any order.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
         self.has_as_many(other, |a, b| is_same_cause(a, b) && a.law == b.law)
     }
 

@@ -3,6 +3,7 @@
 pub(super) mod answer;
 pub(super) mod colour;
 pub(super) mod explain;
+mod from_pairs;
 mod gaussian;
 mod jitter;
 mod known;
@@ -16,17 +17,16 @@ pub(super) mod rank;
 pub(super) mod singles;
 pub(super) mod slow;
 mod stronger_noise;
-mod teach;
 pub(super) mod values;
 
 use self::{
     answer::{Answer, PAIR, Proposal, choose},
     colour::{COLOURED, colour_of, with_colour},
+    from_pairs::fitted_from,
     lack_of_fit::LackOfFit,
     pairs::seek_pairs,
     singles::{Singles, weigh_singles},
     slow::with_slow,
-    teach::taught_by,
 };
 use super::{context::Context, search::searched::Searched, sets::EffectSet, settings::Settings};
 use crate::fit::FitError;
@@ -147,7 +147,7 @@ fn pairs_then_colour<'a>(
 /// Second causes are tried beside first ones, and single causes learn from them.
 fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed<'a>, FitError> {
     let mut pairs = seek_pairs(&singles, context);
-    let singles = taught_by(&pairs, singles, context)?;
+    let singles = fitted_from(&pairs, singles, context)?;
     pairs.retain(EffectSet::are_all_there);
     Ok(Weighed::of(singles, pairs, context.settings))
 }

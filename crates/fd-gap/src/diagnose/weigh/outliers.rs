@@ -15,15 +15,11 @@ use fd_numeric::{median, robust_deviation};
 use super::gaussian::{count, gaussian};
 use crate::{
     evidence::{DECADES, NoisePrior},
-    quality::{OUTLIER_WIDTHS, neighbours, outlier_mixture},
+    quality::{MOST_OUTLIERS, NEIGHBOURS, OUTLIER_WIDTHS, neighbours, outlier_mixture},
 };
 
 /// Deviations from the neighbours, in their robust spread, from which a sample is off by itself.
 const OFF: f64 = 5.0;
-/// Neighbours on either side.
-const NEIGHBOURS: usize = 2;
-/// Largest share of samples that are off by themselves.
-const MOST: f64 = 0.3;
 /// Innovations, in their spread, that count as wide.
 const WIDE: f64 = 4.0;
 /// Innovation of noise, as a fraction of it, below which what a wide one does lasts: no single sample is wrong then.
@@ -101,7 +97,7 @@ impl Outliers {
             }
         }
         let (n, m) = (count(signals), wrong.len() as f64);
-        if wrong.is_empty() || MOST * n < m {
+        if wrong.is_empty() || MOST_OUTLIERS * n < m {
             return None;
         }
         let rest = gaussian(&kept, prior);

@@ -13,12 +13,10 @@ use crate::{
         monitor::{Stage, WithinAPiece},
         search::trial::Trial,
         sets::{EffectSet, Wanted, beside, to_come_near},
+        settings::LEADING,
     },
     fit::FitError,
 };
-
-/// First causes that others are tried beside.
-const FIRSTS: usize = 4;
 
 /// Pairs of simulated causes, the best first; none where the settings have no room for them.
 pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<EffectSet> {
@@ -32,7 +30,7 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Ef
     };
     let best = singles.causes.iter().filter_map(trial);
     let best = best.filter(|trial| !is_free_curve(trial.candidate) && trial.best.is_some());
-    let firsts: Vec<&Trial<'_>> = best.take(FIRSTS).collect();
+    let firsts: Vec<&Trial<'_>> = best.take(LEADING).collect();
     monitor.begin(Stage::Pairs, firsts.len());
     let found: Vec<Vec<EffectSet>> = each(&firsts, |first| {
         if monitor.is_stopped() {

@@ -11,19 +11,20 @@ use fd_gap::{
 use fd_model::{Channel, Record, SampleTime, signal::WhiteNoise};
 use fd_sim::{model::Model, simulate::EquationSimulator};
 
-/// `y = m u + k v + s w + l v²`, with a mass that is known to a tolerance.
+/// `y = m u + k v + s w + l v²`, with a mass that is known to a tolerance, and `d`, which does nothing.
 const LINE: &str = r#"
 version = 1
 kind = "equations"
 name = "line"
 sample_time = 1.0
 inputs = { u = { unit = "1" }, v = { unit = "1" }, w = { unit = "1" } }
-outputs = { y = { unit = "1", value = "x + m*u + k*v + s*w + l*v^2" } }
+outputs = { y = { unit = "1", value = "x + m*u + k*v + s*w + l*v^2 + 0*d" } }
 [parameters]
 m = { unit = "1", value = 2.0, tolerance = 0.1 }
 k = { unit = "1", value = 0.0 }
 s = { unit = "1", value = 0.0 }
 l = { unit = "1", value = 0.0 }
+d = { unit = "1", value = 0.0 }
 [states]
 x = { unit = "1", initial = 0.0, derivative = "0*x" }
 "#;
@@ -87,6 +88,7 @@ fn curvature(effects: &[Variable], noise: f64) -> (f64, Vec<f64>) {
             "m" => u,
             "k" => v,
             "s" => w,
+            "d" => 0.0,
             _ => v * v,
         }
     };
@@ -202,4 +204,19 @@ fn the_distance_of_two_laws_is_what_the_rival_leaves() {
     // The mean of v² is that of a mass.
     assert!(50.0 < expected && expected < 0.5 * b.squared_norm_l2(), "{expected}");
     assert!(distance(&truth, &at, &truth, &at) < 1e-6);
+}
+
+/// Errors of a law are those of its information; a shape that does nothing has that of its box, and takes none from others.
+#[test]
+fn a_shape_that_does_nothing_takes_no_error_from_others() {
+    let law = effect("k", 0.5, None);
+    let effects = vec![law.clone(), effect("d", 2.0, Some([0.0, 3.0]))];
+    let (problem, at, _) = fitted(&log([0.8, 0.0, 0.0]), effects);
+    let errors = problem.standard_errors(&at, 1.3).unwrap();
+    let (_, deviations) = curvature(std::slice::from_ref(&law), 1.3);
+    let expected = [0.5 * deviations[1], 3.0 / 12.0_f64.sqrt()];
+    assert!(errors.iter().zip(expected).all(|(e, of)| (e - of).abs() < ROUNDING), "{errors:?}");
+    // Of parameters of the model alone the same.
+    let variance = problem.covariance(&at, 1.3).unwrap()[(0, 0)];
+    assert!((variance - deviations[0].powi(2)).abs() < ROUNDING, "{variance}");
 }

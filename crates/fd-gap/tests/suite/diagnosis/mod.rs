@@ -31,4 +31,5 @@ mod quality;
 mod reading;
 mod reproduce;
 mod road;
+mod sets;
 mod slow_noise;

@@ -3,7 +3,7 @@
 use fd_effect::{EverySite, library};
 use fd_gap::{
     diagnose::{Case, Regime, Settings, diagnose},
-    road::{End, Milestone, road},
+    road::{End, ListedCause, road},
 };
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, scales::ReplayScales};
@@ -217,13 +217,13 @@ fn the_same_effect_in_three_places_is_found_in_all_of_them() {
     let mut named: Vec<(&str, &str)> = found
         .causes
         .iter()
-        .map(|Milestone { cause, .. }| (cause.label, cause.site.name().unwrap_or_default()))
+        .map(|ListedCause { cause, .. }| (cause.label, cause.site.name().unwrap_or_default()))
         .collect();
     named.sort_unstable();
     assert_eq!(named, ["ua", "ub", "uc"].map(|input| ("input-dead-zone", input)));
     assert!(found.causes.iter().all(|m| 0.8 < m.probability), "{:?}", found.causes);
     // Each as wide as it is, but for what the unknown part makes of it.
-    for Milestone { cause, .. } in &found.causes {
+    for ListedCause { cause, .. } in &found.causes {
         let widths = [("ua", 0.4), ("ub", 0.3), ("uc", 0.35)];
         let truth = widths.iter().find(|(input, _)| Some(*input) == cause.site.name()).unwrap().1;
         let found = cause.parameters[0].value;

@@ -331,8 +331,6 @@ fn score_cases(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.markdown {
         fs::write(file, score.markdown()).map_err(|e| Failure::output(file, e))?;
     }
-    let json = serde_json::to_string_pretty(&score).map_err(Failure::analysis)?;
-    output.write("score.json", &json)?;
     let page = score.page().map_err(Failure::analysis)?;
     output.finish(&score.headline(), &score.tables(), page, &score, &[])?;
     Ok(ExitCode::SUCCESS)

@@ -25,7 +25,7 @@ const JOURNAL: &str = "progress.jsonl";
 pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let config = configuration(args)?;
     if args.print_config {
-        say(&toml::to_string(&config).map_err(Failure::analysis)?)?;
+        say(&config.to_toml().map_err(Failure::analysis)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let refused = |error| refusal(args, &error);
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode, Failure> {
     shown.finish()?;
     let mut page = comparison.page().map_err(Failure::analysis)?;
     page.heading("Configuration");
-    page.details("Show all settings", toml::to_string(&config).map_err(Failure::analysis)?);
+    page.details("Show all settings", config.to_toml().map_err(Failure::analysis)?);
     let tables: Vec<Table> = comparison.tables();
     output.write("report.md", &comparison.markdown(&command()))?;
     output.finish(

@@ -26,7 +26,7 @@ const PICTURE_SIZE: (u32, u32) = (720, 400);
 pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
     let config = configuration(args)?;
     if args.print_config {
-        say(&toml::to_string(&config).map_err(Failure::analysis)?)?;
+        say(&config.to_toml().map_err(Failure::analysis)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(directory) = &args.write_files {
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &EngineArgs) -> Result<ExitCode, Failure> {
     }
     let mut page = study.page(&example).map_err(Failure::analysis)?;
     page.heading("Configuration");
-    page.details("Show all settings", toml::to_string(&study.config).map_err(Failure::analysis)?);
+    page.details("Show all settings", study.config.to_toml().map_err(Failure::analysis)?);
     let mut tables = study.tables();
     let mut time = Table::new("Time", &["engines", "total [s]", "per engine [ms]"]);
     let engines = study.trials.len() + study.failed.len();
@@ -75,7 +75,7 @@ fn write_files(args: &EngineArgs, config: EngineConfig, directory: &Path) -> Res
     let failed = |error: &dyn std::fmt::Display| Failure::output(directory, error);
     fs::create_dir_all(directory).map_err(|error| failed(&error))?;
     files.model.write(directory.join("model.toml")).map_err(|error| failed(&error))?;
-    let spec = toml::to_string(&files.spec).map_err(Failure::analysis)?;
+    let spec = files.spec.to_toml().map_err(Failure::analysis)?;
     let path = directory.join("spec.toml");
     write_atomically(&path, |out| out.write_all(spec.as_bytes()))
         .map_err(|error| failed(&error))?;

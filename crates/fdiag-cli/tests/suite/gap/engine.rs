@@ -38,6 +38,10 @@ fn a_slow_fuel_valve_is_found_by_the_linear_engine() {
 #[test]
 fn a_slow_fuel_valve_is_found_by_the_nonlinear_engine_and_patched_into_it() {
     let desk = engine();
+    // Twelve seconds show it as well as the 24 s of the example, in a third of the time.
+    let log = desk.read("monday.csv");
+    let half: Vec<&str> = log.lines().take(301).collect();
+    fs::write(desk.path("monday.csv"), half.join("\n") + "\n").unwrap();
     let model = ["--model", "engine.toml", "--log", "monday.csv", "--out", "out"];
     let output = desk.run(&[&model[..], &FEW, &["--tolerance", "hpc_flow=0"]].concat());
     assert!(output.status.success(), "{output:?}");

@@ -1,15 +1,14 @@
 //! Several causes in one sentence.
 
-use fd_gap::road::{End, Milestone, Road};
+use fd_gap::road::{CauseList, End, ListedCause};
 
 use crate::gap_study::words::{capital, list, p, percent, with_strength};
 
 /// The causes with what each takes away, and what is left.
-pub(super) fn several(road: &Road) -> String {
-    let named = |milestone: &Milestone| {
-        let share =
-            milestone.share.map_or_else(String::new, |share| format!("{}, ", percent(share)));
-        format!("{} [{share}{}]", with_strength(&milestone.cause), p(milestone.probability))
+pub(super) fn several(road: &CauseList) -> String {
+    let named = |listed: &ListedCause| {
+        let share = listed.share.map_or_else(String::new, |share| format!("{}, ", percent(share)));
+        format!("{} [{share}{}]", with_strength(&listed.cause), p(listed.probability))
     };
     let names: Vec<String> = road.causes.iter().map(named).collect();
     let left = if road.unexplained.is_finite() {

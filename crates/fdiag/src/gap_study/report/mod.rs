@@ -13,7 +13,7 @@ use fd_gap::{
     experiment::Advice,
     locate::Location,
     reading::Reading,
-    road::Road,
+    road::CauseList,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -46,7 +46,7 @@ pub struct Report {
     pub diagnosis: Diagnosis,
     /// Several causes, one after another, where one does not explain the logs down to the noise; `null`
     /// elsewhere.
-    pub road: Option<Road>,
+    pub road: Option<CauseList>,
     /// What to do next, the most useful first; never empty when the answer is tied, unclear or none of these.
     pub next: Vec<String>,
     /// Where the gap lies.
@@ -92,7 +92,7 @@ pub struct Timing {
 impl Report {
     /// Several causes, if they are the answer.
     #[must_use]
-    pub fn list(&self) -> Option<&Road> {
+    pub fn list(&self) -> Option<&CauseList> {
         self.road.as_ref().filter(|road| 1 < road.causes.len())
     }
 

@@ -1,12 +1,8 @@
 //! Laws of sets of effects, on a lag with a dead zone and an end that its model does not know.
-#![allow(clippy::unwrap_used, reason = "tests panic to fail")]
-
 use fd_effect::{Candidate, EverySite, library};
+use fd_gap::diagnose::{Case, EffectSet, SetSearch, Settings, Wanted, diagnose};
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, scales::ReplayScales};
-
-use super::{EffectSet, SetSearch, Wanted};
-use crate::diagnose::{Case, Settings, diagnose};
 
 /// A lag with a well known time constant.
 const MODEL: &str = r#"

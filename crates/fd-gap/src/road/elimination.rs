@@ -1,8 +1,8 @@
 //! The end of a road: which causes are missed, what each takes away, and what all of them leave.
 
 use super::{
-    drive::{Found, Journey, Named},
-    result::{Milestone, Road},
+    result::{CauseList, ListedCause},
+    selection::{Found, Named, Selection},
 };
 use crate::{
     diagnose::{Cause, Diagnosis, EffectSet, HeldOut, Regime, Settings, adjustable},
@@ -11,24 +11,24 @@ use crate::{
 };
 
 /// Looks back: which causes are missed, what each takes away, and what all of them leave.
-pub(super) fn finish(journey: &Journey<'_>, found: Found) -> Result<Road, FitError> {
+pub(super) fn finish(selection: &Selection<'_>, found: Found) -> Result<CauseList, FitError> {
     let Found { set, named, end } = found;
-    let (set, named) = match journey.first.regime {
-        Regime::AtTheFloor => largest_first(journey, set, named),
+    let (set, named) = match selection.first.regime {
+        Regime::AtTheFloor => largest_first(selection, set, named),
         Regime::AboveTheFloor => (set, named),
     };
-    let (set, named, dropped) = missed(journey, set, named)?;
+    let (set, named, dropped) = missed(selection, set, named)?;
     // With each cause, beside those before it alone.
-    let mut forecasts = vec![journey.search.forecast(&journey.search.none()?)?];
+    let mut forecasts = vec![selection.search.forecast(&selection.search.none()?)?];
     for n in 1..set.members.len() {
         let places: Vec<usize> = (0..n).collect();
-        let before = journey.search.only(&set, &places);
-        forecasts.push(before.map_or(Ok(None), |before| journey.search.forecast(&before))?);
+        let before = selection.search.only(&set, &places);
+        forecasts.push(before.map_or(Ok(None), |before| selection.search.forecast(&before))?);
     }
-    forecasts.push(journey.search.forecast(&set)?);
+    forecasts.push(selection.search.forecast(&set)?);
     let sizes: Vec<f64> = forecasts.iter().map(|errors| size(errors.as_deref())).collect();
     let [before, after] = [sizes[0], sizes[sizes.len() - 1]];
-    let [left, noise] = shares([before, after], journey.floor());
+    let [left, noise] = shares([before, after], selection.floor());
     let causes = set.causes();
     let model = causes.first().map(|cause| adjustable(&cause.model, &causes));
     let model = model.ok_or(FitError::Diverged)?;
@@ -37,16 +37,23 @@ pub(super) fn finish(journey: &Journey<'_>, found: Found) -> Result<Road, FitErr
         let Named { log_evidence, probability, tied, odds } = named;
         let share = (sizes[0] - sizes[1]) / before;
         let share = share.is_finite().then_some(share);
-        let closed = journey.closed(forecasts[0].as_deref(), forecasts[1].as_deref());
-        Milestone { cause: Cause { log_evidence, ..cause }, probability, tied, share, closed, odds }
+        let closed = selection.closed(forecasts[0].as_deref(), forecasts[1].as_deref());
+        ListedCause {
+            cause: Cause { log_evidence, ..cause },
+            probability,
+            tied,
+            share,
+            closed,
+            odds,
+        }
     });
-    let causes: Vec<Milestone> = causes.collect();
+    let causes: Vec<ListedCause> = causes.collect();
     let [first, .., last] = forecasts.as_slice() else { return Err(FitError::Diverged) };
-    Ok(Road {
+    Ok(CauseList {
         causes,
         unexplained: left - noise,
         noise,
-        closed: journey.closed(first.as_deref(), last.as_deref()),
+        closed: selection.closed(first.as_deref(), last.as_deref()),
         end,
         dropped,
         model,
@@ -62,8 +69,8 @@ fn shares([before, after]: [f64; 2], floor: f64) -> [f64; 2] {
 }
 
 /// Root mean square of what a set leaves of held-out logs, in sigma; NaN without any, or where it diverges.
-pub(super) fn left(journey: &Journey<'_>, set: &EffectSet) -> Result<f64, FitError> {
-    Ok(size(journey.search.forecast(set)?.as_deref()))
+pub(super) fn left(selection: &Selection<'_>, set: &EffectSet) -> Result<f64, FitError> {
+    Ok(size(selection.search.forecast(set)?.as_deref()))
 }
 
 fn size(errors: Option<&Errors>) -> f64 {
@@ -72,13 +79,13 @@ fn size(errors: Option<&Errors>) -> f64 {
 
 /// A set in the order of the evidence of each member beside all others.
 fn largest_first(
-    journey: &Journey<'_>,
+    selection: &Selection<'_>,
     set: EffectSet,
     named: Vec<Named>,
 ) -> (EffectSet, Vec<Named>) {
     let mut places: Vec<usize> = (0..named.len()).collect();
     places.sort_by(|a, b| named[*b].log_evidence.total_cmp(&named[*a].log_evidence));
-    match journey.search.only(&set, &places) {
+    match selection.search.only(&set, &places) {
         Some(sorted) => (sorted, places.into_iter().map(|place| named[place].clone()).collect()),
         None => (set, named),
     }
@@ -87,11 +94,11 @@ fn largest_first(
 /// A set without the causes that held-out forecasts do not miss, the last one excepted, which was accepted with all others
 /// there; and the labels of those.
 fn missed(
-    journey: &Journey<'_>,
+    selection: &Selection<'_>,
     mut set: EffectSet,
     mut named: Vec<Named>,
 ) -> Result<(EffectSet, Vec<Named>, Vec<String>), FitError> {
-    let search = journey.search;
+    let search = selection.search;
     let (mut dropped, mut i) = (Vec::new(), 0);
     let mut fuller = search.forecast(&set)?;
     while i + 1 < set.members.len() && fuller.is_some() {
@@ -100,7 +107,7 @@ fn missed(
             Some(plainer) => search.forecast(plainer)?,
             None => None,
         };
-        match plainer.filter(|_| !is_missed(journey, forecast.as_deref(), fuller.as_deref())) {
+        match plainer.filter(|_| !is_missed(selection, forecast.as_deref(), fuller.as_deref())) {
             Some(plainer) => {
                 dropped.push(set.members[i].label.to_owned());
                 named.remove(i);
@@ -114,12 +121,12 @@ fn missed(
 
 /// Whether held-out forecasts of the fuller model are clearly better, or, where evidence has spoken, not clearly
 /// worse; where one of the two diverges, nobody knows.
-fn is_missed(journey: &Journey<'_>, plainer: Option<&Errors>, fuller: Option<&Errors>) -> bool {
-    let is_evident = journey.first.regime == Regime::AtTheFloor;
+fn is_missed(selection: &Selection<'_>, plainer: Option<&Errors>, fuller: Option<&Errors>) -> bool {
+    let is_evident = selection.first.regime == Regime::AtTheFloor;
     if plainer.is_none() || fuller.is_none() {
         return true;
     }
-    match journey.closed(plainer, fuller).map(|closed| closed.interval) {
+    match selection.closed(plainer, fuller).map(|closed| closed.interval) {
         Some([_, high]) if is_evident => 0.0 <= high,
         Some([low, _]) => 0.0 < low,
         // Nothing is left to be shared out.

@@ -8,10 +8,10 @@
 use fd_effect::Candidate;
 
 use super::{
-    drive::{Found, Journey, Named},
-    finish::left,
-    growth::above_the_noise,
+    elimination::left,
+    floating::above_the_noise,
     result::End,
+    selection::{Found, Named, Selection},
 };
 use crate::{
     diagnose::{Cause, Diagnosis, EffectSet, NAMED, Objection, Round, Wanted, follows_anything},
@@ -44,10 +44,10 @@ impl Step {
 }
 
 /// The cause that a diagnosis believes in alone, if it is a law and nothing forbids it.
-pub(super) fn believed_alone<'a>(journey: &Journey<'a>) -> Option<&'a Cause> {
-    let first = journey.first;
+pub(super) fn believed_alone<'a>(selection: &Selection<'a>) -> Option<&'a Cause> {
+    let first = selection.first;
     let cause = first.causes.first().filter(|cause| NAMED < cause.probability)?;
-    (!is_forbidden(first) && journey.search.is_law(cause)).then_some(cause)
+    (!is_forbidden(first) && selection.search.is_law(cause)).then_some(cause)
 }
 
 fn is_forbidden(first: &Diagnosis) -> bool {
@@ -55,8 +55,8 @@ fn is_forbidden(first: &Diagnosis) -> bool {
 }
 
 /// The first law of a diagnosis, and what takes its part of what is left beside it; `None` where there is no law.
-pub(super) fn grown(journey: &Journey<'_>) -> Result<Option<Grown>, FitError> {
-    let Journey { first, search, most, .. } = *journey;
+pub(super) fn grown(selection: &Selection<'_>) -> Result<Option<Grown>, FitError> {
+    let Selection { first, search, most, .. } = *selection;
     // As many as are fitted beside a set.
     let rivals = search.settings().shortlist;
     let causes = first.causes.iter().filter(|cause| search.is_law(cause)).take(rivals);
@@ -66,7 +66,7 @@ pub(super) fn grown(journey: &Journey<'_>) -> Result<Option<Grown>, FitError> {
         return Ok(None);
     }
     let mut last = Step { round, place: 0 };
-    let mut before = journey.above_the_floor(last.set())?;
+    let mut before = selection.above_the_floor(last.set())?;
     let mut steps = Vec::new();
     let laws = |candidate: &Candidate| !follows_anything(candidate);
     let end = loop {
@@ -83,11 +83,11 @@ pub(super) fn grown(journey: &Journey<'_>) -> Result<Option<Grown>, FitError> {
         }
         let more = search.beside(set, &Wanted { candidate: &laws, least: 0.0 })?;
         let round = search.round(set, more)?;
-        let standings = search.standings(&round, &round.forecasts, journey.floor());
+        let standings = search.standings(&round, &round.forecasts, selection.floor());
         let best = standings.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((place, _)) = best else { break End::NothingHelps };
         let next = Step { round, place };
-        let after = journey.above_the_floor(next.set())?;
+        let after = selection.above_the_floor(next.set())?;
         if !takes_the_mean([before, after], rest) {
             break End::NothingHelps;
         }
@@ -100,8 +100,8 @@ pub(super) fn grown(journey: &Journey<'_>) -> Result<Option<Grown>, FitError> {
 
 /// As few laws of a set, in the order in which they were found, as are more probable than not all together, and those after
 /// them that remain so; `None` where there are none.
-pub(super) fn believed(journey: &Journey<'_>, grown: &Grown) -> Option<Found> {
-    let Journey { first, search, .. } = *journey;
+pub(super) fn believed(selection: &Selection<'_>, grown: &Grown) -> Option<Found> {
+    let Selection { first, search, .. } = *selection;
     let Grown { steps, end } = grown;
     if is_forbidden(first) {
         return None;
@@ -110,7 +110,7 @@ pub(super) fn believed(journey: &Journey<'_>, grown: &Grown) -> Option<Found> {
     let named = |i: usize, last: usize| {
         let (Step { round, place }, last) = (&steps[i], &steps[last]);
         let forecasts = round.forecasts.beside(place + 1, &last.round.forecasts, last.place + 1);
-        let standings = search.standings(round, &forecasts, journey.floor());
+        let standings = search.standings(round, &forecasts, selection.floor());
         let before = steps[..i].last().map_or(0.0, |before| before.set().log_evidence);
         Named {
             log_evidence: steps[i].set().log_evidence - before,
@@ -122,7 +122,7 @@ pub(super) fn believed(journey: &Journey<'_>, grown: &Grown) -> Option<Found> {
     let together = |last: usize| -> Vec<Named> { (0..=last).map(|i| named(i, last)).collect() };
     let is_believed = |named: &Vec<Named>| NAMED < named.iter().map(|n| n.probability).product();
     // What is believed of one alone, the diagnosis has said.
-    let mut all = match believed_alone(journey) {
+    let mut all = match believed_alone(selection) {
         Some(cause) => vec![of_first(first, cause)],
         None => (1..steps.len()).map(together).find(is_believed)?,
     };
@@ -150,7 +150,7 @@ pub(super) fn takes_the_mean([before, after]: [f64; 2], of: usize) -> bool {
     after <= (1.0 - 1.0 / of as f64) * before
 }
 
-impl Journey<'_> {
+impl Selection<'_> {
     /// Squares that a set leaves of held-out logs above their floor, or of the fitted ones above the noise without any.
     fn above_the_floor(&self, set: &EffectSet) -> Result<f64, FitError> {
         let left = left(self, set)?;

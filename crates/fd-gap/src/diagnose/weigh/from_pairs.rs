@@ -1,4 +1,4 @@
-//! What single causes learn from pairs.
+//! Single causes fitted again from where pairs have them.
 
 use crate::together::each;
 
@@ -9,25 +9,22 @@ use crate::{
         context::Context,
         search::{searched::Searched, trial::Trial},
         sets::{EffectSet, Member},
+        settings::LEADING,
     },
     fit::FitError,
 };
 
-/// Best pairs that single causes learn from.
-const TEACHERS: usize = 4;
-
 /// The same causes, fitted again from where the best pairs have them: one of two may be next to
 /// nothing, and the other have found beside it what it did not find alone. They are weighed again if
 /// any came out better.
-pub(super) fn taught_by<'a>(
+pub(super) fn fitted_from<'a>(
     pairs: &[EffectSet],
     singles: Singles<'a>,
     context: &Context<'a>,
 ) -> Result<Singles<'a>, FitError> {
     let Searched { null, mut trials, .. } = singles.searched;
-    let known: Vec<(Member<'_>, Vec<f64>)> =
-        pairs.iter().take(TEACHERS).flat_map(of_pair).collect();
-    let learn = |trial: &mut Trial<'_>| {
+    let known: Vec<(Member<'_>, Vec<f64>)> = pairs.iter().take(LEADING).flat_map(of_pair).collect();
+    let fit_again = |trial: &mut Trial<'_>| {
         let is_better = known
             .iter()
             .filter(|(member, _)| is_same_cause(member.candidate, trial.candidate))
@@ -39,9 +36,9 @@ pub(super) fn taught_by<'a>(
         }
         0 < is_better
     };
-    let have_learned = each(&mut trials, learn).contains(&true);
+    let are_better = each(&mut trials, fit_again).contains(&true);
     let searched = Searched { null, trials, ..singles.searched };
-    if have_learned {
+    if are_better {
         weigh_singles(searched, context.candidates)
     } else {
         Ok(Singles { searched, ..singles })

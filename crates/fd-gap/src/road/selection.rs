@@ -1,12 +1,12 @@
-//! Along the road: as far as forecasts bear out far above the noise, by evidence near it.
+//! Stepwise selection of causes: as far as forecasts bear out far above the noise, by evidence near it.
 
 use std::cell::Cell;
 
 use super::{
-    beyond::{believed, believed_alone, grown},
     by_evidence::by_evidence,
-    finish::{at, finish, judged_at, total},
-    result::{End, Road},
+    by_forecasts::{believed, believed_alone, grown},
+    elimination::{at, finish, judged_at, total},
+    result::{CauseList, End},
     to_the_noise::to_the_noise,
 };
 use crate::{
@@ -43,7 +43,7 @@ impl From<usize> for Bounds {
 
 /// A diagnosis, and what is needed to go on from it.
 #[derive(Clone, Copy)]
-pub(super) struct Journey<'a> {
+pub(super) struct Selection<'a> {
     /// Looks beside a set that can still be taken.
     pub(super) looks: &'a Cell<usize>,
     pub(super) first: &'a Diagnosis,
@@ -56,7 +56,7 @@ pub(super) struct Journey<'a> {
     pub(super) is_to_the_noise: bool,
 }
 
-impl Journey<'_> {
+impl Selection<'_> {
     /// Noise floor of held-out logs, in sigma; NaN without any.
     pub(super) fn floor(&self) -> f64 {
         total(at(self.first, self.horizon), self.search.sigma(), |h| &h.floor)
@@ -97,7 +97,7 @@ pub fn road(
     settings: &Settings,
     bounds: impl Into<Bounds>,
     monitor: &dyn Monitor,
-) -> Result<Option<Road>, FitError> {
+) -> Result<Option<CauseList>, FitError> {
     let Bounds { most, is_dear } = bounds.into();
     if first.is_logged_loop || first.verdict == Verdict::NoGap || is_all(case, first, is_dear) {
         return Ok(None);
@@ -110,15 +110,16 @@ pub fn road(
     if first.regime == Regime::AtTheFloor {
         let Some(search) = simulated(begin(false))? else { return Ok(None) };
         let is_to_the_noise = first.verdict != Verdict::Pair;
-        let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise };
-        return simulated(by_evidence(&journey));
+        let selection = Selection { looks, first, search: &search, most, horizon, is_to_the_noise };
+        return simulated(by_evidence(&selection));
     }
     let Some(search) = simulated(begin(true))? else { return Ok(None) };
-    let journey = Journey { looks, first, search: &search, most, horizon, is_to_the_noise: false };
-    if is_dear && believed_alone(&journey).is_none() {
+    let selection =
+        Selection { looks, first, search: &search, most, horizon, is_to_the_noise: false };
+    if is_dear && believed_alone(&selection).is_none() {
         return Ok(None);
     }
-    let Some(grown) = simulated(grown(&journey))? else { return Ok(None) };
+    let Some(grown) = simulated(grown(&selection))? else { return Ok(None) };
     if !is_dear {
         // What explains everything does so from the beginning of the log to its end.
         let free = if search.is_in_windows { simulated(begin(false))? } else { None };
@@ -127,17 +128,17 @@ pub fn road(
             None => Some(set.clone()),
         });
         let search = free.as_ref().unwrap_or(&search);
-        let journey = Journey { search, is_to_the_noise: true, ..journey };
+        let selection = Selection { search, is_to_the_noise: true, ..selection };
         let explained = match set {
-            Some(set) => simulated(to_the_noise(&journey, set))?,
+            Some(set) => simulated(to_the_noise(&selection, set))?,
             None => None,
         };
         if explained.is_some() {
             return Ok(explained);
         }
     }
-    match believed(&journey, &grown) {
-        Some(found) => simulated(finish(&journey, found).map(Some)),
+    match believed(&selection, &grown) {
+        Some(found) => simulated(finish(&selection, found).map(Some)),
         None => Ok(None),
     }
 }

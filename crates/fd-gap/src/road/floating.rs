@@ -5,9 +5,9 @@
 use fd_effect::Candidate;
 
 use super::{
-    beyond::takes_the_mean,
-    drive::{Found, Journey, Named},
+    by_forecasts::takes_the_mean,
     result::End,
+    selection::{Found, Named, Selection},
 };
 use crate::{
     diagnose::{Cause, EffectSet, FAINT, Settings, Wanted, follows_anything, is_a_pair},
@@ -19,7 +19,7 @@ use crate::{
 /// has the likeliest, not the one that was found first. Evidence is known to about a tenth from fits that start elsewhere.
 const CLEARLY: f64 = 0.1;
 
-impl Journey<'_> {
+impl Selection<'_> {
     /// The set with what else is found, after it does not change any more; `None` where that takes too long.
     pub(super) fn grown(&self, set: EffectSet) -> Result<Option<Found>, FitError> {
         let Some((mut set, mut end)) = self.onwards(set)? else { return Ok(None) };
