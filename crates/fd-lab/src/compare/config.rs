@@ -8,7 +8,7 @@ use fd_model::{
     fault::Site,
     file::{SettingsError, read_settings, write_settings},
 };
-use fdiag::spec::{BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
+use fdiag::spec::{ApplySpec, BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
 use super::{defaults, error::CompareError, fault::FaultGrid, named::is_diagnosed, own::OwnPlant};
@@ -233,11 +233,12 @@ impl CompareConfig {
     }
 
     /// The pipeline of a generator and a bias model; the detector comes later.
-    pub(super) fn pipeline(&self, generator: &Generator, bias: &BiasSpec) -> PipelineSpec {
+    pub(super) fn pipeline(&self, generator: &Generator, bias: Option<&BiasSpec>) -> PipelineSpec {
+        let nothing = || BiasSpec { apply: ApplySpec::Never, ..BiasSpec::default() };
         PipelineSpec {
             generator: generator.spec.clone(),
             weighting: generator.weighting.clone(),
-            bias: bias.clone(),
+            bias: bias.cloned().unwrap_or_else(nothing),
             rule: self.rule,
             settle_s: self.settle_s,
             ..PipelineSpec::default()

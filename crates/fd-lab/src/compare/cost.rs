@@ -40,9 +40,8 @@ impl Scene<'_> {
         for generator in &self.config.generators {
             let generator = completed(self.config, generator, &runs);
             for bias in &self.config.biases {
-                let spec = bias.spec.clone().unwrap_or_default();
-                let generator = generator.as_ref().ok();
-                let trained = generator.map(|g| runs.train(&self.config.pipeline(g, &spec)));
+                let (generator, spec) = (generator.as_ref().ok(), bias.spec.as_ref());
+                let trained = generator.map(|g| runs.train(&self.config.pipeline(g, spec)));
                 let trained = trained.and_then(Result::ok);
                 let residual = trained.as_ref().and_then(|t| residual_ns(t, record).ok());
                 for detector in &self.config.detectors {

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use fd_compensate::SampleRows;
 use fd_model::Record;
 use fdiag::{
-    spec::{ApplySpec, BiasSpec},
+    spec::BiasSpec,
     training::{Trained, TrainingError, sensor_signatures},
 };
 
@@ -50,14 +50,14 @@ impl Scene<'_> {
         step();
         for generator in &config.generators {
             let generator = completed(config, generator, &runs);
-            let train = |bias: &BiasSpec| {
+            let train = |bias: Option<&BiasSpec>| {
                 let generator = generator.as_ref().map_err(String::clone)?;
                 runs.train(&config.pipeline(generator, bias)).map_err(|error| error.to_string())
             };
             let biases = config.biases.iter();
             let fits: Vec<Option<Result<Trained, String>>> = biases
                 .map(|bias| {
-                    let fit = bias.spec.as_ref().map(train);
+                    let fit = bias.spec.as_ref().map(|spec| train(Some(spec)));
                     step();
                     fit
                 })
@@ -67,7 +67,7 @@ impl Scene<'_> {
             let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
                 fit
             } else {
-                learned = train(&BiasSpec { apply: ApplySpec::Never, ..BiasSpec::default() });
+                learned = train(None);
                 &learned
             };
             let primary = plain.as_ref().map_err(String::clone).and_then(|trained| {

@@ -227,6 +227,8 @@ fn shipped_configurations_run() {
         assert!(scenario.failed.is_empty(), "{}: {:?}", folder.display(), scenario.failed);
         let found: u64 = scenario.entries[0].faults.iter().map(|fault| fault.found[0]).sum();
         assert!(found > 0, "{}: nothing found", folder.display());
+        // What costs time is there without a bias model as well.
+        assert!(comparison.overall.iter().all(|entry| entry.cost_ns.is_some_and(|ns| 0.0 < ns)));
         count += 1;
     }
     assert_eq!(count, 7);

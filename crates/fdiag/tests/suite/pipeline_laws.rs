@@ -9,8 +9,9 @@ use fdiag::{
         DynPipeline, EventKind, Frame, Snapshot,
         stage::{Phase, Stage},
     },
+    ident::arx::ArxOrders,
     model::{Channel, Discrete, Record, StateSpace},
-    spec::{GeneratorSpec, PipelineSpec},
+    spec::{BiasSpec, GeneratorSpec, OrderSpec, PipelineSpec},
     training::{Healthy, Trained, train},
 };
 use proptest::prelude::*;
@@ -98,8 +99,11 @@ impl Relabelling {
     }
 }
 
+/// With a bias model of given orders: how they are chosen is no matter of these laws, and takes most of a training.
 fn diagnosis(generator: GeneratorSpec) -> PipelineSpec {
-    PipelineSpec { generator, settle_s: Some(0.0), ..PipelineSpec::default() }
+    let orders = OrderSpec::Fixed(ArxOrders::paper(2).with_offset());
+    let bias = BiasSpec { orders, ..BiasSpec::default() };
+    PipelineSpec { generator, bias, settle_s: Some(0.0), ..PipelineSpec::default() }
 }
 
 fn generators() -> impl Strategy<Value = GeneratorSpec> {
@@ -120,8 +124,8 @@ fn floats(bits: &[u64]) -> impl Iterator<Item = f64> + '_ {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16,
- max_global_rejects: 40,
+    #![proptest_config(ProptestConfig { cases: 48,
+ max_global_rejects: 120,
  failure_persistence: None, ..ProptestConfig::default() })]
 
     /// In simulation mode `μ̂` depends on `u` alone, so a sensor fault passes the compensation
