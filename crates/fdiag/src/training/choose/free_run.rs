@@ -6,6 +6,7 @@ use fd_ident::{
     order::select_orders,
 };
 use fd_model::Record;
+use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use crate::{
@@ -123,27 +124,41 @@ impl<'r> Judge<'r> {
         orders: &[ArxOrders],
     ) -> Result<Vec<(Candidate, Option<Losses>)>, TrainingError> {
         let Some(structure) = Structure::of(spec, self.records)? else { return Ok(Vec::new()) };
-        let mut losses: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); orders.len()];
-        for fold in 0..FOLDS {
-            let others = self.parts.iter().filter(|(of, _)| *of != fold);
-            let others: Vec<Record> = others.map(|(_, part)| part.clone()).collect();
-            let models = fit_all(&structure, learning, orders, &others);
-            for (losses, model) in losses.iter_mut().zip(models) {
-                for (_, part) in self.parts.iter().filter(|(of, _)| *of == fold) {
-                    let run = model.as_ref().and_then(|model| self.free_run(model, part));
-                    match (losses.as_mut(), run) {
-                        (Some(losses), Some(run)) => losses.extend(run),
-                        _ => *losses = None,
-                    }
-                }
-            }
-        }
+        // Folds know nothing of each other.
+        let folds: Vec<Vec<Option<Vec<f64>>>> = (0..FOLDS)
+            .into_par_iter()
+            .map(|fold| self.of_fold(fold, &structure, learning, orders))
+            .collect();
+        let of_all = |candidate: usize| -> Option<Vec<f64>> {
+            let each = folds.iter().map(|fold| fold[candidate].as_ref());
+            Some(each.collect::<Option<Vec<_>>>()?.into_iter().flatten().copied().collect())
+        };
+        let losses: Vec<Option<Vec<f64>>> = (0..orders.len()).map(of_all).collect();
         let candidate = |orders: &ArxOrders| Candidate {
             structure: spec.clone(),
             orders: *orders,
             learning: learning.clone(),
         };
         Ok(orders.iter().map(candidate).zip(losses.into_iter().map(|l| l.map(Losses))).collect())
+    }
+
+    /// The losses of every candidate over the parts of a fold, having learned from all others.
+    fn of_fold(
+        &self,
+        fold: usize,
+        structure: &Structure,
+        learning: &LearningSpec,
+        orders: &[ArxOrders],
+    ) -> Vec<Option<Vec<f64>>> {
+        let others = self.parts.iter().filter(|(of, _)| *of != fold);
+        let others: Vec<Record> = others.map(|(_, part)| part.clone()).collect();
+        let losses = |model: Option<LearnedBias>| -> Option<Vec<f64>> {
+            let model = model?;
+            let own = self.parts.iter().filter(|(of, _)| *of == fold);
+            let runs = own.map(|(_, part)| self.free_run(&model, part));
+            Some(runs.collect::<Option<Vec<_>>>()?.concat())
+        };
+        fit_all(structure, learning, orders, &others).into_iter().map(losses).collect()
     }
 
     /// The losses without any bias model.
