@@ -213,9 +213,7 @@ fn shipped_configurations_run() {
         config.generators.truncate(1);
         config.biases.truncate(1);
         (config.engines.thresholds, config.engines.test) = (1, 1);
-        // As few runs as this rate can be set by.
-        config.false_alarms = 0.25;
-        (config.engines.threshold_runs, config.engines.test_runs) = (3, 1);
+        (config.engines.threshold_runs, config.engines.test_runs) = (19, 1);
         for scenario in &mut config.scenarios {
             let faults = &mut scenario.own.as_mut().unwrap().faults;
             for fault in faults {

@@ -23,7 +23,8 @@ const BEGINNING: f64 = 1.0 / 3.0;
 /// … and the share of the gain that must lie there. What a free start gains all along the log, as the
 /// offset of an integrator does, may as well be an effect …
 const AT_THE_BEGINNING: f64 = 0.8;
-/// … unless free starts alone explain the log, or leave no more than this part of the squares of some output: what hardly damps never forgets how it began.
+/// … unless free starts alone explain the log, or leave no more than this part of the squares of some output: what hardly damps
+/// never forgets how it began.
 const MOST: f64 = 0.1;
 /// The first samples of a log, …
 const FIRST: usize = 3;

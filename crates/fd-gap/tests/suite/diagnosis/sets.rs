@@ -1,4 +1,5 @@
 //! Laws of sets of effects, on a lag with a dead zone and an end that its model does not know.
+
 use fd_effect::{Candidate, EverySite, library};
 use fd_gap::diagnose::{Case, EffectSet, SetSearch, Settings, Wanted, diagnose};
 use fd_model::{Record, signal::WhiteNoise};
