@@ -38,7 +38,7 @@ fn a_slow_fuel_valve_is_found_by_the_linear_engine() {
 #[test]
 fn a_slow_fuel_valve_is_found_by_the_nonlinear_engine_and_patched_into_it() {
     let desk = engine();
-    // Twelve seconds show it as well as the 24 s of the example, in a third of the time.
+    // Twelve seconds show it as well as the 24 s of the example.
     let log = desk.read("monday.csv");
     let half: Vec<&str> = log.lines().take(301).collect();
     fs::write(desk.path("monday.csv"), half.join("\n") + "\n").unwrap();
@@ -51,7 +51,8 @@ fn a_slow_fuel_valve_is_found_by_the_nonlinear_engine_and_patched_into_it() {
     assert_eq!((&first["label"], &first["site"]["name"]), (&"input-lag".into(), &"W_f".into()));
     let lag = &first["parameters"][0];
     let (value, error) = (lag["value"].as_f64().unwrap(), lag["standard_error"].as_f64().unwrap());
-    // Three standard errors, and a hundredth for the steps of the integration.
+    // Three standard errors, those of the whole log at most, and a hundredth for the steps of the integration.
+    let error = error.min(0.0022);
     assert!((value - 0.15).abs() < 3.0 * error + 0.0015, "{value} {error}");
     let closed =
         report["diagnosis"]["held_out"][0]["closed_of_refit"]["fraction"].as_f64().unwrap();
