@@ -48,6 +48,7 @@ pub struct PredictionError {
     noise: NoiseStructure,
     start: Start,
     rounds: usize,
+    to_rest: bool,
 }
 
 /// Fitted models with the noise that they assume.
@@ -86,7 +87,7 @@ impl PredictionError {
     /// An estimator that searches at most 100 rounds and estimates where each record starts.
     #[must_use]
     pub fn new(orders: ArxOrders, noise: NoiseStructure) -> Self {
-        Self { orders, noise, start: Start::Estimated, rounds: 100 }
+        Self { orders, noise, start: Start::Estimated, rounds: 100, to_rest: false }
     }
 
     /// White measurement noise, `μ = B/A u + e`.
@@ -120,12 +121,18 @@ impl PredictionError {
         Self { rounds, ..self }
     }
 
+    /// Takes a search that has not come to rest for an error, at the first residual channel where that is so.
+    #[must_use]
+    pub fn to_rest(self) -> Self {
+        Self { to_rest: true, ..self }
+    }
+
     /// Fits one model per residual channel to all records together.
     ///
     /// # Errors
     ///
-    /// As [`ArxFit::fit`], from which the search starts, and when there are not more samples than
-    /// parameters.
+    /// As [`ArxFit::fit`], from which the search starts, when there are not more samples than
+    /// parameters, and as [`PredictionError::to_rest`] asks for.
     pub fn fit<R: Borrow<Record>>(
         &self,
         records: &[R],
@@ -179,7 +186,7 @@ impl PredictionError {
             }
         }
         let best = best.ok_or(IdentError::NoConvergence { what: "prediction-error search" })?;
-        if !best.cost.is_finite() {
+        if !best.cost.is_finite() || (self.to_rest && !best.converged) {
             return Err(IdentError::NoConvergence { what: "prediction-error search" });
         }
         channel_fit(&problem, &best)

@@ -174,11 +174,11 @@ fn batch(
     let search = |noise: NoiseStructure, from_rest: bool| {
         let estimator = PredictionError::new(orders, noise);
         let estimator = if from_rest { estimator.from_rest() } else { estimator };
-        let estimate = estimator.fit(records)?;
-        if search == Search::ToRest && !estimate.channels.iter().all(|channel| channel.converged) {
-            return Err(IdentError::NoConvergence { what: "prediction-error search" });
-        }
-        Ok(estimate.model)
+        let estimator = match search {
+            Search::AsFarAsItCame => estimator,
+            Search::ToRest => estimator.to_rest(),
+        };
+        Ok(estimator.fit(records)?.model)
     };
     match learning {
         LearningSpec::Batch { prefilter_rad_s } => {

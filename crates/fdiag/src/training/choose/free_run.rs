@@ -1,5 +1,7 @@
 //! Free runs over held-out healthy samples.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use fd_core::stage::BiasModel;
 use fd_ident::{
     arx::ArxOrders, hammerstein::HammersteinModel, least_squares::LeastSquares,
@@ -124,10 +126,11 @@ impl<'r> Judge<'r> {
         orders: &[ArxOrders],
     ) -> Result<Vec<(Candidate, Option<Losses>)>, TrainingError> {
         let Some(structure) = Structure::of(spec, self.records)? else { return Ok(Vec::new()) };
-        // Folds know nothing of each other.
+        // Folds know nothing of each other but that a candidate without a model in one of them is out.
+        let out: Vec<AtomicBool> = orders.iter().map(|_| AtomicBool::new(false)).collect();
         let folds: Vec<Vec<Option<Vec<f64>>>> = (0..FOLDS)
             .into_par_iter()
-            .map(|fold| self.of_fold(fold, &structure, learning, orders))
+            .map(|fold| self.of_fold(fold, &structure, learning, orders, &out))
             .collect();
         let of_all = |candidate: usize| -> Option<Vec<f64>> {
             let each = folds.iter().map(|fold| fold[candidate].as_ref());
@@ -149,6 +152,7 @@ impl<'r> Judge<'r> {
         structure: &Structure,
         learning: &LearningSpec,
         orders: &[ArxOrders],
+        out: &[AtomicBool],
     ) -> Vec<Option<Vec<f64>>> {
         let others = self.parts.iter().filter(|(of, _)| *of != fold);
         let others: Vec<Record> = others.map(|(_, part)| part.clone()).collect();
@@ -158,7 +162,7 @@ impl<'r> Judge<'r> {
             let runs = own.map(|(_, part)| self.free_run(&model, part));
             Some(runs.collect::<Option<Vec<_>>>()?.concat())
         };
-        fit_all(structure, learning, orders, &others).into_iter().map(losses).collect()
+        fit_all(structure, learning, orders, &others, out).into_iter().map(losses).collect()
     }
 
     /// The losses without any bias model.
@@ -225,18 +229,26 @@ impl<'r> Judge<'r> {
     }
 }
 
-/// Models of all orders; those by least squares share one factorisation.
+/// Models of all orders that are not `out`; those by least squares share one factorisation.
 fn fit_all(
     structure: &Structure,
     learning: &LearningSpec,
     orders: &[ArxOrders],
     records: &[Record],
+    out: &[AtomicBool],
 ) -> Vec<Option<LearnedBias>> {
     let shares = matches!(structure, Structure::Linear | Structure::Hammerstein(_))
         && *learning == LearningSpec::default();
     let Some(seen) = structure.seen(records).ok().filter(|_| shares) else {
-        let fitted = |o: &ArxOrders| fit(structure, learning, *o, records, Search::ToRest).ok();
-        return orders.iter().map(fitted).collect();
+        let fitted = |(orders, out): (&ArxOrders, &AtomicBool)| {
+            if out.load(Ordering::Relaxed) {
+                return None;
+            }
+            let model = fit(structure, learning, *orders, records, Search::ToRest).ok();
+            out.fetch_or(model.is_none(), Ordering::Relaxed);
+            model
+        };
+        return orders.iter().zip(out).map(fitted).collect();
     };
     let seen: Vec<&Record> = seen.iter().collect();
     let Ok(table) = select_orders(orders, &LeastSquares::new(), &seen, &[]) else {
