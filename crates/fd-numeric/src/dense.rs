@@ -6,8 +6,12 @@
 use std::ops::Deref;
 
 use faer::{
-    Accum, Conj, Mat, MatMut, MatRef, Par, Side, c64,
+    Accum, Conj, Mat, MatMut, MatRef, Par, Side, Spec, c64,
+    dyn_stack::{MemBuffer, MemStack},
     linalg::matmul::triangular::{self, BlockStructure},
+    linalg::qr::no_pivoting::factor::{
+        QrParams, qr_in_place, qr_in_place_scratch, recommended_block_size,
+    },
     linalg::solvers::{
         self, DenseSolveCore, EvdError, LltError, ShapeCore, SolveCore, SolveLstsqCore, SvdError,
     },
@@ -144,6 +148,18 @@ pub fn add_gram(a: MatMut<'_, f64>, x: MatRef<'_, f64>) {
         1.0,
         Par::Seq,
     );
+}
+
+/// `R` of a thin QR, in place: most of the time of `Mat::qr` on many rows would go into copies of all of them.
+#[must_use]
+pub fn triangle(mut rows: Mat<f64>) -> Mat<f64> {
+    let (m, n) = rows.shape();
+    let (size, block) = (m.min(n), recommended_block_size::<f64>(m, n));
+    let how = Spec::<QrParams, f64>::default();
+    let mut memory = MemBuffer::new(qr_in_place_scratch::<f64>(m, n, block, Par::Seq, how));
+    let mut q = Mat::zeros(block, size);
+    qr_in_place(rows.as_mut(), q.as_mut(), Par::Seq, MemStack::new(&mut memory), how);
+    Mat::from_fn(size, n, |i, j| if i <= j { rows[(i, j)] } else { 0.0 })
 }
 
 impl<T: Number> Qr<T> {

@@ -6,6 +6,7 @@
 //! | multiply long signals | [`wide::dot`], [`wide::dots`] |
 //! | decompose and solve (in `f64`) | [`dense`] |
 //! | compute with many numbers side by side (SIMD) | [`lanes`] |
+//! | find the lines of a signal | [`fourier`] |
 //! | measure the size of a signal | [`rms()`], [`mean_and_deviation`] |
 //! | order samples | [`quantile()`], [`median`], [`upper_median`], [`robust_deviation`] |
 //!
@@ -22,6 +23,7 @@
 
 pub mod dense;
 mod dot;
+pub mod fourier;
 pub mod lanes;
 mod quantile;
 mod rms;

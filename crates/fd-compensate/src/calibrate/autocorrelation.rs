@@ -1,7 +1,6 @@
 //! How long a signal remembers itself.
 
-use fd_numeric::dot;
-use realfft::RealFftPlanner;
+use fd_numeric::{dot, fourier::Fourier};
 
 /// Lags to sum, in autocorrelation times.
 const WINDOW: f64 = 5.0;
@@ -60,18 +59,16 @@ fn product(centred: &[f64], lag: usize) -> f64 {
 /// spectrum of the signal with `last` zeros behind it, so that no lag wraps around.
 fn products(centred: &[f64], last: usize) -> Vec<f64> {
     let padded = (centred.len() + last).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
-    let (mut time, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
+    let mut time = vec![0.0; padded];
     time[..centred.len()].copy_from_slice(centred);
-    let transformed = forward.process(&mut time, &mut spectrum).and_then(|()| {
-        for line in &mut spectrum {
-            *line = line.norm_sqr().into();
-        }
-        inverse.process(&mut spectrum, &mut time)
-    });
-    // The transforms only fail for buffers of another length or a spectrum that is not real at its
-    // ends, and this one is real throughout.
+    let mut fourier = Fourier::new();
+    let mut spectrum = fourier.lines(&mut time);
+    for line in &mut spectrum {
+        *line = line.norm_sqr().into();
+    }
+    let transformed = fourier.signal_into(&mut spectrum, &mut time);
+    // It only fails for buffers of another length or a spectrum that is not real at its ends, and this one is real
+    // throughout.
     debug_assert!(transformed.is_ok(), "{transformed:?}");
     time.iter().take(last + 1).map(|v| v / padded as f64).collect()
 }

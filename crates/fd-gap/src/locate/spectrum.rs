@@ -2,17 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use realfft::{RealFftPlanner, num_complex::Complex64};
+use fd_numeric::fourier::{Complex64, Fourier};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::{
     bench::{Bench, Rows},
     result::{Band, Spectrum},
 };
-use crate::{
-    diagnose::Diagnosis,
-    quality::{Autoregression, transform},
-};
+use crate::{diagnose::Diagnosis, quality::Autoregression};
 
 /// Bands.
 const BANDS: usize = 8;
@@ -126,7 +123,7 @@ impl Power {
     /// Periodograms under Hann's window, one per log, the mean apart (it counts for the lowest
     /// band).
     fn of(signals: &Rows, edges: &[f64; BANDS], ts: f64, floor: &Floor) -> Self {
-        let mut planner = RealFftPlanner::<f64>::new();
+        let mut fourier = Fourier::new();
         let mut all = Self { signal: [0.0; BANDS], floor: [0.0; BANDS], lines: [0.0; BANDS] };
         let total = signals.iter().flatten().filter(|v| v.is_finite()).count() as f64;
         for signal in signals {
@@ -142,7 +139,7 @@ impl Power {
                 signal.iter().zip(&window).filter(|(v, _)| v.is_finite()).map(|(_, w)| w * w).sum();
             let centred = |(v, w): (&f64, &f64)| if v.is_finite() { (v - mean) * w } else { 0.0 };
             let mut windowed: Vec<f64> = signal.iter().zip(&window).map(centred).collect();
-            let lines = transform(&mut planner, &mut windowed);
+            let lines = fourier.lines(&mut windowed);
             // The share of this log in the mean square, spread over its lines.
             let weight = count / total;
             let share = weight * 2.0 / (n as f64 * energy);
@@ -187,7 +184,7 @@ fn coherence(
     if length < LEAST_STRETCH {
         return vec![None; BANDS];
     }
-    let mut planner = RealFftPlanner::<f64>::new();
+    let mut fourier = Fourier::new();
     let window = hann(length);
     let lines = length / 2 + 1;
     let (mut rr, mut uu) = (vec![0.0; lines], vec![0.0; lines]);
@@ -204,7 +201,7 @@ fn coherence(
                 let centred =
                     |(v, w): (&f64, &f64)| if v.is_finite() { (v - mean) * w } else { 0.0 };
                 let mut windowed: Vec<f64> = signal.iter().zip(&window).map(centred).collect();
-                transform(&mut planner, &mut windowed)
+                fourier.lines(&mut windowed)
             };
             let (r, u) = (part(signal), part(&u));
             for k in 0..lines {

@@ -32,6 +32,5 @@ pub(crate) use self::{
     direct_path::passes_at_once,
     distribution::{MOST_OUTLIERS, OUTLIER_WIDTHS},
     noise_floor::EXPLAINED,
-    spectrum::transform,
     wrong_sample::{MOST_ACCIDENTS, NEIGHBOURS, neighbours, wrong_sample},
 };

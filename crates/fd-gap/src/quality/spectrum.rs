@@ -1,6 +1,6 @@
 //! Lines in the spectrum of a residual.
 
-use realfft::{RealFftPlanner, num_complex::Complex64};
+use fd_numeric::fourier::Fourier;
 
 /// How much finer than one over the length of the signal the spectrum is computed.
 const PADDING: usize = 4;
@@ -22,7 +22,7 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
     let longest = signals.iter().map(|signal| signal.len()).max().unwrap_or(0);
     let n = (PADDING * longest).next_power_of_two().max(PADDING);
     let mut power = vec![0.0; n / 2];
-    let mut planner = RealFftPlanner::<f64>::new();
+    let mut fourier = Fourier::new();
     for signal in signals {
         let finite = || signal.iter().filter(|v| v.is_finite());
         let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
@@ -33,7 +33,7 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
         let value = |v: &f64| if v.is_finite() { v - mean } else { 0.0 };
         let mut padded: Vec<f64> = signal.iter().map(value).collect();
         padded.resize(n, 0.0);
-        let lines = transform(&mut planner, &mut padded);
+        let lines = fourier.lines(&mut padded);
         power.iter_mut().zip(&lines).for_each(|(p, line)| *p += line.norm_sqr() / total);
     }
     let is_peak = |k: &usize| power[k - 1] < power[*k] && power[k + 1] <= power[*k];
@@ -41,15 +41,4 @@ pub fn spectral_peaks(signals: &[&[f64]], count: usize) -> Vec<f64> {
     peaks.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
     peaks.truncate(count);
     peaks.into_iter().map(|k| k as f64 / n as f64).collect()
-}
-
-/// The lines of a real signal, which is spoilt, from zero to half the sample rate.
-pub(crate) fn transform(planner: &mut RealFftPlanner<f64>, signal: &mut [f64]) -> Vec<Complex64> {
-    let plan = planner.plan_fft_forward(signal.len());
-    let mut lines = plan.make_output_vec();
-    // Only wrong lengths are errors, and the plan has made them.
-    if plan.process(signal, &mut lines).is_err() {
-        lines.fill(Complex64::new(0.0, 0.0));
-    }
-    lines
 }

@@ -1,12 +1,7 @@
 //! Linear least squares in which each block of rows has columns of its own beside those that all blocks share.
 
-use faer::{
-    Mat, MatRef, Par, Spec,
-    dyn_stack::{MemBuffer, MemStack},
-    linalg::qr::no_pivoting::factor::{
-        QrParams, qr_in_place, qr_in_place_scratch, recommended_block_size,
-    },
-};
+use faer::{Mat, MatRef};
+use fd_numeric::dense::triangle;
 
 /// The prediction errors and their slopes, block by block: rows of `[own | shared | ε]`.
 #[derive(Clone, Debug)]
@@ -120,17 +115,6 @@ impl Compressed {
         let scale = |j: usize| if j < n { self.lengths[j] } else { 1.0 };
         Mat::from_fn(rows.nrows(), n + 1, |i, j| rows[(i, j)] * scale(j))
     }
-}
-
-/// `R` of a thin QR, in place: most of the time of `Mat::qr` on many rows would go into copies of all of them.
-fn triangle(mut rows: Mat<f64>) -> Mat<f64> {
-    let (m, n) = rows.shape();
-    let (size, block) = (m.min(n), recommended_block_size::<f64>(m, n));
-    let how = Spec::<QrParams, f64>::default();
-    let mut memory = MemBuffer::new(qr_in_place_scratch::<f64>(m, n, block, Par::Seq, how));
-    let mut q = Mat::zeros(block, size);
-    qr_in_place(rows.as_mut(), q.as_mut(), Par::Seq, MemStack::new(&mut memory), how);
-    Mat::from_fn(size, n, |i, j| if i <= j { rows[(i, j)] } else { 0.0 })
 }
 
 /// `√damping` in as many first columns, below.
