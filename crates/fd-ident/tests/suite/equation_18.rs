@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use crate::common::noise;
-use faer::{Col, Mat, Scale, linalg::solvers::DenseSolveCore};
+use faer::{Col, Mat, Scale};
 use fd_core::Heap;
 use fd_ident::{
     batch::{BatchRls, SampleBlock},
     rls::{ConventionalRls, Forgetting, Guard, QrRls, RlsDesign, RlsKernel, UdRls},
 };
+use fd_numeric::dense::Dense;
 
 const N: usize = 3;
 const SAMPLES: usize = 40;
@@ -76,7 +77,7 @@ fn as_printed(
             let alpha = alpha(k);
             let phi = Col::from_fn(N, |i| row[i]);
             information += Scale(alpha.recip()) * &phi * phi.transpose();
-            let p = information.partial_piv_lu().inverse();
+            let p = information.lu().inverse();
             let gain = Scale(alpha.recip()) * &p * &phi;
             let innovation = row[N] - theta.transpose() * &phi;
             theta += Scale(innovation) * gain;

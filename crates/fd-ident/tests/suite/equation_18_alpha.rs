@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use crate::common::noise;
-use faer::{Col, Mat, Scale, linalg::solvers::DenseSolveCore};
+use faer::{Col, Mat, Scale};
 use fd_core::{Heap, Snapshot, stage::Stage};
 use fd_ident::{
     batch::BatchRls,
     rls::{ConventionalRls, Falling, Forgetting, Guard, QrRls, RlsDesign, RlsKernel, UdRls},
 };
+use fd_numeric::dense::Dense;
 use proptest::prelude::*;
 
 const N: usize = 3;
@@ -45,10 +46,10 @@ fn as_printed(alpha: impl Fn(usize) -> f64, prior: f64, data: &[f64]) -> ([f64; 
         let inverse = alpha(k).recip();
         let phi = Col::from_fn(N, |i| row[i]);
         information += Scale(inverse) * &phi * phi.transpose();
-        let gain = Scale(inverse) * information.partial_piv_lu().inverse() * &phi;
+        let gain = Scale(inverse) * information.lu().inverse() * &phi;
         theta += Scale(row[N] - theta.transpose() * &phi) * gain;
     }
-    let p = information.partial_piv_lu().inverse();
+    let p = information.lu().inverse();
     (std::array::from_fn(|i| theta[i]), std::array::from_fn(|i| p[(i, i)]))
 }
 

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef, Scale, c64};
 use fd_model::{Continuous, Discrete, SampleTime, StateSpace};
+use fd_numeric::dense::{Dense, DenseReal};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -38,7 +39,7 @@ pub(crate) fn continuous(recipe: Recipe) -> StateSpace<Continuous> {
     let Recipe { nx, nu, ny, seed } = recipe;
     let mut rng = rng(seed);
     let a = random(nx, nx, &mut rng);
-    let abscissa = a.eigenvalues().unwrap().iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.re));
+    let abscissa = a.modes().unwrap().iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.re));
     let a = a - Scale(abscissa + 0.1) * Mat::<f64>::identity(nx, nx);
     let (b, c) = (random(nx, nu, &mut rng), random(ny, nx, &mut rng));
     let d = random(ny, nu, &mut rng);
@@ -50,7 +51,7 @@ pub(crate) fn discrete(recipe: Recipe) -> StateSpace<Discrete> {
     let Recipe { nx, nu, ny, seed } = recipe;
     let mut rng = rng(seed);
     let a = random(nx, nx, &mut rng);
-    let radius = a.eigenvalues().unwrap().iter().fold(0.0_f64, |m, p| m.max(p.norm()));
+    let radius = a.modes().unwrap().iter().fold(0.0_f64, |m, p| m.max(p.norm()));
     let a = Scale(0.9 / radius) * a;
     let (b, c) = (random(nx, nu, &mut rng), random(ny, nx, &mut rng));
     let d = random(ny, nu, &mut rng);
@@ -74,5 +75,5 @@ pub(crate) fn distance_c(x: MatRef<'_, c64>, y: MatRef<'_, c64>) -> f64 {
 
 /// Largest singular value of a complex matrix.
 pub(crate) fn sigma(x: MatRef<'_, c64>) -> f64 {
-    x.singular_values().unwrap().first().copied().unwrap_or(0.0)
+    x.sigmas().unwrap().first().copied().unwrap_or(0.0)
 }

@@ -5,6 +5,7 @@ use fd_model::{
     Discrete, ModelError, StateSpace,
     uncertainty::{MatrixPerturbation, Spread, Uncertainty, perturb_parameters},
 };
+use fd_numeric::dense::Dense;
 use proptest::prelude::*;
 
 use crate::{
@@ -100,7 +101,7 @@ fn perturbations_fill_their_range_in_the_chosen_matrices_only() {
 #[test]
 fn perturbations_within_a_norm_fill_it() {
     let nominal = full_plant();
-    let norm = |m: &Mat<f64>| m.singular_values().unwrap()[0];
+    let norm = |m: &Mat<f64>| m.sigmas().unwrap()[0];
     for (m, what) in ["A", "B", "C", "D"].into_iter().enumerate() {
         let fraction = 0.1;
         let matrices_chosen = std::array::from_fn(|other| other == m);
@@ -204,7 +205,7 @@ proptest! {
             prop_assert!(draw.model.is_stable().unwrap());
             prop_assert_eq!(draw.model.c(), nominal.c());
             for (found, expected) in [(draw.model.a(), nominal.a()), (draw.model.b(), nominal.b())] {
-                let norm = |m: &Mat<f64>| m.singular_values().unwrap()[0];
+                let norm = |m: &Mat<f64>| m.sigmas().unwrap()[0];
                 let change = found - expected;
                 match spread {
                     Spread::ElementWise => {

@@ -6,6 +6,7 @@ use faer::{Mat, mat, prelude::Solve};
 use fd_nonlinear::{
     Noise, extended::ExtendedDesign, particle::ParticleDesign, unscented::UnscentedDesign,
 };
+use fd_numeric::dense::Dense;
 
 fn noise() -> Noise {
     Noise { process: vec![0.05, 0.02], output: vec![0.1, 0.3], initial: vec![1.0, 0.5] }
@@ -31,7 +32,7 @@ fn kalman(u: &[Vec<f64>], y: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let e = column(y) - &c * &x - &d * column(u);
         all.push((0..2).map(|i| e[(i, 0)]).collect());
         let s = &c * &p * c.transpose() + &r;
-        let gain = s.partial_piv_lu().solve(&c * &p).transpose().to_owned();
+        let gain = s.lu().solve(&c * &p).transpose().to_owned();
         x += &gain * &e;
         p = &p - &gain * &c * &p;
         x = &a * &x + &b * column(u);

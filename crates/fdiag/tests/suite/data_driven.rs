@@ -3,6 +3,7 @@
 
 use crate::support::{input, plant, run, ts};
 use faer::Mat;
+use fd_numeric::dense::Dense;
 use fdiag::{
     data::parity::DataParityDesign,
     log::{LogMap, read_log},
@@ -19,7 +20,7 @@ use fdiag::{
 
 /// Orthonormal rows of the same span.
 fn basis(rows: &Mat<f64>) -> Mat<f64> {
-    rows.transpose().qr().compute_thin_Q().transpose().to_owned()
+    rows.transpose().factor_qr().compute_thin_Q().transpose().to_owned()
 }
 
 /// Without noise the relations of a log are the parity space of the model of what made it.

@@ -4,6 +4,7 @@
 
 use crate::support::{Outcome, calibration, count, eventful, nominal, spec, training, ts};
 use faer::{Mat, Scale, c64};
+use fd_numeric::dense::DenseReal;
 use fdiag::{
     core::{
         DynPipeline, EventKind, Frame, Snapshot,
@@ -29,7 +30,7 @@ impl Case {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut random = |rows, cols| Mat::from_fn(rows, cols, |_, _| rng.random_range(-1.0..1.0));
         let a = random(nx, nx);
-        let radius = a.eigenvalues().unwrap().iter().map(|p: &c64| p.norm()).fold(1e-3, f64::max);
+        let radius = a.modes().unwrap().iter().map(|p: &c64| p.norm()).fold(1e-3, f64::max);
         let a = Scale(0.9 / radius) * a;
         let (b, c, d) = (random(nx, nu), random(ny, nx), random(ny, nu));
         let (da, db) = (random(nx, nx), random(nx, nu));

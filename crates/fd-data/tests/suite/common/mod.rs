@@ -3,6 +3,7 @@
 
 use faer::Mat;
 use fd_model::{Channel, Record, SampleTime};
+use fd_numeric::dense::Dense;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -24,7 +25,7 @@ impl Source {
 
     /// Rotations of a random matrix.
     pub fn rotation(&mut self, n: usize) -> Mat<f64> {
-        self.matrix(n, n).qr().compute_Q()
+        self.matrix(n, n).factor_qr().compute_thin_Q()
     }
 
     /// Singular values between 1/2 and 2.

@@ -9,6 +9,7 @@ use fd_gap::{
     fit::{Horizon, LeastSquares, Minimum, Plan, Problem, Search, Variable, Weights, minimise},
 };
 use fd_model::{Channel, Record, SampleTime, signal::WhiteNoise};
+use fd_numeric::dense::Dense;
 use fd_sim::{model::Model, simulate::EquationSimulator};
 
 /// `y = m u + k v + s w + l v²`, with a mass that is known to a tolerance, and `d`, which does nothing.
@@ -108,7 +109,7 @@ fn curvature(effects: &[Variable], noise: f64) -> (f64, Vec<f64>) {
         };
         sum * unit * other_unit / (noise * SIGMA).powi(2) + own
     });
-    let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&h.partial_piv_lu());
+    let inverse = h.lu().inverse();
     let deviations = (0..all.len()).map(|i| inverse[(i, i)].sqrt()).collect();
     (h.determinant().ln(), deviations)
 }
@@ -195,8 +196,7 @@ fn the_distance_of_two_laws_is_what_the_rival_leaves() {
     let prior = Mat::from_fn(2, 2, |i, j| if i == 0 && j == 0 { 1.0 } else { 0.0 });
     let h = a.transpose() * &a + prior;
     let shared = a.transpose() * &b;
-    let explained =
-        shared.transpose() * faer::linalg::solvers::Solve::solve(&h.partial_piv_lu(), &shared);
+    let explained = shared.transpose() * faer::linalg::solvers::Solve::solve(&h.lu(), &shared);
     let expected = b.squared_norm_l2() - explained[(0, 0)];
     let found = distance(&truth, &at, &rival, &rival_at);
     // A search ends where a step would change the cost by less than a thousandth.

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef, prelude::Solve};
 use fd_model::{Continuous, StateSpace};
+use fd_numeric::dense::Dense;
 use fd_residual::analysis::UnknownInputs;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -58,7 +59,7 @@ impl Change {
 
     /// The problem after the change.
     pub(crate) fn of(&self, problem: &Problem) -> Problem {
-        let into = |b: MatRef<'_, f64>| self.states.partial_piv_lu().solve(b);
+        let into = |b: MatRef<'_, f64>| self.states.lu().solve(b);
         let p = &problem.plant;
         let a = into((p.a() * &self.states).as_ref());
         let c = &self.outputs * p.c() * &self.states;
@@ -76,7 +77,7 @@ impl Change {
             disturbances: entry(&problem.disturbances, self.disturbances.as_ref()),
             noise: entry(&problem.noise, noise.as_ref()),
             published: &problem.published
-                * self.outputs.partial_piv_lu().solve(Mat::<f64>::identity(p.ny(), p.ny())),
+                * self.outputs.lu().solve(Mat::<f64>::identity(p.ny(), p.ny())),
         }
     }
 }
@@ -85,7 +86,7 @@ impl Change {
 fn mixture(rng: &mut Xoshiro256PlusPlus, n: usize) -> Mat<f64> {
     let mut turn = || {
         let full = Mat::from_fn(n, n, |_, _| rng.random_range(-1.0..1.0));
-        full.qr().compute_Q()
+        full.factor_qr().compute_thin_Q()
     };
     let (left, right) = (turn(), turn());
     let stretch = Mat::from_fn(n, n, |i, j| {

@@ -11,6 +11,7 @@ pub(crate) mod transfer;
 use faer::{Mat, Scale, c64};
 use fd_core::{Frame, Scalar, stage::ResidualGenerator};
 use fd_model::{Discrete, SampleTime, StateSpace};
+use fd_numeric::dense::DenseReal;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -47,7 +48,7 @@ pub(crate) fn sampled() -> Discrete {
 pub(crate) fn plant(draw: Draw) -> StateSpace<Discrete> {
     let mut rng = rng(draw.seed);
     let a = random_matrix(&mut rng, draw.nx, draw.nx);
-    let radius = a.eigenvalues().unwrap().iter().map(|p: &c64| p.norm()).fold(1e-3, f64::max);
+    let radius = a.modes().unwrap().iter().map(|p: &c64| p.norm()).fold(1e-3, f64::max);
     let a = Scale(draw.radius / radius) * a;
     let b = random_matrix(&mut rng, draw.nx, draw.nu);
     let c = random_matrix(&mut rng, draw.ny, draw.nx);
