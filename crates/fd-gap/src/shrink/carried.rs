@@ -1,4 +1,4 @@
-//! Effects that remember only inputs keep their memory across windows.
+//! What an effect remembers outlives a window.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -8,93 +8,67 @@ use fd_sim::{
     simulate::{Initial, Port, Simulator},
 };
 
-use super::forecast::Settled;
-use crate::fit::Log;
+use crate::fit::{Log, Segment};
 
-/// Change of the initial states, in their size, that shows whether a memory depends on them.
-const NUDGE: f64 = 1e-3;
-
-/// A simulator with an effect whose own states depend on nothing but the inputs, such as a rate
-/// limit. A window in the middle of a log starts with the memory that the inputs before it have
-/// left; an effect that is started afresh instead would be blamed for the first part of each
-/// window. Nothing of it comes from measured outputs.
+/// A simulator of which the effect begins a window with what it remembers of those before: the level of a hidden store, the
+/// side on which a play rests. Started afresh, it would be blamed for the first part of each window. The plant is where it
+/// was estimated to be at the start of every window, so that its errors do not add up.
 #[derive(Clone, Debug)]
 pub(super) struct Carried {
     inner: Box<dyn Simulator>,
-    /// The simulator as it is at samples of a free run.
+    /// The simulator as it is at the first samples of windows.
     memories: Arc<HashMap<u64, Box<dyn Simulator>>>,
     /// Whether each state belongs to the effect.
     of_effect: Vec<bool>,
 }
 
 impl Carried {
-    /// The simulator with the memories that it has at the samples `starts` of a log, when it has
-    /// states beyond the first `plant` ones by name and these depend on the inputs alone.
+    /// A simulator that has states beyond those of the `plant`, by name, with what it remembers at the starts of the segments
+    /// of a log, of which the states of the plant there are known. `None` where there is nothing to remember, the
+    /// simulation diverges or cannot go on from another state.
     pub(super) fn new(
-        settled: Settled<'_>,
+        simulator: &dyn Simulator,
         plant: &[Initial],
+        theta: &[f64],
         log: &Log,
-        starts: &[usize],
+        starts: &[(Segment, Vec<f64>)],
     ) -> Option<Self> {
-        let inner = settled.simulator.boxed();
         let is_of_plant = |state: &Initial| plant.iter().any(|p| p.channel == state.channel);
-        let of_effect: Vec<bool> = inner.initial().iter().map(|s| !is_of_plant(s)).collect();
-        if !of_effect.contains(&true) || !starts.iter().any(|start| 0 < *start) {
+        let initial = simulator.initial().iter();
+        let of_effect: Vec<bool> = initial.map(|state| !is_of_plant(state)).collect();
+        let [(first, x0), others @ ..] = starts else { return None };
+        if !of_effect.contains(&true) || others.is_empty() {
             return None;
         }
-        let value = |p: &Parameter| {
-            let nuisance = settled.nuisances.iter().find(|(name, _)| *name == p.name);
-            let effect = settled.effects.iter().find(|(variable, _)| variable.name == p.name);
-            nuisance.map(|(_, v)| *v).or(effect.map(|(_, v)| *v)).unwrap_or(p.value)
-        };
-        let theta: Vec<f64> = inner.parameters().iter().map(value).collect();
-        let x0: Vec<f64> = inner.initial().iter().map(|state| state.value).collect();
-        let nudged = inner.initial().iter().zip(&of_effect).map(|(state, is_of_effect)| {
-            let size = state.value.abs().max(state.tolerance.unwrap_or(0.0)).max(1.0);
-            if *is_of_effect { state.value } else { state.value + NUDGE * size }
-        });
-        let nudged: Vec<f64> = nudged.collect();
-        let memories = run(&*inner, &theta, &x0, log, starts)?;
-        let others = run(&*inner, &theta, &nudged, log, starts)?;
-        let is_same = memories.iter().all(|(start, memory)| {
-            let other = others[start].state();
-            let effects = memory.state().iter().zip(other).zip(&of_effect);
-            effects
-                .filter(|(_, is_of_effect)| **is_of_effect)
-                .all(|((a, b), _)| a.to_bits() == b.to_bits())
-        });
-        is_same.then(|| Self { inner, memories: Arc::new(memories), of_effect })
-    }
-}
-
-/// Copies of a simulator at some samples of a run; `None` when it diverges or cannot go on from
-/// another state.
-fn run(
-    simulator: &dyn Simulator,
-    theta: &[f64],
-    x0: &[f64],
-    log: &Log,
-    starts: &[usize],
-) -> Option<HashMap<u64, Box<dyn Simulator>>> {
-    let mut simulator = simulator.boxed();
-    let mut y = vec![0.0; simulator.outputs().len()];
-    let mut memories = HashMap::new();
-    simulator.start(theta, x0, log.first as u64);
-    for k in 0..log.samples {
-        if 0 < k && starts.contains(&k) {
-            let mut memory = simulator.boxed();
-            let x = memory.state().to_vec();
-            if !memory.go_on_from(&x) {
+        let mut all = Self { inner: simulator.boxed(), memories: Arc::default(), of_effect };
+        let mut memories: HashMap<u64, Box<dyn Simulator>> = HashMap::new();
+        let mut running = simulator.boxed();
+        let mut y = vec![0.0; simulator.outputs().len()];
+        running.start(theta, x0, (log.first + first.from) as u64);
+        let mut k = first.from;
+        for (segment, x0) in others {
+            for k in k..segment.from {
+                running.step(log.input(k), log.input(k + 1), &[], &mut y);
+                if y.iter().any(|value| !value.is_finite()) {
+                    return None;
+                }
+            }
+            k = segment.from;
+            let x = all.joined(x0, running.state());
+            if !running.go_on_from(&x) {
                 return None;
             }
-            memories.insert((log.first + k) as u64, memory);
+            memories.insert((log.first + k) as u64, running.boxed());
         }
-        simulator.step(log.input(k), log.input(k + 1), &[], &mut y);
-        if y.iter().any(|value| !value.is_finite()) {
-            return None;
-        }
+        all.memories = Arc::new(memories);
+        Some(all)
     }
-    Some(memories)
+
+    /// States of the plant from `x0`, those of the effect from its memory.
+    fn joined(&self, x0: &[f64], memory: &[f64]) -> Vec<f64> {
+        let each = x0.iter().zip(memory).zip(&self.of_effect);
+        each.map(|((x, known), is_of_effect)| if *is_of_effect { *known } else { *x }).collect()
+    }
 }
 
 impl Simulator for Carried {
@@ -122,19 +96,14 @@ impl Simulator for Carried {
         self.inner.ports()
     }
 
-    /// In the middle of the log, parameters are those of the free run.
+    /// In the middle of the log, parameters are those that it remembers with.
     fn start(&mut self, theta: &[f64], x0: &[f64], first: u64) {
         let Some(memory) = self.memories.get(&first) else {
             self.inner.start(theta, x0, first);
             return;
         };
+        let x = self.joined(x0, memory.state());
         self.inner = memory.boxed();
-        let mut x = x0.to_vec();
-        for ((x, known), is_of_effect) in x.iter_mut().zip(memory.state()).zip(&self.of_effect) {
-            if *is_of_effect {
-                *x = *known;
-            }
-        }
         self.inner.go_on_from(&x);
     }
 

@@ -140,32 +140,41 @@ pub(super) fn forecast_one(
     let values =
         in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, beginning: &begun })?;
     let segments = plan.segments.clone();
-    let starts: Vec<usize> = segments.iter().map(|segment| segment.from).collect();
-    let simulator: Box<dyn Simulator> = match Carried::new(settled, nominal.initial(), log, &starts)
-    {
-        Some(carried) => Box::new(carried),
-        None => settled.simulator.boxed(),
-    };
-    let build = |plan| {
+    let problem = |plan, simulator: &dyn Simulator| {
         let effects = settled.effects.iter().map(|(variable, _)| variable.clone()).collect();
         let weights = Weights::white(sigma.to_vec());
         Problem::new(Arc::new(plan), simulator.boxed(), effects, weights)
     };
     let (samples, unknowns) = (begun.measured(), begun.own_variables().count());
-    let mut estimate = build(begun)?;
+    let afresh = settled.simulator;
+    let mut estimate = problem(begun.clone(), afresh)?;
     let Layout { shared, .. } = *estimate.layout();
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
     let search = Search { own_only: true, relative: STATES_SETTLED, ..Search::default() };
     let is_dear = settled.simulator.stand_in().is_some();
     let search = if is_dear { search.of_dear_runs() } else { search };
-    let Some(begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
+    let Some(mut begin) = minimise(&mut estimate, &z, None, search) else { return Ok(None) };
+    let starts = segments.iter().enumerate();
+    let starts: Vec<(Segment, Vec<f64>)> =
+        starts.map(|(s, segment)| (*segment, estimate.start_of(s, &begin.z))).collect();
+    let theta = estimate.parameters(&begin.z);
+    let mut carried = Carried::new(afresh, nominal.initial(), &theta, log, &starts);
+    if let Some(memory) = &carried {
+        // What was estimated of the plant may not go with what the effect remembers, as across a stiff spring.
+        let with_memory = minimise(&mut problem(begun, memory)?, &begin.z, None, search);
+        match with_memory.filter(|with_memory| with_memory.cost <= begin.cost) {
+            Some(with_memory) => begin = with_memory,
+            None => carried = None,
+        }
+    }
+    let simulator = carried.as_ref().map_or(afresh, |carried| carried as &dyn Simulator);
     // What lies at the edge of its box may be rounded into it.
     debug_assert!(
         begin.z[..shared].iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())),
         "only states move"
     );
-    let Some(mut errors) = build(plan)?.errors(&begin.z) else { return Ok(None) };
+    let Some(mut errors) = problem(plan, simulator)?.errors(&begin.z) else { return Ok(None) };
     // Without what the estimate pays for states that are far from where the model says.
     let mut squares = 0.0;
     for signals in &mut errors {

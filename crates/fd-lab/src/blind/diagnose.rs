@@ -167,7 +167,7 @@ fn told(name: &str, diagnosis: &Diagnosis, road: Option<&CauseList>) -> Answer {
     };
     let refit = diagnosis.refit.nuisances.iter().map(|n| (n.name.clone(), n.value));
     // A path that was drawn anew through a log forecasts nothing of another.
-    let forecast = diagnosis.held_out.first().filter(|held_out| !held_out.is_redrawn);
+    let forecast = diagnosis.forecast().filter(|held_out| !held_out.is_redrawn);
     let closed = forecast.and_then(|held_out| held_out.closed_of_refit);
     // A list closes what all of it does.
     let closed = list.map_or(closed, |list| list.closed);

@@ -18,6 +18,8 @@ use thiserror::Error;
 pub struct Table {
     x: Vec<f64>,
     y: Vec<f64>,
+    /// Of each interval.
+    slopes: Vec<f64>,
     outside: Outside,
 }
 
@@ -83,7 +85,9 @@ impl Table {
         if let Some((index, &value)) = y.iter().enumerate().find(|(_, value)| !value.is_finite()) {
             return Err(TableError::NotFinite { index, value });
         }
-        Ok(Self { x, y, outside })
+        let rise = |points: &[f64]| points[1] - points[0];
+        let slopes = x.windows(2).zip(y.windows(2)).map(|(x, y)| rise(y) / rise(x)).collect();
+        Ok(Self { x, y, slopes, outside })
     }
 
     /// The points.
@@ -117,7 +121,7 @@ impl Table {
             }
         }
         let left = self.interval(x);
-        let slope = T::from_design(self.slope_of(left));
+        let slope = T::from_design(self.slopes[left]);
         T::from_design(self.y[left]) + slope * (x - T::from_design(self.x[left]))
     }
 
@@ -129,16 +133,12 @@ impl Table {
         if is_outside && self.outside == Outside::Hold {
             return T::zero();
         }
-        T::from_design(self.slope_of(self.interval(x)))
+        T::from_design(self.slopes[self.interval(x)])
     }
 
     /// Index of the point at the left end of the interval that is used at `x`.
     fn interval<T: Scalar>(&self, x: T) -> usize {
         let inner = &self.x[1..self.x.len() - 1];
         inner.partition_point(|point| T::from_design(*point) <= x)
-    }
-
-    fn slope_of(&self, left: usize) -> f64 {
-        (self.y[left + 1] - self.y[left]) / (self.x[left + 1] - self.x[left])
     }
 }

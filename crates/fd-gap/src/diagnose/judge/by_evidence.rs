@@ -61,8 +61,8 @@ pub(super) fn by_evidence<'a>(
     };
     let NamedPairs { pairs, tied, fitted } =
         name_pairs(fitted, measured, &singles.causes, settings);
-    let validation = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
-    let gain = unknown_gain(&best, &lack_of_fit.leftover, validation) + doubt;
+    let loss = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
+    let gain = unknown_gain(&best, &lack_of_fit.leftover, loss) + doubt;
     let Believed { others: probabilities, causes, pairs } = bounded(
         believe(singles.causes, pairs, &best, gain, settings),
         &lack_of_fit,

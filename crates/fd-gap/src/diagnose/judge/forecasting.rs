@@ -38,8 +38,7 @@ pub(super) fn law_before_curves<'a>(
         let ranked = &singles.causes[*place];
         let Basis::Simulation(id) = ranked.basis else { continue };
         let Some(answer) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
-        let loss =
-            validate(&answer, floor, &singles, held_out, context.settings, Paths::AsFitted)?.loss;
+        let loss = validate(&answer, floor, &singles, held_out, context.settings, Paths::AsFitted)?;
         if is_curve(*place) {
             losses[*place] = loss;
         } else {

@@ -1,6 +1,5 @@
 //! From evidence to probabilities.
 
-use super::validation::Validation;
 use crate::{
     diagnose::{
         result::{Leftover, Pair},
@@ -34,13 +33,11 @@ pub(super) struct Believed {
     pub(super) pairs: Vec<Pair>,
 }
 
-/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves
-/// `left` and forecasts as `validation` says. What forecasts well is the right mechanism; what
-/// forecasts badly puts no more in doubt than it has gained.
-pub(super) fn unknown_gain(best: &Answer, left: &Leftover, validation: Validation) -> f64 {
-    let is_other = OTHER < left.share && !validation.is_confirmed;
-    let fitted = if is_other { left.gain() } else { 0.0 };
-    fitted + validation.loss.min(best.log_evidence.max(0.0))
+/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves `left` and loses so much in
+/// forecasts: no more is put in doubt by these than it has gained.
+pub(super) fn unknown_gain(best: &Answer, left: &Leftover, loss: f64) -> f64 {
+    let fitted = if OTHER < left.share { left.gain() } else { 0.0 };
+    fitted + loss.min(best.log_evidence.max(0.0))
 }
 
 /// What a fit leaves speaks, whatever the forecasts say: with this gain over noise something is missing, if

@@ -1,13 +1,13 @@
 //! Which reading of the starts of the logs to believe.
 
 use super::judged::Judged;
-use crate::{diagnose::prepare::Prepared, fit::Plan, shrink::SURE};
-
-/// What free starts must gain where they are not the plainer answer.
-fn needed(free: &Plan) -> f64 {
-    let (n, unknowns) = (free.measured() as f64, free.own_variables().count() as f64);
-    unknowns * (n.ln() + SURE)
-}
+use crate::{
+    diagnose::prepare::{
+        Prepared,
+        start::{needed, squares},
+    },
+    shrink::SURE,
+};
 
 /// Whether free starts could gain enough to be believed: not where the noise of all outputs is stated and the answer
 /// with stated starts leaves so little more than noise, and by chance less, that many unknown states would not be worth it.
@@ -26,18 +26,13 @@ pub(in crate::diagnose) fn is_open(stated: &Judged<'_>, free: &Prepared) -> bool
 /// and effects together than the other needs effects, or one effect less than several. A log that begins elsewhere is an
 /// everyday thing; to take its start for one of two effects is not.
 pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> Judged<'a> {
-    let squares = |judged: &Judged<'_>, sigma: &[f64]| -> f64 {
-        let own = &judged.singles.searched.noise.sigma;
-        let of = |((signals, own), common): ((&Vec<Vec<f64>>, &f64), &f64)| -> f64 {
-            let finite = signals.iter().flatten().filter(|e| e.is_finite());
-            finite.map(|e| (e * own / common).powi(2)).sum()
-        };
-        judged.best.errors.iter().zip(own).zip(sigma).map(of).sum()
+    let sigma = &stated.singles.searched.noise.sigma;
+    let squares = |judged: &Judged<'_>| {
+        squares(&judged.best.errors, &judged.singles.searched.noise.sigma, sigma)
     };
-    let sigma = stated.singles.searched.noise.sigma.clone();
     let plan = free.singles.base.plan();
     let (n, unknowns) = (plan.measured() as f64, plan.own_variables().count() as f64);
-    let gain = n * (squares(&stated, &sigma) / squares(&free, &sigma)).ln();
+    let gain = n * (squares(&stated) / squares(&free)).ln();
     let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64
         || 1 < stated.best.effects && free.best.effects < stated.best.effects;
     let least = if is_plainer { -SURE } else { needed(plan) };

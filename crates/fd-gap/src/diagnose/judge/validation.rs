@@ -22,64 +22,47 @@ use crate::{
 };
 
 /// An explanation that surely closes less than this share of a held-out gap does not forecast it, and
-/// two causes where they most probably do: together they can draw much that is neither …
+/// two causes where they most probably do: together they can draw much that is neither.
 const CLOSES_LITTLE: f64 = 0.7;
-/// … and one that surely closes more than this one does.
-const CLOSES_MUCH: f64 = 0.8;
 
 /// Spread of `ln` of the noise from one run to another.
 const BETWEEN_RUNS: f64 = 0.05;
 
-/// How an explanation forecasts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Validation {
-    /// What it costs, in log-likelihood, that forecast errors are larger than the noise and than the
-    /// errors of the fit; zero where the explanation closes a good part of the held-out gap.
-    pub(super) loss: f64,
-    /// Whether it surely closes most of the held-out gap.
-    pub(super) is_confirmed: bool,
-}
-
-/// How the simulated effects of the `best` answer forecast, of which `floor` is the noise floor. A free
-/// curve may forecast badly where a law that fits as well does not: where the best answer, of one
-/// effect, forecasts badly, it is the best of it and its rivals.
+/// What it costs, in log-likelihood, that the `best` answer misses held-out logs by more than the noise, of which `floor` is the
+/// size, and than the fitted ones; nothing where it closes a good part of the held-out gap. A free curve may forecast badly
+/// where a law that fits as well does not: where the best answer, of one effect, forecasts badly, it is the best of it and
+/// its rivals.
 pub(super) fn validate_with_rivals(
     best: &Answer,
     floor: &[f64],
     singles: &Singles<'_>,
     held_out: &[Log],
     context: &Context<'_>,
-) -> Result<Validation, FitError> {
+) -> Result<f64, FitError> {
     let settings = context.settings;
     let validate =
         |answer: &Answer, paths| validate(answer, floor, singles, held_out, settings, paths);
-    let mut validation = validate(best, Paths::AsFitted)?;
-    if 0.0 < validation.loss && best.effects == 1 {
+    let mut loss = validate(best, Paths::AsFitted)?;
+    if 0.0 < loss && best.effects == 1 {
         let near = best.log_evidence - settings.bayes_factor.ln();
         let others = singles.causes.iter().skip(1);
         let rivals = others.take_while(|ranked| near < ranked.cause.log_evidence);
         for ranked in rivals.take(LEADING) {
             let Basis::Simulation(id) = ranked.basis else { continue };
             let Some(rival) = singles.answer_of(id, ranked.cause.log_evidence) else { continue };
-            let other = validate(&rival, Paths::AsFitted)?;
-            if other.loss < validation.loss {
-                validation = other;
-            }
+            loss = loss.min(validate(&rival, Paths::AsFitted)?);
         }
     }
     // A path is that of one run; that no law forecasts where it does not has been seen.
     let paths = best.fit.as_ref().map_or(Paths::AsFitted, Fit::paths);
-    if 0.0 < validation.loss && paths == Paths::Anew {
-        let anew = validate(best, paths)?;
-        if anew.loss < validation.loss {
-            validation = anew;
-        }
+    if 0.0 < loss && paths == Paths::Anew {
+        loss = loss.min(validate(best, paths)?);
     }
-    Ok(validation)
+    Ok(loss)
 }
 
-/// How the simulated effects of an answer forecast, at the first horizon of the report; nothing is
-/// said where there are none, no held-out log, or no gap in it.
+/// The same of one answer, at the first horizon of the report; nothing where it has no simulated effects, there is no held-out
+/// log, or no gap in it.
 pub(super) fn validate(
     answer: &Answer,
     floor: &[f64],
@@ -87,12 +70,12 @@ pub(super) fn validate(
     held_out: &[Log],
     settings: &Settings,
     paths: Paths,
-) -> Result<Validation, FitError> {
+) -> Result<f64, FitError> {
     let (Some(fit), Some(horizon)) = (&answer.fit, settings.report_horizons.first()) else {
-        return Ok(Validation::default());
+        return Ok(0.0);
     };
     if held_out.is_empty() {
-        return Ok(Validation::default());
+        return Ok(0.0);
     }
     let (nominal, searched) = (singles.base.simulator(), &singles.searched);
     let run = |problem: &Problem, at: &Minimum| {
@@ -102,25 +85,22 @@ pub(super) fn validate(
     let before = run(&searched.null.problem, &searched.null.minimum)?;
     let after = run(&fit.problem, &fit.minimum)?;
     let (Some(before), Some(after)) = (before, after) else {
-        return Ok(Validation::default());
+        return Ok(0.0);
     };
     let squares: f64 = floor.iter().map(|floor| floor * floor).sum();
     let all = f64::sqrt(squares / floor.len().max(1) as f64);
     let share = closed(&before, &after, all, settings.replicas, settings.seed);
-    let Some(Closed { fraction, interval: [low, high], .. }) = share.map(Closed::between_runs)
-    else {
-        return Ok(Validation::default());
+    let Some(Closed { fraction, interval: [_, high], .. }) = share.map(Closed::between_runs) else {
+        return Ok(0.0);
     };
-    let is_confirmed = CLOSES_MUCH < low;
     // What forecasts no better than no cause at all is not excused by a wide interval.
     let is_harmless = CLOSES_LITTLE < if answer.effects < 2 { high } else { fraction };
     if is_harmless && 0.0 < fraction {
-        return Ok(Validation { loss: 0.0, is_confirmed });
+        return Ok(0.0);
     }
     let fitted = gap_per_output(&answer.errors);
     let expected = fitted.iter().zip(floor).map(|(fitted, floor)| fitted.max(*floor));
-    let loss = after.iter().zip(expected).map(|(errors, expected)| raised(errors, expected)).sum();
-    Ok(Validation { loss, is_confirmed })
+    Ok(after.iter().zip(expected).map(|(errors, expected)| raised(errors, expected)).sum())
 }
 
 /// What it costs that the errors of an output are stronger than expected.

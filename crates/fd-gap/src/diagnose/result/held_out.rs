@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::Diagnosis;
 use crate::{fit::Horizon, shrink::Closed};
 
 /// The gap on held-out data at one horizon.
@@ -39,5 +40,21 @@ impl HeldOut {
     #[must_use]
     pub fn closed(&self) -> Option<Closed> {
         self.closed_of_refit.or(self.closed_of_nominal)
+    }
+}
+
+impl Diagnosis {
+    /// The held-out forecasts that say most: at the longest horizon at which the best explanation is nearer than the mean of
+    /// the fitted logs, or at the shortest where it never is. `None` without held-out logs.
+    #[must_use]
+    pub fn forecast(&self) -> Option<&HeldOut> {
+        let squares = |sizes: &[f64]| -> f64 {
+            sizes.iter().zip(&self.sigma).map(|(size, sigma)| (size / sigma).powi(2)).sum()
+        };
+        let mut all: Vec<&HeldOut> = self.held_out.iter().collect();
+        all.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let foretells =
+            |held_out: &&&HeldOut| squares(&held_out.after) < squares(&held_out.constant);
+        all.iter().rev().find(foretells).or(all.first()).copied()
     }
 }

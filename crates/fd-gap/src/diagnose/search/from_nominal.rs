@@ -4,49 +4,56 @@
 //! for it. From there a fit of the effect may not find back: the effect is small there, and the parameters have to
 //! move far and together. From the nominal parameters it is the effect that has to move.
 
-use super::trial::Trial;
+use fd_numeric::wide::dot;
+
+use super::trial::{LOOK, Trial};
 use crate::fit::{NullFit, Search, Variable, minimise};
 
 /// Part of the way to the edge of its box from which on a parameter makes up for something.
 const BENT: f64 = 0.95;
 /// Most parameters of an effect: curves and paths follow anything from anywhere.
 const FEW: usize = 3;
-/// Sizes that are looked at, in typical ones.
-const SIZES: [f64; 10] = [-8.0, -4.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 4.0, 8.0];
-/// A fit from the best of them, with all slopes.
+/// A fit from there, with all slopes.
 const SEARCH: Search =
     Search { iterations: 8, absolute: 0.1, relative: 1e-4, frozen: 0, ..Search::PLAIN };
 
+/// The model without any effect where its parameters are nominal, if the fit is bent. What has no nominal value stays, as an
+/// effect does that is there already.
+pub(super) fn unbent(null: &NullFit) -> Option<NullFit> {
+    let plan = null.problem.plan();
+    let variables: Vec<&Variable> = plan.nuisances().iter().chain(plan.own_variables()).collect();
+    let z = &null.minimum.z;
+    if null.problem.is_dear() || !is_bent(&variables, z) {
+        return None;
+    }
+    let nominal = variables.iter().zip(z).map(|(v, z)| if v.prior.is_some() { 0.0 } else { *z });
+    let nominal: Vec<f64> = nominal.collect();
+    let mut problem = null.problem.clone();
+    let minimum = minimise(&mut problem, &nominal, None, LOOK)?.shared(&problem);
+    Some(NullFit { problem, minimum })
+}
+
 impl Trial<'_> {
-    /// A fit from the nominal parameters and the size that is best there, where the fit without the effect is bent.
-    pub(super) fn fit_from_nominal(&mut self, null: &NullFit) {
-        let plan = null.problem.plan();
-        let variables: Vec<&Variable> =
-            plan.nuisances().iter().chain(plan.own_variables()).collect();
-        let is_few = self.candidate.parameters.len() <= FEW;
-        if !is_few || self.problem.is_dear() || !is_bent(&variables, &null.minimum.z) {
+    /// A fit from the nominal parameters and the amplitude that leaves least there.
+    pub(super) fn fit_from_nominal(&mut self, unbent: &NullFit) {
+        let Some(start) = self.scored.first().map(|start| start.values.clone()) else { return };
+        if FEW < self.candidate.parameters.len() {
             return;
         }
-        // What has no nominal value stays, as an effect does that is there already.
-        let known = variables.iter().zip(&null.minimum.z);
-        let nominal: Vec<f64> =
-            known.map(|(v, z)| if v.prior.is_some() { 0.0 } else { *z }).collect();
-        let Some(start) = self.scored.first().map(|start| start.values.clone()) else { return };
-        let within = |values: &Vec<f64>| {
-            let known = self.candidate.parameters.iter().zip(values);
-            known.clone().all(|(p, value)| (p.low..=p.high).contains(value))
-        };
-        let sizes = SIZES.iter().map(|size| self.scaled(&start, *size)).filter(within);
-        let places: Vec<Vec<f64>> =
-            sizes.map(|values| self.problem.place(&nominal, &values)).collect();
-        let absent = self.problem.place(&nominal, &self.neutral());
-        let squares = |r: &Vec<f64>| r.iter().map(|r| r * r).sum::<f64>();
-        let found = self.problem.residuals_beside([&absent, &[]], &places);
-        let costs =
-            found.iter().zip(&places).filter_map(|(r, place)| Some((squares(r.as_ref()?), place)));
-        let best = costs.min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, place)) = best else { return };
-        let minimum = minimise(&mut self.problem, place, None, SEARCH);
+        let at = |values: &[f64]| self.problem.place(&unbent.minimum.z, values);
+        let (absent, place) = (at(&self.neutral()), at(&start));
+        let left = unbent.minimum.r.as_slice();
+        let found = self.problem.residuals_beside([&absent, left], &[place]).pop().flatten();
+        let Some(r) = found else { return };
+        let change: Vec<f64> = r.iter().zip(left).map(|(r, left)| r - left).collect();
+        let size = dot(&change, &change);
+        if size <= 0.0 {
+            return;
+        }
+        let [low, high] = self.amplitudes(&start);
+        let amplitude = (-dot(&change, left) / size).clamp(low, high);
+        let place = self.problem.place(&unbent.minimum.z, &self.begun(&start, amplitude));
+        let minimum = minimise(&mut self.problem, &place, None, SEARCH);
         self.keep(minimum);
     }
 }

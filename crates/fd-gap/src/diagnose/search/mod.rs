@@ -15,10 +15,11 @@ use crate::together::each;
 
 pub(super) use self::{command::Command, finalists::finish};
 use self::{
+    from_nominal::unbent,
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
-    trial::{MORE_THAN_PROMISED, Trial, promises_less},
+    trial::{MORE_THAN_PROMISED, Trial, is_hopeless},
 };
 use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
 use crate::{
@@ -29,11 +30,9 @@ use crate::{
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
-/// More candidates than a library has for a plant of a few states: of so many …
+/// More candidates than a library has for a plant of a few states: of so many those that are hopeless are not fitted. They would
+/// get one step of a fit, and with a hundred places they are most of the work and of the memory.
 const MANY: usize = 500;
-/// … those are not fitted that promise less than this share of the best and are far below it. They would get one step of
-/// a fit, and with a hundred places they are most of the work and of the memory.
-const PROMISE_OF_MANY: f64 = 0.02;
 
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
 /// little from the best starts, and fits the best causes (effect and site, all their laws) to the
@@ -78,7 +77,7 @@ pub(super) fn search_beside<'a>(
     let mut not_tested = Vec::new();
     let screened = tested(tried, &mut not_tested);
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
-    let least_promise = if is_many { PROMISE_OF_MANY } else { 0.0 };
+    let unbent = unbent(&null);
     monitor.begin(Stage::Fit, screened.len());
     let (promises, shortlisted) = promises(&screened, settings.shortlist);
     let fits = each(screened.into_iter().zip(promises), |(screened, promise)| {
@@ -88,13 +87,13 @@ pub(super) fn search_beside<'a>(
             return Err(refuse(stopped()));
         }
         let is_short_of_it = promise < (least / MORE_THAN_PROMISED).max(shortlisted);
-        if is_short_of_it || promises_less(promise, least_promise, most) {
+        if is_short_of_it || is_many && is_hopeless(promise, most) {
             monitor.advance();
             return Err(refuse("others promise far more".to_owned()));
         }
         let again = |candidate| Trial::new(nominal, candidate, index, &null);
         let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
-        trial.short_fits(&null, most);
+        trial.short_fits(&null, unbent.as_ref(), most);
         monitor.advance();
         let diverges = || refuse("its simulation diverges".to_owned());
         if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }

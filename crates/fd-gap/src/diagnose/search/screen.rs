@@ -94,7 +94,7 @@ impl Trial<'_> {
     }
 
     /// Amplitudes that keep all strengths within their bounds.
-    fn amplitudes(&self, start: &[f64]) -> [f64; 2] {
+    pub(super) fn amplitudes(&self, start: &[f64]) -> [f64; 2] {
         // A limit that is moved a little may cut off nothing at all.
         let is_limit = self.candidate.parameters.iter().any(|p| p.is_strength && p.is_reciprocal);
         if self.candidate.rounding.is_some() || is_limit {

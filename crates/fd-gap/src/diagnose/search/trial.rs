@@ -21,7 +21,7 @@ const SHORT: Search =
 /// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
 /// No step, but residuals and slopes.
-const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
+pub(super) const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -42,9 +42,9 @@ const OUT_OF_REACH: f64 = 1.2;
 /// A sum of squares may fall by so many times what slopes promise.
 pub(super) const MORE_THAN_PROMISED: f64 = 2.0;
 
-/// Whether a gain is below this share of `most`, and far below it.
-pub(super) fn promises_less(gain: f64, share: f64, most: f64) -> bool {
-    gain < share * most && gain < most - FAR_BELOW
+/// Whether a gain is far below the `most` that a candidate could explain.
+pub(super) fn is_hopeless(gain: f64, most: f64) -> bool {
+    gain < HOPELESS * most && gain < most - FAR_BELOW
 }
 
 /// A start of a fit.
@@ -114,10 +114,17 @@ impl<'a> Trial<'a> {
     /// Fits the best starts a little; only one when no start could explain much of `most`, which
     /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
     /// and one run shows what the simulator is there.
-    pub(in crate::diagnose) fn short_fits(&mut self, null: &NullFit, most: f64) {
+    pub(in crate::diagnose) fn short_fits(
+        &mut self,
+        null: &NullFit,
+        unbent: Option<&NullFit>,
+        most: f64,
+    ) {
         if !self.problem.begins_on_stand_in() {
             self.fit_starts(null, most);
-            self.fit_from_nominal(null);
+            if let Some(unbent) = unbent {
+                self.fit_from_nominal(unbent);
+            }
             if self.best.is_none() {
                 self.fall_back(null);
             }
@@ -143,19 +150,22 @@ impl<'a> Trial<'a> {
         let hopeful = self.scored.iter().take(fits);
         let mut starts: Vec<Vec<f64>> = hopeful
             .take_while(|start| HOPEFUL * top <= start.score.gain)
-            .map(|ScoredStart { values, score }| {
-                let smallest = SMALLEST_AMPLITUDE.copysign(score.amplitude);
-                let is_small = score.amplitude.abs() < SMALLEST_AMPLITUDE;
-                self.scaled(values, if is_small { smallest } else { score.amplitude })
-            })
+            .map(|ScoredStart { values, score }| self.begun(values, score.amplitude))
             .collect();
-        let is_hopeless = promises_less(self.gain(), HOPELESS, most);
+        let is_hopeless = is_hopeless(self.gain(), most);
         let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
         if is_hopeless {
             // So that one step is never worse than none.
             starts.push(self.neutral());
         }
         self.short_fit(null, &starts, search);
+    }
+
+    /// Where a fit from a start begins: at the amplitude that the residual asks for.
+    pub(super) fn begun(&self, start: &[f64], amplitude: f64) -> Vec<f64> {
+        let is_small = amplitude.abs() < SMALLEST_AMPLITUDE;
+        let smallest = SMALLEST_AMPLITUDE.copysign(amplitude);
+        self.scaled(start, if is_small { smallest } else { amplitude })
     }
 
     /// A few iterations from each start, with the slopes of the nuisances as they are without the

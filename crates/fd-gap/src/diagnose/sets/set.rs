@@ -167,8 +167,7 @@ impl EffectSet {
             let shorter = step.and_then(|step| {
                 let members = self.members.iter().cloned();
                 let members = members.map(|member| in_step(member, Some(step))).collect();
-                let values = problem.effect_values(&minimum.z);
-                Self::fitted(members, &self.nuisances(), &values, singles, context)
+                Self::fitted(members, &self.nuisances(), &self.values(), singles, context)
             });
             match shorter {
                 Some(shorter) => self = shorter,
@@ -180,11 +179,16 @@ impl EffectSet {
 
     /// Its members with their values.
     pub(in crate::diagnose) fn members(&self) -> Vec<Member<'_>> {
-        let Fit { problem, minimum } = &self.fit;
-        let mut values = problem.effect_values(&minimum.z).into_iter();
+        let mut values = self.values().into_iter();
         let mut own = |n: usize| values.by_ref().take(n).collect();
         let members = self.members.iter();
         members.map(|c| Member { candidate: c, values: own(c.parameters.len()) }).collect()
+    }
+
+    /// Values of the parameters of all members.
+    pub(in crate::diagnose) fn values(&self) -> Vec<f64> {
+        let Fit { problem, minimum } = &self.fit;
+        problem.effect_values(&minimum.z)
     }
 
     /// The scaled unknowns of the plan.

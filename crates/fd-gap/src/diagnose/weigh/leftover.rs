@@ -10,10 +10,6 @@ use crate::{
     quality::pattern,
 };
 
-/// Noise that is stronger than stated and has a colour that was not stated either is doubted sooner
-/// than white noise, by this factor of the spread.
-const SHARP: f64 = 0.4;
-
 /// What the errors of an explanation (in sigma) hold beyond noise. `gaps` are those of the
 /// refitted model and of the explanation, per output, and `floor` is that of the noise.
 pub(super) fn leftover(
@@ -53,6 +49,6 @@ fn raised(errors: &[Vec<f64>], prior: NoisePrior) -> f64 {
     // Slow noise has few independent samples, roughly n g² of them.
     let n = errors.iter().flatten().filter(|e| e.is_finite()).count().max(1) as f64;
     let chance = 0.5 / (n * innovation * innovation);
-    let spread = (chance + (prior.spread * SHARP).powi(2)).sqrt();
+    let spread = (chance + prior.spread.powi(2)).sqrt();
     if is_raised { NoisePrior { spread, ..prior }.cost(scale.ln()) } else { 0.0 }
 }

@@ -4,6 +4,7 @@ use self::road::several;
 use fd_gap::{
     ceiling::Ceiling,
     diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
+    fit::Horizon,
     locate::Spectrum,
     quality::Defect,
 };
@@ -233,7 +234,7 @@ fn unclear(report: &Report) -> String {
 
 /// How far the gap shrinks, and where the rest is.
 fn closes(report: &Report, adding: &str) -> String {
-    let Some(held_out) = report.diagnosis.held_out.first() else {
+    let Some(held_out) = report.forecast() else {
         return format!("{adding} was not checked on held-out data, because there are none");
     };
     let Some(closed) = held_out.closed() else {
@@ -246,6 +247,12 @@ fn closes(report: &Report, adding: &str) -> String {
         "the gap that refitted parameters leave on held-out data"
     } else {
         "the gap on held-out data"
+    };
+    let of = match held_out.horizon {
+        Horizon::FreeRun => of.to_owned(),
+        Horizon::Windows { .. } => {
+            format!("{of}, in forecasts of {}", duration(held_out.seconds))
+        }
     };
     let is_clock = |f: &LogFinding| f.defect == LogDefect::TimeBase(TimeBaseDefect::Clock);
     let [low, high] = closed.interval;

@@ -12,7 +12,9 @@ use fd_gap::{
 use fd_sim::model::{Model, Output};
 
 use super::*;
-use crate::gap_study::{Inputs, Memory, Pace, REPORT_VERSION, Request, StudySettings, Timing};
+use crate::gap_study::{
+    HorizonSource, Inputs, Memory, Pace, REPORT_VERSION, Request, StudySettings, Timing,
+};
 
 const MODEL: &str = r#"
 version = 1
@@ -174,6 +176,33 @@ fn a_cause() {
          of the gap that refitted parameters leave on held-out data; 8 % remains, mostly above \
          12.0 Hz."
     );
+}
+
+#[test]
+fn the_longest_forecast_that_says_something() {
+    let mut cause = report(Verdict::Cause);
+    let free = cause.diagnosis.held_out[0].clone();
+    let forecast = |samples: usize, fraction| HeldOut {
+        horizon: Horizon::Windows { samples },
+        seconds: 0.01 * samples as f64,
+        closed_of_refit: Some(closed(fraction, [fraction - 0.1, fraction + 0.1])),
+        ..free.clone()
+    };
+    cause.diagnosis.held_out = vec![forecast(20, 0.2), forecast(100, 0.5), free.clone()];
+    assert!(
+        headline(&cause).contains("closes 92 % (88..95) of the gap that refitted parameters leave")
+    );
+    // No nearer than the mean of the fitted logs.
+    cause.diagnosis.held_out[2].after = vec![20.0];
+    let expected = "closes 50 % (40..60) of the gap that refitted parameters leave on held-out data, in \
+                    forecasts of 1 s; 50 % remains";
+    let text = headline(&cause);
+    assert!(text.contains(expected), "{text}");
+    // Who asks for a horizon hears of that.
+    cause.settings.horizon_from = HorizonSource::Stated;
+    cause.settings.window_s = Some(0.2);
+    let text = headline(&cause);
+    assert!(text.contains("closes 20 % (10..30)"), "{text}");
 }
 
 #[test]

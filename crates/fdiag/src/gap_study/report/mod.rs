@@ -9,8 +9,9 @@ mod settings;
 use fd_gap::{
     calibrate::Confusion,
     ceiling::Ceiling,
-    diagnose::{Cause, CauseId, Diagnosis, PairId, Verdict},
+    diagnose::{Cause, CauseId, Diagnosis, HeldOut, PairId, Verdict},
     experiment::Advice,
+    fit::Horizon,
     locate::Location,
     reading::Reading,
     road::CauseList,
@@ -108,6 +109,22 @@ impl Report {
     pub fn tied_pairs(&self) -> &[PairId] {
         let tied = &self.diagnosis.tied_pairs;
         if 1 < tied.len() { tied } else { &[] }
+    }
+
+    /// The held-out forecasts that the answer is told by: at the horizon that was asked for, else those that
+    /// [say most](Diagnosis::forecast).
+    #[must_use]
+    pub fn forecast(&self) -> Option<&HeldOut> {
+        let is_asked = |held_out: &&HeldOut| match (held_out.horizon, self.settings.window_s) {
+            (Horizon::FreeRun, window) => window.is_none(),
+            (Horizon::Windows { .. }, window) => window == Some(held_out.seconds),
+        };
+        let mut stated = self.diagnosis.held_out.iter();
+        let stated = match self.settings.horizon_from {
+            HorizonSource::Stated => stated.find(is_asked),
+            HorizonSource::Memory => None,
+        };
+        stated.or_else(|| self.diagnosis.forecast())
     }
 
     /// The first cause that the verdict names, or the most probable one when it names none; none when

@@ -10,7 +10,7 @@ const MISSED_SLOWLY: f64 = 4.0;
 /// The output of held-out data that the answer misses most, and by how many times the noise, such as "held-out `y`
 /// is missed by 3.3 times the noise"; `None` where the fitted logs are missed as well, or nothing is.
 pub(in crate::gap_study) fn missed(report: &Report) -> Option<String> {
-    let held_out = report.diagnosis.held_out.first()?;
+    let held_out = report.forecast()?;
     if report.diagnosis.is_unexplained {
         return None;
     }
