@@ -24,7 +24,7 @@ use self::{
     colour::{COLOURED, colour_of, with_colour},
     from_pairs::fitted_from,
     lack_of_fit::LackOfFit,
-    pairs::{fitted_again, seek_pairs},
+    pairs::seek_pairs,
     singles::{Singles, weigh_singles},
     slow::with_slow,
 };
@@ -124,39 +124,29 @@ fn colour_then_pairs<'a>(
         None => searched,
     };
     let alone = Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings);
-    if !is_open(&alone) {
-        return Ok(alone);
-    }
-    let pairs = seek_pairs(&alone.singles, context);
-    with_pairs(pairs, alone.singles, context)
+    if is_open(&alone) { with_pairs(alone.singles, context) } else { Ok(alone) }
 }
 
-/// Pairs are tried at once, and fitted again where what the best of them leaves has a colour.
+/// Pairs are tried at once; once more, where what the best of them leaves has a colour.
 fn pairs_then_colour<'a>(
     searched: Searched<'a>,
     left: Vec<Vec<Vec<f64>>>,
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
-    let singles = weigh_singles(searched, context.candidates)?;
-    let white = with_pairs(seek_pairs(&singles, context), singles, context)?;
+    let white = with_pairs(weigh_singles(searched, context.candidates)?, context)?;
     let answer = white.pairs.first().and_then(EffectSet::answer);
     let left = answer.map_or(left, |answer| answer.errors);
     let noise = with_slow(&white.singles.searched, &left)?;
     let searched = &white.singles.searched;
     let Some(weights) = colour_of(searched, &noise, &left) else { return Ok(white) };
-    let Weighed { singles, pairs, .. } = white;
-    let searched = Searched { noise, ..singles.searched };
+    let searched = Searched { noise, ..white.singles.searched };
     let searched = with_colour(searched, &weights, context.settings.finalists)?;
-    let singles = weigh_singles(searched, context.candidates)?;
-    with_pairs(fitted_again(&pairs, &singles, context), singles, context)
+    with_pairs(weigh_singles(searched, context.candidates)?, context)
 }
 
-/// Single causes learn from pairs that were tried, the best first.
-fn with_pairs<'a>(
-    mut pairs: Vec<EffectSet>,
-    singles: Singles<'a>,
-    context: &Context<'a>,
-) -> Result<Weighed<'a>, FitError> {
+/// Second causes are tried beside first ones, and single causes learn from them.
+fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed<'a>, FitError> {
+    let mut pairs = seek_pairs(&singles, context);
     let singles = fitted_from(&pairs, singles, context)?;
     pairs.retain(EffectSet::are_all_there);
     Ok(Weighed::of(singles, pairs, context.settings))

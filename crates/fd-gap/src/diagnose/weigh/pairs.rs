@@ -40,7 +40,8 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Ef
         monitor.advance();
         pairs
     });
-    let all = best_first(found.into_iter().flatten());
+    let mut all: Vec<EffectSet> = found.into_iter().flatten().collect();
+    all.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
     let mut kept: Vec<EffectSet> = Vec::new();
     for pair in all {
         if !kept.iter().any(|known| known.is_of(&pair)) {
@@ -48,25 +49,6 @@ pub(super) fn seek_pairs(singles: &Singles<'_>, context: &Context<'_>) -> Vec<Ef
         }
     }
     kept
-}
-
-/// The same pairs, fitted from where they are to noise of another colour, the best first.
-pub(super) fn fitted_again(
-    pairs: &[EffectSet],
-    singles: &Singles<'_>,
-    context: &Context<'_>,
-) -> Vec<EffectSet> {
-    let fitted = each(pairs, |pair| {
-        let (members, values) = (pair.members.clone(), pair.values());
-        EffectSet::fitted(members, &pair.nuisances(), &values, singles, context)
-    });
-    best_first(fitted.into_iter().flatten())
-}
-
-fn best_first(pairs: impl Iterator<Item = EffectSet>) -> Vec<EffectSet> {
-    let mut all: Vec<EffectSet> = pairs.collect();
-    all.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
-    all
 }
 
 /// The best second causes beside a first one, as far as the two may come near the noise: far above it, pairs are no answer.
