@@ -148,19 +148,6 @@ pub(super) fn at(diagnosis: &Diagnosis, horizon: Option<Horizon>) -> Option<&Hel
     wanted.or_else(|| diagnosis.held_out.last())
 }
 
-/// A held-out gap over all outputs, in `sigma`; NaN without held-out logs.
-pub(super) fn total(
-    held_out: Option<&HeldOut>,
-    sigma: &[f64],
-    of: fn(&HeldOut) -> &Vec<f64>,
-) -> f64 {
-    held_out.map_or(f64::NAN, |held_out| {
-        let each = of(held_out).iter().zip(sigma);
-        let squares: f64 = each.map(|(size, sigma)| (size / sigma).powi(2)).sum();
-        (squares / sigma.len().max(1) as f64).sqrt()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::shares;

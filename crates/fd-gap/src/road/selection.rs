@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::{
     by_evidence::by_evidence,
     by_forecasts::{believed, believed_alone, grown},
-    elimination::{at, finish, judged_at, total},
+    elimination::{at, finish, judged_at},
     result::{CauseList, End},
     to_the_noise::to_the_noise,
 };
@@ -59,7 +59,8 @@ pub(super) struct Selection<'a> {
 impl Selection<'_> {
     /// Noise floor of held-out logs, in sigma; NaN without any.
     pub(super) fn floor(&self) -> f64 {
-        total(at(self.first, self.horizon), self.search.sigma(), |h| &h.floor)
+        let held_out = at(self.first, self.horizon);
+        held_out.map_or(f64::NAN, |h| h.total(|h| &h.floor, self.search.sigma()))
     }
 }
 

@@ -118,19 +118,12 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
     if is_explained && !held_out.is_empty() && held_out.iter().all(is_shown) {
         return Vec::new();
     }
-    let total = |sizes: &[f64]| -> f64 {
-        sizes
-            .iter()
-            .zip(noise.sigma)
-            .map(|(size, sigma)| (size / sigma).powi(2))
-            .sum::<f64>()
-            .sqrt()
-    };
     let loses = |rival: fn(&HeldOut) -> &Vec<f64>| {
         !held_out.is_empty()
             && held_out.iter().all(|h| {
-                let after = total(&h.after);
-                WORSE * total(rival(h)) < after && AT_THE_FLOOR * total(&h.floor) < after
+                let after = h.total(|h| &h.after, noise.sigma);
+                let floor = h.total(|h| &h.floor, noise.sigma);
+                WORSE * h.total(rival, noise.sigma) < after && AT_THE_FLOOR * floor < after
             })
     };
     let mut all = Vec::new();

@@ -41,6 +41,13 @@ impl HeldOut {
     pub fn closed(&self) -> Option<Closed> {
         self.closed_of_refit.or(self.closed_of_nominal)
     }
+
+    /// Sizes of all outputs together, root mean square, in `sigma`.
+    pub(crate) fn total(&self, of: fn(&Self) -> &Vec<f64>, sigma: &[f64]) -> f64 {
+        let each = of(self).iter().zip(sigma);
+        let squares: f64 = each.map(|(size, sigma)| (size / sigma).powi(2)).sum();
+        (squares / sigma.len().max(1) as f64).sqrt()
+    }
 }
 
 impl Diagnosis {
@@ -48,13 +55,11 @@ impl Diagnosis {
     /// the fitted logs, or at the shortest where it never is. `None` without held-out logs.
     #[must_use]
     pub fn forecast(&self) -> Option<&HeldOut> {
-        let squares = |sizes: &[f64]| -> f64 {
-            sizes.iter().zip(&self.sigma).map(|(size, sigma)| (size / sigma).powi(2)).sum()
+        let foretells = |held_out: &&HeldOut| {
+            held_out.total(|h| &h.after, &self.sigma) < held_out.total(|h| &h.constant, &self.sigma)
         };
-        let mut all: Vec<&HeldOut> = self.held_out.iter().collect();
-        all.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        let foretells =
-            |held_out: &&&HeldOut| squares(&held_out.after) < squares(&held_out.constant);
-        all.iter().rev().find(foretells).or(all.first()).copied()
+        let by_length = |a: &&HeldOut, b: &&HeldOut| a.seconds.total_cmp(&b.seconds);
+        let longest = self.held_out.iter().filter(foretells).max_by(by_length);
+        longest.or_else(|| self.held_out.iter().min_by(by_length))
     }
 }

@@ -6,7 +6,7 @@
 
 use fd_numeric::wide::dot;
 
-use super::trial::{LOOK, Trial};
+use super::trial::Trial;
 use crate::fit::{NullFit, Search, Variable, minimise};
 
 /// Part of the way to the edge of its box from which on a parameter makes up for something.
@@ -17,42 +17,37 @@ const FEW: usize = 3;
 const SEARCH: Search =
     Search { iterations: 8, absolute: 0.1, relative: 1e-4, frozen: 0, ..Search::PLAIN };
 
-/// The model without any effect where its parameters are nominal, if the fit is bent. What has no nominal value stays, as an
+/// The unknowns of the fit without any effect at their nominal values, if it is bent. What has no nominal value stays, as an
 /// effect does that is there already.
-pub(super) fn unbent(null: &NullFit) -> Option<NullFit> {
+pub(super) fn nominal_where_bent(null: &NullFit) -> Option<Vec<f64>> {
     let plan = null.problem.plan();
     let variables: Vec<&Variable> = plan.nuisances().iter().chain(plan.own_variables()).collect();
     let z = &null.minimum.z;
     if null.problem.is_dear() || !is_bent(&variables, z) {
         return None;
     }
-    let nominal = variables.iter().zip(z).map(|(v, z)| if v.prior.is_some() { 0.0 } else { *z });
-    let nominal: Vec<f64> = nominal.collect();
-    let mut problem = null.problem.clone();
-    let minimum = minimise(&mut problem, &nominal, None, LOOK)?.shared(&problem);
-    Some(NullFit { problem, minimum })
+    let known = variables.iter().zip(z);
+    Some(known.map(|(v, z)| if v.prior.is_some() { 0.0 } else { *z }).collect())
 }
 
 impl Trial<'_> {
     /// A fit from the nominal parameters and the amplitude that leaves least there.
-    pub(super) fn fit_from_nominal(&mut self, unbent: &NullFit) {
+    pub(super) fn fit_from_nominal(&mut self, nominal: &[f64]) {
         let Some(start) = self.scored.first().map(|start| start.values.clone()) else { return };
         if FEW < self.candidate.parameters.len() {
             return;
         }
-        let at = |values: &[f64]| self.problem.place(&unbent.minimum.z, values);
-        let (absent, place) = (at(&self.neutral()), at(&start));
-        let left = unbent.minimum.r.as_slice();
-        let found = self.problem.residuals_beside([&absent, left], &[place]).pop().flatten();
-        let Some(r) = found else { return };
-        let change: Vec<f64> = r.iter().zip(left).map(|(r, left)| r - left).collect();
+        let places = [&self.neutral(), &start].map(|values| self.problem.place(nominal, values));
+        let found = self.problem.residuals_beside([&[], &[]], &places);
+        let [Some(left), Some(changed)] = &found[..] else { return };
+        let change: Vec<f64> = changed.iter().zip(left).map(|(r, left)| r - left).collect();
         let size = dot(&change, &change);
         if size <= 0.0 {
             return;
         }
         let [low, high] = self.amplitudes(&start);
         let amplitude = (-dot(&change, left) / size).clamp(low, high);
-        let place = self.problem.place(&unbent.minimum.z, &self.begun(&start, amplitude));
+        let place = self.problem.place(nominal, &self.begun(&start, amplitude));
         let minimum = minimise(&mut self.problem, &place, None, SEARCH);
         self.keep(minimum);
     }

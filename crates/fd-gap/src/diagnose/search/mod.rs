@@ -15,7 +15,7 @@ use crate::together::each;
 
 pub(super) use self::{command::Command, finalists::finish};
 use self::{
-    from_nominal::unbent,
+    from_nominal::nominal_where_bent,
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
@@ -77,7 +77,7 @@ pub(super) fn search_beside<'a>(
     let mut not_tested = Vec::new();
     let screened = tested(tried, &mut not_tested);
     let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
-    let unbent = unbent(&null);
+    let unbent = nominal_where_bent(&null);
     monitor.begin(Stage::Fit, screened.len());
     let (promises, shortlisted) = promises(&screened, settings.shortlist);
     let fits = each(screened.into_iter().zip(promises), |(screened, promise)| {
@@ -93,7 +93,7 @@ pub(super) fn search_beside<'a>(
         }
         let again = |candidate| Trial::new(nominal, candidate, index, &null);
         let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
-        trial.short_fits(&null, unbent.as_ref(), most);
+        trial.short_fits(&null, unbent.as_deref(), most);
         monitor.advance();
         let diverges = || refuse("its simulation diverges".to_owned());
         if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }

@@ -21,7 +21,7 @@ const SHORT: Search =
 /// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
 /// No step, but residuals and slopes.
-pub(super) const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
+const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -113,17 +113,17 @@ impl<'a> Trial<'a> {
 
     /// Fits the best starts a little; only one when no start could explain much of `most`, which
     /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
-    /// and one run shows what the simulator is there.
+    /// and one run shows what the simulator is there. Another fit begins where the unknowns are `nominal`, if that is another place.
     pub(in crate::diagnose) fn short_fits(
         &mut self,
         null: &NullFit,
-        unbent: Option<&NullFit>,
+        nominal: Option<&[f64]>,
         most: f64,
     ) {
         if !self.problem.begins_on_stand_in() {
             self.fit_starts(null, most);
-            if let Some(unbent) = unbent {
-                self.fit_from_nominal(unbent);
+            if let Some(nominal) = nominal {
+                self.fit_from_nominal(nominal);
             }
             if self.best.is_none() {
                 self.fall_back(null);

@@ -186,7 +186,7 @@ impl EffectSet {
     }
 
     /// Values of the parameters of all members.
-    pub(in crate::diagnose) fn values(&self) -> Vec<f64> {
+    fn values(&self) -> Vec<f64> {
         let Fit { problem, minimum } = &self.fit;
         problem.effect_values(&minimum.z)
     }
