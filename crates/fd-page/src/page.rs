@@ -380,7 +380,7 @@ fn basis(page: &mut Page, report: &Report) {
     });
     let not_tested: Vec<String> = not_tested.collect();
     if !not_tested.is_empty() {
-        let summary = format!("{} candidates could not be tested here", not_tested.len());
+        let summary = format!("{} candidates have no fit here, and why", not_tested.len());
         page.details(summary, not_tested.join("\n"));
     }
     if let Some(sparing) = report.sparing.as_ref().filter(|sparing| !sparing.left_out.is_empty()) {

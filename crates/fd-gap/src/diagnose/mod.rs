@@ -152,7 +152,7 @@ use self::{
     candidates::Candidates,
     context::Context,
     feedback::Feedback,
-    judge::{is_open, judge, judged::Judged, prefer},
+    judge::{is_open, is_settled, judge, judged::Judged, prefer},
     prepare::{Prepared, start::in_motion},
     report::report,
     search::search,
@@ -250,13 +250,17 @@ pub(crate) fn told(
     let is_doubted = free.is_some();
     let judged = match (free, settings.beginning) {
         (Some(free), Beginning::InMotion) => judged(free, &context)?,
-        (free, _) => {
-            let stated = judged(prepared, &context)?;
-            match free.filter(|free| is_open(&stated, free)) {
-                Some(free) => prefer(stated, judged(free, &context)?),
-                None => stated,
+        (Some(free), _) => {
+            let searched = search(prepared, &context)?;
+            if is_settled(&searched, &free)? {
+                judged(free, &context)?
+            } else {
+                let stated = judge(weigh(searched, &context)?, &context)?;
+                let is_open = is_open(&stated, &free);
+                if is_open { prefer(stated, judged(free, &context)?) } else { stated }
             }
         }
+        (None, _) => judged(prepared, &context)?,
     };
     let accidents = if clean { None } else { Accidents::of(&judged, case) };
     let Some(Accidents { findings, logs }) = accidents else {

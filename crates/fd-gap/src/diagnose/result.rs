@@ -79,7 +79,7 @@ pub struct Diagnosis {
     /// What is wrong with the logs; not serialised, as a report has it under the names of the files.
     #[serde(skip)]
     pub findings: Vec<Finding>,
-    /// What could not be tried, and why.
+    /// What has no fit, and why.
     pub not_tested: Vec<NotTested>,
     /// Parameters that are not known exactly and move no output in these logs: nothing here speaks of their values.
     pub idle: Vec<String>,
@@ -366,7 +366,7 @@ pub struct Start {
     pub state: Vec<f64>,
 }
 
-/// A candidate that could not be tried.
+/// A candidate without a fit: it could not be tried, or others promise far more.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct NotTested {
     /// Label of the effect.
@@ -375,7 +375,7 @@ pub struct NotTested {
     pub law: &'static str,
     /// Where it would be.
     pub site: SiteRef,
-    /// Why it could not be tried.
+    /// Why it has no fit.
     pub reason: String,
 }
 

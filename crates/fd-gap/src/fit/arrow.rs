@@ -95,6 +95,17 @@ impl Arrow {
         }
     }
 
+    /// An entry of the lower triangle of `H`.
+    pub(crate) fn entry(&self, i: usize, j: usize) -> f64 {
+        let (ns, no) = (self.shared, self.own);
+        match (i.checked_sub(ns), j.checked_sub(ns)) {
+            (None, _) => self.corner[i * ns + j],
+            (Some(k), None) => self.arms[k * ns + j],
+            (Some(k), Some(l)) if k / no == l / no => self.blocks[k * no + l % no],
+            _ => 0.0,
+        }
+    }
+
     /// Takes an unknown out: its row and column become those of the unit matrix.
     pub(crate) fn fix(&mut self, i: usize) {
         self.gradient[i] = 0.0;

@@ -63,7 +63,7 @@ impl Search {
 }
 
 /// Residuals of so many rows and outputs are not kept with every candidate, of which there are thousands.
-const LONG: usize = 10_000;
+pub(crate) const LONG: usize = 10_000;
 
 /// A place in the space of the unknowns, with what is known there.
 #[derive(Clone, Debug)]

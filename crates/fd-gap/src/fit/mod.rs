@@ -27,8 +27,9 @@ mod problem;
 mod screen;
 mod variable;
 mod weights;
+mod within;
 
-pub(crate) use self::{cholesky::Cholesky, descent::promised, problem::AT_A_TIME};
+pub(crate) use self::{cholesky::Cholesky, descent::promised, levenberg::LONG, problem::AT_A_TIME};
 pub use self::{
     columns::Columns,
     error::FitError,
@@ -38,7 +39,7 @@ pub use self::{
     null::{NullFit, null_fit},
     plan::{Horizon, Plan, Segment},
     problem::Problem,
-    screen::{Projection, Score},
+    screen::{Score, Surroundings},
     variable::Variable,
     weights::Weights,
 };

@@ -299,6 +299,24 @@ impl Problem {
         found.map(|there| there.map(change)).collect()
     }
 
+    /// A change of white residuals in units of another noise as a change of the residuals of this problem.
+    pub(crate) fn reweighed(&self, change: &[f32], sigma: &[f64]) -> Vec<f64> {
+        let mut residuals = vec![0.0; change.len()];
+        for (segment, rows) in self.plan.segments.iter().zip(&self.layout.segments) {
+            let (log, length) = (&self.plan.logs[segment.log], segment.to - segment.from);
+            for (c, colour) in self.weights.colour.iter().enumerate() {
+                let rows = rows.start + c * length..rows.start + (c + 1) * length;
+                let unit = sigma[c] / self.weights.sigma[c];
+                let measured = log.y[segment.from * log.ny..].iter().skip(c).step_by(log.ny);
+                let values = change[rows.clone()].iter().zip(measured).map(|(change, y)| {
+                    if y.is_finite() { unit * f64::from(*change) } else { f64::NAN }
+                });
+                colour.whiten(&values.collect::<Vec<f64>>(), &mut residuals[rows]);
+            }
+        }
+        residuals
+    }
+
     /// Whether runs are so dear that a stand-in gives the slopes.
     pub(crate) fn is_dear(&self) -> bool {
         self.stand_in.is_some() && !self.is_stood_in

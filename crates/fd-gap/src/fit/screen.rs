@@ -1,80 +1,266 @@
-//! How much a change of the outputs could explain, whatever the nuisances.
+//! What a change of the outputs could explain, once the nuisances have done what they can within their boxes.
 
 use fd_numeric::wide::{dot, dots};
 
 use super::{
-    arrow::Factor,
+    arrow::Arrow,
+    cholesky::Cholesky,
     layout::{Layout, LeastSquares},
     levenberg::Minimum,
+    within::lowest_within,
 };
 
-/// Part of a change that must be left once the nuisances have taken theirs; less is rounding.
-const INVISIBLE: f64 = 1e-9;
+/// Part of a change that is taken for left once the nuisances have taken theirs; less is rounding, and much more would weigh
+/// more than what is known of the nuisances.
+const INVISIBLE: f64 = 1e-13;
 
-/// What a score test says of a change of the outputs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What slopes promise of a change of the outputs.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Score {
     /// How many times the change the residual asks for.
     pub amplitude: f64,
-    /// By how much the sum of squares would fall.
-    pub gain: f64,
+    /// The sum of squares that is left.
+    pub left: f64,
+    /// Where the nuisances go.
+    pub nuisances: Vec<f64>,
 }
 
-/// The space that the nuisances span around a minimum.
+/// A sum of squares around a place, as its slopes have it: quadratic, in the boxes of the unknowns.
 #[derive(Clone, Debug)]
-pub struct Projection<'a> {
+pub struct Surroundings<'a> {
     layout: Layout,
-    minimum: &'a Minimum,
-    factor: Factor,
-    /// `L⁻¹ g`.
-    gradient: Vec<f64>,
+    at: &'a Minimum,
+    equations: Arrow,
+    /// How far each unknown is from its edges.
+    room: Vec<[f64; 2]>,
+    /// The sum of squares that is left without any change.
+    left: f64,
 }
 
-impl<'a> Projection<'a> {
-    /// The space around a minimum of a problem; `None` when its equations are singular.
-    ///
-    /// Nuisances at an edge of their box count as free: they may come back.
+/// A change of the residuals: its products with slopes, with itself and with the residuals, and the amplitudes it may have.
+struct Change {
+    slopes: Vec<f64>,
+    itself: f64,
+    residuals: f64,
+    range: [f64; 2],
+}
+
+impl<'a> Surroundings<'a> {
+    /// Those of a place of a problem; `None` when its equations are singular.
     #[must_use]
-    pub fn new(problem: &dyn LeastSquares, minimum: &'a Minimum) -> Option<Self> {
-        let layout = problem.layout().clone();
-        let mut equations = minimum.equations(problem, 1.0);
-        for i in 0..minimum.z.len() {
-            if *equations.diagonal_mut(i) <= 0.0 {
-                equations.fix(i);
-            }
+    pub fn new(problem: &dyn LeastSquares, at: &'a Minimum) -> Option<Self> {
+        let mut equations = at.equations(problem, 1.0);
+        for i in (0..at.z.len()).filter(|i| equations.diagonal(*i) <= 0.0).collect::<Vec<_>>() {
+            equations.fix(i);
         }
-        let factor = equations.factor()?;
-        let mut gradient = equations.gradient;
-        factor.forward(&mut gradient);
-        Some(Self { layout, minimum, factor, gradient })
+        let bounds = problem.bounds().iter().zip(&at.z);
+        let room = bounds.map(|([low, high], z)| [(low - z).min(0.0), (high - z).max(0.0)]);
+        let (layout, room) = (problem.layout().clone(), room.collect());
+        let mut here = Self { layout, at, equations, room, left: at.cost };
+        here.left = here.score(&vec![0.0; at.r.len()], [0.0, 0.0])?.left;
+        Some(here)
     }
 
-    /// Score of the change from the residuals of the minimum to `changed`: with `d` the change and
-    /// everything in the complement of the nuisances, `a = −⟨d, r⟩/⟨d, d⟩` within `range`, and the
-    /// sum of squares falls by `−2a⟨d, r⟩ − a²⟨d, d⟩`.
+    /// The place.
     #[must_use]
-    pub fn score(&self, changed: &[f64], range: [f64; 2]) -> Score {
-        let r = &self.minimum.r;
-        let change: Vec<f64> = changed.iter().zip(r).map(|(c, r)| c - r).collect();
+    pub fn at(&self) -> &Minimum {
+        self.at
+    }
+
+    /// The sum of squares that is left without any change.
+    #[must_use]
+    pub fn left(&self) -> f64 {
+        self.left
+    }
+
+    /// Score of a change of the residuals by an amplitude within `range`: the least that `‖r + JΔ + a d‖²` and the prior leave,
+    /// `J` being the slopes and `d` the change.
+    #[must_use]
+    pub fn score(&self, change: &[f64], range: [f64; 2]) -> Option<Score> {
+        let ns = self.layout.shared;
         let mut seen = vec![0.0; self.layout.unknowns()];
         for (s, rows) in self.layout.segments.iter().enumerate() {
-            let slopes = self.minimum.slopes.iter().map(|slope| &slope[rows.clone()]);
+            let slopes = self.at.slopes.iter().map(|slope| &slope[rows.clone()]);
             let slopes: Vec<&[f64]> = slopes.collect();
             for (i, product) in dots(&change[rows.clone()], &slopes).into_iter().enumerate() {
-                let shared = self.layout.shared;
-                let place = if i < shared { i } else { self.layout.first_own(s) + i - shared };
+                let place = if i < ns { i } else { self.layout.first_own(s) + i - ns };
                 seen[place] += product;
             }
         }
-        self.factor.forward(&mut seen);
-        let all = dot(&change, &change);
-        let left = all - dot(&seen, &seen);
-        if left <= INVISIBLE * all {
-            return Score { amplitude: 0.0, gain: 0.0 };
+        let itself = (1.0 + INVISIBLE) * dot(change, change);
+        let change = Change { slopes: seen, itself, residuals: dot(change, &self.at.r), range };
+        // Own unknowns are many, and few of them come to their edges.
+        let mut bounded = Vec::new();
+        loop {
+            let (step, amplitude, left) = self.lowest(&change, &bounded)?;
+            let is_out = |i: &usize| !(self.room[*i][0]..=self.room[*i][1]).contains(&step[*i]);
+            let own = (ns..step.len()).filter(|i| !bounded.contains(i));
+            let out: Vec<usize> = own.filter(is_out).collect();
+            if out.is_empty() {
+                let nuisances = self.at.z.iter().zip(step).map(|(z, step)| z + step).collect();
+                return Some(Score { amplitude, left: left.max(0.0), nuisances });
+            }
+            bounded.extend(out);
         }
-        let along = dot(&change, r) - dot(&seen, &self.gradient);
-        let amplitude = (-along / left).clamp(range[0], range[1]);
-        let gain = -2.0 * amplitude * along - amplitude * amplitude * left;
-        Score { amplitude, gain: gain.max(0.0) }
+    }
+
+    /// The step of the unknowns and the amplitude of a change that leave least, and what they leave, in the boxes of the shared
+    /// unknowns and of those own ones that are `bounded`.
+    fn lowest(&self, change: &Change, bounded: &[usize]) -> Option<(Vec<f64>, f64, f64)> {
+        let (ns, no) = (self.layout.shared, self.layout.own);
+        let known: Vec<usize> = (0..ns).chain(bounded.iter().copied()).collect();
+        let n = known.len();
+        let entry = |i: usize, j: usize| self.equations.entry(i.max(j), i.min(j));
+        let mut a = vec![0.0; (n + 1) * (n + 1)];
+        for (i, row) in a.chunks_mut(n + 1).enumerate() {
+            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
+                *value = match (known.get(i), known.get(j)) {
+                    (Some(i), Some(j)) => entry(*i, *j),
+                    (_, Some(j)) => change.slopes[*j],
+                    _ => change.itself,
+                };
+            }
+        }
+        let mut g: Vec<f64> = known.iter().map(|i| self.equations.gradient[*i]).collect();
+        g.push(change.residuals);
+        let mut left = self.at.cost;
+        // The free unknowns of each segment, their factor, and what they have to do with the others, the amplitude and the
+        // gradient, of which the last two have every segment.
+        let mut eliminated = Vec::with_capacity(self.layout.segments.len());
+        for s in 0..self.layout.segments.len() {
+            let first = self.layout.first_own(s);
+            let free: Vec<usize> = (first..first + no).filter(|i| !bounded.contains(i)).collect();
+            let block = free.iter().flat_map(|i| free.iter().map(|j| entry(*i, *j)));
+            let factor = Cholesky::new(&block.collect::<Vec<f64>>(), free.len())?;
+            let with = |column: &dyn Fn(usize) -> f64| {
+                let mut column: Vec<f64> = free.iter().map(|i| column(*i)).collect();
+                factor.forward(&mut column);
+                column
+            };
+            let is_near = |j: &usize| *j < ns || (first..first + no).contains(j);
+            let near = known.iter().enumerate().filter(|(_, j)| is_near(j));
+            let mut columns: Vec<(usize, Vec<f64>)> =
+                near.map(|(at, j)| (at, with(&|i| entry(i, *j)))).collect();
+            columns.push((n, with(&|i| change.slopes[i])));
+            let gradient = with(&|i| self.equations.gradient[i]);
+            for (k, (i, column)) in columns.iter().enumerate() {
+                for (j, other) in &columns[..=k] {
+                    a[i * (n + 1) + j] -= fd_numeric::dot(column, other);
+                }
+                g[*i] -= fd_numeric::dot(column, &gradient);
+            }
+            left -= fd_numeric::dot(&gradient, &gradient);
+            eliminated.push((free, factor, columns, gradient));
+        }
+        let room = known.iter().map(|i| self.room[*i]).chain([change.range]);
+        let x = lowest_within(&a, &g, &room.collect::<Vec<_>>())?;
+        let curved = |i: usize| {
+            let row = &a[i * (n + 1)..];
+            x[i] * ((0..i).map(|j| row[j] * x[j]).sum::<f64>() + 0.5 * row[i] * x[i])
+        };
+        left += 2.0 * (fd_numeric::dot(&g, &x) + (0..=n).map(curved).sum::<f64>());
+        let mut step = vec![0.0; self.room.len()];
+        known.iter().zip(&x).for_each(|(i, x)| step[*i] = *x);
+        for (free, factor, columns, mut own) in eliminated {
+            for (j, column) in columns {
+                own.iter_mut().zip(column).for_each(|(own, entry)| *own += entry * x[j]);
+            }
+            factor.backward(&mut own);
+            free.into_iter().zip(own).for_each(|(i, own)| step[i] = -own);
+        }
+        Some((step, x[n], left))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use proptest::prelude::*;
+
+    use super::{super::levenberg::minimise, Layout, LeastSquares, Surroundings};
+    use crate::fit::Search;
+
+    /// Residuals that are linear in two or three shared unknowns, of which the last may be an amplitude, and in one of each of
+    /// two segments.
+    struct Linear {
+        layout: Layout,
+        bounds: Vec<[f64; 2]>,
+        prior: Vec<[f64; 2]>,
+        columns: Vec<Vec<f64>>,
+        r: Vec<f64>,
+    }
+
+    const ROWS: usize = 12;
+
+    impl Linear {
+        fn new(shared: &[Vec<f64>], own: &[f64], r: &[f64], amplitude: Option<[f64; 2]>) -> Self {
+            let n = shared.len();
+            let layout = Layout { shared: n, own: 1, segments: vec![0..ROWS / 2, ROWS / 2..ROWS] };
+            let mut bounds = vec![[-0.5, 0.5]; n];
+            let mut prior = vec![[0.0, 1.0]; n];
+            if let Some(range) = amplitude {
+                (bounds[n - 1], prior[n - 1]) = (range, [0.0, 0.0]);
+            }
+            bounds.extend([[-0.3, 0.4], [-1e3, 1e3]]);
+            prior.extend([[0.0, 0.0]; 2]);
+            let columns = [shared, &[own.to_vec()]].concat();
+            Self { layout, bounds, prior, columns, r: r.to_vec() }
+        }
+    }
+
+    impl LeastSquares for Linear {
+        fn layout(&self) -> &Layout {
+            &self.layout
+        }
+
+        fn bounds(&self) -> &[[f64; 2]] {
+            &self.bounds
+        }
+
+        fn prior(&self) -> &[[f64; 2]] {
+            &self.prior
+        }
+
+        fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
+            for (k, r) in r.iter_mut().enumerate() {
+                let n = self.layout.shared;
+                let own = z[n + 2 * k / ROWS] * self.columns[n][k];
+                *r = self.r[k] + own + (0..n).map(|i| z[i] * self.columns[i][k]).sum::<f64>();
+            }
+            true
+        }
+
+        fn slopes(&mut self, _: &[f64], _: &[f64], columns: Range<usize>, to: &mut [Vec<f64>]) {
+            to[columns.clone()].clone_from_slice(&self.columns[columns]);
+        }
+    }
+
+    proptest! {
+        /// Where residuals are linear, what is promised of a change is what a fit of its amplitude beside the nuisances comes to.
+        #[test]
+        fn a_promise_is_kept_where_residuals_are_linear(
+            columns in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, ROWS), 5),
+            edge in 0.1..3.0_f64,
+        ) {
+            let [a, b, own, r, change] = &columns[..] else { unreachable!() };
+            let shared = [a.clone(), b.clone(), change.clone()];
+            let mut without = Linear::new(&shared[..2], own, r, None);
+            let search = Search { iterations: 200, absolute: 0.0, relative: 1e-14, ..Search::PLAIN };
+            // From anywhere: the place is no minimum.
+            let at = Search { iterations: 0, ..Search::PLAIN };
+            let at = minimise(&mut without, &[0.3, -0.5, 0.2, 0.0], None, at).unwrap();
+            let around = Surroundings::new(&without, &at).unwrap();
+            let range = [-edge, edge];
+            let score = around.score(change, range).unwrap();
+            let mut with = Linear::new(&shared, own, r, Some(range));
+            let found = minimise(&mut with, &[0.0; 5], None, search).unwrap();
+            // The fit ends where a step gains less than a part in 1e14, which may be many steps before its end.
+            prop_assert!((score.left - found.cost).abs() < 1e-6 * at.cost, "{score:?} {found:?}");
+            prop_assert!(score.left <= around.left() + 1e-12 * at.cost);
+            let place = [&score.nuisances[..2], &[score.amplitude], &score.nuisances[2..]].concat();
+            let there = minimise(&mut with, &place, None, Search { iterations: 0, ..Search::PLAIN });
+            prop_assert!((there.unwrap().cost - score.left).abs() < 1e-6 * at.cost);
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fd_effect::{Candidate, EverySite, Kind, Offers, library};
 use fd_gap::{
     fit::{
-        FitError, Horizon, LeastSquares, Minimum, NullFit, Plan, Problem, Projection, Search,
+        FitError, Horizon, LeastSquares, Minimum, NullFit, Plan, Problem, Search, Surroundings,
         Variable, Weights, minimise, null_fit,
     },
     quality::Autoregression,
@@ -131,12 +131,11 @@ impl<'a> Sight<'a> {
         candidates: impl Iterator<Item = Candidate>,
         base: &NullFit,
     ) -> Vec<Fitted> {
-        let Some(projection) = Projection::new(&base.problem, &base.minimum) else {
+        let Some(around) = Surroundings::new(&base.problem, &base.minimum) else {
             return vec![];
         };
-        let mut all: Vec<Fitted> = candidates
-            .filter_map(|candidate| self.short(candidate, base, &projection).ok()?)
-            .collect();
+        let mut all: Vec<Fitted> =
+            candidates.filter_map(|candidate| self.short(candidate, base, &around).ok()?).collect();
         let by_cost = |a: &Fitted, b: &Fitted| a.minimum.cost.total_cmp(&b.minimum.cost);
         all.sort_by(by_cost);
         all.truncate(FINALISTS);
@@ -155,7 +154,7 @@ impl<'a> Sight<'a> {
         &self,
         candidate: Candidate,
         base: &NullFit,
-        projection: &Projection<'_>,
+        around: &Surroundings<'_>,
     ) -> Result<Option<Fitted>, FitError> {
         let plan = Arc::clone(base.problem.plan());
         let ts = base.problem.simulator().ts();
@@ -165,13 +164,17 @@ impl<'a> Sight<'a> {
         let mut problem = Problem::new(plan, simulator, variables.collect(), weights)?;
         let mut r = vec![0.0; problem.layout().residuals()];
         let mut scored: Vec<(f64, &Vec<f64>)> = Vec::new();
+        let before = &base.minimum.r;
+        let change = |r: &[f64]| -> Vec<f64> { r.iter().zip(before).map(|(r, b)| r - b).collect() };
         for start in &candidate.starts {
             let z = problem.place(&base.minimum.z, start);
-            if problem.residuals(&z, &mut r) {
-                scored.push((projection.score(&r, [-4.0, 4.0]).gain, start));
+            if problem.residuals(&z, &mut r)
+                && let Some(score) = around.score(&change(&r), [-4.0, 4.0])
+            {
+                scored.push((score.left, start));
             }
         }
-        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        scored.sort_by(|a, b| a.0.total_cmp(&b.0));
         let shared = base.problem.layout().shared;
         let mut best: Option<Minimum> = None;
         for (_, start) in scored.into_iter().take(STARTS) {

@@ -21,7 +21,7 @@ pub(super) use self::{
     contest::{Entrant, standings},
     groups::{groups, sides},
     probabilities::Probabilities,
-    starts::{is_open, prefer},
+    starts::{is_open, is_settled, prefer},
 };
 use super::{
     context::Context,

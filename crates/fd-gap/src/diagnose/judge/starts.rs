@@ -2,10 +2,14 @@
 
 use super::judged::Judged;
 use crate::{
-    diagnose::prepare::{
-        Prepared,
-        start::{needed, squares},
+    diagnose::{
+        prepare::{
+            Prepared,
+            start::{needed, squares},
+        },
+        search::searched::Searched,
     },
+    fit::FitError,
     shrink::SURE,
 };
 
@@ -19,6 +23,21 @@ pub(in crate::diagnose) fn is_open(stated: &Judged<'_>, free: &Prepared) -> bool
     let most = n * left.max(1.0).ln() + (2.0 * n).sqrt();
     let is_known = stated.singles.searched.noise.stated.iter().all(Option::is_some);
     !is_known || needed(plan) < most
+}
+
+/// Whether free starts alone explain so much more than the best single effect does from stated ones that chance with so many
+/// more unknowns does not explain it: no other effect has to be tried beside that one.
+pub(in crate::diagnose) fn is_settled(
+    stated: &Searched<'_>,
+    free: &Prepared,
+) -> Result<bool, FitError> {
+    let (own, sigma) = (&free.null.problem.weights().sigma, &stated.noise.sigma);
+    let errors =
+        free.null.problem.clone().errors(&free.null.minimum.z).ok_or(FitError::Diverged)?;
+    let plan = free.null.problem.plan();
+    let [before, after] =
+        [squares(&stated.best_errors()?, sigma, sigma), squares(&errors, own, sigma)];
+    Ok(needed(plan) < plan.measured() as f64 * (before / after).ln())
 }
 
 /// The judgement to believe: that of free starts only where its best answer leaves so much less than the other

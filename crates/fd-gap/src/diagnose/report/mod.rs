@@ -188,5 +188,5 @@ pub(super) fn simulations(judged: &Judged<'_>) -> usize {
     let Singles { searched, base, .. } = &judged.singles;
     let pairs = judged.pairs.fitted.iter().map(|pair| &pair.fit.problem);
     let fits = searched.trials.iter().map(|trial| &trial.problem).chain(pairs);
-    base.simulations() + fits.map(Problem::simulations).sum::<usize>()
+    base.simulations() + searched.screening + fits.map(Problem::simulations).sum::<usize>()
 }

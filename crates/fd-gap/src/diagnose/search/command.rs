@@ -35,7 +35,7 @@ const FINER: usize = 8000;
 /// Values of a command that differ by less than this part of its peak are one.
 const SAME: f64 = 1e-9;
 /// The best so many of each octave are worth a simulation.
-const PER_OCTAVE: usize = 8;
+const PER_OCTAVE: usize = 4;
 
 /// A command with the slopes of the misfit.
 #[derive(Clone, Debug)]

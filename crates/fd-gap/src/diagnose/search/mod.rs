@@ -1,107 +1,175 @@
 //! From all candidates to fitted finalists.
 
+mod base;
+pub(super) mod changes;
 mod command;
 mod finalists;
-mod from_nominal;
 mod screen;
 mod screened;
 pub(super) mod searched;
 pub(super) mod step_size;
 pub(super) mod trial;
 
-use std::collections::HashMap;
+use std::{
+    collections::HashMap,
+    sync::{Arc, OnceLock},
+};
+
+use fd_effect::Candidate;
+use fd_sim::model::Model;
 
 use crate::together::each;
 
-pub(super) use self::{command::Command, finalists::finish};
 use self::{
-    from_nominal::nominal_where_bent,
+    base::base,
+    changes::Changes,
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
     trial::{MORE_THAN_PROMISED, Trial, is_hopeless},
 };
+pub(super) use self::{command::Command, finalists::finish};
 use super::{context::Context, monitor::Stage, prepare::Prepared, result::NotTested};
 use crate::{
-    fit::{FitError, NullFit, Projection},
+    fit::{FitError, NullFit, Surroundings},
     quality::spectral_peaks,
 };
 
 /// Lines of the spectrum at which periodic effects are started.
 const LINES: usize = 5;
 
-/// More candidates than a library has for a plant of a few states: of so many those that are hopeless are not fitted. They would
-/// get one step of a fit, and with a hundred places they are most of the work and of the memory.
-const MANY: usize = 500;
-
-/// Scores every candidate at every start by what it could explain besides the nuisances, fits it a
-/// little from the best starts, and fits the best causes (effect and site, all their laws) to the
-/// end, with an integration step that is short enough for them.
+/// Scores every candidate at every start by what it could explain besides the nuisances, fits those that promise something
+/// a little from the best starts, and fits the best causes (effect and site, all their laws) to the end, with an integration
+/// step that is short enough for them.
 pub(super) fn search<'a>(
     prepared: Prepared,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, context)?)
+    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, None, context)?)
 }
 
 /// The same with the integration step that the model has, beside whatever has been found already: causes that promise by far less
-/// than the `least` that they must take from the sum of squares are not fitted.
+/// than the `least` that they must take from the sum of squares are not fitted, and of those of which the changes are
+/// `remembered` only the most promising are looked at.
 pub(super) fn search_beside<'a>(
     prepared: Prepared,
     least: f64,
+    remembered: Option<&Changes>,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    let Context { case, settings, monitor, .. } = *context;
-    let (nominal, candidates) = (case.nominal, context.candidates.simulated.as_slice());
     let Prepared { model, null, noise } = prepared;
-    let projection = Projection::new(&null.problem, &null.minimum).ok_or(FitError::Diverged)?;
-    let lines = lines(&null)?;
-    let commands = Command::all(nominal, &model, &null, candidates);
-    monitor.begin(Stage::Screen, candidates.len());
-    let is_many = MANY < candidates.len();
-    let tried = each(candidates.iter().enumerate(), |(index, candidate)| {
-        let refuse = |reason: String| NotTested::of(candidate, reason);
-        // The first one is the best proposal, if they have an order.
-        if 0 < index && monitor.is_stopped() {
-            return Err(refuse(stopped()));
-        }
-        let tried = Trial::new(nominal, candidate, index, &null).map_err(|e| refuse(e.to_string()));
-        let screened = tried.map(|mut trial| {
-            let command = Command::of_candidate(&commands, candidate);
-            trial.screen(&null, &projection, &lines, command);
-            Screened::of(trial, is_many)
-        });
-        monitor.advance();
-        screened
-    });
+    let base = base(&null);
+    let around = &Surroundings::new(&null.problem, &base).ok_or(FitError::Diverged)?;
+    let candidates = context.candidates.simulated.as_slice();
+    let promising = remembered.map(|changes| changes.promising(candidates, &null, around));
+    let look = Look { context, null: &null, around };
     let mut not_tested = Vec::new();
-    let screened = tested(tried, &mut not_tested);
-    let most = screened.iter().map(Screened::gain).fold(0.0, f64::max);
-    let unbent = nominal_where_bent(&null);
-    monitor.begin(Stage::Fit, screened.len());
-    let (promises, shortlisted) = promises(&screened, settings.shortlist);
-    let fits = each(screened.into_iter().zip(promises), |(screened, promise)| {
-        let Screened { candidate, index, .. } = screened;
-        let refuse = |reason: String| NotTested::of(candidate, reason);
-        if 0 < index && monitor.is_stopped() {
-            return Err(refuse(stopped()));
-        }
-        let is_short_of_it = promise < (least / MORE_THAN_PROMISED).max(shortlisted);
-        if is_short_of_it || is_many && is_hopeless(promise, most) {
-            monitor.advance();
-            return Err(refuse("others promise far more".to_owned()));
-        }
-        let again = |candidate| Trial::new(nominal, candidate, index, &null);
-        let mut trial = screened.trial(again).map_err(|e| refuse(e.to_string()))?;
-        trial.short_fits(&null, unbent.as_deref(), most);
-        monitor.advance();
-        let diverges = || refuse("its simulation diverges".to_owned());
-        if trial.best.is_some() { Ok(trial) } else { Err(diverges()) }
-    });
-    let mut trials = tested(fits, &mut not_tested);
-    finish(&mut trials, &null, settings.finalists);
+    let mut screened = tested(look.screened(&model, promising.as_deref())?, &mut not_tested);
+    let changes =
+        Arc::new(Changes::of(&null, &mut screened).map_or_else(OnceLock::new, OnceLock::from));
+    let screening = screened.iter().map(|one| one.simulations).sum();
+    let mut trials = look.fitted(screened, least, &mut not_tested);
+    finish(&mut trials, &null, context.settings.finalists);
     let is_coloured = false;
-    Ok(Searched { model, null, noise, trials, not_tested, is_coloured })
+    Ok(Searched { model, null, noise, screening, changes, trials, not_tested, is_coloured })
+}
+
+/// One look at all candidates.
+struct Look<'s, 'a> {
+    context: &'s Context<'a>,
+    /// Without any of them.
+    null: &'s NullFit,
+    /// Where slopes say what each promises.
+    around: &'s Surroundings<'s>,
+}
+
+impl<'a> Look<'_, 'a> {
+    fn trial(&self, candidate: &'a Candidate, index: usize) -> Result<Trial<'a>, NotTested> {
+        // The first one is the best proposal, if they have an order.
+        if 0 < index && self.context.monitor.is_stopped() {
+            return Err(refused(candidate, "the diagnosis was stopped before"));
+        }
+        let trial = Trial::new(self.context.case.nominal, candidate, index, self.null);
+        trial.map_err(|e| refused(candidate, &e.to_string()))
+    }
+
+    /// What each candidate promises, of which `promising` says whether it is looked at.
+    fn screened(
+        &self,
+        model: &Model,
+        promising: Option<&[bool]>,
+    ) -> Result<Vec<Result<Screened<'a>, NotTested>>, FitError> {
+        let Context { case, candidates, monitor, .. } = self.context;
+        let candidates = candidates.simulated.as_slice();
+        let lines = lines(self.null)?;
+        let commands = Command::all(case.nominal, model, self.null, candidates);
+        monitor.begin(Stage::Screen, candidates.len());
+        Ok(each(candidates.iter().enumerate(), |(index, candidate)| {
+            if promising.is_some_and(|promising| !promising[index]) {
+                monitor.advance();
+                return Err(too_little(candidate));
+            }
+            let screened = self.trial(candidate, index).map(|mut trial| {
+                let command = Command::of_candidate(&commands, candidate);
+                trial.screen(self.null, self.around, &lines, command);
+                Screened::of(trial)
+            });
+            monitor.advance();
+            screened
+        }))
+    }
+
+    /// Short fits of those that promise most, and then of what may come near to what these have gained.
+    fn fitted(
+        &self,
+        screened: Vec<Screened<'a>>,
+        least: f64,
+        not_tested: &mut Vec<NotTested>,
+    ) -> Vec<Trial<'a>> {
+        let Context { settings, monitor, .. } = self.context;
+        let gains = screened.iter().map(|one| (one.candidate, one.gain()));
+        let (promises, ranked) = of_causes(gains);
+        let nth = |n: usize| ranked.get(n.saturating_sub(1)).copied().unwrap_or(0.0);
+        let least = nth(settings.shortlist).max(least / MORE_THAN_PROMISED);
+        let leading = nth(settings.finalists).max(least);
+        monitor.begin(Stage::Fit, screened.len());
+        let fit = |Screened { candidate, index, scored, .. }: Screened<'a>, most: f64| {
+            let mut trial = Trial { scored, ..self.trial(candidate, index)? };
+            trial.short_fits(self.null, self.around, most);
+            monitor.advance();
+            let is_there = trial.best.is_some();
+            if is_there { Ok(trial) } else { Err(diverges(candidate)) }
+        };
+        let (first, others): (Vec<_>, Vec<_>) =
+            screened.into_iter().zip(promises).partition(|(_, promise)| leading <= *promise);
+        let mut trials = tested(each(first, |(one, _)| fit(one, nth(1))), not_tested);
+        let best = trials.iter().map(Trial::cost).fold(self.null.minimum.cost, f64::min);
+        let gained = self.null.minimum.cost - best;
+        let others = each(others, |(one, promise)| {
+            if promise < least || is_hopeless(promise, gained) {
+                monitor.advance();
+                let is_lost = one.scored.is_empty();
+                return Err((if is_lost { diverges } else { too_little })(one.candidate));
+            }
+            fit(one, gained)
+        });
+        trials.extend(tested(others, not_tested));
+        trials.sort_by_key(|trial| trial.index);
+        trials
+    }
+}
+
+fn diverges(candidate: &Candidate) -> NotTested {
+    refused(candidate, "its simulation diverges")
+}
+
+fn too_little(candidate: &Candidate) -> NotTested {
+    refused(candidate, "others promise far more")
+}
+
+/// Why a candidate is not tried, or has no fit.
+fn refused(candidate: &Candidate, reason: &str) -> NotTested {
+    NotTested::of(candidate, reason.to_owned())
 }
 
 /// What was tested; why the rest was not goes to the others of that kind.
@@ -110,23 +178,19 @@ fn tested<T>(outcomes: Vec<Result<T, NotTested>>, not_tested: &mut Vec<NotTested
     outcomes.into_iter().filter_map(keep).collect()
 }
 
-/// What the best law of the cause of each candidate could explain, since laws are started from one another; and the least
-/// on a shortlist of so many causes.
-fn promises(screened: &[Screened<'_>], length: usize) -> (Vec<f64>, f64) {
+/// What the best law of the cause of each candidate promises, since laws are started from one another; and what all causes
+/// promise, the most first.
+fn of_causes<'c>(promises: impl Iterator<Item = (&'c Candidate, f64)>) -> (Vec<f64>, Vec<f64>) {
+    let (candidates, promises): (Vec<&Candidate>, Vec<f64>) = promises.unzip();
     let mut best = HashMap::new();
-    for one in screened {
-        let gain = best.entry(one.candidate.identity()).or_insert(0.0_f64);
-        *gain = gain.max(one.gain());
+    for (candidate, promise) in candidates.iter().zip(promises) {
+        let known = best.entry(candidate.identity()).or_insert(0.0_f64);
+        *known = known.max(promise);
     }
-    let promises = screened.iter().map(|one| best[&one.candidate.identity()]).collect();
-    let mut all: Vec<f64> = best.into_values().collect();
-    all.sort_by(|a, b| b.total_cmp(a));
-    (promises, all.get(length.saturating_sub(1)).copied().unwrap_or(0.0))
-}
-
-/// Why a candidate was not tried.
-fn stopped() -> String {
-    "the diagnosis was stopped before".to_owned()
+    let each = candidates.iter().map(|candidate| best[&candidate.identity()]).collect();
+    let mut ranked: Vec<f64> = best.into_values().collect();
+    ranked.sort_by(|a, b| b.total_cmp(a));
+    (each, ranked)
 }
 
 /// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.

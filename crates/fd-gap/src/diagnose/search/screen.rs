@@ -3,10 +3,11 @@
 use fd_effect::EffectParameter;
 
 use super::{
+    changes::Change,
     command::Command,
-    trial::{ScoredStart, Trial},
+    trial::{SHORT_FITS, ScoredStart, Trial},
 };
-use crate::fit::{AT_A_TIME, NullFit, Projection};
+use crate::fit::{AT_A_TIME, NullFit, Surroundings};
 
 /// Largest amplitude that a score test may ask for: laws are not linear.
 const AMPLITUDE: f64 = 4.0;
@@ -24,7 +25,7 @@ impl Trial<'_> {
     pub(in crate::diagnose) fn screen(
         &mut self,
         null: &NullFit,
-        projection: &Projection<'_>,
+        around: &Surroundings<'_>,
         lines: &[f64],
         command: Option<&Command>,
     ) {
@@ -37,7 +38,7 @@ impl Trial<'_> {
             );
             starts.extend(quanta.into_iter().map(|quantum| vec![quantum]));
         }
-        self.score(null, projection, &starts);
+        self.score(null, around, &starts);
         if self.candidate.rounding.is_some() {
             for _ in 0..ROUGH_ROUNDS {
                 let Some(ScoredStart { values: best, .. }) = self.scored.first() else { return };
@@ -51,27 +52,34 @@ impl Trial<'_> {
                     self.scaled(best, factor)
                 });
                 let near: Vec<Vec<f64>> = near.collect();
-                self.score(null, projection, &near);
+                self.score(null, around, &near);
             }
         }
+        self.scored.truncate(SHORT_FITS);
     }
 
     /// Scores starts, and sorts all by what they could explain.
-    fn score(&mut self, null: &NullFit, projection: &Projection<'_>, starts: &[Vec<f64>]) {
-        let neutral = self.problem.place(&null.minimum.z, &self.neutral());
+    fn score(&mut self, null: &NullFit, around: &Surroundings<'_>, starts: &[Vec<f64>]) {
+        let at = around.at();
+        let neutral = self.problem.place(&at.z, &self.neutral());
         for starts in starts.chunks(AT_A_TIME) {
-            let place = |start: &Vec<f64>| self.problem.place(&null.minimum.z, start);
+            let place = |start: &Vec<f64>| self.problem.place(&at.z, start);
             let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
-            let known = [neutral.as_slice(), null.minimum.r.as_slice()];
-            let found = self.problem.residuals_beside(known, &places);
+            let found = self.problem.residuals_beside([&neutral, &at.r], &places);
             for (start, r) in starts.iter().zip(found) {
-                if let Some(r) = r {
-                    let score = projection.score(&r, self.amplitudes(start));
-                    self.scored.push(ScoredStart { values: start.clone(), score });
-                }
+                let Some(mut change) = r else { continue };
+                change.iter_mut().zip(&at.r).for_each(|(r, before)| *r -= before);
+                let range = self.amplitudes(start);
+                let Some(score) = around.score(&change, range) else { continue };
+                let gain = (null.minimum.cost.min(around.left()) - score.left).max(0.0);
+                let change = Change::new(range, &change);
+                self.scored.push(ScoredStart { values: start.clone(), score, gain, change });
             }
+            self.scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            // What will not be fitted is not remembered.
+            let others = self.scored.iter_mut().skip(SHORT_FITS);
+            others.for_each(|start| start.change = Change::default());
         }
-        self.scored.sort_by(|a, b| b.score.gain.total_cmp(&a.score.gain));
     }
 
     /// Those of the candidate; where a frequency is unknown, also each of them at each line.
@@ -86,11 +94,6 @@ impl Trial<'_> {
             }
         }
         starts
-    }
-
-    /// What the best start could explain.
-    pub(in crate::diagnose) fn gain(&self) -> f64 {
-        ScoredStart::gain_of(&self.scored)
     }
 
     /// Amplitudes that keep all strengths within their bounds.

@@ -3,39 +3,29 @@
 use fd_effect::Candidate;
 
 use super::trial::{ScoredStart, Trial};
-use crate::fit::FitError;
 
-/// A candidate with its scored starts.
+/// A candidate with its best starts. Its simulator is made again if it is fitted: thousands of those are gigabytes, and few of
+/// so many candidates are fitted.
 #[derive(Debug)]
 pub(super) struct Screened<'a> {
     pub(super) candidate: &'a Candidate,
     /// Place among the candidates.
     pub(super) index: usize,
     /// The starts and what they could explain, the best first.
-    scored: Vec<ScoredStart>,
-    /// With its simulator. Thousands of those are gigabytes, and few of so many candidates are fitted.
-    trial: Option<Trial<'a>>,
+    pub(super) scored: Vec<ScoredStart>,
+    /// What that has cost.
+    pub(super) simulations: usize,
 }
 
 impl<'a> Screened<'a> {
-    /// What is left of a trial: of one among many only what it could explain.
-    pub(super) fn of(mut trial: Trial<'a>, is_of_many: bool) -> Self {
-        let (candidate, index) = (trial.candidate, trial.index);
-        let scored = std::mem::take(&mut trial.scored);
-        Self { candidate, index, scored, trial: (!is_of_many).then_some(trial) }
+    /// What is left of a trial.
+    pub(super) fn of(trial: Trial<'a>) -> Self {
+        let Trial { candidate, index, scored, problem, .. } = trial;
+        Self { candidate, index, scored, simulations: problem.simulations() }
     }
 
     /// What the best start could explain.
     pub(super) fn gain(&self) -> f64 {
         ScoredStart::gain_of(&self.scored)
-    }
-
-    /// The trial again, which is made anew if it was not kept.
-    pub(super) fn trial(
-        self,
-        anew: impl Fn(&'a Candidate) -> Result<Trial<'a>, FitError>,
-    ) -> Result<Trial<'a>, FitError> {
-        let trial = self.trial.map_or_else(|| anew(self.candidate), Ok)?;
-        Ok(Trial { scored: self.scored, ..trial })
     }
 }

@@ -1,8 +1,10 @@
 //! All candidates, fitted as far as it was worth it.
 
+use std::sync::{Arc, OnceLock};
+
 use fd_sim::model::Model;
 
-use super::trial::Trial;
+use super::{changes::Changes, trial::Trial};
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::NotTested},
     fit::{FitError, NullFit},
@@ -16,6 +18,10 @@ pub(in crate::diagnose) struct Searched<'a> {
     /// The fit without any effect.
     pub(in crate::diagnose) null: NullFit,
     pub(in crate::diagnose) noise: KnownNoise,
+    /// Simulations that it took to see what each candidate promises.
+    pub(in crate::diagnose) screening: usize,
+    /// What candidates change, as far as they were looked at.
+    pub(in crate::diagnose) changes: Arc<OnceLock<Changes>>,
     /// The fits, in the order of the candidates.
     pub(in crate::diagnose) trials: Vec<Trial<'a>>,
     pub(in crate::diagnose) not_tested: Vec<NotTested>,

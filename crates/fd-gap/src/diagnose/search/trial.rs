@@ -5,16 +5,17 @@ use std::sync::Arc;
 use fd_effect::{Candidate, EffectParameter};
 use fd_sim::{model::Model, simulate::Nominal};
 
+use super::changes::Change;
 use crate::{
     diagnose::prepare::step::with_step,
     fit::{
-        FitError, LeastSquares, Minimum, NullFit, Problem, Score, Search, Variable, Weights,
-        minimise, minimise_all, promised,
+        FitError, LeastSquares, Minimum, NullFit, Problem, Score, Search, Surroundings, Variable,
+        Weights, minimise, minimise_all, promised,
     },
 };
 
 /// Starts of a candidate that get a short fit.
-const SHORT_FITS: usize = 3;
+pub(super) const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
 const SHORT: Search =
     Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
@@ -26,15 +27,12 @@ const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
 const SMALLEST_AMPLITUDE: f64 = 0.1;
-/// Starts whose gain is below this part of the best one get no short fit.
+/// Of a candidate, starts that promise less than this part of the most of all get no short fit, but for the best one.
 const HOPEFUL: f64 = 0.5;
 
-/// A candidate whose gain is below this part of the best of all gets one short fit.
-const PROMISING: f64 = 0.2;
-
-/// A candidate whose gain is below this part of the best of all gets one iteration of it.
-const HOPELESS: f64 = 0.02;
-/// A gain that is hopeless must also be so much less than the best, in sums of squares.
+/// A candidate that promises less than this part of what the best one has gained is not fitted …
+const HOPELESS: f64 = 0.1;
+/// … if it is also so much less, in sums of squares.
 const FAR_BELOW: f64 = 200.0;
 /// A candidate whose sum of squares is above this multiple of the best is out of reach.
 const OUT_OF_REACH: f64 = 1.2;
@@ -42,9 +40,10 @@ const OUT_OF_REACH: f64 = 1.2;
 /// A sum of squares may fall by so many times what slopes promise.
 pub(super) const MORE_THAN_PROMISED: f64 = 2.0;
 
-/// Whether a gain is far below the `most` that a candidate could explain.
-pub(super) fn is_hopeless(gain: f64, most: f64) -> bool {
-    gain < HOPELESS * most && gain < most - FAR_BELOW
+/// Whether twice a promise is far below what another candidate has `gained`.
+pub(super) fn is_hopeless(promise: f64, gained: f64) -> bool {
+    let gain = MORE_THAN_PROMISED * promise;
+    gain < HOPELESS * gained && gain < gained - FAR_BELOW
 }
 
 /// A start of a fit.
@@ -52,14 +51,18 @@ pub(super) fn is_hopeless(gain: f64, most: f64) -> bool {
 pub(in crate::diagnose) struct ScoredStart {
     /// Values of the parameters of the effect.
     pub(super) values: Vec<f64>,
-    /// What it could explain besides the nuisances, and at what amplitude.
+    /// Where the nuisances and the amplitude go, and what is left there.
     pub(super) score: Score,
+    /// How much less that is than without any effect.
+    pub(super) gain: f64,
+    /// How it changes the residuals.
+    pub(super) change: Change,
 }
 
 impl ScoredStart {
     /// What the first of several, the best, could explain.
     pub(super) fn gain_of(scored: &[Self]) -> f64 {
-        scored.first().map_or(0.0, |start| start.score.gain)
+        scored.first().map_or(0.0, |start| start.gain)
     }
 }
 
@@ -113,18 +116,15 @@ impl<'a> Trial<'a> {
 
     /// Fits the best starts a little; only one when no start could explain much of `most`, which
     /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
-    /// and one run shows what the simulator is there. Another fit begins where the unknowns are `nominal`, if that is another place.
+    /// and one run shows what the simulator is there.
     pub(in crate::diagnose) fn short_fits(
         &mut self,
         null: &NullFit,
-        nominal: Option<&[f64]>,
+        around: &Surroundings<'_>,
         most: f64,
     ) {
         if !self.problem.begins_on_stand_in() {
-            self.fit_starts(null, most);
-            if let Some(nominal) = nominal {
-                self.fit_from_nominal(nominal);
-            }
+            self.fit_starts(around, most);
             if self.best.is_none() {
                 self.fall_back(null);
             }
@@ -132,7 +132,7 @@ impl<'a> Trial<'a> {
         }
         let dear = self.problem.clone();
         self.problem = dear.clone().on_stand_in();
-        self.fit_starts(null, most);
+        self.fit_starts(around, most);
         let found = match self.best.take() {
             Some(best) => minimise(&mut self.problem, &best.z, None, FULL).unwrap_or(best).z,
             None => self.problem.place(&null.minimum.z, &self.neutral()),
@@ -144,21 +144,16 @@ impl<'a> Trial<'a> {
         }
     }
 
-    fn fit_starts(&mut self, null: &NullFit, most: f64) {
-        let top = self.gain();
-        let fits = if top < PROMISING * most { 1 } else { SHORT_FITS };
-        let hopeful = self.scored.iter().take(fits);
-        let mut starts: Vec<Vec<f64>> = hopeful
-            .take_while(|start| HOPEFUL * top <= start.score.gain)
-            .map(|ScoredStart { values, score }| self.begun(values, score.amplitude))
-            .collect();
-        let is_hopeless = is_hopeless(self.gain(), most);
-        let search = if is_hopeless { Search { iterations: 1, ..SHORT } } else { SHORT };
-        if is_hopeless {
-            // So that one step is never worse than none.
-            starts.push(self.neutral());
-        }
-        self.short_fit(null, &starts, search);
+    /// A few iterations from the best start, and from others that promise as much as any candidate.
+    fn fit_starts(&mut self, around: &Surroundings<'_>, most: f64) {
+        let mut starts = self.scored.iter();
+        let best = starts.next().into_iter();
+        let hopeful = best.chain(starts.take_while(|start| HOPEFUL * most <= start.gain));
+        let places = hopeful.map(|ScoredStart { values, score, .. }| {
+            self.problem.place(&score.nuisances, &self.begun(values, score.amplitude))
+        });
+        let places: Vec<Vec<f64>> = places.collect();
+        self.short_fit(around.at(), &places, SHORT);
     }
 
     /// Where a fit from a start begins: at the amplitude that the residual asks for.
@@ -168,27 +163,25 @@ impl<'a> Trial<'a> {
         self.scaled(start, if is_small { smallest } else { amplitude })
     }
 
-    /// A few iterations from each start, with the slopes of the nuisances as they are without the
-    /// effect.
-    pub(in crate::diagnose) fn short_fit(
-        &mut self,
-        null: &NullFit,
-        starts: &[Vec<f64>],
-        search: Search,
-    ) {
-        let place = |values: &Vec<f64>| self.problem.place(&null.minimum.z, values);
-        let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
+    /// A few iterations from each place, with the slopes of the nuisances as they are at a `base` without the effect.
+    fn short_fit(&mut self, base: &Minimum, places: &[Vec<f64>], search: Search) {
         let shared = self.problem.plan().nuisances().len();
-        let mut slopes = null.minimum.slopes.clone();
+        let mut slopes = base.slopes.clone();
         let rows = self.problem.layout().residuals();
         let new = vec![vec![0.0; rows]; self.strengths.len()];
         slopes.splice(shared..shared, new);
         let search = Search { frozen: shared, ..search };
         let known = if shared == 0 { None } else { Some(&slopes) };
         let search = self.patient(search);
-        for minimum in minimise_all(&mut self.problem, &places, known, search) {
+        for minimum in minimise_all(&mut self.problem, places, known, search) {
             self.keep(minimum);
         }
+    }
+
+    /// The same from values of the effect, where the nuisances are as they are without it.
+    fn short_fit_from(&mut self, null: &NullFit, values: &[f64]) {
+        let place = self.problem.place(&null.minimum.z, values);
+        self.short_fit(&null.minimum, &[place], self.short());
     }
 
     /// A search that is not more patient than runs are cheap.
@@ -231,7 +224,7 @@ impl<'a> Trial<'a> {
         if self.best.as_ref().is_some_and(|best| best.cost <= null.minimum.cost) {
             return;
         }
-        self.short_fit(null, &[self.neutral()], self.short());
+        self.short_fit_from(null, &self.neutral());
     }
 
     /// The effect is absent.
@@ -284,7 +277,7 @@ impl<'a> Trial<'a> {
     /// A short fit from other values; says whether it is better than what was known.
     pub(in crate::diagnose) fn warm_start(&mut self, null: &NullFit, values: &[f64]) -> bool {
         let before = self.cost();
-        self.short_fit(null, &[values.to_vec()], self.short());
+        self.short_fit_from(null, values);
         self.cost() < before
     }
 

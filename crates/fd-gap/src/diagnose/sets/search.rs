@@ -1,5 +1,7 @@
 //! What sets of effects are fitted to, and how they are compared.
 
+use std::sync::Arc;
+
 use fd_effect::Candidate;
 
 use super::{
@@ -135,8 +137,16 @@ impl<'a> SetSearch<'a> {
         }
         let settings = start.with_chance(&settings);
         let (model, null, noise) = (start.model, start.null, start.noise);
-        let searched =
-            Searched { model, null, noise, trials: vec![], not_tested: vec![], is_coloured: false };
+        let searched = Searched {
+            model,
+            null,
+            noise,
+            screening: 0,
+            changes: Arc::default(),
+            trials: vec![],
+            not_tested: vec![],
+            is_coloured: false,
+        };
         let singles = weigh_singles(searched, &NOTHING)?;
         let held_out = logs;
         let case = *case;
@@ -253,6 +263,8 @@ impl<'a> SetSearch<'a> {
             model: model.clone(),
             null: null.clone(),
             noise: with_slow(&self.singles.searched, &left)?,
+            screening: 0,
+            changes: Arc::clone(&self.singles.searched.changes),
             trials: vec![],
             not_tested: vec![],
             is_coloured: *is_coloured,

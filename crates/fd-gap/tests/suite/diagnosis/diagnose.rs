@@ -233,7 +233,11 @@ fn candidates_that_diverge_do_no_harm() {
     assert!((strength.value - 900.0).abs() < 4.0 * strength.standard_error);
     let failed: Vec<(&str, &str)> =
         diagnosis.not_tested.iter().map(|n| (n.label, n.reason.as_str())).collect();
-    assert_eq!(failed, [("bomb", "its simulation diverges")]);
+    // Each of the others could explain next to nothing of what the spring does.
+    let (bombs, others): (Vec<_>, Vec<_>) =
+        failed.into_iter().partition(|(label, _)| *label == "bomb");
+    assert_eq!(bombs, [("bomb", "its simulation diverges")]);
+    assert!(others.iter().all(|(_, reason)| *reason == "others promise far more"), "{others:?}");
 }
 
 #[test]

@@ -1,0 +1,90 @@
+//! What candidates change, remembered from one look at them to the next.
+//!
+//! How an effect moves the outputs depends little on what else is missing. So what is sought beside other effects is judged by
+//! the changes that were seen without these, and only what promises most by them is simulated again.
+
+use std::collections::HashMap;
+
+use fd_effect::{Candidate, SiteRef};
+
+use super::{of_causes, screened::Screened};
+use crate::{
+    fit::{LONG, LeastSquares, NullFit, Surroundings},
+    together::each,
+};
+
+/// Causes that are looked at again beside others.
+const AGAIN: usize = 20;
+
+/// The changes of the residuals, which are white, from where effects are absent to their best starts.
+#[derive(Debug)]
+pub(in crate::diagnose) struct Changes {
+    /// The noise that they are in units of.
+    sigma: Vec<f64>,
+    of: HashMap<Law, Vec<Change>>,
+}
+
+/// Label, site, partner and law of a candidate.
+type Law = (&'static str, SiteRef, Option<SiteRef>, &'static str);
+
+/// A change of residuals, by amplitudes within a range.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Change {
+    range: [f64; 2],
+    residuals: Vec<f32>,
+}
+
+impl Change {
+    #[expect(clippy::cast_possible_truncation, reason = "seven digits rank a thousand candidates")]
+    pub(super) fn new(range: [f64; 2], residuals: &[f64]) -> Self {
+        Self { range, residuals: residuals.iter().map(|r| *r as f32).collect() }
+    }
+}
+
+impl Changes {
+    /// Those of what was screened beside `null`; `None` where that is too much, or where residuals are not white.
+    pub(super) fn of(null: &NullFit, screened: &mut [Screened<'_>]) -> Option<Self> {
+        let weights = null.problem.weights();
+        let is_white = weights.colour.iter().all(|colour| colour.order() == 0);
+        if !is_white || LONG < null.problem.layout().residuals() {
+            return None;
+        }
+        let mut of = HashMap::new();
+        for Screened { candidate, scored, .. } in screened {
+            let changes = scored.iter_mut().map(|start| std::mem::take(&mut start.change));
+            let seen = changes.filter(|change| !change.residuals.is_empty());
+            of.insert(law(candidate), seen.collect());
+        }
+        Some(Self { sigma: weights.sigma.clone(), of })
+    }
+
+    /// Which candidates are laws of the causes that promise most, or of one of which nothing is known.
+    pub(super) fn promising(
+        &self,
+        candidates: &[Candidate],
+        null: &NullFit,
+        around: &Surroundings<'_>,
+    ) -> Vec<bool> {
+        let promise = |candidate: &Candidate| {
+            let known = self.of.get(&law(candidate));
+            // What rounding does has no size, but a phase.
+            let Some(changes) = known.filter(|_| candidate.rounding.is_none()) else {
+                return f64::INFINITY;
+            };
+            let gain = |change: &Change| {
+                let residuals = null.problem.reweighed(&change.residuals, &self.sigma);
+                let score = around.score(&residuals, change.range);
+                score.map_or(0.0, |score| around.left() - score.left)
+            };
+            changes.iter().map(gain).fold(0.0, f64::max)
+        };
+        let (promises, ranked) = of_causes(candidates.iter().zip(each(candidates, promise)));
+        let least = ranked.into_iter().filter(|promise| promise.is_finite()).nth(AGAIN - 1);
+        promises.into_iter().map(|promise| least.is_none_or(|least| least <= promise)).collect()
+    }
+}
+
+fn law(candidate: &Candidate) -> Law {
+    let (label, site, partner) = candidate.identity();
+    (label, site.clone(), partner.cloned(), candidate.law)
+}
