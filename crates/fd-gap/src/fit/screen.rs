@@ -47,6 +47,38 @@ struct Change {
 
 impl<'a> Surroundings<'a> {
     /// Those of a place of a problem; `None` when its equations are singular.
+    ///
+    /// A level and its points, of which the last one may be off:
+    ///
+    /// ```
+    /// use std::ops::Range;
+    ///
+    /// use fd_gap::fit::{Layout, LeastSquares, Search, Surroundings, minimise};
+    ///
+    /// struct Level(Layout);
+    ///
+    /// impl LeastSquares for Level {
+    ///     fn layout(&self) -> &Layout { &self.0 }
+    ///     fn bounds(&self) -> &[[f64; 2]] { &[[-10.0, 10.0]] }
+    ///     fn prior(&self) -> &[[f64; 2]] { &[[0.0, 0.0]] }
+    ///     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
+    ///         r.iter_mut().zip([1.0, 1.0, 4.0]).for_each(|(r, y)| *r = z[0] - y);
+    ///         true
+    ///     }
+    ///     fn slopes(&mut self, _: &[f64], _: &[f64], _: Range<usize>, slopes: &mut [Vec<f64>]) {
+    ///         slopes[0].fill(1.0);
+    ///     }
+    /// }
+    ///
+    /// let mut level = Level(Layout { shared: 1, own: 0, segments: vec![0..3] });
+    /// let mean = minimise(&mut level, &[0.0], None, Search::default()).ok_or("no minimum")?;
+    /// let around = Surroundings::new(&level, &mean).ok_or("singular")?;
+    /// let score = around.score(&[0.0, 0.0, 1.0], [-5.0, 5.0]).ok_or("singular")?;
+    /// // The level goes from 2 to 1, the last point is 3 above it, and nothing is left of 1 + 1 + 4.
+    /// assert!((score.nuisances[0] - 1.0).abs() < 1e-3 && (score.amplitude - 3.0).abs() < 1e-3);
+    /// assert!((around.left() - 6.0).abs() < 1e-3 && score.left < 1e-3);
+    /// # Ok::<(), &str>(())
+    /// ```
     #[must_use]
     pub fn new(problem: &dyn LeastSquares, at: &'a Minimum) -> Option<Self> {
         let mut equations = at.equations(problem, 1.0);

@@ -45,28 +45,32 @@ pub(super) fn search<'a>(
     prepared: Prepared,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, None, context)?)
+    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, Arc::default(), context)?)
 }
 
 /// The same with the integration step that the model has, beside whatever has been found already: causes that promise by far less
 /// than the `least` that they must take from the sum of squares are not fitted, and of those of which the changes are
-/// `remembered` only the most promising are looked at.
+/// remembered only the most promising are looked at; where none are, those of this look will be.
 pub(super) fn search_beside<'a>(
     prepared: Prepared,
     least: f64,
-    remembered: Option<&Changes>,
+    changes: Arc<OnceLock<Changes>>,
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
     let Prepared { model, null, noise } = prepared;
     let base = base(&null);
     let around = &Surroundings::new(&null.problem, &base).ok_or(FitError::Diverged)?;
     let candidates = context.candidates.simulated.as_slice();
-    let promising = remembered.map(|changes| changes.promising(candidates, &null, around));
+    let remembered = changes.get();
+    let promising = remembered.map(|known| known.promising(candidates, &null, around));
     let look = Look { context, null: &null, around };
     let mut not_tested = Vec::new();
     let mut screened = tested(look.screened(&model, promising.as_deref())?, &mut not_tested);
-    let changes =
-        Arc::new(Changes::of(&null, &mut screened).map_or_else(OnceLock::new, OnceLock::from));
+    if remembered.is_none()
+        && let Some(seen) = Changes::of(&null, &mut screened)
+    {
+        changes.get_or_init(|| seen);
+    }
     let screening = screened.iter().map(|one| one.simulations).sum();
     let mut trials = look.fitted(screened, least, &mut not_tested);
     finish(&mut trials, &null, context.settings.finalists);

@@ -1,6 +1,6 @@
 //! What can be added to a set of effects.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use fd_effect::{Candidate, Kind, SiteRef};
 use fd_sim::model::Model;
@@ -59,12 +59,8 @@ pub(in crate::diagnose) fn beside(
     let (model, noise) = (set.model.clone(), singles.searched.noise.clone());
     let prepared = Prepared { model, null: base, noise };
     let context = Context { candidates: &candidates, ..*context };
-    let known = &singles.searched.changes;
-    let searched = search_beside(prepared, wanted.least, known.get(), &context)?;
-    if let Some(seen) = Arc::into_inner(searched.changes).and_then(OnceLock::into_inner) {
-        // What others have seen meanwhile is as good.
-        let _ = known.set(seen);
-    }
+    let remembered = Arc::clone(&singles.searched.changes);
+    let searched = search_beside(prepared, wanted.least, remembered, &context)?;
     let finals = searched.trials.iter().filter(|trial| trial.is_final);
     let mut sets: Vec<EffectSet> = finals.filter_map(|trial| set.with(trial, singles)).collect();
     sets.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
