@@ -95,7 +95,7 @@
 //! |---|---|---|---|
 //! | [`Case`] | the caller | simulator, suspects, logs | `case.rs` |
 //! | `Prepared` | `prepare` | logs cut to the horizon, the noise, the fit of the nuisances without any effect | `prepare/` |
-//! | `Searched` | `search` | every candidate scored at every start and fitted roughly, the best causes fitted fully, with a sufficiently short integration step | `search/` |
+//! | `Searched` | `search` | every candidate scored at every start, what promises something fitted roughly, the best causes fitted fully, with a sufficiently short integration step | `search/` |
 //! | `Weighed` | `weigh` | evidence of single causes and of pairs, with the colour of the noise; the best answer, chosen from the refitted model, the first cause and the first pair | `weigh/` |
 //! | `Judged` | `judge` | ties, doubts, probabilities, the verdict; by evidence, or by forecasts where nothing comes near the noise | `judge/` |
 //! | [`Diagnosis`] | `report` | the answer for people, with the loop closed, the noise floor and held-out gaps | `report/` |
@@ -112,7 +112,8 @@
 //! |---|---|
 //! | what the noise is taken to be, what is near it and what is far above it | `prepare/noise.rs` |
 //! | where the states of a log begin | `prepare/start.rs`, `judge/starts.rs` |
-//! | where fits start, and which candidates deserve one | `search/screen.rs`, `search/trial.rs`, `search/finalists.rs` |
+//! | where fits start, and which candidates deserve one | `search/base.rs`, `search/screen.rs`, `search/trial.rs`, `search/finalists.rs` |
+//! | which candidates are looked at again beside others | `search/changes.rs` |
 //! | when second causes are tried, and when noise gets a colour | `weigh/mod.rs`, `weigh/colour.rs` |
 //! | what must speak for a pair before it is preferred | `weigh/answer.rs` (`choose`) |
 //! | a corrupted measurement: outliers, rounding, more noise | `weigh/measurement.rs` |

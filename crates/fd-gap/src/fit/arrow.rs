@@ -128,6 +128,14 @@ impl Arrow {
         *self.diagonal_mut(i) = 1.0;
     }
 
+    /// Takes out the unknowns that no residual depends on and nothing is known of, and says which these are.
+    pub(crate) fn fix_idle(&mut self) -> Vec<bool> {
+        let unknowns = 0..self.gradient.len();
+        let idle: Vec<bool> = unknowns.map(|i| self.diagonal(i) <= 0.0).collect();
+        (0..idle.len()).filter(|i| idle[*i]).for_each(|i| self.fix(i));
+        idle
+    }
+
     /// Factors `H`, block by block; `None` when it is not positive definite.
     pub(crate) fn factor(&self) -> Option<Factor> {
         let (ns, no) = (self.shared, self.own);

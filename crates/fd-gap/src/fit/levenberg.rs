@@ -47,6 +47,9 @@ impl Search {
         by_secants: false,
     };
 
+    /// No step, but residuals and slopes.
+    pub const LOOK: Self = Self { iterations: 0, ..Self::PLAIN };
+
     /// The same where a step is a run that is dear, and slopes are rough, so that steps go by secants: it ends a fiftieth
     /// of a nat before, and does not insist.
     #[must_use]
@@ -109,7 +112,7 @@ impl Minimum {
     pub(crate) fn with_slopes(&self, problem: &mut dyn LeastSquares) -> Option<Self> {
         match self.products {
             None => Some(self.clone()),
-            Some(_) => minimise(problem, &self.z, None, Search { iterations: 0, ..Search::PLAIN }),
+            Some(_) => minimise(problem, &self.z, None, Search::LOOK),
         }
     }
 

@@ -387,9 +387,7 @@ impl Problem {
     /// as the shape of a law without strength, which would make them singular; and which these are.
     fn told(&self, at: &Minimum, scale: f64) -> (Arrow, Vec<bool>) {
         let mut equations = at.equations(self, 1.0 / scale);
-        let idle: Vec<bool> =
-            (0..self.layout.unknowns()).map(|i| equations.diagonal(i) <= 0.0).collect();
-        (0..idle.len()).filter(|i| idle[*i]).for_each(|i| equations.fix(i));
+        let idle = equations.fix_idle();
         (equations, idle)
     }
 }

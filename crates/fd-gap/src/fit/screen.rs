@@ -82,9 +82,7 @@ impl<'a> Surroundings<'a> {
     #[must_use]
     pub fn new(problem: &dyn LeastSquares, at: &'a Minimum) -> Option<Self> {
         let mut equations = at.equations(problem, 1.0);
-        for i in (0..at.z.len()).filter(|i| equations.diagonal(*i) <= 0.0).collect::<Vec<_>>() {
-            equations.fix(i);
-        }
+        equations.fix_idle();
         let bounds = problem.bounds().iter().zip(&at.z);
         let room = bounds.map(|([low, high], z)| [(low - z).min(0.0), (high - z).max(0.0)]);
         let (layout, room) = (problem.layout().clone(), room.collect());
@@ -201,98 +199,5 @@ impl<'a> Surroundings<'a> {
             free.into_iter().zip(own).for_each(|(i, own)| step[i] = -own);
         }
         Some((step, x[n], left))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::ops::Range;
-
-    use proptest::prelude::*;
-
-    use super::{super::levenberg::minimise, Layout, LeastSquares, Surroundings};
-    use crate::fit::Search;
-
-    /// Residuals that are linear in two or three shared unknowns, of which the last may be an amplitude, and in one of each of
-    /// two segments.
-    struct Linear {
-        layout: Layout,
-        bounds: Vec<[f64; 2]>,
-        prior: Vec<[f64; 2]>,
-        columns: Vec<Vec<f64>>,
-        r: Vec<f64>,
-    }
-
-    const ROWS: usize = 12;
-
-    impl Linear {
-        fn new(shared: &[Vec<f64>], own: &[f64], r: &[f64], amplitude: Option<[f64; 2]>) -> Self {
-            let n = shared.len();
-            let layout = Layout { shared: n, own: 1, segments: vec![0..ROWS / 2, ROWS / 2..ROWS] };
-            let mut bounds = vec![[-0.5, 0.5]; n];
-            let mut prior = vec![[0.0, 1.0]; n];
-            if let Some(range) = amplitude {
-                (bounds[n - 1], prior[n - 1]) = (range, [0.0, 0.0]);
-            }
-            bounds.extend([[-0.3, 0.4], [-1e3, 1e3]]);
-            prior.extend([[0.0, 0.0]; 2]);
-            let columns = [shared, &[own.to_vec()]].concat();
-            Self { layout, bounds, prior, columns, r: r.to_vec() }
-        }
-    }
-
-    impl LeastSquares for Linear {
-        fn layout(&self) -> &Layout {
-            &self.layout
-        }
-
-        fn bounds(&self) -> &[[f64; 2]] {
-            &self.bounds
-        }
-
-        fn prior(&self) -> &[[f64; 2]] {
-            &self.prior
-        }
-
-        fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
-            for (k, r) in r.iter_mut().enumerate() {
-                let n = self.layout.shared;
-                let own = z[n + 2 * k / ROWS] * self.columns[n][k];
-                *r = self.r[k] + own + (0..n).map(|i| z[i] * self.columns[i][k]).sum::<f64>();
-            }
-            true
-        }
-
-        fn slopes(&mut self, _: &[f64], _: &[f64], columns: Range<usize>, to: &mut [Vec<f64>]) {
-            to[columns.clone()].clone_from_slice(&self.columns[columns]);
-        }
-    }
-
-    proptest! {
-        /// Where residuals are linear, what is promised of a change is what a fit of its amplitude beside the nuisances comes to.
-        #[test]
-        fn a_promise_is_kept_where_residuals_are_linear(
-            columns in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, ROWS), 5),
-            edge in 0.1..3.0_f64,
-        ) {
-            let [a, b, own, r, change] = &columns[..] else { unreachable!() };
-            let shared = [a.clone(), b.clone(), change.clone()];
-            let mut without = Linear::new(&shared[..2], own, r, None);
-            let search = Search { iterations: 200, absolute: 0.0, relative: 1e-14, ..Search::PLAIN };
-            // From anywhere: the place is no minimum.
-            let at = Search { iterations: 0, ..Search::PLAIN };
-            let at = minimise(&mut without, &[0.3, -0.5, 0.2, 0.0], None, at).unwrap();
-            let around = Surroundings::new(&without, &at).unwrap();
-            let range = [-edge, edge];
-            let score = around.score(change, range).unwrap();
-            let mut with = Linear::new(&shared, own, r, Some(range));
-            let found = minimise(&mut with, &[0.0; 5], None, search).unwrap();
-            // The fit ends where a step gains less than a part in 1e14, which may be many steps before its end.
-            prop_assert!((score.left - found.cost).abs() < 1e-6 * at.cost, "{score:?} {found:?}");
-            prop_assert!(score.left <= around.left() + 1e-12 * at.cost);
-            let place = [&score.nuisances[..2], &[score.amplitude], &score.nuisances[2..]].concat();
-            let there = minimise(&mut with, &place, None, Search { iterations: 0, ..Search::PLAIN });
-            prop_assert!((there.unwrap().cost - score.left).abs() < 1e-6 * at.cost);
-        }
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     diagnose::{
         prepare::{
             Prepared,
-            start::{needed, squares},
+            start::{needed, squares, squares_of},
         },
         search::searched::Searched,
     },
@@ -31,12 +31,9 @@ pub(in crate::diagnose) fn is_settled(
     stated: &Searched<'_>,
     free: &Prepared,
 ) -> Result<bool, FitError> {
-    let (own, sigma) = (&free.null.problem.weights().sigma, &stated.noise.sigma);
-    let errors =
-        free.null.problem.clone().errors(&free.null.minimum.z).ok_or(FitError::Diverged)?;
-    let plan = free.null.problem.plan();
-    let [before, after] =
-        [squares(&stated.best_errors()?, sigma, sigma), squares(&errors, own, sigma)];
+    let (plan, sigma) = (free.null.problem.plan(), &stated.noise.sigma);
+    let before = squares(&stated.best_errors()?, sigma, sigma);
+    let after = squares_of(&free.null, sigma).ok_or(FitError::Diverged)?;
     Ok(needed(plan) < plan.measured() as f64 * (before / after).ln())
 }
 

@@ -49,11 +49,8 @@ pub(in crate::diagnose) fn in_motion(
 /// Whether free starts explain clearly more; not where a simulation diverges.
 fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
     let sigma = &stated.problem.weights().sigma;
-    let squares = |fit: &NullFit| {
-        let errors = fit.problem.clone().errors(&fit.minimum.z)?;
-        Some(squares(&errors, &fit.problem.weights().sigma, sigma))
-    };
-    let (Some(before), Some(after)) = (squares(stated), squares(free)) else { return false };
+    let both = (squares_of(stated, sigma), squares_of(free, sigma));
+    let (Some(before), Some(after)) = both else { return false };
     let plan = free.problem.plan();
     needed(plan) * after < plan.measured() as f64 * (before - after)
 }
@@ -62,6 +59,12 @@ fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
 pub(in crate::diagnose) fn needed(free: &Plan) -> f64 {
     let (n, unknowns) = (free.measured() as f64, free.own_variables().count() as f64);
     unknowns * (n.ln() + SURE)
+}
+
+/// Sum of squares that a fit leaves, in `common` units; `None` where its simulation diverges.
+pub(in crate::diagnose) fn squares_of(fit: &NullFit, common: &[f64]) -> Option<f64> {
+    let errors = fit.problem.clone().errors(&fit.minimum.z)?;
+    Some(squares(&errors, &fit.problem.weights().sigma, common))
 }
 
 /// Sum of squares of errors that are in units of `own`, in common ones.

@@ -21,8 +21,7 @@ pub(super) fn base(null: &NullFit) -> Minimum {
     let known = nominal.iter_mut().zip(variables).filter(|(_, v)| v.prior.is_some());
     known.for_each(|(z, _)| *z = 0.0);
     let mut problem = null.problem.clone();
-    let look = Search { iterations: 0, ..Search::PLAIN };
-    let there = minimise(&mut problem, &nominal, None, look);
+    let there = minimise(&mut problem, &nominal, None, Search::LOOK);
     there.map_or_else(|| null.minimum.clone(), |there| there.shared(&problem))
 }
 

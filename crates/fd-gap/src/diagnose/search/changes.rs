@@ -50,7 +50,10 @@ impl Changes {
             return None;
         }
         let mut of = HashMap::new();
-        for Screened { candidate, scored, .. } in screened {
+        // What rounding does has no size, but a phase: it is always looked at.
+        for Screened { candidate, scored, .. } in
+            screened.iter_mut().filter(|one| one.candidate.rounding.is_none())
+        {
             let changes = scored.iter_mut().map(|start| std::mem::take(&mut start.change));
             let seen = changes.filter(|change| !change.residuals.is_empty());
             of.insert(law(candidate), seen.collect());
@@ -66,11 +69,7 @@ impl Changes {
         around: &Surroundings<'_>,
     ) -> Vec<bool> {
         let promise = |candidate: &Candidate| {
-            let known = self.of.get(&law(candidate));
-            // What rounding does has no size, but a phase.
-            let Some(changes) = known.filter(|_| candidate.rounding.is_none()) else {
-                return f64::INFINITY;
-            };
+            let Some(changes) = self.of.get(&law(candidate)) else { return f64::INFINITY };
             let gain = |change: &Change| {
                 let residuals = null.problem.reweighed(&change.residuals, &self.sigma);
                 let score = around.score(&residuals, change.range);

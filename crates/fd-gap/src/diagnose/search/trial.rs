@@ -21,8 +21,6 @@ const SHORT: Search =
     Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
 /// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
-/// No step, but residuals and slopes.
-const LOOK: Search = Search { iterations: 0, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
@@ -138,7 +136,7 @@ impl<'a> Trial<'a> {
             None => self.problem.place(&null.minimum.z, &self.neutral()),
         };
         self.problem = dear;
-        self.best = minimise(&mut self.problem, &found, None, LOOK);
+        self.best = minimise(&mut self.problem, &found, None, Search::LOOK);
         if self.best.is_none() {
             self.fall_back(null);
         }
@@ -216,7 +214,7 @@ impl<'a> Trial<'a> {
 
     /// A short fit; where fits have begun on the stand-in, a look at the simulator.
     fn short(&self) -> Search {
-        if self.problem.begins_on_stand_in() { LOOK } else { SHORT }
+        if self.problem.begins_on_stand_in() { Search::LOOK } else { SHORT }
     }
 
     /// Starts where the effect is absent, if that is better.

@@ -4,7 +4,10 @@ use std::{ops::Range, sync::Arc};
 
 use faer::{Mat, linalg::solvers::SolveLstsq};
 use fd_gap::{
-    fit::{FitError, Horizon, Layout, LeastSquares, Plan, Search, Weights, minimise, null_fit},
+    fit::{
+        FitError, Horizon, Layout, LeastSquares, Plan, Search, Surroundings, Weights, minimise,
+        null_fit,
+    },
     quality::Autoregression,
 };
 use fd_sim::simulate::EquationSimulator;
@@ -12,7 +15,7 @@ use proptest::prelude::*;
 
 use crate::diagnosis::bench_cases::{Reality, candidates, example, record, sizes};
 
-/// `r = A z − b`, two shared unknowns and one of each of three segments.
+/// `r = A z − b`, two shared unknowns, or one more, and one of each of three segments.
 struct Linear {
     layout: Layout,
     bounds: Vec<[f64; 2]>,
@@ -40,6 +43,19 @@ impl Linear {
             layout,
             cliff: f64::INFINITY,
         }
+    }
+
+    /// The same with how many times residuals change as one more shared unknown, of which nothing but a range is known.
+    fn with_change(&self, change: &[f64], range: [f64; 2]) -> Self {
+        let (mut bounds, mut prior) = (self.bounds.clone(), self.prior.clone());
+        bounds.insert(2, range);
+        prior.insert(2, [0.0; 2]);
+        let a = Mat::from_fn(20, 6, |i, j| match j {
+            2 => change[i],
+            _ => self.a[(i, if j < 2 { j } else { j - 1 })],
+        });
+        let layout = Layout { shared: 3, ..self.layout.clone() };
+        Self { layout, bounds, prior, a, b: self.b.clone(), cliff: self.cliff }
     }
 
     /// The solution by QR of the system with the prior as further rows.
@@ -72,16 +88,17 @@ impl LeastSquares for Linear {
 
     fn residuals(&mut self, z: &[f64], r: &mut [f64]) -> bool {
         for (i, r) in r.iter_mut().enumerate() {
-            *r = (0..5).map(|j| self.a[(i, j)] * z[j]).sum::<f64>() - self.b[i];
+            *r = (0..z.len()).map(|j| self.a[(i, j)] * z[j]).sum::<f64>() - self.b[i];
         }
         z[0] < self.cliff
     }
 
     fn slopes(&mut self, _z: &[f64], _r: &[f64], columns: Range<usize>, slopes: &mut [Vec<f64>]) {
+        let shared = self.layout.shared;
         for column in columns {
             for (s, rows) in self.layout.segments.iter().enumerate() {
                 for row in rows.clone() {
-                    let place = if column < 2 { column } else { 2 + s };
+                    let place = if column < shared { column } else { shared + s };
                     slopes[column][row] = self.a[(row, place)];
                 }
             }
@@ -128,6 +145,33 @@ proptest! {
             let can_fall = slope > 1e-5 && low + 1e-6 < *z || slope < -1e-5 && *z < high - 1e-6;
             prop_assert!(!can_fall, "unknown {j} at {z} in {low}..{high}, slope {slope}");
         }
+    }
+}
+
+proptest! {
+    /// Where residuals are linear, what is promised of a change is what a fit of its amplitude beside the nuisances comes to.
+    #[test]
+    fn a_promise_is_kept_where_residuals_are_linear(
+        values in proptest::collection::vec(-1.0..1.0_f64, 80),
+        change in proptest::collection::vec(-1.0..1.0_f64, 20),
+        edge in 0.1..3.0_f64,
+    ) {
+        let mut without = Linear::new(&values);
+        without.bounds[..3].copy_from_slice(&[[-0.5, 0.5], [-0.5, 0.5], [-0.3, 0.4]]);
+        // From anywhere: the place is no minimum.
+        let at = minimise(&mut without, &[0.3, -0.5, 0.2, 0.0, 0.0], None, Search::LOOK).unwrap();
+        let around = Surroundings::new(&without, &at).unwrap();
+        let range = [-edge, edge];
+        let score = around.score(&change, range).unwrap();
+        let mut with = without.with_change(&change, range);
+        let search = Search { iterations: 200, relative: 1e-14, ..EXACT };
+        let found = minimise(&mut with, &[0.0; 6], None, search).unwrap();
+        // The fit ends where a step gains less than a part in 1e14, which may be many steps before its end.
+        prop_assert!((score.left - found.cost).abs() < 1e-6 * at.cost, "{score:?} {found:?}");
+        prop_assert!(score.left <= around.left() + 1e-12 * at.cost);
+        let place = [&score.nuisances[..2], &[score.amplitude], &score.nuisances[2..]].concat();
+        let there = minimise(&mut with, &place, None, Search::LOOK);
+        prop_assert!((there.unwrap().cost - score.left).abs() < 1e-6 * at.cost);
     }
 }
 
