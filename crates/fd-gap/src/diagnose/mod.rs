@@ -156,7 +156,7 @@ use self::{
     judge::{is_open, is_settled, judge, judged::Judged, prefer},
     prepare::{Prepared, start::in_motion},
     report::report,
-    search::search,
+    search::{search, trial::Trial},
     weigh::weigh,
 };
 pub use self::{
@@ -250,18 +250,22 @@ pub(crate) fn told(
     let free = in_motion(&prepared, &context.case, settings)?;
     let is_doubted = free.is_some();
     let judged = match (free, settings.beginning) {
-        (Some(free), Beginning::InMotion) => judged(free, &context)?,
+        (Some(free), Beginning::InMotion) => judged(free, &[], &context)?,
         (Some(free), _) => {
-            let searched = search(prepared, &context)?;
+            let searched = search(prepared, &[], &context)?;
             if is_settled(&searched, &free)? {
-                judged(free, &context)?
+                judged(free, &searched.trials, &context)?
             } else {
                 let stated = judge(weigh(searched, &context)?, &context)?;
-                let is_open = is_open(&stated, &free);
-                if is_open { prefer(stated, judged(free, &context)?) } else { stated }
+                if is_open(&stated, &free) {
+                    let free = judged(free, &stated.singles.searched.trials, &context)?;
+                    prefer(stated, free)
+                } else {
+                    stated
+                }
             }
         }
-        (None, _) => judged(prepared, &context)?,
+        (None, _) => judged(prepared, &[], &context)?,
     };
     let accidents = if clean { None } else { Accidents::of(&judged, case) };
     let Some(Accidents { findings, logs }) = accidents else {
@@ -276,9 +280,13 @@ pub(crate) fn told(
     Ok(again)
 }
 
-/// From prepared logs to a judgement.
-fn judged<'a>(prepared: Prepared, context: &Context<'a>) -> Result<Judged<'a>, FitError> {
-    let searched = search(prepared, context)?;
+/// From prepared logs to a judgement; laws that are `known` from other starts of the logs are begun from there, too.
+fn judged<'a>(
+    prepared: Prepared,
+    known: &[Trial<'a>],
+    context: &Context<'a>,
+) -> Result<Judged<'a>, FitError> {
+    let searched = search(prepared, known, context)?;
     let weighed = weigh(searched, context)?;
     judge(weighed, context)
 }

@@ -82,7 +82,7 @@ fn in_windows_where_lost<'a>(
         Err(FitError::Diverged) => return Ok(weighed),
         Err(error) => return Err(error),
     };
-    let searched = search(prepared, context)?;
+    let searched = search(prepared, &weighed.singles.searched.trials, context)?;
     Ok(Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings))
 }
 

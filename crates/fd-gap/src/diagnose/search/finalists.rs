@@ -39,6 +39,22 @@ pub(in crate::diagnose) fn finish(trials: &mut [Trial<'_>], null: &NullFit, fina
     });
 }
 
+/// A few iterations from where the same laws ended that are `known` to the end, with another horizon or other starts of the
+/// logs: what an effect is may not be found from what is missing in a window, but once it is known, it fits.
+pub(super) fn go_on(trials: &mut [Trial<'_>], null: &NullFit, known: &[Trial<'_>]) {
+    let shared = null.problem.plan().nuisances().len();
+    each(trials.iter_mut(), |trial| {
+        let before = known.iter().find(|known| known.is_final && known.index == trial.index);
+        let Some((before, best)) = before.and_then(|known| Some((known, known.best.as_ref()?)))
+        else {
+            return;
+        };
+        let mut nuisances = null.minimum.z.clone();
+        nuisances[..shared].copy_from_slice(&best.z[..shared]);
+        trial.warm_start_at(&nuisances, &before.problem.effect_values(&best.z));
+    });
+}
+
 /// Whether a trial is of one of the chosen causes.
 fn is_among(chosen: &[&Candidate], trial: &Trial<'_>) -> bool {
     chosen.iter().any(|candidate| is_same_cause(candidate, trial.candidate))

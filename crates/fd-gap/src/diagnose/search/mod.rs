@@ -23,6 +23,7 @@ use crate::together::each;
 use self::{
     base::base,
     changes::Changes,
+    finalists::go_on,
     screened::Screened,
     searched::Searched,
     step_size::with_short_steps,
@@ -40,18 +41,34 @@ const LINES: usize = 5;
 
 /// Scores every candidate at every start by what it could explain besides the nuisances, fits those that promise something
 /// a little from the best starts, and fits the best causes (effect and site, all their laws) to the end, with an integration
-/// step that is short enough for them.
+/// step that is short enough for them; also from where laws ended that are `known` from another horizon or other starts of the logs.
 pub(super) fn search<'a>(
     prepared: Prepared,
+    known: &[Trial<'a>],
     context: &Context<'a>,
 ) -> Result<Searched<'a>, FitError> {
-    with_short_steps(context.case.nominal, search_beside(prepared, 0.0, Arc::default(), context)?)
+    let mut searched = looked(prepared, 0.0, Arc::default(), context)?;
+    go_on(&mut searched.trials, &searched.null, known);
+    finish(&mut searched.trials, &searched.null, context.settings.finalists);
+    with_short_steps(context.case.nominal, searched)
 }
 
 /// The same with the integration step that the model has, beside whatever has been found already: causes that promise by far less
 /// than the `least` that they must take from the sum of squares are not fitted, and of those of which the changes are
 /// remembered only the most promising are looked at; where none are, those of this look will be.
 pub(super) fn search_beside<'a>(
+    prepared: Prepared,
+    least: f64,
+    changes: Arc<OnceLock<Changes>>,
+    context: &Context<'a>,
+) -> Result<Searched<'a>, FitError> {
+    let mut searched = looked(prepared, least, changes, context)?;
+    finish(&mut searched.trials, &searched.null, context.settings.finalists);
+    Ok(searched)
+}
+
+/// The scores and the short fits.
+fn looked<'a>(
     prepared: Prepared,
     least: f64,
     changes: Arc<OnceLock<Changes>>,
@@ -72,8 +89,7 @@ pub(super) fn search_beside<'a>(
         changes.get_or_init(|| seen);
     }
     let screening = screened.iter().map(|one| one.simulations).sum();
-    let mut trials = look.fitted(screened, least, &mut not_tested);
-    finish(&mut trials, &null, context.settings.finalists);
+    let trials = look.fitted(screened, least, &mut not_tested);
     let is_coloured = false;
     Ok(Searched { model, null, noise, screening, changes, trials, not_tested, is_coloured })
 }
