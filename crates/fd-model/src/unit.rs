@@ -91,6 +91,7 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["h"], Quantity::Time, 3600.0, 0.0),
     (&["day", "days", "d"], Quantity::Time, 86_400.0, 0.0),
     (&["m"], Quantity::Length, 1.0, 0.0),
+    (&["um", "µm", "μm"], Quantity::Length, 1e-6, 0.0),
     (&["mm"], Quantity::Length, 1e-3, 0.0),
     (&["cm"], Quantity::Length, 1e-2, 0.0),
     (&["km"], Quantity::Length, 1e3, 0.0),
@@ -126,6 +127,7 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["mV"], Quantity::Voltage, 1e-3, 0.0),
     (&["kV"], Quantity::Voltage, 1e3, 0.0),
     (&["A"], Quantity::Current, 1.0, 0.0),
+    (&["uA", "µA", "μA"], Quantity::Current, 1e-6, 0.0),
     (&["mA"], Quantity::Current, 1e-3, 0.0),
     (&["kA"], Quantity::Current, 1e3, 0.0),
 ];

@@ -120,7 +120,7 @@
 //! | single wrong samples, which are left out | `accidents.rs`, [`quality`](mod@crate::quality) |
 //! | what a good explanation may leave | `weigh/leftover.rs`, `weigh/lack_of_fit.rs` |
 //! | ties: what a log cannot tell apart | `judge/ties.rs`, `judge/pair_ties.rs` |
-//! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/validation.rs`, `judge/probabilities.rs` |
+//! | what puts an answer in doubt | `judge/by_evidence.rs`, `judge/missed.rs`, `judge/probabilities.rs` |
 //! | what an engineer would object to at first sight, and vetoes | `report/objections.rs` |
 //! | forecasts that judge instead of evidence, and how far a law is believed then | `judge/contest.rs` |
 //! | horizons | `judge/horizons.rs` |

@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{case::Case, objection::Objection, settings::Beginning};
-use crate::quality::Finding;
+use crate::{fit::Horizon, quality::Finding};
 
 pub use self::held_out::HeldOut;
 
@@ -86,6 +86,9 @@ pub struct Diagnosis {
     /// Whether logs were taken to begin in motion, wherever the model says that they begin; not serialised.
     #[serde(skip)]
     pub is_in_motion: bool,
+    /// Windows that fits were made in, where free runs are lost even with the best law; not serialised.
+    #[serde(skip)]
+    pub windows: Option<Horizon>,
     /// The fitted logs without the samples that are wrong by accident, where there are such; not serialised.
     #[serde(skip)]
     pub cleaned: Option<Vec<Record>>,
@@ -183,7 +186,7 @@ pub enum Verdict {
 pub enum Regime {
     /// The best explanation reaches the noise: evidence of the likelihood.
     AtTheFloor,
-    /// Nothing reaches the noise, and likelihoods would be absurdly sure: how often a law forecasts best, on blocks of the
+    /// Nothing reaches the noise, of the fitted logs or of those held out, and likelihoods would be absurdly sure: how often a law forecasts best, on blocks of the
     /// logs drawn with replacement, up to the share of the variance that it surely explains there.
     AboveTheFloor,
 }

@@ -381,11 +381,17 @@ fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
     let first = request.logs.first().ok_or(FitError::NoLog)?;
     Ok(request.read(first, &map)?.record.ts())
 }
-/// A map with what the user says put in the place of what follows from the model.
+/// A map with what the user says put in the place of what follows from the model; a channel without a unit there keeps that of
+/// the model.
 fn complete(map: &mut LogMap, columns: &LogMap) {
     let keep = |of: &[ColumnMap], known: &[ColumnMap]| -> Vec<ColumnMap> {
+        let with_unit = |known: &ColumnMap| {
+            let own = of.iter().find(|c| c.name == known.name);
+            let unit = known.unit.clone().or_else(|| own.and_then(|own| own.unit.clone()));
+            ColumnMap { unit, ..known.clone() }
+        };
         let rest = of.iter().filter(|c| !known.iter().any(|k| k.name == c.name));
-        known.iter().chain(rest).cloned().collect()
+        known.iter().map(with_unit).chain(rest.cloned()).collect()
     };
     let (inputs, outputs) =
         (keep(&map.inputs, &columns.inputs), keep(&map.outputs, &columns.outputs));

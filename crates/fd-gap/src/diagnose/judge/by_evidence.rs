@@ -2,46 +2,25 @@
 
 use super::{
     beside::Beside,
-    forecasting::law_before_curves,
     judged::{Judged, NamedPairs},
     pair_ties::name_pairs,
     probabilities::{Believed, believe, bounded, unknown_gain},
     ties::ties,
-    validation::validate_with_rivals,
     verdict::verdict,
 };
-use crate::{
-    diagnose::{
-        context::Context,
-        result::{Regime, Verdict},
-        sets::EffectSet,
-        weigh::{Weighed, rank::Basis, singles::Singles},
-    },
-    fit::{FitError, Log},
+use crate::diagnose::{
+    context::Context,
+    result::{Regime, Verdict},
+    sets::EffectSet,
+    weigh::{Weighed, rank::Basis, singles::Singles},
 };
 
 /// Judges by evidence. Something unknown is the more probable, the more the best explanation leaves
-/// beyond noise, the worse it forecasts `held_out` logs, and the more wrong samples come in bursts.
-pub(super) fn by_evidence<'a>(
-    weighed: Weighed<'a>,
-    held_out: &[Log],
-    context: &Context<'a>,
-) -> Result<Judged<'a>, FitError> {
+/// beyond noise, and the more wrong samples come in bursts.
+pub(super) fn by_evidence<'a>(weighed: Weighed<'a>, context: &Context<'a>) -> Judged<'a> {
     let settings = context.settings;
     let Weighed { singles, pairs: fitted, best: simulated, lack_of_fit } = weighed;
-    let seen = ties(&singles.causes, &singles.searched, settings);
-    let (singles, law) = if simulated.effects == 1 {
-        law_before_curves(singles, &seen, &lack_of_fit.floor, held_out, context)?
-    } else {
-        (singles, None)
-    };
-    let (simulated, lack_of_fit, ties) = match law {
-        Some(law) => {
-            let lack_of_fit = singles.lack_of_fit(&law);
-            (law, lack_of_fit, ties(&singles.causes, &singles.searched, settings))
-        }
-        None => (simulated, lack_of_fit, seen),
-    };
+    let ties = ties(&singles.causes, &singles.searched, settings);
     let simulated_effects = simulated.effects;
     let beside = Beside::of(&singles, &simulated, context.candidates);
     let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
@@ -61,8 +40,7 @@ pub(super) fn by_evidence<'a>(
     };
     let NamedPairs { pairs, tied, fitted } =
         name_pairs(fitted, measured, &singles.causes, settings);
-    let loss = validate_with_rivals(&best, &lack_of_fit.floor, &singles, held_out, context)?;
-    let gain = unknown_gain(&best, &lack_of_fit.leftover, loss) + doubt;
+    let gain = unknown_gain(&lack_of_fit.leftover) + doubt;
     let Believed { others: probabilities, causes, pairs } = bounded(
         believe(singles.causes, pairs, &best, gain, settings),
         &lack_of_fit,
@@ -82,7 +60,7 @@ pub(super) fn by_evidence<'a>(
         }
         None => (best, lack_of_fit),
     };
-    Ok(Judged {
+    Judged {
         verdict,
         regime: Regime::AtTheFloor,
         probabilities,
@@ -92,7 +70,8 @@ pub(super) fn by_evidence<'a>(
         best,
         lack_of_fit,
         horizons: settings.report_horizons.clone(),
-    })
+        windows: None,
+    }
 }
 
 /// Log-likelihood that something unknown could gain over the first cause if that is one of the

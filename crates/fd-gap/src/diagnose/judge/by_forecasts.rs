@@ -1,7 +1,7 @@
 //! Nothing comes near the noise: forecasts judge instead of evidence.
 //!
 //! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
-//! * models are fitted in windows if the free run is lost without any effect ([`where_lost`]),
+//! * models are fitted in windows if the free run is lost with every law ([`where_lost`]),
 //! * the noise has no colour: what a wrong model leaves is no noise,
 //! * laws compete in forecasts at three horizons, on the logs of the fit and on those held out; what to believe is how often
 //!   they win, up to the share of the variance that they surely explain there ([`contest`]); curves and paths draw what is
@@ -38,8 +38,13 @@ pub(super) fn by_forecasts<'a>(
     let settings = context.settings;
     let simulator = weighed.singles.base.simulator().boxed();
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
-    let Weighed { singles, best, lack_of_fit, .. } =
-        in_windows_where_lost(weighed, &horizons, context)?;
+    let windows = where_lost(settings.horizon, &weighed.singles, &horizons);
+    let in_windows = match windows {
+        Some(windows) => in_windows(&weighed, windows, context)?,
+        None => None,
+    };
+    let windows = windows.filter(|_| in_windows.is_some());
+    let Weighed { singles, best, lack_of_fit, .. } = in_windows.unwrap_or(weighed);
     let Settings { replicas, seed, .. } = *settings;
     let rules = Rules { floor: floor(&best.errors), replicas, seed };
     let Contested { others: probabilities, singles } =
@@ -64,26 +69,24 @@ pub(super) fn by_forecasts<'a>(
         best,
         lack_of_fit,
         horizons,
+        windows,
     })
 }
 
-/// Where the free run is lost, single causes are searched and weighed again in windows.
-fn in_windows_where_lost<'a>(
-    weighed: Weighed<'a>,
-    horizons: &[Horizon],
+/// Single causes, searched and weighed again in windows; `None` for what cannot begin in the middle of a log, as a linear model of
+/// whole runs.
+fn in_windows<'a>(
+    free: &Weighed<'a>,
+    windows: Horizon,
     context: &Context<'a>,
-) -> Result<Weighed<'a>, FitError> {
-    let settings = context.settings;
-    let null = &weighed.singles.searched.null;
-    let Some(windows) = where_lost(settings.horizon, null, horizons) else { return Ok(weighed) };
+) -> Result<Option<Weighed<'a>>, FitError> {
     let prepared = match prepare(&context.case, windows) {
-        Ok(prepared) => prepared,
-        // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
-        Err(FitError::Diverged) => return Ok(weighed),
-        Err(error) => return Err(error),
+        Err(FitError::Diverged) => return Ok(None),
+        prepared => prepared?,
     };
-    let searched = search(prepared, &weighed.singles.searched.trials, context)?;
-    Ok(Weighed::of(weigh_singles(searched, context.candidates)?, Vec::new(), settings))
+    let searched = search(prepared, &free.singles.searched.trials, context)?;
+    let singles = weigh_singles(searched, context.candidates)?;
+    Ok(Some(Weighed::of(singles, Vec::new(), context.settings)))
 }
 
 /// The noise floor below errors, in sigma, over all outputs.

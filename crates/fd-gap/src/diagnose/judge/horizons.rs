@@ -3,20 +3,18 @@
 use fd_sim::simulate::Simulator;
 
 use crate::{
-    diagnose::weigh::explain::nuisances,
-    fit::{Horizon, Log, Minimum, NullFit},
+    diagnose::weigh::{explain::nuisances, singles::Singles},
+    fit::{Horizon, Log, Minimum, NullFit, Problem},
     shrink::{dominant_time_constant, gap_per_output, horizons},
 };
 
 /// A free run whose error is above this part of the signal is lost.
 const LOST: f64 = 0.5;
 
-/// Whether the simulation without any effect has little to do with some output.
-fn is_lost(null: &NullFit) -> bool {
-    let mut problem = null.problem.clone();
-    let Some(errors) = problem.errors(&null.minimum.z) else { return true };
-    let logs = &null.problem.plan().logs;
-    gap_per_output(&errors).iter().zip(&null.problem.weights().sigma).enumerate().any(
+/// Whether a simulation with these errors has little to do with some output.
+fn is_lost(errors: &[Vec<Vec<f64>>], problem: &Problem) -> bool {
+    let logs = &problem.plan().logs;
+    gap_per_output(errors).iter().zip(&problem.weights().sigma).enumerate().any(
         |(c, (gap, sigma))| {
             let each = logs.iter().flat_map(|log| log.y.iter().skip(c).step_by(log.ny));
             let measured = each.copied().filter(|value| value.is_finite());
@@ -47,15 +45,17 @@ pub(in crate::diagnose) fn memory(
     horizons(time, simulator.initial().len(), shortest)
 }
 
-/// The windows to fit in where fits are to be made in free runs, and these are lost.
-pub(in crate::diagnose) fn where_lost(
+/// The windows to fit in where fits are to be made in free runs, and these are lost even with the best law.
+pub(super) fn where_lost(
     fits: Horizon,
-    null: &NullFit,
+    singles: &Singles<'_>,
     horizons: &[Horizon],
 ) -> Option<Horizon> {
     let windows = windows(horizons);
+    let best = singles.first_law();
+    let errors = best.as_ref().map_or(&singles.refit.errors, |law| &law.errors);
     let is_free = fits == Horizon::FreeRun && windows != Horizon::FreeRun;
-    (is_free && is_lost(null)).then_some(windows)
+    (is_free && is_lost(errors, &singles.base)).then_some(windows)
 }
 
 /// A horizon for fits: the middle one.

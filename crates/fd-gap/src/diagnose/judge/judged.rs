@@ -26,6 +26,8 @@ pub(in crate::diagnose) struct Judged<'a> {
     pub(in crate::diagnose) lack_of_fit: LackOfFit,
     /// Horizons at which held-out gaps are reported.
     pub(in crate::diagnose) horizons: Vec<Horizon>,
+    /// Windows that fits were made in, where free runs are lost.
+    pub(in crate::diagnose) windows: Option<Horizon>,
 }
 
 /// Causes near the first one.

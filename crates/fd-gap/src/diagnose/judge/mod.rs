@@ -4,19 +4,20 @@ mod beside;
 mod by_evidence;
 mod by_forecasts;
 mod contest;
-mod forecasting;
 mod groups;
 pub(super) mod horizons;
 pub(super) mod judged;
+mod missed;
 mod pair_ties;
 mod probabilities;
 mod starts;
 mod ties;
-mod validation;
 mod verdict;
 
 pub(crate) use self::verdict::NAMED;
-use self::{by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged};
+use self::{
+    by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged, missed::is_missed,
+};
 pub(super) use self::{
     contest::{Entrant, standings},
     groups::{groups, sides},
@@ -33,7 +34,7 @@ use crate::{
     shrink::as_begun,
 };
 
-/// Judges by evidence, or by forecasts where nothing comes near the noise.
+/// Judges by evidence, or by forecasts where nothing comes near the noise, of the fitted logs or of those held out.
 pub(super) fn judge<'a>(
     weighed: Weighed<'a>,
     context: &Context<'a>,
@@ -49,10 +50,10 @@ pub(super) fn judge<'a>(
     let sigma = &weighed.singles.searched.noise.sigma;
     let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
     monitor.begin(Stage::Judge, 2);
-    let judged = if weighed.is_far() {
+    let judged = if weighed.is_far() || is_missed(&weighed, &held_out, context)? {
         by_forecasts(weighed, &held_out, context)?
     } else {
-        by_evidence(weighed, &held_out, context)?
+        by_evidence(weighed, context)
     };
     monitor.advance();
     Ok(judged)

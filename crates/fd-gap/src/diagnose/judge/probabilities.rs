@@ -33,15 +33,12 @@ pub(super) struct Believed {
     pub(super) pairs: Vec<Pair>,
 }
 
-/// Log-likelihood that something unknown could gain over the `best` explanation, which leaves `left` and loses so much in
-/// forecasts: no more is put in doubt by these than it has gained.
-pub(super) fn unknown_gain(best: &Answer, left: &Leftover, loss: f64) -> f64 {
-    let fitted = if OTHER < left.share { left.gain() } else { 0.0 };
-    fitted + loss.min(best.log_evidence.max(0.0))
+/// Log-likelihood that something unknown could gain over an explanation that leaves `left`.
+pub(super) fn unknown_gain(left: &Leftover) -> f64 {
+    if OTHER < left.share { left.gain() } else { 0.0 }
 }
 
-/// What a fit leaves speaks, whatever the forecasts say: with this gain over noise something is missing, if
-/// only in the law …
+/// With this gain over noise of what a fit leaves something is missing, if only in the law …
 const SIGNIFICANT: f64 = 10.0;
 /// … and then the answer is another one with at least this probability. Of laws that the library has in another
 /// form the first label was right in .73 of blind cases (docs/results/blind.md, seed 20270715).
@@ -49,8 +46,7 @@ const ANOTHER: f64 = 0.25;
 /// Where nothing but noise is left, "none of these" can be no verdict.
 const NOT_MORE: f64 = 0.5;
 
-/// Bounds of the probability of "none of these" by what the best explanation leaves: misfit and forecast are
-/// two witnesses, and neither silences the other.
+/// Bounds of the probability of "none of these" by what the best explanation leaves.
 ///
 /// Wrong samples that come in bursts leave nothing when they are left out: then it is their `doubt` that counts.
 /// A free curve (`is_curve`) is no law: what it follows may as well be one that nobody has listed.

@@ -57,7 +57,7 @@ pub(super) fn report(
     let simulations = simulations(&judged);
     let first_follows = judged.singles.does_first_follow_anything();
     let idle = idle(&judged.singles.searched.null);
-    let Judged { verdict, regime, mut probabilities, singles, ties, pairs, horizons, .. } = judged;
+    let Judged { verdict, regime, mut probabilities, singles, ties, pairs, windows, .. } = judged;
     let (answer, lack_of_fit) = match verdict {
         Verdict::NoGap => (singles.refit.clone(), singles.lack_of_fit(&singles.refit)),
         _ => (judged.best, judged.lack_of_fit),
@@ -70,13 +70,11 @@ pub(super) fn report(
     let slow_noise = told(slow_noise, &noise, &floor);
 
     let nominal = feedback.closed(case, &model, &base)?;
-    let fit = match &answer.fit {
-        Some(Fit { problem, minimum }) => {
-            let problem = feedback.closed(case, &answer.explanation.model, problem)?;
-            Some(Fit { problem, minimum: minimum.clone() })
-        }
-        None => None,
+    let closed = |Fit { problem, minimum }: &Fit| {
+        let problem = feedback.closed(case, &answer.explanation.model, problem)?;
+        Ok::<_, FitError>(Fit { problem, minimum: minimum.clone() })
     };
+    let fit = answer.fit.as_ref().map(closed).transpose()?;
     // Where the controller was on logged outputs, what was explained so is explained once more.
     let again = |model: &Model, problem: &Problem, at: &Minimum| {
         feedback.is_logged().then(|| explain(model, &mut problem.clone(), &at.z)).flatten()
@@ -101,7 +99,8 @@ pub(super) fn report(
     };
     let logs = as_begun(nominal.simulator(), values.settled(), logs, &noise.sigma)?;
     let known = Noise { sigma: &noise.sigma, floors: &floor };
-    let held_out = held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &horizons, context)?;
+    let held_out =
+        held_out_gaps(&nominal, &null, fit.as_ref(), &logs, known, &judged.horizons, context)?;
     context.monitor.advance();
 
     let mut causes: Vec<Cause> = causes.into_iter().map(|ranked| ranked.cause).collect();
@@ -152,6 +151,7 @@ pub(super) fn report(
         not_tested,
         idle,
         is_in_motion,
+        windows,
         cleaned: None,
         is_stopped: context.monitor.is_stopped(),
         simulations,

@@ -101,8 +101,8 @@ pub struct SetSearch<'a> {
 }
 
 impl<'a> SetSearch<'a> {
-    /// With the beginnings and the integration step of the `first` diagnosis, and in its windows where the free run is lost
-    /// and `may_be_in_windows`; forecasts are judged at this horizon.
+    /// With the beginnings and the integration step of the `first` diagnosis, and in its windows if they
+    /// `may_be_in_windows`; forecasts are judged at this horizon.
     ///
     /// # Errors
     ///
@@ -125,16 +125,11 @@ impl<'a> SetSearch<'a> {
         let simulator = start.null.problem.simulator().boxed();
         let logs = Log::held_out(case.held_out, &*simulator, case.logs, start.null.problem.plan())?;
         let horizons = horizons::memory(&*simulator, &start.null, &logs);
-        let windows = horizons::where_lost(settings.horizon, &start.null, &horizons);
-        let mut is_in_windows = false;
-        if let Some(windows) = windows.filter(|_| may_be_in_windows) {
-            match begin(windows) {
-                Ok(in_windows) => (start, is_in_windows) = (in_windows, true),
-                // What cannot begin in the middle of a log stays with the free run.
-                Err(FitError::Diverged) => {}
-                Err(error) => return Err(error),
-            }
+        let windows = first.windows.filter(|_| may_be_in_windows);
+        if let Some(windows) = windows {
+            start = begin(windows)?;
         }
+        let is_in_windows = windows.is_some();
         let settings = start.with_chance(&settings);
         let (model, null, noise) = (start.model, start.null, start.noise);
         let searched = Searched {

@@ -1,7 +1,7 @@
 //! A large effect is found though the fit without it bends parameters to their edges.
 
 use fd_effect::{EverySite, library};
-use fd_gap::diagnose::{Case, Settings, diagnose};
+use fd_gap::diagnose::{Case, Regime, Settings, Verdict, diagnose};
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::{model::Model, scales::ReplayScales};
 
@@ -64,4 +64,65 @@ climb = { unit = "m/s", value = "v" }
     let strength = &thrust.unwrap().parameters[0];
     // Mass and thrust share what they are known to, 2 % and 3 %, of which 0.67 is a standard deviation: 2.4 % together.
     assert!((strength.value - (LIFT - 1.0)).abs() < 0.06, "{strength:?}");
+}
+
+/// A drive that cannot accelerate as it is told to is far from where the model without that has it, so far that its free run says
+/// nothing. With the right law the free run is back, and is what laws are compared in.
+#[test]
+fn a_law_that_brings_the_free_run_back_is_fitted_in_it() {
+    let model: Model = r#"
+version = 1
+kind = "equations"
+name = "trolley"
+sample_time = 0.04
+[parameters]
+T = { unit = "s", value = 0.18, tolerance = 0.2 }
+[inputs]
+told = { unit = "m/s" }
+[states]
+x = { unit = "m", initial = 0.0, derivative = "v" }
+v = { unit = "m/s", initial = 0.0, derivative = "(told - v)/T" }
+[outputs]
+place = { unit = "m", value = "x", noise = 0.002 }
+"#
+    .parse()
+    .unwrap();
+    let (samples, h, rate) = (1000, 0.04, 0.9);
+    let noise = WhiteNoise::new(0.002, 5).values(2 * samples).unwrap();
+    let levels = [1.5, -0.4, 1.0, -1.2, 0.6, -1.5, 0.2, 1.2];
+    let run = |first: usize| {
+        let (mut x, mut v, mut acts) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let rows = (0..samples).map(|k| {
+            let told = levels[(first + k / 45) % levels.len()];
+            // The rails are worn: something small that is no law here.
+            let row = ([told], [x + 0.01 * (9.0 * x).sin() + noise[first * samples + k]]);
+            // A hundred Euler steps, of which one is 2 ‰ of the lag.
+            for _ in 0..100 {
+                let step = 0.01 * h;
+                acts += (told - acts).clamp(-rate * step, rate * step);
+                (x, v) = (x + step * v, v + step * (acts - v) / 0.2);
+            }
+            row
+        });
+        let rows: Vec<([f64; 1], [f64; 1])> = rows.collect();
+        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+        Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+    };
+    let (logs, held_out) = ([run(0)], [run(1)]);
+    let u: Vec<f64> = (0..samples).map(|k| logs[0].u(k)[0]).collect();
+    let scales = ReplayScales::of(&model, logs[0].ts(), &u, samples).unwrap();
+    let wanted = ["input-rate-limit", "input-delay", "sensor-lag", "sensor-backlash", "input-gain"];
+    let effects = library().into_iter().filter(|e| wanted.contains(&e.label())).collect();
+    let suspects = EverySite::new(effects, &model, scales);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
+    let found = diagnose(&case, &Settings::default(), &()).unwrap();
+    let places = (0..samples).map(|k| logs[0].y(k)[0]);
+    let mean = places.clone().sum::<f64>() / samples as f64;
+    let spread = f64::sqrt(places.map(|y| (y - mean).powi(2)).sum::<f64>() / samples as f64);
+    assert!(0.5 * spread < 0.002 * found.refit.gap[0], "the free run is lost: {:?}", found.refit);
+    assert_eq!((found.windows, found.regime), (None, Regime::AboveTheFloor));
+    let first = &found.causes[0];
+    assert_eq!((found.verdict, first.label), (Verdict::Cause, "input-rate-limit"));
+    // The law may have a nearby valley beside that of the truth: a fifth is no other limit.
+    assert!((first.parameters[0].value * rate - 1.0).abs() < 0.2, "{:?}", first.parameters);
 }

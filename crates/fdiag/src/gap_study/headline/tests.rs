@@ -107,6 +107,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         not_tested: Vec::new(),
         idle: Vec::new(),
         is_in_motion: false,
+        windows: None,
         cleaned: None,
         is_stopped: false,
         simulations: 0,
