@@ -186,8 +186,9 @@ pub enum Verdict {
 pub enum Regime {
     /// The best explanation reaches the noise: evidence of the likelihood.
     AtTheFloor,
-    /// Nothing reaches the noise, of the fitted logs or of those held out, and likelihoods would be absurdly sure: how often a law forecasts best, on blocks of the
-    /// logs drawn with replacement, up to the share of the variance that it surely explains there.
+    /// Nothing reaches the noise, of the fitted logs or of those held out, and likelihoods would be absurdly sure: how often a
+    /// law forecasts best, on blocks of the logs drawn with replacement, up to the share of the variance that it surely explains
+    /// there.
     AboveTheFloor,
 }
 

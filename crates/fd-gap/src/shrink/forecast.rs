@@ -44,6 +44,15 @@ pub(super) struct Forecast {
     pub(super) begin: Begin,
 }
 
+/// What tells the states in which a segment begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum States {
+    /// Its first part, so that the rest is forecast.
+    FromFirstPart,
+    /// The rest: those from which it is explained best.
+    FromRest,
+}
+
 /// What initial states were estimated from.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Begin {
@@ -81,6 +90,21 @@ pub fn forecast_errors(
     Ok(forecast(nominal, settled, logs, horizon, sigma)?.map(|forecast| forecast.errors))
 }
 
+/// As [`forecast_errors`], but each segment begins in the states from which what comes after its first part is explained best.
+/// What is missed then is missed by the law, and not for a start that nobody knows: a speed that a few samples tell, or a
+/// delay line that a simulator does not show.
+pub(crate) fn errors_from_best_starts(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    logs: &[Log],
+    horizon: Horizon,
+    sigma: &[f64],
+) -> Result<Option<Vec<Vec<Vec<f64>>>>, FitError> {
+    let each =
+        logs.iter().map(|log| run_of(nominal, settled, log, horizon, sigma, States::FromRest));
+    Ok(joined(each, sigma.len())?.map(|all| all.errors))
+}
+
 /// Log by log: a free run of each log tells what its effects remember.
 pub(super) fn forecast(
     nominal: &dyn Simulator,
@@ -89,11 +113,19 @@ pub(super) fn forecast(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
-    let (errors, segments) = (vec![Vec::new(); sigma.len()], Vec::new());
+    let each = logs.iter().map(|log| forecast_one(nominal, settled, log, horizon, sigma));
+    joined(each, sigma.len())
+}
+
+/// The runs of several logs as one; `None` where one of them diverges.
+fn joined(
+    each: impl Iterator<Item = Result<Option<Forecast>, FitError>>,
+    outputs: usize,
+) -> Result<Option<Forecast>, FitError> {
+    let (errors, segments) = (vec![Vec::new(); outputs], Vec::new());
     let mut all = Forecast { errors, segments, begin: Begin::default() };
-    for (i, log) in logs.iter().enumerate() {
-        let one = forecast_one(nominal, settled, log, horizon, sigma)?;
-        let Some(Forecast { errors, segments, begin }) = one else { return Ok(None) };
+    for (i, one) in each.enumerate() {
+        let Some(Forecast { errors, segments, begin }) = one? else { return Ok(None) };
         all.begin.squares += begin.squares;
         all.begin.samples += begin.samples;
         all.begin.unknowns += begin.unknowns;
@@ -119,6 +151,39 @@ pub(super) fn forecast_one(
     horizon: Horizon,
     sigma: &[f64],
 ) -> Result<Option<Forecast>, FitError> {
+    run_of(nominal, settled, log, horizon, sigma, States::FromFirstPart)
+}
+
+/// The first part of each segment: what comes later need not be simulated.
+fn first_parts(plan: &Plan, horizon: Horizon) -> Plan {
+    let mut first_parts = plan.clone();
+    for segment in &mut first_parts.segments {
+        let log = &mut first_parts.logs[segment.log];
+        let first = known_until(segment, horizon);
+        log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
+        segment.to = first;
+    }
+    first_parts
+}
+
+/// The plan in which the first part of each segment is simulated, and nothing measured there.
+fn without_first_parts(plan: &Plan, horizon: Horizon) -> Plan {
+    let mut rest = plan.clone();
+    for segment in &rest.segments {
+        let log = &mut rest.logs[segment.log];
+        log.y[segment.from * log.ny..known_until(segment, horizon) * log.ny].fill(f64::NAN);
+    }
+    rest
+}
+
+fn run_of(
+    nominal: &dyn Simulator,
+    settled: Settled<'_>,
+    log: &Log,
+    horizon: Horizon,
+    sigma: &[f64],
+    states: States,
+) -> Result<Option<Forecast>, FitError> {
     let mut plan = Plan::of_logs(nominal, vec![log.clone()], horizon)?;
     for variable in &mut plan.shared {
         let known = settled.nuisances.iter().find(|(name, _)| *name == variable.name);
@@ -129,14 +194,7 @@ pub(super) fn forecast_one(
             variable.high = variable.high.max(*value);
         }
     }
-    let mut begun = plan.clone();
-    for segment in &mut begun.segments {
-        let log = &mut begun.logs[segment.log];
-        let first = known_until(segment, horizon);
-        log.y[first * log.ny..segment.to * log.ny].fill(f64::NAN);
-        // What comes later need not be simulated.
-        segment.to = first;
-    }
+    let begun = first_parts(&plan, horizon);
     let values =
         in_this_run(settled, log, &Begun { settled, sigma, whole: &plan, beginning: &begun })?;
     let segments = plan.segments.clone();
@@ -145,9 +203,13 @@ pub(super) fn forecast_one(
         let weights = Weights::white(sigma.to_vec());
         Problem::new(Arc::new(plan), simulator.boxed(), effects, weights)
     };
-    let (samples, unknowns) = (begun.measured(), begun.own_variables().count());
+    let telling = match states {
+        States::FromFirstPart => begun,
+        States::FromRest => without_first_parts(&plan, horizon),
+    };
+    let (samples, unknowns) = (telling.measured(), telling.own_variables().count());
     let afresh = settled.simulator;
-    let mut estimate = problem(begun.clone(), afresh)?;
+    let mut estimate = problem(telling.clone(), afresh)?;
     let Layout { shared, .. } = *estimate.layout();
     let origin = vec![0.0; estimate.layout().unknowns() - values.len()];
     let z = estimate.place(&origin, &values);
@@ -162,7 +224,7 @@ pub(super) fn forecast_one(
     let mut carried = Carried::new(afresh, nominal.initial(), &theta, log, &starts);
     if let Some(memory) = &carried {
         // What was estimated of the plant may not go with what the effect remembers, as across a stiff spring.
-        let with_memory = minimise(&mut problem(begun, memory)?, &begin.z, None, search);
+        let with_memory = minimise(&mut problem(telling, memory)?, &begin.z, None, search);
         match with_memory.filter(|with_memory| with_memory.cost <= begin.cost) {
             Some(with_memory) => begin = with_memory,
             None => carried = None,

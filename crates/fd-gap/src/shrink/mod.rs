@@ -14,7 +14,6 @@ mod forecast;
 mod gap;
 mod horizons;
 
-pub(crate) use self::begun::{SURE, as_begun};
 pub use self::{
     another_run::Paths,
     baselines::Baselines,
@@ -22,4 +21,8 @@ pub use self::{
     forecast::{Settled, forecast_errors},
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},
+};
+pub(crate) use self::{
+    begun::{SURE, as_begun},
+    forecast::errors_from_best_starts,
 };

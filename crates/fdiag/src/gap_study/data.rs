@@ -7,7 +7,7 @@ use fd_gap::{
     quality::{Defect, leave_out_wrong_samples},
     reading::Mistake,
 };
-use fd_log::{ColumnMap, LogMap};
+use fd_log::LogMap;
 use fd_model::{Disorder, HeldInputs, Record, SampleTime, TimeBaseReport};
 use fd_sim::{
     model::{Hold, Model},
@@ -206,16 +206,8 @@ fn is_part(record: &Record, of: &Record) -> bool {
 /// The column map, completed with what the model and the user say.
 fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
     let [inputs, outputs] = subject.channels();
-    let mut map = request.columns.clone().unwrap_or_default();
-    for (columns, channels) in [(&mut map.inputs, &inputs), (&mut map.outputs, &outputs)] {
-        for channel in channels {
-            if !columns.iter().any(|column| column.name == channel.name) {
-                columns.push(ColumnMap::from(channel));
-            }
-        }
-    }
+    let mut map = request.map(&inputs, &outputs);
     let policy = &mut map.resample;
-    policy.limits = request.limits;
     policy.sample_time = request.resample.sample_time.or(policy.sample_time);
     policy.max_gap_s = request.resample.longest_gap.or(policy.max_gap_s);
     if request.resample.disorder != Disorder::default() {

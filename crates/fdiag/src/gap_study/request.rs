@@ -8,8 +8,8 @@ use std::{
 
 use fd_core::Limits;
 use fd_effect::text::TextEffect;
-use fd_log::{Log, LogError, LogMap, LogTable, read_log};
-use fd_model::Disorder;
+use fd_log::{ColumnMap, Log, LogError, LogMap, LogTable, read_log};
+use fd_model::{Channel, Disorder};
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
@@ -98,6 +98,24 @@ impl Request {
             thorough: false,
             limits: Limits::default(),
         }
+    }
+
+    /// The column map, completed with the channels of a model: those that it does not name are found by their names, and those
+    /// that have no unit there have that of the model.
+    pub(super) fn map(&self, inputs: &[Channel], outputs: &[Channel]) -> LogMap {
+        let mut map = self.columns.clone().unwrap_or_default();
+        for (columns, channels) in [(&mut map.inputs, inputs), (&mut map.outputs, outputs)] {
+            for channel in channels {
+                match columns.iter_mut().find(|column| column.name == channel.name) {
+                    Some(column) => {
+                        column.unit.get_or_insert_with(|| channel.unit.clone());
+                    }
+                    None => columns.push(ColumnMap::from(channel)),
+                }
+            }
+        }
+        map.resample.limits = self.limits;
+        map
     }
 
     /// Reads a log, from memory if it is there.

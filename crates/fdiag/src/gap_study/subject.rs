@@ -6,7 +6,6 @@ use crate::engine_plant::{ENGINE_KIND, EngineFile, engine_effects};
 use fd_core::{Limits, Resource};
 use fd_effect::{Effect, library, natives, with_default_sites, with_inner_places};
 use fd_gap::{fit::FitError, reading::Mistake};
-use fd_log::{ColumnMap, LogMap};
 use fd_model::{
     Channel, Record, SampleTime, Shown, figure,
     file::{LinearModel, read_text},
@@ -105,7 +104,8 @@ impl Subject {
             Some("state-space") => {
                 let linear = LinearModel::parse(&file, text)?;
                 let ts = linear.system.sample_time();
-                let ts = ts.map_or_else(|| pace(request, LogMap::for_model(&linear)), Ok)?;
+                let (inputs, outputs) = (linear.input_channels(), linear.output_channels());
+                let ts = ts.map_or_else(|| pace(request, &inputs, &outputs), Ok)?;
                 let model = Model::from_linear(&linear, ts, &LinearOptions::default());
                 let model = model.map_err(|error| LoadError::Model { file, error })?;
                 Self::of_equations(request, &model)
@@ -165,10 +165,9 @@ impl Subject {
 
     fn of_engine(request: &Request, engine: EngineFile) -> Result<Self, GapError> {
         let error = |error| EngineFile::error(&request.model, error);
-        let map = LogMap::for_channels(&engine.inputs(), &engine.outputs());
         let ts = match engine.sample_time() {
             Some(seconds) => SampleTime::new(seconds)?,
-            None => pace(request, map)?,
+            None => pace(request, &engine.inputs(), &engine.outputs())?,
         };
         let nominal = engine.nominal(ts).map_err(error)?;
         let model = told(request, nominal.model())?;
@@ -370,30 +369,15 @@ pub(super) fn settled(draft: Draft, file: &Path) -> Result<Model, GapError> {
 }
 
 /// The time between samples where the model says none: that of the request, or of the first log.
-fn pace(request: &Request, mut map: LogMap) -> Result<SampleTime, GapError> {
+fn pace(
+    request: &Request,
+    inputs: &[Channel],
+    outputs: &[Channel],
+) -> Result<SampleTime, GapError> {
     if let Some(seconds) = request.resample.sample_time {
         return Ok(SampleTime::new(seconds)?);
     }
-    if let Some(columns) = &request.columns {
-        complete(&mut map, columns);
-    }
-    map.resample.limits = request.limits;
+    let map = request.map(inputs, outputs);
     let first = request.logs.first().ok_or(FitError::NoLog)?;
     Ok(request.read(first, &map)?.record.ts())
-}
-/// A map with what the user says put in the place of what follows from the model; a channel without a unit there keeps that of
-/// the model.
-fn complete(map: &mut LogMap, columns: &LogMap) {
-    let keep = |of: &[ColumnMap], known: &[ColumnMap]| -> Vec<ColumnMap> {
-        let with_unit = |known: &ColumnMap| {
-            let own = of.iter().find(|c| c.name == known.name);
-            let unit = known.unit.clone().or_else(|| own.and_then(|own| own.unit.clone()));
-            ColumnMap { unit, ..known.clone() }
-        };
-        let rest = of.iter().filter(|c| !known.iter().any(|k| k.name == c.name));
-        known.iter().map(with_unit).chain(rest.cloned()).collect()
-    };
-    let (inputs, outputs) =
-        (keep(&map.inputs, &columns.inputs), keep(&map.outputs, &columns.outputs));
-    *map = LogMap { inputs, outputs, ..columns.clone() };
 }

@@ -38,13 +38,8 @@ pub(super) fn by_forecasts<'a>(
     let settings = context.settings;
     let simulator = weighed.singles.base.simulator().boxed();
     let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
-    let windows = where_lost(settings.horizon, &weighed.singles, &horizons);
-    let in_windows = match windows {
-        Some(windows) => in_windows(&weighed, windows, context)?,
-        None => None,
-    };
-    let windows = windows.filter(|_| in_windows.is_some());
-    let Weighed { singles, best, lack_of_fit, .. } = in_windows.unwrap_or(weighed);
+    let (weighed, windows) = in_windows_where_lost(weighed, &horizons, context)?;
+    let Weighed { singles, best, lack_of_fit, .. } = weighed;
     let Settings { replicas, seed, .. } = *settings;
     let rules = Rules { floor: floor(&best.errors), replicas, seed };
     let Contested { others: probabilities, singles } =
@@ -73,20 +68,24 @@ pub(super) fn by_forecasts<'a>(
     })
 }
 
-/// Single causes, searched and weighed again in windows; `None` for what cannot begin in the middle of a log, as a linear model of
-/// whole runs.
-fn in_windows<'a>(
-    free: &Weighed<'a>,
-    windows: Horizon,
+/// Where the free run is lost, single causes are searched and weighed again in windows, which are told then.
+fn in_windows_where_lost<'a>(
+    free: Weighed<'a>,
+    horizons: &[Horizon],
     context: &Context<'a>,
-) -> Result<Option<Weighed<'a>>, FitError> {
+) -> Result<(Weighed<'a>, Option<Horizon>), FitError> {
+    let settings = context.settings;
+    let Some(windows) = where_lost(settings.horizon, &free.singles, horizons) else {
+        return Ok((free, None));
+    };
     let prepared = match prepare(&context.case, windows) {
-        Err(FitError::Diverged) => return Ok(None),
+        // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
+        Err(FitError::Diverged) => return Ok((free, None)),
         prepared => prepared?,
     };
     let searched = search(prepared, &free.singles.searched.trials, context)?;
     let singles = weigh_singles(searched, context.candidates)?;
-    Ok(Some(Weighed::of(singles, Vec::new(), context.settings)))
+    Ok((Weighed::of(singles, Vec::new(), settings), Some(windows)))
 }
 
 /// The noise floor below errors, in sigma, over all outputs.

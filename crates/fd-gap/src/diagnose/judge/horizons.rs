@@ -52,10 +52,12 @@ pub(super) fn where_lost(
     horizons: &[Horizon],
 ) -> Option<Horizon> {
     let windows = windows(horizons);
-    let best = singles.first_law();
-    let errors = best.as_ref().map_or(&singles.refit.errors, |law| &law.errors);
-    let is_free = fits == Horizon::FreeRun && windows != Horizon::FreeRun;
-    (is_free && is_lost(errors, &singles.base)).then_some(windows)
+    if fits != Horizon::FreeRun || windows == Horizon::FreeRun {
+        return None;
+    }
+    let law = singles.first_law();
+    let errors = law.as_ref().map_or(&singles.refit.errors, |law| &law.errors);
+    is_lost(errors, &singles.base).then_some(windows)
 }
 
 /// A horizon for fits: the middle one.

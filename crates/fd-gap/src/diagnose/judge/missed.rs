@@ -2,7 +2,7 @@
 //!
 //! What explains the logs of the fit and nothing else is no law: a curve over time follows any force that comes from somewhere
 //! else, and a hundred candidates have a hundred chances. Where held-out logs are missed, what is right about it is left to
-//! forecasts, as where the fit itself is far from the noise.
+//! forecasts, as where the fit itself is far from the noise. That a start is not known is not held against it.
 
 use crate::{
     diagnose::{
@@ -10,7 +10,7 @@ use crate::{
         weigh::{Weighed, answer::Fit, values::FittedValues},
     },
     fit::{FitError, Log},
-    shrink::{Paths, forecast_errors},
+    shrink::{Paths, errors_from_best_starts},
 };
 
 /// Whether the best answer, which has effects, leaves far more than noise of held-out logs, at the first horizon of the report.
@@ -28,7 +28,8 @@ pub(super) fn is_missed(
     let is_far = |Fit { problem, minimum }: &Fit, paths| {
         let values = FittedValues::of(problem, minimum).with_paths(paths);
         let sigma = &noise.sigma;
-        let errors = forecast_errors(simulator, values.settled(), held_out, *horizon, sigma)?;
+        let errors =
+            errors_from_best_starts(simulator, values.settled(), held_out, *horizon, sigma)?;
         Ok::<_, FitError>(errors.map(|errors| noise.is_far(&errors)))
     };
     if is_far(best, Paths::AsFitted)? != Some(true) {

@@ -45,13 +45,10 @@ pub(super) fn go_on(trials: &mut [Trial<'_>], null: &NullFit, known: &[Trial<'_>
     let shared = null.problem.plan().nuisances().len();
     each(trials.iter_mut(), |trial| {
         let before = known.iter().find(|known| known.is_final && known.index == trial.index);
-        let Some((before, best)) = before.and_then(|known| Some((known, known.best.as_ref()?)))
-        else {
-            return;
-        };
+        let Some(Trial { problem, best: Some(best), .. }) = before else { return };
         let mut nuisances = null.minimum.z.clone();
         nuisances[..shared].copy_from_slice(&best.z[..shared]);
-        trial.warm_start_at(&nuisances, &before.problem.effect_values(&best.z));
+        trial.warm_start_at(&nuisances, &problem.effect_values(&best.z));
     });
 }
 

@@ -1,9 +1,10 @@
 //! A large effect is found though the fit without it bends parameters to their edges.
 
-use fd_effect::{EverySite, library};
 use fd_gap::diagnose::{Case, Regime, Settings, Verdict, diagnose};
-use fd_model::{Record, signal::WhiteNoise};
-use fd_sim::{model::Model, scales::ReplayScales};
+use fd_model::signal::WhiteNoise;
+use fd_sim::model::Model;
+
+use super::road::{record, suspects};
 
 const LIFT: f64 = 0.86;
 
@@ -45,17 +46,10 @@ climb = { unit = "m/s", value = "v" }
         (z, v) = (z + h * v + 0.5 * h * h * a, v + h * a);
         ([u], row)
     });
-    let rows: Vec<([f64; 1], [f64; 2])> = rows.collect();
-    let ts = model.sample_time().unwrap();
-    let log =
-        Record::from_rows(model.external_inputs(), model.output_channels(), rows, ts).unwrap();
-    let u: Vec<f64> = (0..samples).map(|k| log.u(k)[0]).collect();
-    let scales = ReplayScales::of(&model, ts, &u, samples).unwrap();
+    let logs = [record(&model, rows)];
     let wanted = ["parameter-error", "input-gain", "sensor-bias", "viscous-friction"];
-    let effects = library().into_iter().filter(|e| wanted.contains(&e.label())).collect();
-    let suspects = EverySite::new(effects, &model, scales);
-    let logs = std::slice::from_ref(&log);
-    let case = Case { nominal: &model, suspects: &suspects, logs, held_out: &[] };
+    let suspects = suspects(&model, &logs[0], &wanted);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &[] };
     let found = diagnose(&case, &Settings::default(), &()).unwrap();
     let thrust = found
         .causes
@@ -104,21 +98,14 @@ place = { unit = "m", value = "x", noise = 0.002 }
             }
             row
         });
-        let rows: Vec<([f64; 1], [f64; 1])> = rows.collect();
-        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
-        Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
+        record(&model, rows)
     };
     let (logs, held_out) = ([run(0)], [run(1)]);
-    let u: Vec<f64> = (0..samples).map(|k| logs[0].u(k)[0]).collect();
-    let scales = ReplayScales::of(&model, logs[0].ts(), &u, samples).unwrap();
     let wanted = ["input-rate-limit", "input-delay", "sensor-lag", "sensor-backlash", "input-gain"];
-    let effects = library().into_iter().filter(|e| wanted.contains(&e.label())).collect();
-    let suspects = EverySite::new(effects, &model, scales);
+    let suspects = suspects(&model, &logs[0], &wanted);
     let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &held_out };
     let found = diagnose(&case, &Settings::default(), &()).unwrap();
-    let places = (0..samples).map(|k| logs[0].y(k)[0]);
-    let mean = places.clone().sum::<f64>() / samples as f64;
-    let spread = f64::sqrt(places.map(|y| (y - mean).powi(2)).sum::<f64>() / samples as f64);
+    let [_, spread] = fd_numeric::mean_and_deviation((0..samples).map(|k| logs[0].y(k)[0]));
     assert!(0.5 * spread < 0.002 * found.refit.gap[0], "the free run is lost: {:?}", found.refit);
     assert_eq!((found.windows, found.regime), (None, Regime::AboveTheFloor));
     let first = &found.causes[0];

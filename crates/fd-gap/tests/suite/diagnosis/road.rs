@@ -35,11 +35,11 @@ struct Real {
 const LARGE: Real = Real { dead_zone: 0.4, end: 1.1, lag: 0.4, noise: 0.002 };
 
 /// A log of inputs and outputs.
-fn record<const N: usize>(
+pub(crate) fn record<const I: usize, const O: usize>(
     model: &Model,
-    rows: impl Iterator<Item = ([f64; N], [f64; N])>,
+    rows: impl Iterator<Item = ([f64; I], [f64; O])>,
 ) -> Record {
-    let rows: Vec<([f64; N], [f64; N])> = rows.collect();
+    let rows: Vec<([f64; I], [f64; O])> = rows.collect();
     let (inputs, outputs) = (model.external_inputs(), model.output_channels());
     Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap()).unwrap()
 }
@@ -78,10 +78,11 @@ const FEW: [&str; 8] = [
     "input-offset",
 ];
 
-fn suspects<'a>(model: &'a Model, fitted: &Record, few: &[&str]) -> EverySite<'a> {
+/// These effects wherever they can be, with scales of a log.
+pub(crate) fn suspects<'a>(model: &'a Model, fitted: &Record, few: &[&str]) -> EverySite<'a> {
     let ts = model.sample_time().unwrap();
-    let u: Vec<f64> = (0..SAMPLES).flat_map(|k| fitted.u(k).to_vec()).collect();
-    let scales = ReplayScales::of(model, ts, &u, SAMPLES).unwrap();
+    let u: Vec<f64> = (0..fitted.len()).flat_map(|k| fitted.u(k).to_vec()).collect();
+    let scales = ReplayScales::of(model, ts, &u, fitted.len()).unwrap();
     let effects = library().into_iter().filter(|e| few.contains(&e.label())).collect();
     EverySite::new(effects, model, scales)
 }

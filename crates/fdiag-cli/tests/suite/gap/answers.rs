@@ -65,6 +65,27 @@ fn json_is_printed_as_it_is_written() {
     assert_eq!((&logs[1]["samples"], &logs[1]["role"]), (&json!([670, 1000]), &"held-out".into()));
 }
 
+/// A column without any unit is in that of the model, whether the map names it or not.
+#[test]
+fn what_has_no_unit_has_that_of_the_model() {
+    let desk = Desk::new();
+    let bare = |text: &str| {
+        let header = "time [s],force [N],speed [m/s]";
+        assert!(text.contains(header), "{text}");
+        text.replace(header, "time,push,speed")
+    };
+    let plain = desk.gap(&FEW);
+    assert!(plain.status.success(), "{plain:?}");
+    desk.put("monday.csv", &bare(&desk.read("monday.csv")));
+    desk.put("map.toml", "inputs = [{ name = \"force\", column = \"push\" }]\n");
+    let mapped = desk.gap(&[&FEW[..], &["--columns", "map.toml"]].concat());
+    assert!(mapped.status.success(), "{mapped:?}");
+    assert_eq!(stdout(&mapped).lines().next(), stdout(&plain).lines().next());
+    desk.put("map.toml", "inputs = [{ name = \"force\", column = \"push\", unit = \"kN\" }]\n");
+    let otherwise = desk.gap(&[&FEW[..], &["--columns", "map.toml"]].concat());
+    assert_ne!(stdout(&otherwise).lines().next(), stdout(&plain).lines().next());
+}
+
 /// Same seed, same answer, whatever the number of threads.
 #[test]
 fn threads_change_nothing() {
