@@ -26,6 +26,8 @@ pub struct SignalScale {
     pub low: f64,
     /// Largest value.
     pub high: f64,
+    /// First value.
+    pub first: f64,
 }
 
 impl SignalScale {
@@ -49,9 +51,10 @@ impl SignalScale {
 
     pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
         let [mean, std] = fd_numeric::mean_and_deviation(values.clone());
+        let first = values.clone().next().unwrap_or(0.0);
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
-        Self { name: name.to_owned(), unit: unit.to_owned(), mean, std, low, high }
+        Self { name: name.to_owned(), unit: unit.to_owned(), mean, std, low, high, first }
     }
 }
 
@@ -100,6 +103,8 @@ pub struct ReplayScales {
     pub duration: f64,
     /// Integration step of the nominal model, in seconds; all candidates use it.
     pub step: f64,
+    /// Whether the plant rests where it starts while all inputs are zero, so that they may have been zero before.
+    pub rests: bool,
     /// Inputs of the plant as they arrive, those that a controller drives included.
     pub inputs: Vec<SignalScale>,
     /// States of the plant.
@@ -174,7 +179,7 @@ impl ReplayScales {
         let mut next = |name: &str, unit: &str| replay.scale(columns.next(), name, unit);
         let outputs = model.outputs.iter().map(|o| next(&o.name, &o.unit)).collect();
         let inputs = model.inputs.iter().map(|i| next(&i.name, &i.unit)).collect();
-        let states = model.states.iter().map(|s| next(&s.name, &s.unit)).collect();
+        let states: Vec<_> = model.states.iter().map(|s| next(&s.name, &s.unit)).collect();
         let sites = model.sites.iter().zip(sites).map(|(site, probe)| {
             let acceleration = next("acceleration", "");
             let compliance = next("compliance", "");
@@ -202,8 +207,9 @@ impl ReplayScales {
         });
         let sites = sites.collect();
         let duration = samples as f64 * ts.seconds();
-        let signals = Vec::new();
-        Ok(Self { ts: ts.seconds(), duration, step, inputs, states, outputs, sites, signals })
+        let rests = rests(&nominal, &states);
+        let (ts, signals) = (ts.seconds(), Vec::new());
+        Ok(Self { ts, duration, step, rests, inputs, states, outputs, sites, signals })
     }
 }
 
@@ -260,6 +266,23 @@ impl ReplayScales {
         }
         self
     }
+}
+
+/// Part of how much a state moves that is no motion.
+pub(crate) const AT_REST: f64 = 1e-6;
+
+/// Whether states stay where they start during a sample in which all inputs are zero.
+fn rests(nominal: &EquationSimulator<f64>, states: &[SignalScale]) -> bool {
+    let mut simulator = nominal.clone();
+    let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
+    let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let u = vec![0.0; Simulator::inputs(&simulator).len()];
+    let mut y = vec![0.0; Simulator::outputs(&simulator).len()];
+    simulator.start(&theta, &x0, 0);
+    simulator.step(&u, &u, &[], &mut y);
+    let moved = simulator.state().iter().zip(&x0).zip(states);
+    let mut moved = moved.map(|((x, x0), scale)| (x - x0).abs() <= AT_REST * scale.std);
+    !x0.is_empty() && moved.all(|stays| stays)
 }
 
 /// A model that shows inner quantities as outputs.

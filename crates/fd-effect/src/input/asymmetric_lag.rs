@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{LONGEST, each_input};
+use super::{LONGEST, each_input, either_way};
 use crate::{Effect, Offers};
 
 /// A lag of order 1 with the time constant `T (1 + a)` upwards and `T (1 - a)` downwards: what heats faster than it cools, a
@@ -35,7 +35,7 @@ impl Effect for InputAsymmetricLag {
                     .abbreviate("k", "exp(-dt/max(R, dt/1000))")
                     .becomes("b", "u + (b - u)*k")
                     .wrap_input("u + (b - u)*(1 - k)*R/dt")
-                    .starts([[4.0, 0.5], [4.0, -0.5], [15.0, 0.5], [15.0, -0.5]]),
+                    .starts(either_way([4.0, 15.0])),
             ]
         })
     }

@@ -27,7 +27,7 @@ impl Effect for InputBacklash {
                     .memory("b", "played", &input.unit, "u")
                     .becomes("b", "clamp(b, u - w, u + w)")
                     .wrap_input("clamp(b, u - w, u + w)")
-                    .starts([[0.02], [0.08], [0.2], [0.45]]),
+                    .starts([[0.02], [0.08], [0.2], [0.45], [0.65], [0.85]]),
             ]
         })
     }

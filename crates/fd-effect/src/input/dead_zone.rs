@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_place;
+use super::{each_place, either_way};
 use crate::{Effect, Offers};
 
 /// Dead zone of half width `w`: what is left is shifted, not scaled. In the asymmetric law it goes
@@ -34,7 +34,7 @@ impl Effect for InputDeadZone {
                 zone("asymmetric")
                     .shape("a", "dead_zone_asymmetry", "1", 1.0, [-1.0, 1.0], 0.0)
                     .wrap_input("u - clamp(u, -w*(1 - a), w*(1 + a))")
-                    .starts([[0.08, 0.5], [0.08, -0.5], [0.3, 0.5], [0.3, -0.5]]),
+                    .starts(either_way([0.08, 0.3, 0.45])),
             ]
         })
     }

@@ -2,13 +2,14 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_place;
+use super::{each_place, may_be_from_rest};
 use crate::{Effect, Offers};
 
 /// Longest delay, in samples: what is slow is often logged fast.
 const LONGEST: f64 = 200.0;
 /// Delays from which to start, in samples.
-const STARTS: [[f64; 1]; 6] = [[0.5], [2.0], [6.0], [15.0], [40.0], [110.0]];
+const STARTS: [[f64; 1]; 9] =
+    [[0.5], [2.0], [6.0], [15.0], [28.0], [45.0], [70.0], [110.0], [165.0]];
 
 /// The longest delay that a log can show, and the delays up to it from which to start, in samples.
 pub(crate) fn delays(scales: &ReplayScales) -> (f64, Vec<[f64; 1]>) {
@@ -16,7 +17,8 @@ pub(crate) fn delays(scales: &ReplayScales) -> (f64, Vec<[f64; 1]>) {
     (longest, STARTS.into_iter().filter(|[start]| *start < longest).collect())
 }
 
-/// Delay by any fraction of a sample. Over each integration step the plant sees the mean of the
+/// Delay by any fraction of a sample. Before the first command arrives it is as if that had been given for long, in the law
+/// `from-rest` nothing has. Over each integration step the plant sees the mean of the
 /// held input that arrives, so outputs are continuous in the delay.
 #[derive(Clone, Copy, Debug)]
 pub struct InputDelay;
@@ -36,14 +38,18 @@ impl Effect for InputDelay {
 
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let (longest, starts) = delays(scales);
-        each_place(self, nominal, scales, |sketch, _| {
-            vec![
-                sketch("pure")
+        each_place(self, nominal, scales, |sketch, input| {
+            let pure = |law| {
+                sketch(law)
                     .strength("T", "delay", "s", scales.ts, [0.0, longest])
                     .delay("late", "delayed", "u", "T")
-                    .wrap_input("late")
-                    .starts(starts.clone()),
-            ]
+            };
+            let mut laws = vec![pure("pure").wrap_input("late").starts(starts.clone())];
+            if may_be_from_rest(scales, input) {
+                let arriving = pure("pure-from-rest").onset("on", "arrived", "T");
+                laws.push(arriving.wrap_input("late*on").starts(starts.clone()));
+            }
+            laws
         })
     }
 }

@@ -51,8 +51,25 @@ pub fn all() -> Vec<Box<dyn Effect>> {
     ]
 }
 
+/// What an input was before a run, where that is taken to begin from rest with the first command, as most simulations do. A
+/// stretch of a run goes on from the command that it begins with. Within the first step the time is that of a stage.
+const FROM_REST: &str = "if(t > 1.5*dt, u, 0)";
+/// A first value of more than this part of the largest is a command.
+const COMMAND: f64 = 0.01;
+
+/// Whether a log begins with a command to a plant that would rest without any: what lies between them may have begun from rest
+/// as well, or may have been given this command for long.
+fn may_be_from_rest(scales: &ReplayScales, input: &SignalScale) -> bool {
+    scales.rests && COMMAND * input.peak() < input.first.abs()
+}
+
 /// What the effects say when an input is constant.
 const STILL: Reason = Reason::Still("the input");
+
+/// Starts for strengths that differ between the two signs: with each size of them, larger for the one or for the other.
+fn either_way(sizes: impl IntoIterator<Item = f64>) -> Vec<[f64; 2]> {
+    sizes.into_iter().flat_map(|size| [[size, 0.5], [size, -0.5]]).collect()
+}
 
 /// The laws of an effect at every input that moves, each as a sketch.
 fn each_input<'a>(

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_place;
+use super::{each_place, either_way};
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.
@@ -44,7 +44,7 @@ impl Effect for InputSaturation {
                 both("asymmetric")
                     .shape("a", "limit_asymmetry", "1", 1.0, [-1.0, 1.0], 0.0)
                     .wrap_input("u/max(1, s*(abs(u) + a*u))")
-                    .starts([[1.5, 0.5], [1.5, -0.5], [0.9, 0.5], [0.9, -0.5]]),
+                    .starts(either_way([1.5, 0.9, 3.0, 6.0, 11.0])),
             ];
             for (law, reach, limited) in
                 [("upper", input.high, "u/max(1, s*u)"), ("lower", -input.low, "u/max(1, -s*u)")]

@@ -87,7 +87,9 @@ fn who_excludes_one_place_excludes_all_that_it_is_alike_with() {
     let every = EverySite::new(library(), &model, scales).without(&["input-delay@b".to_owned()]);
     let offers = every.alone();
     let late = offers.iter().flatten().filter(|candidate| candidate.label == "input-delay");
-    assert_eq!(late.map(|late| late.site.name().unwrap()).collect::<Vec<_>>(), ["a"]);
+    assert!(
+        late.clone().count() > 0 && late.map(|late| late.site.name()).all(|name| name == Some("a"))
+    );
     let each = every.one_by_one().alone();
     assert!(each.iter().flatten().all(|candidate| candidate.site.each().len() == 1));
 }
@@ -102,7 +104,8 @@ fn others_can_be_beside_it() {
     let beside = every.beside(rub);
     let late: Vec<&Candidate> =
         beside.iter().flatten().filter(|candidate| candidate.label == "input-delay").collect();
-    assert_eq!(late.len(), 3);
+    // Of each there is the law that begins from rest as well.
+    assert_eq!(late.len(), 5);
     for candidate in late {
         let names: Vec<&str> = candidate.model.parameters.iter().map(|p| p.name.as_str()).collect();
         assert_eq!(names[..1], [rub.parameters[0].name.as_str()], "{names:?}");

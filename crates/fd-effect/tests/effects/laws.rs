@@ -6,7 +6,6 @@ use fd_sim::{
     model::{Model, Output},
     simulate::{EquationSimulator, Simulator},
 };
-use num_dual::Dual64;
 
 use crate::cases::{Case, PLANTS, effect, name};
 
@@ -39,7 +38,7 @@ fn candidate(case: &Case, label: &str, law: &str, site: &str) -> Candidate {
 }
 
 /// Whether the output is a control signal, which is held between samples.
-fn is_held(candidate: &Candidate) -> bool {
+pub(crate) fn is_held(candidate: &Candidate) -> bool {
     candidate.site.each().iter().any(|site| site.name() == Some("voltage"))
 }
 
@@ -320,8 +319,11 @@ fn a_finer_step_changes_little() {
                     y
                 };
                 let distance = case.distance(&run(1), &run(8));
-                // What swings by two radians in a step is seen by its ends only; finer steps help with their square.
-                let most = if candidate.label == "elastic-transmission" { 0.15 } else { 0.05 };
+                // What swings by two radians in a step is seen by its ends only; finer steps help with their square. From rest the
+                // largest jump of all falls into the middle of a step, of which the plant sees the mean.
+                let is_rough =
+                    candidate.label == "elastic-transmission" || candidate.law == "pure-from-rest";
+                let most = if is_rough { 0.15 } else { 0.05 };
                 assert!(distance < most, "{plant}: {} {start:?}: {distance}", name(&candidate));
             }
         }
@@ -347,40 +349,6 @@ fn effects_go_on_top_of_effects() {
             let mut theta = theta.clone();
             theta.extend(candidate.parameters.iter().map(|p| p.neutral));
             assert_eq!(case.run(&candidate.model, &theta).1, expected, "{}", name(candidate));
-        }
-    }
-}
-
-#[test]
-fn dual_numbers_go_through_every_effect() {
-    const SAMPLES: usize = 120;
-    for plant in PLANTS {
-        let case = Case::new(plant, SAMPLES);
-        for candidate in case.simulated() {
-            let mut simulator = EquationSimulator::<Dual64>::new(&candidate.model).unwrap();
-            let x0: Vec<Dual64> =
-                candidate.model.initial().into_iter().map(Dual64::from_re).collect();
-            let neutral: Vec<f64> = candidate.parameters.iter().map(|p| p.neutral).collect();
-            for phi in std::iter::once(&neutral).chain(&candidate.starts) {
-                for i in 0..phi.len() {
-                    let nominal = case.model.nominal();
-                    let mut theta: Vec<Dual64> =
-                        nominal.iter().chain(phi).copied().map(Dual64::from_re).collect();
-                    theta[nominal.len() + i].eps = candidate.parameters[i].scale;
-                    let mut y = vec![Dual64::from_re(0.0); SAMPLES * case.model.outputs.len()];
-                    simulator.run(&theta, &x0, &case.u, &mut y);
-                    let is_finite = y.iter().all(|y| y.re.is_finite() && y.eps.is_finite());
-                    assert!(is_finite, "{plant}: {} {phi:?}, slope {i}", name(&candidate));
-                    // A fit can leave its first start. Rounding to a grid has no slope, nor has a hat
-                    // of a map over values that do not occur, nor a held signal between its steps.
-                    let leaves = y.iter().any(|y| y.eps != 0.0)
-                        || !candidate.parameters[i].is_strength
-                        || !effect(&candidate).has_slope()
-                        || (candidate.label == "sensor-delay" && is_held(&candidate));
-                    let is_first = *phi == candidate.starts[0];
-                    assert!(leaves || !is_first, "{plant}: {} has no slope {i}", name(&candidate));
-                }
-            }
         }
     }
 }

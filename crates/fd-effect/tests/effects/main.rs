@@ -15,4 +15,5 @@ mod inside;
 mod invariance;
 mod laws;
 mod library;
+mod slopes;
 mod text;

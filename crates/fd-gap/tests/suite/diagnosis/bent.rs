@@ -81,7 +81,7 @@ place = { unit = "m", value = "x", noise = 0.002 }
 "#
     .parse()
     .unwrap();
-    let (samples, h, rate) = (1000, 0.04, 0.9);
+    let (samples, h, rate) = (1000, 0.04, 0.38);
     let noise = WhiteNoise::new(0.002, 5).values(2 * samples).unwrap();
     let levels = [1.5, -0.4, 1.0, -1.2, 0.6, -1.5, 0.2, 1.2];
     let run = |first: usize| {
@@ -110,6 +110,7 @@ place = { unit = "m", value = "x", noise = 0.002 }
     assert_eq!((found.windows, found.regime), (None, Regime::AboveTheFloor));
     let first = &found.causes[0];
     assert_eq!((found.verdict, first.label), (Verdict::Cause, "input-rate-limit"));
-    // The law may have a nearby valley beside that of the truth: a fifth is no other limit.
-    assert!((first.parameters[0].value * rate - 1.0).abs() < 0.2, "{:?}", first.parameters);
+    // Its drive stood still before the first command. Worn rails of 5 times the noise leave a thousandth.
+    assert_eq!(first.law, "symmetric-from-rest");
+    assert!((first.parameters[0].value * rate - 1.0).abs() < 0.003, "{:?}", first.parameters);
 }

@@ -33,3 +33,4 @@ mod reproduce;
 mod road;
 mod sets;
 mod slow_noise;
+mod valleys;

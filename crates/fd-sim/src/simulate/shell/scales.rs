@@ -4,7 +4,7 @@ use super::Shell;
 use crate::{
     equation::Expr,
     model::{Model, Site},
-    scales::{ForceScale, ReplayScales, SignalScale},
+    scales::{AT_REST, ForceScale, ReplayScales, SignalScale},
     simulate::{Run, Simulator, Tape},
 };
 
@@ -16,6 +16,8 @@ const ROUGH: f64 = 30.0;
 const FEWEST_APART: usize = 4;
 /// Change of a velocity or output by a trial force, as a part of what it is usually.
 const TRIAL: f64 = 0.01;
+/// Samples after which a plant that does not rest has moved.
+const AWHILE: usize = 4;
 
 /// Simulates the shell without effects and measures its signals.
 pub(super) fn measure(
@@ -51,7 +53,9 @@ pub(super) fn measure(
         replay.site(port, site, position.as_ref(), velocity.as_ref(), &outputs, &y)
     });
     let sites = sites.collect();
+    let rests = replay.rests(&outputs);
     ReplayScales {
+        rests,
         signals: Vec::new(),
         ts: ts.seconds(),
         duration: samples as f64 * ts.seconds(),
@@ -81,6 +85,21 @@ impl Replay<'_> {
         let theta = self.model.nominal();
         self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u: self.u, f }]);
         y
+    }
+
+    /// Whether outputs stay where they start while all inputs are zero.
+    fn rests(&mut self, outputs: &[SignalScale]) -> bool {
+        let (nu, nf) = (self.simulator.inputs().len(), self.simulator.ports().len());
+        let (u, f) = (vec![0.0; AWHILE * nu], vec![0.0; AWHILE * nf]);
+        let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
+        let ny = self.simulator.outputs().len();
+        let (theta, mut y) = (self.model.nominal(), vec![f64::NAN; AWHILE * ny]);
+        self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u: &u, f: &f }]);
+        let (first, later) = y.split_at(ny);
+        let stays = |(y, (first, scale)): (&f64, (&f64, &SignalScale))| {
+            (y - first).abs() <= AT_REST * scale.std
+        };
+        later.chunks(ny).all(|row| row.iter().zip(first.iter().zip(outputs)).all(stays))
     }
 
     /// Forces at a port, by the sample.
