@@ -165,8 +165,10 @@ impl<'a> Look<'_, 'a> {
         let mut trials = tested(each(first, |(one, _)| fit(one, nth(1))), not_tested);
         let best = trials.iter().map(Trial::cost).fold(self.null.minimum.cost, f64::min);
         let gained = self.null.minimum.cost - best;
+        // At nominal parameters slopes say little of what a bent fit lacks.
+        let is_from_here = self.around.at().cost <= self.null.minimum.cost;
         let others = each(others, |(one, promise)| {
-            if promise < least || is_hopeless(promise, gained) {
+            if promise < least || is_from_here && is_hopeless(promise, gained) {
                 monitor.advance();
                 let is_lost = one.scored.is_empty();
                 return Err((if is_lost { diverges } else { too_little })(one.candidate));
