@@ -46,7 +46,7 @@ pub(super) struct Forecast {
 
 /// What tells the states in which a segment begins.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum States {
+enum States {
     /// Its first part, so that the rest is forecast.
     FromFirstPart,
     /// The rest: those from which it is explained best.

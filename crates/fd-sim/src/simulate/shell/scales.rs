@@ -79,22 +79,24 @@ struct Replay<'a> {
 impl Replay<'_> {
     /// Outputs of the whole replay with forces, row by row.
     fn outputs(&mut self, f: &[f64]) -> Vec<f64> {
+        self.run(self.u, f, self.samples)
+    }
+
+    /// Outputs from the start on with inputs and forces, row by row.
+    fn run(&mut self, u: &[f64], f: &[f64], samples: usize) -> Vec<f64> {
         let ny = self.simulator.outputs().len();
         let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
-        let mut y = vec![f64::NAN; self.samples * ny];
+        let mut y = vec![f64::NAN; samples * ny];
         let theta = self.model.nominal();
-        self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u: self.u, f }]);
+        self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u, f }]);
         y
     }
 
     /// Whether outputs stay where they start while all inputs are zero.
     fn rests(&mut self, outputs: &[SignalScale]) -> bool {
         let (nu, nf) = (self.simulator.inputs().len(), self.simulator.ports().len());
-        let (u, f) = (vec![0.0; AWHILE * nu], vec![0.0; AWHILE * nf]);
-        let x0: Vec<f64> = self.simulator.initial().iter().map(|state| state.value).collect();
+        let y = self.run(&vec![0.0; AWHILE * nu], &vec![0.0; AWHILE * nf], AWHILE);
         let ny = self.simulator.outputs().len();
-        let (theta, mut y) = (self.model.nominal(), vec![f64::NAN; AWHILE * ny]);
-        self.simulator.replay(0, &mut [Tape { run: Run::new(&theta, &x0, &mut y), u: &u, f: &f }]);
         let (first, later) = y.split_at(ny);
         let stays = |(y, (first, scale)): (&f64, (&f64, &SignalScale))| {
             (y - first).abs() <= AT_REST * scale.std
