@@ -19,6 +19,10 @@ pub enum Quantity {
     RotationalSpeed,
     /// Mass per time.
     MassFlow,
+    /// Volume.
+    Volume,
+    /// Volume per time.
+    VolumeFlow,
     /// Time.
     Time,
     /// Length.
@@ -33,6 +37,8 @@ pub enum Quantity {
     Force,
     /// Torque.
     Torque,
+    /// Force per length.
+    Stiffness,
     /// Power.
     Power,
     /// Mass.
@@ -76,6 +82,7 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["atm"], Quantity::Pressure, 101_325.0, 0.0),
     (&["rad/s"], Quantity::RotationalSpeed, 1.0, 0.0),
     (&["deg/s", "°/s"], Quantity::RotationalSpeed, DEGREE, 0.0),
+    (&["deg/min", "°/min"], Quantity::RotationalSpeed, DEGREE / 60.0, 0.0),
     (&["rpm", "RPM", "1/min", "r/min"], Quantity::RotationalSpeed, TURN / 60.0, 0.0),
     (&["Hz", "1/s", "rev/s"], Quantity::RotationalSpeed, TURN, 0.0),
     (&["kg/s"], Quantity::MassFlow, 1.0, 0.0),
@@ -83,6 +90,16 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["kg/h"], Quantity::MassFlow, 1.0 / 3600.0, 0.0),
     (&["lb/s", "lbm/s", "pps"], Quantity::MassFlow, POUND, 0.0),
     (&["lb/h", "lbm/h", "pph"], Quantity::MassFlow, POUND / 3600.0, 0.0),
+    (&["m^3", "m3", "m³"], Quantity::Volume, 1.0, 0.0),
+    (&["l", "L"], Quantity::Volume, 1e-3, 0.0),
+    (&["ml", "mL", "cm^3", "cm3", "cm³"], Quantity::Volume, 1e-6, 0.0),
+    (&["m^3/s", "m3/s", "m³/s"], Quantity::VolumeFlow, 1.0, 0.0),
+    (&["m^3/h", "m3/h", "m³/h"], Quantity::VolumeFlow, 1.0 / 3600.0, 0.0),
+    (&["l/s", "L/s"], Quantity::VolumeFlow, 1e-3, 0.0),
+    (&["l/min", "L/min", "lpm", "LPM"], Quantity::VolumeFlow, 1e-3 / 60.0, 0.0),
+    (&["l/h", "L/h"], Quantity::VolumeFlow, 1e-3 / 3600.0, 0.0),
+    (&["ml/s", "mL/s", "cm^3/s", "cm3/s", "cm³/s"], Quantity::VolumeFlow, 1e-6, 0.0),
+    (&["ml/min", "mL/min"], Quantity::VolumeFlow, 1e-6 / 60.0, 0.0),
     (&["s", "sec"], Quantity::Time, 1.0, 0.0),
     (&["ms"], Quantity::Time, 1e-3, 0.0),
     (&["us", "µs", "μs"], Quantity::Time, 1e-6, 0.0),
@@ -99,6 +116,8 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["ft"], Quantity::Length, FOOT, 0.0),
     (&["m/s"], Quantity::Velocity, 1.0, 0.0),
     (&["mm/s"], Quantity::Velocity, 1e-3, 0.0),
+    (&["cm/s"], Quantity::Velocity, 1e-2, 0.0),
+    (&["m/min"], Quantity::Velocity, 1.0 / 60.0, 0.0),
     (&["km/h"], Quantity::Velocity, 1.0 / 3.6, 0.0),
     (&["ft/s"], Quantity::Velocity, FOOT, 0.0),
     (&["kn", "kt"], Quantity::Velocity, 1852.0 / 3600.0, 0.0),
@@ -115,6 +134,8 @@ pub const KNOWN_UNITS: &[KnownUnit] = &[
     (&["mN m", "mN*m", "mN·m", "mNm"], Quantity::Torque, 1e-3, 0.0),
     (&["kN m", "kN*m", "kN·m", "kNm"], Quantity::Torque, 1e3, 0.0),
     (&["lbf ft", "lbf*ft", "lbf·ft", "ft lbf"], Quantity::Torque, POUND_FORCE * FOOT, 0.0),
+    (&["N/m"], Quantity::Stiffness, 1.0, 0.0),
+    (&["kN/m", "N/mm"], Quantity::Stiffness, 1e3, 0.0),
     (&["W"], Quantity::Power, 1.0, 0.0),
     (&["mW"], Quantity::Power, 1e-3, 0.0),
     (&["kW"], Quantity::Power, 1e3, 0.0),
@@ -272,6 +293,9 @@ mod tests {
             ("lbf ft", "N m", 1.0, 1.355_818, PRINTED),
             ("rpm", "rad/s", 1.0, 1.047_198e-1, PRINTED),
             ("kn", "m/s", 1.0, 5.144_444e-1, PRINTED),
+            ("cm3/s", "L/min", 1.0, 0.06, 1e-12),
+            ("N/mm", "N/m", 1.0, 1e3, 1e-12),
+            ("deg/min", "deg/s", 3.0, 0.05, 1e-12),
             ("degF", "degC", 212.0, 100.0, 1e-12),
             ("R", "K", 1.8, 1.0, 1e-12),
             ("atm", "bar", 1.0, 1.013_25, 1e-12),

@@ -22,6 +22,18 @@ pub struct EndStop;
 const LEVELS: [f64; 8] = [0.92, 0.96, 1.0, 1.03, 0.88, 0.8, 0.62, 0.42];
 /// So many of them are tried with a soft stop as well.
 const SOFT: usize = 4;
+/// Distances of stops that have a middle of their own, as fractions of half the range, how far that is from the middle of the
+/// range, as another one, and their stiffness, of that of stiff ones: what is hit often is soft.
+const UNEVEN: [[f64; 3]; 8] = [
+    [0.92, 0.0, 1.0],
+    [0.97, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [0.7, 0.0, 1.0],
+    [0.6, 0.35, 0.2],
+    [0.6, -0.35, 0.2],
+    [0.4, 0.5, 0.2],
+    [0.4, -0.5, 0.2],
+];
 
 impl Effect for EndStop {
     fn label(&self) -> &'static str {
@@ -66,8 +78,9 @@ impl Effect for EndStop {
                 even("both", "d"),
                 even("upper", "max(d, 0)"),
                 even("lower", "min(d, 0)"),
-                push(uneven("between-stops"), "d")
-                    .starts([0.92, 0.97, 1.0, 0.7].map(|level| [1.0 / level, start, shift])),
+                push(uneven("between-stops"), "d").starts(
+                    UNEVEN.map(|[level, off, soft]| [1.0 / level, soft * start, shift + off]),
+                ),
                 uneven("damped")
                     .shape(
                         "b",
@@ -83,7 +96,11 @@ impl Effect for EndStop {
                         "stop_force",
                         "k*(max(E, 0)*max(0, 1 + b*v) + min(E, 0)*max(0, 1 - b*v))",
                     )
-                    .starts([0.92, 0.97, 1.0].map(|level| [1.0 / level, start, shift, 0.5])),
+                    .starts(
+                        UNEVEN.map(|[level, off, soft]| {
+                            [1.0 / level, soft * start, shift + off, 0.5]
+                        }),
+                    ),
             ]
         })
     }

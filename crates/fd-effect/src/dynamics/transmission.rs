@@ -6,7 +6,7 @@ use super::{NO_EQUATION, SiteUnits, dependence::variables, each_site};
 use crate::{Effect, Offers, Reason, SiteRef, Sketch, units::per};
 
 /// Frequencies of the coarse grid from which to start.
-const FREQUENCIES: u8 = 6;
+const FREQUENCIES: u8 = 12;
 /// Highest of them, in sample rates: what swings faster is seen through its aliases only.
 const HIGHEST: f64 = 0.2;
 /// Share of the inertia on the other side from which to start.

@@ -94,15 +94,17 @@ fn says_nothing(output: &[f64], inputs: &[Vec<f64>], which: usize) -> bool {
     let mut left = of(&|k| output[k]);
     about_known(&mut left, &known);
     let before = fd_numeric::wide::dot(&left, &left);
-    let mut tried = 0;
+    let (mut tried, rest_of_log) = (0, known.len());
     for at in STRETCHES {
         let mut column = stretch(&inputs[which], at);
         remove(&known[0], &mut column);
         let all = fd_numeric::wide::dot(&column, &column);
-        about_known(&mut column, &known);
+        about_known(&mut column, &known[..rest_of_log]);
         if fd_numeric::wide::dot(&column, &column) <= OWN_PART * all {
             continue;
         }
+        // What a smooth input does may show in the small differences of its stretches.
+        about_known(&mut column, &known[rest_of_log..]);
         if let Some(unit) = normalised(column) {
             remove(&unit, &mut left);
             known.push(unit);
@@ -151,6 +153,24 @@ mod tests {
             let [u, y] = log(gain, loop_gain);
             assert!(!says_nothing(&y, &[u], 0), "{gain} {loop_gain}");
         }
+    }
+
+    #[test]
+    fn what_answers_to_the_rate_of_a_smooth_command_responds() {
+        let (mut white, mut other) = (noise(3), noise(7));
+        let (mut stages, mut x) = ([0.0; 3], 0.0);
+        let rows = (0..1000).map(|_| {
+            let before = stages[2];
+            let mut input = 3.0 * other();
+            for stage in &mut stages {
+                *stage += 0.14 * (input - *stage);
+                input = *stage;
+            }
+            x = 0.95 * x + 10.0 * (stages[2] - before);
+            (stages[2], x + 0.02 * white())
+        });
+        let (u, y): (Vec<f64>, Vec<f64>) = rows.unzip();
+        assert!(!says_nothing(&y, &[u], 0));
     }
 
     #[test]
