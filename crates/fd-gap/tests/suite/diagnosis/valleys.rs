@@ -41,9 +41,10 @@ const SEEN: f64 = 3.0;
 /// Of 800 samples, the root mean square of noise is within a tenth of its size (four of its deviations); a step that is just
 /// fine enough takes another twentieth.
 const AT_THE_NOISE: f64 = 1.15;
-/// One in so many may be lost: today three in 210 of any strength (asymmetric limits of a trolley, rate limits), and three in 245
-/// of any shape (before end stops had starts away from the middle nine in 243).
-const ONE_IN: usize = 50;
+/// One in so many may be lost: today two in 210, an asymmetric saturation and an asymmetric rate limit of a trolley.
+const ONE_IN: usize = 100;
+/// The same of laws of any shape: today three in 245, before end stops had starts away from the middle nine in 243.
+const ONE_IN_SHAPES: usize = 60;
 
 fn steps(k: usize) -> f64 {
     [1.5, -0.4, 1.0, -1.2, 0.6, -1.5, 0.2, 1.2][(k / 45) % 8]
@@ -109,43 +110,41 @@ fn log_of(model: &Model, u: &[f64], y: &[f64], seed: u64) -> Record {
     record(model, u.iter().zip(y.iter().zip(noise)).map(|(u, (y, noise))| ([*u], [y + noise])))
 }
 
-/// What a fit leaves of a log with this law, in noise, and the first value that it finds; `None` where the law does not show.
-fn found(model: &Model, candidate: &Candidate, values: &[f64], u: &[f64]) -> Option<(f64, f64)> {
-    let plain = outputs(candidate, &with_strength(candidate, None), u);
-    let y = outputs(candidate, values, u);
-    let squares: f64 = y.iter().zip(&plain).map(|(a, b)| (a - b).powi(2)).sum();
-    let change = (squares / SAMPLES as f64).sqrt();
-    let [_, motion] = fd_numeric::mean_and_deviation(y.iter().copied());
-    let noise = model.outputs[0].noise.unwrap();
-    let shows = SEEN * noise <= change && SEEN * noise <= motion && motion.is_finite();
-    if !shows {
-        return None;
-    }
-    let logs = [log_of(model, u, &y, values[0].to_bits())];
-    let alone = vec![candidate.clone()];
-    let case = Case { nominal: model, suspects: &alone, logs: &logs, held_out: &[] };
-    let found = diagnose(&case, &Settings::default(), &()).unwrap();
-    Some((found.causes[0].gap, found.causes[0].parameters[0].value))
-}
-
 /// Plants what `values` says of each of the wanted candidates on both plants; says how many showed, and what was lost.
-fn planted(wanted: &[&str], values: impl Fn(&Candidate) -> Vec<Vec<f64>>) -> (usize, Vec<String>) {
-    let (mut planted, mut lost) = (0, Vec::new());
+fn planted(
+    wanted: &[&str],
+    with_sites: impl Fn(&Model) -> Model,
+    values: impl Fn(&Candidate) -> Vec<Vec<f64>>,
+) -> (usize, Vec<String>) {
+    let (mut planted, mut lost) = (0_usize, Vec::new());
     for (text, size) in [(TROLLEY, 1.0), (MOTOR, 4.0)] {
-        let model = with_default_sites(&text.parse().unwrap());
+        let model = with_sites(&text.parse().unwrap());
+        let noise = model.outputs[0].noise.unwrap();
         for command in [steps, waves] {
             let u: Vec<f64> = (0..SAMPLES).map(|k| size * command(k)).collect();
             let still = log_of(&model, &u, &vec![0.0; SAMPLES], 1);
             let suspects = suspects(&model, &still, wanted);
             for candidate in suspects.alone().into_iter().flatten() {
+                let plain = outputs(&candidate, &with_strength(&candidate, None), &u);
                 for values in values(&candidate) {
-                    let Some((gap, first)) = found(&model, &candidate, &values, &u) else {
+                    let y = outputs(&candidate, &values, &u);
+                    let squares: f64 = y.iter().zip(&plain).map(|(a, b)| (a - b).powi(2)).sum();
+                    let change = (squares / SAMPLES as f64).sqrt();
+                    let [_, motion] = fd_numeric::mean_and_deviation(y.iter().copied());
+                    if change < SEEN * noise || motion < SEEN * noise {
                         continue;
-                    };
+                    }
                     planted += 1;
-                    if AT_THE_NOISE < gap {
+                    let logs = [log_of(&model, &u, &y, 7 + planted as u64)];
+                    let alone = vec![candidate.clone()];
+                    let case =
+                        Case { nominal: &model, suspects: &alone, logs: &logs, held_out: &[] };
+                    let found = diagnose(&case, &Settings::default(), &()).unwrap();
+                    let first = &found.causes[0];
+                    if AT_THE_NOISE < first.gap {
                         let Candidate { label, law, .. } = &candidate;
-                        lost.push(format!("{label} {law} {values:?} -> {first}, {gap:.1}"));
+                        let at = first.parameters[0].value;
+                        lost.push(format!("{label} {law} {values:?} -> {at}, {:.1}", first.gap));
                     }
                 }
             }
@@ -165,7 +164,7 @@ fn every_strength_of_a_law_is_found_by_its_fit() {
         "input-lag",
         "input-delay",
     ];
-    let (planted, lost) = planted(&wanted, |candidate| {
+    let (planted, lost) = planted(&wanted, Model::clone, |candidate| {
         let strength = candidate.parameters.iter().find(|p| p.is_strength).unwrap();
         let sizes = [0.003, 0.02, 0.1, 0.4, 0.8].map(|part| part * strength.high);
         sizes.map(|size| with_strength(candidate, Some(size))).into()
@@ -177,7 +176,11 @@ fn every_strength_of_a_law_is_found_by_its_fit() {
 #[test]
 fn every_shape_of_a_law_is_found_by_its_fit() {
     let wanted = ["elastic-transmission", "end-stop", "coulomb-friction", "hysteresis"];
-    let (planted, lost) =
-        planted(&wanted, |candidate| (34..40).map(|n| anywhere(candidate, n)).collect());
-    assert!(100 < planted && ONE_IN * lost.len() <= planted, "{planted} planted, lost: {lost:#?}");
+    let (planted, lost) = planted(&wanted, with_default_sites, |candidate| {
+        (34..40).map(|n| anywhere(candidate, n)).collect()
+    });
+    assert!(
+        100 < planted && ONE_IN_SHAPES * lost.len() <= planted,
+        "{planted} planted, lost: {lost:#?}"
+    );
 }
