@@ -130,20 +130,22 @@ impl Broker {
         }
     }
 
-    /// Publishes something that the broker may refuse.
+    /// Publishes something that the broker may refuse, under the name of a user.
     pub fn try_publish(&self, user: &str, topic: &str, text: &str) {
-        let port = self.port.to_string();
-        let mut command = Command::new("mosquitto_pub");
-        command.args(["-p", &port, "-u", user, "-P", PASSWORD, "-t", topic, "-m", text]);
-        command.status().expect("this test needs the clients of mosquitto");
+        self.publish_once(user, topic, text, false);
     }
 
     /// Publishes a text that the broker keeps for whoever comes later.
     pub fn retain(&self, topic: &str, text: &str) {
-        let (client, mut connection) = Client::new(self.options("retainer"), 2);
-        client.try_publish(topic, QoS::AtLeastOnce, true, text.as_bytes()).unwrap();
+        self.publish_once("retainer", topic, text, true);
+    }
+
+    /// Publishes a message, and waits until the broker has it or refuses it.
+    fn publish_once(&self, name: &str, topic: &str, text: &str, is_kept: bool) {
+        let (client, mut connection) = Client::new(self.options(name), 2);
+        client.try_publish(topic, QoS::AtLeastOnce, is_kept, text.as_bytes()).unwrap();
         for event in connection.iter() {
-            if let Ok(Event::Incoming(Packet::PubAck(_))) = event {
+            if let Ok(Event::Incoming(Packet::PubAck(_))) | Err(_) = event {
                 return;
             }
         }
