@@ -264,6 +264,27 @@ impl Record {
         self.start + k as f64 * self.ts.seconds()
     }
 
+    /// Samples from where the run of an `earlier` record on the same clock began to this one.
+    ///
+    /// ```
+    /// use fd_model::{Channel, Record, SampleTime};
+    ///
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let run = Record::new(u, y, vec![0.0; 9], vec![0.0; 9], SampleTime::new(0.1)?)?;
+    /// assert_eq!(run.clone().starting_at(5.02).samples_since(&run.slice(2, 9)), 50);
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "not before the earlier one, and far below 2^64"
+    )]
+    pub fn samples_since(&self, earlier: &Self) -> usize {
+        let samples = (self.start - earlier.start) / self.ts.seconds();
+        earlier.before + samples.round().max(0.0) as usize
+    }
+
     /// Whether this record goes on where an `earlier` one ended, to within half a sample.
     ///
     /// ```
@@ -277,6 +298,22 @@ impl Record {
     #[must_use]
     pub fn continues(&self, earlier: &Self) -> bool {
         (earlier.time(earlier.len()) - self.start).abs() < 0.5 * self.ts.seconds()
+    }
+
+    /// Whether this record begins where an `earlier` one on the same clock ended, to within half a sample, or later. Records
+    /// that begin at zero have clocks of their own.
+    ///
+    /// ```
+    /// use fd_model::{Channel, Record, SampleTime};
+    ///
+    /// let (u, y) = (Channel::numbered("u", 1), Channel::numbered("y", 1));
+    /// let run = Record::new(u, y, vec![0.0; 9], vec![0.0; 9], SampleTime::new(0.1)?)?;
+    /// assert!(run.clone().starting_at(5.0).comes_after(&run) && !run.comes_after(&run));
+    /// # Ok::<(), fd_model::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn comes_after(&self, earlier: &Self) -> bool {
+        earlier.time(earlier.len()) - self.start < 0.5 * self.ts.seconds()
     }
 
     /// Time between samples.

@@ -118,6 +118,7 @@ impl<'a> Arena<'a> {
             ny,
             samples,
             first: 0,
+            goes_on: false,
             is_in_motion: false,
             row: None,
             holes: Vec::new(),

@@ -21,6 +21,8 @@ pub struct Log {
     pub(crate) samples: usize,
     /// Number of the first sample since the clock of the model was started.
     pub(crate) first: usize,
+    /// Whether it goes on where another one ended, so that its clock does.
+    pub(crate) goes_on: bool,
     /// Whether the log begins in motion: its states are not where the model says they start.
     pub(crate) is_in_motion: bool,
     /// Number of the first sample in all logs that are fitted, one after the other; `None` for others.
@@ -119,6 +121,7 @@ impl Log {
             ny,
             samples: record.len(),
             first,
+            goes_on: 0 < first,
             is_in_motion: 0 < first,
             row: None,
             holes,
@@ -165,8 +168,8 @@ impl Log {
 
     /// The log of `record` if that goes on where one of the `earlier` ones ended: a periodic force keeps its phase, a
     /// drift goes on, and the states are wherever that run had brought them. They are free, or, where the `simulator`
-    /// shows none, found by simulating that run first. Any other log has a clock of its own, and begins where the model
-    /// says.
+    /// shows none, found by simulating that run first. Any other log is another run and begins where the model says; on the
+    /// clock of the first that it [comes after](Record::comes_after), or on its own.
     ///
     /// # Errors
     ///
@@ -178,11 +181,17 @@ impl Log {
         simulator: &dyn Simulator,
     ) -> Result<Self, FitError> {
         let before = (1..).zip(earlier).find(|(_, before)| record.continues(before));
-        let Some((number, before)) = before else { return Ok(self) };
+        let Some((number, before)) = before else {
+            let before = earlier.iter().filter(|before| record.comes_after(before));
+            let origin = before.min_by(|a, b| a.time(0).total_cmp(&b.time(0)));
+            self.first = origin.map_or(self.first, |origin| record.samples_since(origin));
+            return Ok(self);
+        };
         if simulator.initial().is_empty() {
             return Ok(self.behind(Self::new(before, simulator, number)?));
         }
-        self.first = before.samples_before() + before.len();
+        self.first = record.samples_since(before);
+        self.goes_on = true;
         self.is_in_motion = true;
         Ok(self)
     }
@@ -192,12 +201,13 @@ impl Log {
         let lead = before.samples;
         let moved = self.holes.iter().map(|hole| hole.start + lead..hole.end + lead);
         let (holes, restarts) = (moved.collect(), self.restarts.iter().map(|k| k + lead).collect());
-        let Self { mut u, first, is_in_motion, nu, ny, .. } = before;
+        let Self { mut u, first, goes_on, is_in_motion, nu, ny, .. } = before;
         u.append(&mut self.u);
         let mut y = vec![f64::NAN; lead * ny];
         y.append(&mut self.y);
         let samples = lead + self.samples;
-        Self { u, y, nu, ny, samples, first, is_in_motion, row: self.row, holes, restarts, lead }
+        let row = self.row;
+        Self { u, y, nu, ny, samples, first, goes_on, is_in_motion, row, holes, restarts, lead }
     }
 
     /// The same log without outputs that stand still beside others that move: what a sensor in coarse steps, or a
@@ -228,9 +238,9 @@ impl Log {
         Self { first, ..self }
     }
 
-    /// Whether nobody knows how its clock goes with that of other logs: it goes on from none of them.
-    pub(crate) fn has_own_clock(&self) -> bool {
-        self.first == 0 && self.lead == 0
+    /// Whether it is a run of its own: it goes on from none of the other logs.
+    pub(crate) fn is_own_run(&self) -> bool {
+        !self.goes_on && self.lead == 0
     }
 
     /// Samples of the run before at its front, which are simulated and compared with nothing.

@@ -36,8 +36,8 @@ pub(super) fn in_this_run(
         .effects
         .iter()
         .map(|(variable, _)| match variable.in_another_run {
-            // A log that goes on where a fitted one ended has the clock of that.
-            InAnotherRun::Another => log.has_own_clock(),
+            // A log that goes on where a fitted one ended is the same run.
+            InAnotherRun::Another => log.is_own_run(),
             InAnotherRun::Path => is_path_free,
             InAnotherRun::Same | InAnotherRun::GoesOn => false,
         })

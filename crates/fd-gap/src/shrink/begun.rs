@@ -16,7 +16,7 @@ const MISSED: f64 = 2.0;
 /// Part of the squares of the forecast that may be left with another start.
 const LEFT: f64 = 0.25;
 /// Times that have passed before a log begins, in eighths of its length, from which to seek the best …
-const PASSED: [usize; 14] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64];
+const PASSED: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64];
 /// … by halving the distance so many times.
 const HALVED: usize = 5;
 
@@ -35,7 +35,7 @@ pub(crate) fn as_begun(
 ) -> Result<Vec<Log>, FitError> {
     let goes_on = best.effects.iter().any(|(v, _)| v.in_another_run == InAnotherRun::GoesOn);
     for log in &mut logs {
-        let may_go_on = goes_on && log.has_own_clock();
+        let may_go_on = goes_on && log.is_own_run();
         if log.is_in_motion && !may_go_on {
             continue;
         }
@@ -88,7 +88,7 @@ fn later(
     let mut step = log.samples().max(first / 2) / 8;
     for _ in 0..HALVED {
         step /= 2;
-        for nearby in [first.saturating_sub(step).max(1), first + step] {
+        for nearby in [first.saturating_sub(step), first + step] {
             look(nearby, &mut best)?;
         }
         first = best.as_ref().map_or(first, |(first, _)| *first);

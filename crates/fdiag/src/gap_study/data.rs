@@ -65,6 +65,7 @@ impl Data {
             long: None,
         };
         let mut findings = Vec::new();
+        let mut origin = None;
         let mut read = |path: &Path| -> Result<(Record, TimeBaseReport), GapError> {
             let log = request.read(path, &map)?;
             let (expected, found) = (model.sample_time, log.time_base.median_step_s);
@@ -73,11 +74,13 @@ impl Data {
                 let (file, column) = (path.to_owned(), log.time_column);
                 return Err(GapError::Pace { file, column, expected, found });
             }
-            // All logs are brought onto the time base of the first, and begin at 0 s.
+            // All logs are brought onto the time base of the first, which begins at 0 s.
             map.resample.sample_time.get_or_insert(log.record.ts().seconds());
             check(path, &log.record)?;
             let mended = mistake.and_then(|mistake| mistake.mended(&log.record));
-            let mut record = mended.unwrap_or(log.record).starting_at(0.0);
+            let record = mended.unwrap_or(log.record);
+            let begin = record.time(0);
+            let mut record = record.starting_at(begin - *origin.get_or_insert(begin));
             let wrong = leave_out_wrong_samples(&mut record);
             findings.extend(wrong.into_iter().map(|(channel, d)| LogFinding::of(path, channel, d)));
             Ok((record, log.time_base))
@@ -141,10 +144,10 @@ impl Data {
         self.fit.first().map(Record::ts)
     }
 
-    /// Whether every held-out record goes on where a fitted one ends.
-    pub(super) fn is_continued(&self) -> bool {
-        let goes_on = |record: &Record| self.fit.iter().any(|earlier| record.continues(earlier));
-        self.held_out.iter().all(goes_on)
+    /// Whether every held-out record is on the clock of a fitted one.
+    pub(super) fn is_on_one_clock(&self) -> bool {
+        let is_later = |record: &Record| self.fit.iter().any(|fit| record.comes_after(fit));
+        self.held_out.iter().all(is_later)
     }
 
     /// The logs in the order and the units of a simulator, fitted ones and held-out ones.

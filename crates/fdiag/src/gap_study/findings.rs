@@ -181,7 +181,7 @@ pub(super) fn findings(
     if SAME_PACE * model_s < (log_s - model_s).abs() {
         all.push(of_time(Severity::Note, first, TimeBaseDefect::Pace { log_s, model_s }));
     }
-    if !data.is_continued() && depends_on_time(nominal, &diagnosis.best.model) {
+    if !data.is_on_one_clock() && depends_on_time(nominal, &diagnosis.best.model) {
         all.push(of_time(Severity::Warning, first, TimeBaseDefect::Clock));
     }
     all.extend(data.findings.iter().cloned());

@@ -23,13 +23,14 @@ pub(super) fn by_evidence<'a>(weighed: Weighed<'a>, context: &Context<'a>) -> Ju
     let ties = ties(&singles.causes, &singles.searched, settings);
     let simulated_effects = simulated.effects;
     let beside = Beside::of(&singles, &simulated, context.candidates);
-    let (best, lack_of_fit, doubt) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
+    let (best, lack_of_fit, doubt, third) = match beside.as_ref().filter(|b| b.is_best(&fitted)) {
         Some(Beside { measured, .. }) => {
             let best = simulated.with(measured);
             let lack_of_fit = singles.lack_of_fit(&best);
-            (best, lack_of_fit, measured.doubt())
+            let third = if simulated_effects == 2 { measured.gain } else { 0.0 };
+            (best, lack_of_fit, measured.doubt(), third)
         }
-        None => (simulated, lack_of_fit, doubt_of_first(&singles)),
+        None => (simulated, lack_of_fit, doubt_of_first(&singles), 0.0),
     };
     let measured =
         beside.map_or_else(Vec::new, |beside| beside.with_ties(&singles.causes, &ties.tied));
@@ -39,7 +40,7 @@ pub(super) fn by_evidence<'a>(weighed: Weighed<'a>, context: &Context<'a>) -> Ju
         _ => false,
     };
     let NamedPairs { pairs, tied, fitted } =
-        name_pairs(fitted, measured, &singles.causes, settings);
+        name_pairs(fitted, third, measured, &singles.causes, settings);
     let gain = unknown_gain(&lack_of_fit.leftover) + doubt;
     let Believed { others: probabilities, causes, pairs } = bounded(
         believe(singles.causes, pairs, &best, gain, settings),

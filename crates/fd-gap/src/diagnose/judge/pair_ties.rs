@@ -32,9 +32,11 @@ enum Tie {
 }
 
 /// The pairs that are worth being called so, by their evidence over that of the best single cause.
-/// `measured` is a cause of the measurement beside a simulated one, and beside those that tie with it.
+/// `measured` is a cause of the measurement beside a simulated one, and beside those that tie with it. Where it is in the best
+/// answer beside two simulated ones, it gains `third` there.
 pub(super) fn name_pairs(
     fitted: Vec<EffectSet>,
+    third: f64,
     measured: Vec<Pair>,
     causes: &[RankedCause],
     settings: &Settings,
@@ -45,7 +47,11 @@ pub(super) fn name_pairs(
     fitted.retain(|set| is_worth_it(set.log_evidence));
     let ties = are_tied(&mut fitted, settings);
     let each = fitted.iter().zip(ties);
-    let each = each.filter_map(|(set, tie)| Some(Weighed { pair: set.pair()?, tie }));
+    let each = each.filter_map(|(set, tie)| {
+        let pair = set.pair()?;
+        let log_evidence = pair.log_evidence + third;
+        Some(Weighed { pair: Pair { log_evidence, ..pair }, tie })
+    });
     let mut all: Vec<Weighed> = each.collect();
     let measured = measured.into_iter().filter(|pair| is_worth_it(pair.log_evidence));
     all.extend(measured.map(|pair| Weighed { pair, tie: Tie::Measured }));

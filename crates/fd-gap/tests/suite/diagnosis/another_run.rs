@@ -3,9 +3,12 @@
 use std::f64::consts::TAU;
 
 use fd_effect::{EverySite, library};
-use fd_gap::diagnose::{Case, Diagnosis, Settings, Verdict, diagnose};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
+    fit::Log,
+};
 use fd_model::{Record, signal::WhiteNoise};
-use fd_sim::{model::Model, scales::ReplayScales};
+use fd_sim::{model::Model, scales::ReplayScales, simulate::EquationSimulator};
 
 /// A vessel that is heated, with losses.
 const VESSEL: &str = r#"
@@ -86,6 +89,22 @@ fn a_periodic_force_has_another_phase() {
     let found = diagnosed(|t| [1.5 * (TAU * t / 41.0).sin(), 1.0, 0.0]);
     assert_eq!((found.verdict, found.causes[0].label), (Verdict::Cause, "periodic-force"));
     assert!(0.9 < closes(&found), "{}", closes(&found));
+}
+
+/// Stamps say how long after the first run another one began, if they are on one clock.
+#[test]
+fn a_later_run_on_the_same_clock_begins_on_it() {
+    let model: Model = VESSEL.parse().unwrap();
+    let [fitted, later] = cut(&model, |_| [0.0, 1.0, 0.0]);
+    let simulator = EquationSimulator::<f64>::at(&model, fitted.ts()).unwrap();
+    let fitted = fitted.starting_at(50.0);
+    // Zeroed, within the first run, at its end, after a pause.
+    for (start, first) in [(0.0, 0), (400.0, 0), (650.0, 600), (1550.3, 1500)] {
+        let later = later.clone().starting_at(start);
+        let log = Log::new(&later, &simulator, 1).unwrap();
+        let log = log.continuing(&later, std::slice::from_ref(&fitted), &simulator).unwrap();
+        assert_eq!(log.first(), first, "{start}");
+    }
 }
 
 /// The sensor is off by 1.2 K where the second part begins.
