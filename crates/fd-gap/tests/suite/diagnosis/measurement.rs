@@ -20,12 +20,15 @@ const FEW: [&str; 6] = [
 ];
 
 fn run(log: Record) -> Diagnosis {
-    let model = example("mass_spring_damper");
+    run_of(&example("mass_spring_damper"), log)
+}
+
+fn run_of(model: &Model, log: Record) -> Diagnosis {
     let u: Vec<f64> = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
-    let scales = ReplayScales::of(&model, log.ts(), &u, log.len()).unwrap();
+    let scales = ReplayScales::of(model, log.ts(), &u, log.len()).unwrap();
     let effects = library().into_iter().filter(|e| FEW.contains(&e.label())).collect();
-    let suspects = EverySite::new(effects, &model, scales);
-    let case = Case { nominal: &model, suspects: &suspects, logs: &[log], held_out: &[] };
+    let suspects = EverySite::new(effects, model, scales);
+    let case = Case { nominal: model, suspects: &suspects, logs: &[log], held_out: &[] };
     diagnose(&case, &Settings::default(), &()).unwrap()
 }
 
@@ -217,12 +220,7 @@ fn two_causes_are_named_beside_noise_of_heavy_tails() {
         x = 0.95 * u + (-0.1_f64).exp() * (x - 0.95 * u);
     }
     let log = Record::from_rows(lag.external_inputs(), lag.output_channels(), rows, ts).unwrap();
-    let u: Vec<f64> = (0..log.len()).flat_map(|k| log.u(k).to_vec()).collect();
-    let scales = ReplayScales::of(&lag, log.ts(), &u, log.len()).unwrap();
-    let effects = library().into_iter().filter(|e| FEW.contains(&e.label())).collect();
-    let suspects = EverySite::new(effects, &lag, scales);
-    let case = Case { nominal: &lag, suspects: &suspects, logs: &[log], held_out: &[] };
-    let found = diagnose(&case, &Settings::default(), &()).unwrap();
+    let found = run_of(&lag, log);
     assert_eq!(found.verdict, Verdict::Pair);
     let mut labels = found.pairs[0].causes.each_ref().map(|cause| cause.label);
     labels.sort_unstable();
