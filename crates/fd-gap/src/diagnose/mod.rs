@@ -124,6 +124,7 @@
 //! | what an engineer would object to at first sight, and vetoes | `report/objections.rs` |
 //! | forecasts that judge instead of evidence, and how far a law is believed then | `judge/contest.rs` |
 //! | horizons | `judge/horizons.rs` |
+//! | free runs that are lost, and fits that go through windows | `judge/through_windows.rs` |
 //! | the answer in one word | `judge/verdict.rs` |
 //! | the floor that a gap is measured from | `report/reported_floor.rs` |
 //! | findings about a log, and how they read | `report/findings.rs`, [`quality`](mod@crate::quality) |

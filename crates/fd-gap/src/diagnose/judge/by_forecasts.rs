@@ -1,7 +1,7 @@
 //! Nothing comes near the noise: forecasts judge instead of evidence.
 //!
 //! Real logs end at 6 to 230 times the noise, whatever single effect is added. Then
-//! * models are fitted in windows if the free run is lost with every law ([`where_lost`]),
+//! * models are fitted in windows if the free run is lost with every law ([`through_windows`](super::through_windows)),
 //! * the noise has no colour: what a wrong model leaves is no noise,
 //! * laws compete in forecasts at three horizons, on the logs of the fit and on those held out; what to believe is how often
 //!   they win, up to the share of the variance that they surely explain there ([`contest`]); curves and paths draw what is
@@ -9,20 +9,12 @@
 
 use super::{
     contest::{Contested, contest},
-    horizons::{memory, where_lost},
     judged::{Judged, NamedPairs},
     ties::ties,
     verdict::verdict,
 };
 use crate::{
-    diagnose::{
-        context::Context,
-        prepare::prepare,
-        result::Regime,
-        search::search,
-        settings::Settings,
-        weigh::{Weighed, singles::weigh_singles},
-    },
+    diagnose::{context::Context, result::Regime, settings::Settings, weigh::Weighed},
     fit::{FitError, Horizon, Log},
     quality::noise_floor,
     shrink::Rules,
@@ -33,12 +25,12 @@ use crate::{
 pub(super) fn by_forecasts<'a>(
     weighed: Weighed<'a>,
     held_out: &[Log],
+    horizons: Vec<Horizon>,
+    windows: Option<Horizon>,
     context: &Context<'a>,
 ) -> Result<Judged<'a>, FitError> {
     let settings = context.settings;
     let simulator = weighed.singles.base.simulator().boxed();
-    let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
-    let (weighed, windows) = in_windows_where_lost(weighed, &horizons, context)?;
     let Weighed { singles, best, lack_of_fit, .. } = weighed;
     let Settings { replicas, seed, .. } = *settings;
     let rules = Rules { floor: floor(&best.errors), replicas, seed };
@@ -66,26 +58,6 @@ pub(super) fn by_forecasts<'a>(
         horizons,
         windows,
     })
-}
-
-/// Where the free run is lost, single causes are searched and weighed again in windows, which are told then.
-fn in_windows_where_lost<'a>(
-    free: Weighed<'a>,
-    horizons: &[Horizon],
-    context: &Context<'a>,
-) -> Result<(Weighed<'a>, Option<Horizon>), FitError> {
-    let settings = context.settings;
-    let Some(windows) = where_lost(settings.horizon, &free.singles, horizons) else {
-        return Ok((free, None));
-    };
-    let prepared = match prepare(&context.case, windows) {
-        // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
-        Err(FitError::Diverged) => return Ok((free, None)),
-        prepared => prepared?,
-    };
-    let searched = search(prepared, &free.singles.searched.trials, context)?;
-    let singles = weigh_singles(searched, context.candidates)?;
-    Ok((Weighed::of(singles, Vec::new(), settings), Some(windows)))
 }
 
 /// The noise floor below errors, in sigma, over all outputs.

@@ -3,7 +3,7 @@
 use fd_sim::simulate::Simulator;
 
 use crate::{
-    diagnose::weigh::{explain::nuisances, singles::Singles},
+    diagnose::weigh::explain::nuisances,
     fit::{Horizon, Log, Minimum, NullFit, Problem},
     shrink::{dominant_time_constant, gap_per_output, horizons},
 };
@@ -12,7 +12,7 @@ use crate::{
 const LOST: f64 = 0.5;
 
 /// Whether a simulation with these errors has little to do with some output.
-fn is_lost(errors: &[Vec<Vec<f64>>], problem: &Problem) -> bool {
+pub(super) fn is_lost(errors: &[Vec<Vec<f64>>], problem: &Problem) -> bool {
     let logs = &problem.plan().logs;
     gap_per_output(errors).iter().zip(&problem.weights().sigma).enumerate().any(
         |(c, (gap, sigma))| {
@@ -45,23 +45,8 @@ pub(in crate::diagnose) fn memory(
     horizons(time, simulator.initial().len(), shortest)
 }
 
-/// The windows to fit in where fits are to be made in free runs, and these are lost even with the best law.
-pub(super) fn where_lost(
-    fits: Horizon,
-    singles: &Singles<'_>,
-    horizons: &[Horizon],
-) -> Option<Horizon> {
-    let windows = windows(horizons);
-    if fits != Horizon::FreeRun || windows == Horizon::FreeRun {
-        return None;
-    }
-    let law = singles.first_law();
-    let errors = law.as_ref().map_or(&singles.refit.errors, |law| &law.errors);
-    is_lost(errors, &singles.base).then_some(windows)
-}
-
 /// A horizon for fits: the middle one.
-fn windows(horizons: &[Horizon]) -> Horizon {
+pub(super) fn windows(horizons: &[Horizon]) -> Horizon {
     let windows = horizons.iter().rev().find(|h| matches!(h, Horizon::Windows { .. }));
     windows.copied().unwrap_or(Horizon::FreeRun)
 }

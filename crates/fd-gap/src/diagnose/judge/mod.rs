@@ -11,12 +11,14 @@ mod missed;
 mod pair_ties;
 mod probabilities;
 mod starts;
+mod through_windows;
 mod ties;
 mod verdict;
 
 pub(crate) use self::verdict::NAMED;
 use self::{
-    by_evidence::by_evidence, by_forecasts::by_forecasts, judged::Judged, missed::is_missed,
+    by_evidence::by_evidence, by_forecasts::by_forecasts, horizons::memory, judged::Judged,
+    missed::is_missed, through_windows::through_windows,
 };
 pub(super) use self::{
     contest::{Entrant, standings},
@@ -39,7 +41,37 @@ pub(super) fn judge<'a>(
     weighed: Weighed<'a>,
     context: &Context<'a>,
 ) -> Result<Judged<'a>, FitError> {
-    let Context { case, monitor, .. } = context;
+    context.monitor.begin(Stage::Judge, 2);
+    let held_out = begun(&weighed, context)?;
+    let judged = if is_beyond(&weighed, &held_out, context)? {
+        let simulator = weighed.singles.base.simulator().boxed();
+        let horizons = memory(&*simulator, &weighed.singles.searched.null, &held_out);
+        let (weighed, windows) = through_windows(weighed, &horizons, context)?;
+        let held_out = begun(&weighed, context)?;
+        if windows.is_some() || is_beyond(&weighed, &held_out, context)? {
+            by_forecasts(weighed, &held_out, horizons, windows, context)?
+        } else {
+            by_evidence(weighed, context)
+        }
+    } else {
+        by_evidence(weighed, context)
+    };
+    context.monitor.advance();
+    Ok(judged)
+}
+
+/// Whether nothing comes near the noise.
+fn is_beyond(
+    weighed: &Weighed<'_>,
+    held_out: &[Log],
+    context: &Context<'_>,
+) -> Result<bool, FitError> {
+    Ok(weighed.is_far() || is_missed(weighed, held_out, context)?)
+}
+
+/// The held-out logs, begun where the best answer says.
+fn begun(weighed: &Weighed<'_>, context: &Context<'_>) -> Result<Vec<Log>, FitError> {
+    let Context { case, .. } = context;
     let base = &weighed.singles.base;
     let held_out = Log::held_out(case.held_out, base.simulator(), case.logs, base.plan())?;
     let null = &weighed.singles.searched.null;
@@ -48,13 +80,5 @@ pub(super) fn judge<'a>(
         None => FittedValues::of(&null.problem, &null.minimum),
     };
     let sigma = &weighed.singles.searched.noise.sigma;
-    let held_out = as_begun(base.simulator(), values.settled(), held_out, sigma)?;
-    monitor.begin(Stage::Judge, 2);
-    let judged = if weighed.is_far() || is_missed(&weighed, &held_out, context)? {
-        by_forecasts(weighed, &held_out, context)?
-    } else {
-        by_evidence(weighed, context)
-    };
-    monitor.advance();
-    Ok(judged)
+    as_begun(base.simulator(), values.settled(), held_out, sigma)
 }

@@ -53,6 +53,35 @@ pub(super) fn search<'a>(
     with_short_steps(context.case.nominal, searched)
 }
 
+/// A search that goes on from where laws ended that are `known` from another horizon, whether or not it had fitted them.
+pub(super) fn carried_on<'a>(
+    searched: Searched<'a>,
+    known: &[Trial<'a>],
+    context: &Context<'a>,
+) -> Result<Searched<'a>, FitError> {
+    let Searched { null, mut trials, mut not_tested, mut screening, .. } = searched;
+    screening += known.iter().map(|known| known.problem.simulations()).sum::<usize>();
+    let is_new = |known: &&Trial<'_>| {
+        known.is_final && trials.iter().all(|trial| trial.index != known.index)
+    };
+    let new = known.iter().filter(is_new).map(|known| {
+        let trial = Trial::new(context.case.nominal, known.candidate, known.index, &null);
+        trial.map_err(|e| refused(known.candidate, &e.to_string()))
+    });
+    let new = tested(new.collect(), &mut not_tested);
+    trials.extend(new);
+    trials.sort_by_key(|trial| trial.index);
+    go_on(&mut trials, &null, known);
+    trials.retain(|trial| trial.best.is_some());
+    let is_of = |refused: &NotTested, Candidate { label, law, site, .. }: &Candidate| {
+        (refused.label, refused.law, &refused.site) == (*label, *law, site)
+    };
+    not_tested.retain(|refused| trials.iter().all(|trial| !is_of(refused, trial.candidate)));
+    finish(&mut trials, &null, context.settings.finalists);
+    let searched = Searched { null, screening, trials, not_tested, ..searched };
+    with_short_steps(context.case.nominal, searched)
+}
+
 /// The same with the integration step that the model has, beside whatever has been found already: causes that promise by far less
 /// than the `least` that they must take from the sum of squares are not fitted, and of those of which the changes are
 /// remembered only the most promising are looked at; where none are, those of this look will be.

@@ -17,12 +17,11 @@ use crate::{
 /// Starts of a candidate that get a short fit.
 pub(super) const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
-const SHORT: Search =
-    Search { iterations: 3, absolute: 0.1, relative: 1e-4, frozen: usize::MAX, ..Search::PLAIN };
+const SHORT: Search = Search { iterations: 3, absolute: 0.1, relative: 1e-4, ..Search::PLAIN };
 /// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
 /// A short fit with all slopes.
-const AGAIN: Search = Search { iterations: 2, frozen: 0, ..SHORT };
+const AGAIN: Search = Search { iterations: 2, ..SHORT };
 /// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
 const SMALLEST_AMPLITUDE: f64 = 0.1;
 /// Of a candidate, starts that promise less than this part of the most of all get no short fit, but for the best one.
@@ -122,7 +121,7 @@ impl<'a> Trial<'a> {
         most: f64,
     ) {
         if !self.problem.begins_on_stand_in() {
-            self.fit_starts(around, most);
+            self.fit_starts(null, around, most);
             if self.best.is_none() {
                 self.fall_back(null);
             }
@@ -130,7 +129,7 @@ impl<'a> Trial<'a> {
         }
         let dear = self.problem.clone();
         self.problem = dear.clone().on_stand_in();
-        self.fit_starts(around, most);
+        self.fit_starts(null, around, most);
         let found = match self.best.take() {
             Some(best) => minimise(&mut self.problem, &best.z, None, FULL).unwrap_or(best).z,
             None => self.problem.place(&null.minimum.z, &self.neutral()),
@@ -142,8 +141,9 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// A few iterations from the best start, and from others that promise as much as any candidate.
-    fn fit_starts(&mut self, around: &Surroundings<'_>, most: f64) {
+    /// A few iterations from the best start, and from others that promise as much as any candidate. From the nominal parameters
+    /// fits go too far for the slopes that the nuisances have there.
+    fn fit_starts(&mut self, null: &NullFit, around: &Surroundings<'_>, most: f64) {
         let mut starts = self.scored.iter();
         let best = starts.next().into_iter();
         let hopeful = best.chain(starts.take_while(|start| HOPEFUL * most <= start.gain));
@@ -151,7 +151,8 @@ impl<'a> Trial<'a> {
             self.problem.place(&score.nuisances, &self.begun(values, score.amplitude))
         });
         let places: Vec<Vec<f64>> = places.collect();
-        self.short_fit(around.at(), &places, SHORT);
+        let fitted = Some(around.at()).filter(|base| base.cost <= null.minimum.cost);
+        self.short_fit(fitted, &places, SHORT);
     }
 
     /// Where a fit from a start begins: at the amplitude that the residual asks for.
@@ -161,17 +162,20 @@ impl<'a> Trial<'a> {
         self.scaled(start, if is_small { smallest } else { amplitude })
     }
 
-    /// A few iterations from each place, with the slopes of the nuisances as they are at a `base` without the effect.
-    fn short_fit(&mut self, base: &Minimum, places: &[Vec<f64>], search: Search) {
+    /// A few iterations from each place, with the slopes of the nuisances as they are at a `base` without the effect, if any
+    /// is near.
+    fn short_fit(&mut self, base: Option<&Minimum>, places: &[Vec<f64>], search: Search) {
         let shared = self.problem.plan().nuisances().len();
-        let mut slopes = base.slopes.clone();
-        let rows = self.problem.layout().residuals();
-        let new = vec![vec![0.0; rows]; self.strengths.len()];
-        slopes.splice(shared..shared, new);
-        let search = Search { frozen: shared, ..search };
-        let known = if shared == 0 { None } else { Some(&slopes) };
-        let search = self.patient(search);
-        for minimum in minimise_all(&mut self.problem, places, known, search) {
+        let known = base.filter(|_| 0 < shared).map(|base| {
+            let mut slopes = base.slopes.clone();
+            let rows = self.problem.layout().residuals();
+            let new = vec![vec![0.0; rows]; self.strengths.len()];
+            slopes.splice(shared..shared, new);
+            slopes
+        });
+        let frozen = if known.is_some() { shared } else { 0 };
+        let search = self.patient(Search { frozen, ..search });
+        for minimum in minimise_all(&mut self.problem, places, known.as_ref(), search) {
             self.keep(minimum);
         }
     }
@@ -179,7 +183,7 @@ impl<'a> Trial<'a> {
     /// The same from values of the effect, where the nuisances are as they are without it.
     fn short_fit_from(&mut self, null: &NullFit, values: &[f64]) {
         let place = self.problem.place(&null.minimum.z, values);
-        self.short_fit(&null.minimum, &[place], self.short());
+        self.short_fit(Some(&null.minimum), &[place], self.short());
     }
 
     /// A search that is not more patient than runs are cheap.

@@ -33,4 +33,5 @@ mod reproduce;
 mod road;
 mod sets;
 mod slow_noise;
+mod through_windows;
 mod valleys;
