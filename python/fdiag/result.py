@@ -271,7 +271,7 @@ class Result:
 
     @property
     def trace(self) -> Trace | None:
-        """Measured and simulated outputs of the first held-out log, or of the first one."""
+        """Measured and simulated outputs of the first held-out log, as forecast for the headline, or of the first log."""
         trace = self._study.trace()
         if trace is None:
             return None

@@ -4,6 +4,7 @@ use fd_gap::{
     diagnose::Cause,
     locate::{Band, PlaceEvidence, Region, RegionOf, Spectrum, TimeCourse},
 };
+use fd_model::duration;
 use fd_report::{Line, Picture};
 
 use fdiag::{
@@ -31,11 +32,16 @@ const WHITE: f64 = 1.96;
 
 /// Real against simulated, before and after: each output as a whole and where it matters most.
 pub(crate) fn runs(trace: &Trace) -> Vec<Captioned> {
-    let which = match trace.role {
-        Role::HeldOut => {
+    let which = match (trace.role, trace.window) {
+        (Role::HeldOut, None) => {
             "Held-out data, which no fit has seen; the first part settles the initial state"
+                .to_owned()
         }
-        Role::Fit => "Data that were fitted to",
+        (Role::HeldOut, Some(window)) => format!(
+            "Held-out data, which no fit has seen, in windows of {}; the first half of each settles its initial state",
+            duration(window)
+        ),
+        (Role::Fit, _) => "Data that were fitted to".to_owned(),
     };
     let mut pictures = Vec::new();
     for signals in trace.outputs.iter().take(MOST) {

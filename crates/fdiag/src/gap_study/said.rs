@@ -15,11 +15,6 @@ pub(super) struct Said {
 }
 
 impl Said {
-    /// The model as it came.
-    pub(super) fn nothing(nominal: &dyn Nominal, ts: SampleTime) -> Result<Self, FitError> {
-        Ok(Self { simulator: nominal.simulator(ts)?, nuisances: Vec::new() })
-    }
-
     /// The model of an explanation, with the parameters that it has found.
     pub(super) fn of(
         nominal: &dyn Nominal,

@@ -115,7 +115,6 @@ impl GapStudy {
         let (model, [fitted, _]) = (subject.model(), &logs);
         let law = law(nominal, &diagnosis, &location, fitted, ts);
         let models = patched_models(subject, &diagnosis, road.as_ref(), data);
-        let trace = trace(nominal, &diagnosis, data, &logs, settings.horizon, ts)?;
         let mut report = Report {
             version: REPORT_VERSION,
             headline: String::new(),
@@ -140,6 +139,7 @@ impl GapStudy {
         };
         report.headline = headline(&report);
         report.next = words::next_steps(&report);
+        let trace = trace(nominal, &report, data, &logs, ts);
         Ok(Self { report, trace, outside: None })
     }
 }

@@ -1,16 +1,12 @@
 //! Signals for pictures: measured, and simulated before and after.
 
-use fd_gap::{
-    diagnose::Diagnosis,
-    fit::{FitError, Horizon, Log},
-};
+use fd_gap::fit::{Horizon, Log};
 use fd_model::SampleTime;
 use fd_sim::simulate::Nominal;
 
 use super::{
     data::Data,
-    report::{LogPart, Role},
-    said::Said,
+    report::{LogPart, Report, Role},
 };
 
 /// Signals of one run, or of a part of one.
@@ -18,6 +14,8 @@ use super::{
 pub struct Trace {
     /// What the log is used for.
     pub role: Role,
+    /// Length of the windows that were forecast one by one, in seconds; `None` where it is one run.
+    pub window: Option<f64>,
     /// Times, in seconds from the start of the file.
     pub time: Vec<f64>,
     /// One entry per output that was measured.
@@ -52,39 +50,34 @@ pub struct Signals {
     pub after: Vec<f64>,
 }
 
-/// The first held-out part, as it is forecast; the first fitted log when nothing is held out or a
-/// forecast diverges.
+/// The first held-out part, as it was forecast for the headline; the first fitted log when nothing is held out or all
+/// forecasts diverge.
 pub(super) fn trace(
     nominal: &dyn Nominal,
-    diagnosis: &Diagnosis,
+    report: &Report,
     data: &Data,
     [fitted, held_out]: &[Vec<Log>; 2],
-    horizon: Horizon,
     ts: SampleTime,
-) -> Result<Option<Trace>, FitError> {
-    if let Some(log) = held_out.first() {
-        let plain = nominal.simulator(ts)?;
-        let errors = |said: Said| said.errors(&*plain, log, horizon, &diagnosis.sigma);
-        let before = errors(Said::nothing(nominal, ts)?)?;
-        let after = errors(Said::of(nominal, &diagnosis.best, ts)?)?;
-        if let (Some(before), Some(after)) = (before, after) {
-            let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
-            let simulated = |errors: &[Vec<Vec<f64>>], c: usize| -> Vec<f64> {
-                let errors = errors[c].iter().flatten().enumerate().skip(log.lead());
-                errors.map(|(k, e)| log.output(k)[c] + e * diagnosis.sigma[c]).collect()
-            };
-            return Ok(part.map(|part| {
-                of(part, log, ts, nominal, |c| [simulated(&before, c), simulated(&after, c)])
-            }));
-        }
+) -> Option<Trace> {
+    let part = data.parts.iter().find(|part| part.role == Role::HeldOut);
+    if let (Some(log), Some(part), Some(forecast)) = (held_out.first(), part, report.forecast()) {
+        let simulated = |c: usize| {
+            forecast.errors.each_ref().map(|errors| {
+                let errors = errors[c].iter().enumerate();
+                errors.map(|(k, error)| log.output(log.lead() + k)[c] + error).collect()
+            })
+        };
+        let window = (forecast.horizon != Horizon::FreeRun).then_some(forecast.seconds);
+        return Some(Trace { window, ..of(part, log, ts, nominal, simulated) });
     }
-    let (Some(part), Some(log)) = (data.parts.first(), fitted.first()) else { return Ok(None) };
+    let (part, log) = (data.parts.first()?, fitted.first()?);
     let ny = nominal.model().outputs.len();
     let column = |values: &[Vec<f64>], c: usize| -> Vec<f64> {
         values.first().into_iter().flatten().skip(c).step_by(ny).copied().collect()
     };
-    let simulated = |c| [&diagnosis.nominal, &diagnosis.best].map(|e| column(&e.outputs, c));
-    Ok(Some(of(part, log, ts, nominal, simulated)))
+    let simulated =
+        |c| [&report.diagnosis.nominal, &report.diagnosis.best].map(|e| column(&e.outputs, c));
+    Some(of(part, log, ts, nominal, simulated))
 }
 
 fn of(
@@ -112,5 +105,5 @@ fn of(
     });
     let is_measured = |signals: &Signals| signals.measured.iter().any(|value| value.is_finite());
     let (time, outputs) = (time.collect(), outputs.filter(is_measured).collect());
-    Trace { role: part.role, time, outputs, inputs: inputs.collect() }
+    Trace { role: part.role, window: None, time, outputs, inputs: inputs.collect() }
 }

@@ -64,6 +64,15 @@ pub(super) fn held_out_gaps(
         let physical = |gaps: &[f64]| -> Vec<f64> {
             gaps.iter().zip(sigma).map(|(gap, sigma)| gap * sigma).collect()
         };
+        let first = &logs[0];
+        let of_first = |errors: &[Vec<Vec<f64>>]| -> Vec<Vec<f64>> {
+            let outputs = errors.iter().zip(sigma);
+            let of_output = |(signals, sigma): (&Vec<Vec<f64>>, &f64)| {
+                let all = signals.iter().flatten().take(first.samples()).skip(first.lead());
+                all.map(|error| error * sigma).collect()
+            };
+            outputs.map(of_output).collect()
+        };
         let baselines = Baselines::of(nominal, &null.problem.plan().logs, logs, horizon)?;
         let (replicas, seed) = (context.settings.replicas, context.settings.seed);
         all.push(HeldOut {
@@ -84,6 +93,7 @@ pub(super) fn held_out_gaps(
             closed_of_refit: closed(&refit, &after, floor, replicas, seed)
                 .map(Closed::between_runs),
             is_redrawn: paths == Paths::Anew,
+            errors: [of_first(&before), of_first(&after)],
         });
     }
     Ok(all)

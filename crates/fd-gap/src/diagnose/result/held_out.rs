@@ -32,6 +32,10 @@ pub struct HeldOut {
     /// Whether a path over time, which is the best explanation, was drawn anew in these logs: `after` is no
     /// forecast of that then.
     pub is_redrawn: bool,
+    /// Errors (simulated less measured) over the first held-out log, as it was taken to begin, with the model as it came and
+    /// with the best explanation: per output, in its unit, NaN where nothing was measured or forecast; not serialised.
+    #[serde(skip)]
+    pub errors: [Vec<Vec<f64>>; 2],
 }
 
 impl HeldOut {

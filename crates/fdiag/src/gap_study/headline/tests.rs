@@ -102,6 +102,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
             closed_of_nominal: None,
             closed_of_refit: Some(closed(0.92, [0.88, 0.95])),
             is_redrawn: false,
+            errors: [Vec::new(), Vec::new()],
         }],
         findings: Vec::new(),
         not_tested: Vec::new(),
