@@ -136,10 +136,13 @@ fn end(words: &str) -> ! {
         std::thread::sleep(LOOK);
     }
     outside::end_programs();
-    for directory in &open(&MADE).0 {
+    let made = open(&MADE);
+    for directory in &made.0 {
         // Fails, as it should, when there is something in it.
         let _ = std::fs::remove_dir(directory);
     }
+    // None is made any more.
+    std::mem::forget(made);
     let failure = Failure::Limit(words.to_owned());
     complain(&format!("fdiag: {failure}"));
     std::process::exit(i32::from(failure.code().0))
@@ -156,9 +159,11 @@ pub fn is_over() -> bool {
     IS_OVER.load(Relaxed)
 }
 
-/// Directories that were made for results, innermost first.
-pub(crate) fn made(directories: &[&Path]) {
-    *open(&MADE) = (directories.iter().map(|path| (*path).to_owned()).collect(), false);
+/// Makes directories for results, innermost first: as a whole, or not at all where the process ends.
+pub(crate) fn making<T>(directories: &[&Path], make: impl FnOnce() -> T) -> T {
+    let mut made = open(&MADE);
+    *made = (directories.iter().map(|path| (*path).to_owned()).collect(), false);
+    make()
 }
 
 /// Does not end the process while a file is written; what has begun to be written is written to its end.

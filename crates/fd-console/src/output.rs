@@ -67,11 +67,10 @@ impl<'a> Output<'a> {
     pub fn prepare(args: &'a OutputArgs) -> Result<Self, Failure> {
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let made: Vec<&Path> = args.out.ancestors().take_while(missing).collect();
-        bounds::made(&made);
+        bounds::making(&made, || fs::create_dir_all(&args.out))
+            .map_err(|e| Failure::output(&args.out, e))?;
         let (directory, json, written) = (&*args.out, args.json, RefCell::default());
-        let output = Self { directory, json, compact: false, made, written };
-        fs::create_dir_all(&args.out).map_err(|e| Failure::output(&args.out, e))?;
-        Ok(output)
+        Ok(Self { directory, json, compact: false, made, written })
     }
 
     /// Writes JSON without line breaks, for data that are large and that nobody reads.
