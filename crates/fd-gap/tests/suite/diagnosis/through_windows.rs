@@ -100,7 +100,6 @@ fn a_law_is_found_whatever_else_is_tried() {
     for found in [&two, &six] {
         let first = &found.causes[0];
         assert_eq!((found.verdict, first.label), (Verdict::Cause, "input-power"));
-        // Both laws of it end near a tenth of what the fit without any leaves.
         let refit = found.refit.gap.iter().fold(0.0_f64, |most, gap| most.max(*gap));
         assert!(first.gap < 0.2 * refit, "{} of {refit}", first.gap);
     }
