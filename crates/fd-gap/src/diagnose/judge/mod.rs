@@ -17,8 +17,12 @@ mod verdict;
 
 pub(crate) use self::verdict::NAMED;
 use self::{
-    by_evidence::by_evidence, by_forecasts::by_forecasts, horizons::memory, judged::Judged,
-    missed::is_missed, through_windows::through_windows,
+    by_evidence::by_evidence,
+    by_forecasts::by_forecasts,
+    horizons::memory,
+    judged::Judged,
+    missed::is_missed,
+    through_windows::{through_windows, windows_where_lost},
 };
 pub(super) use self::{
     contest::{Entrant, standings},
@@ -44,20 +48,32 @@ pub(super) fn judge<'a>(
     context.monitor.begin(Stage::Judge, 2);
     let held_out = begun(&weighed, context)?;
     let judged = if is_beyond(&weighed, &held_out, context)? {
-        let simulator = weighed.singles.base.simulator().boxed();
-        let horizons = memory(&*simulator, &weighed.singles.searched.null, &held_out);
-        let (weighed, windows) = through_windows(weighed, &horizons, context)?;
-        let held_out = begun(&weighed, context)?;
-        if windows.is_some() || is_beyond(&weighed, &held_out, context)? {
-            by_forecasts(weighed, &held_out, horizons, windows, context)?
-        } else {
-            by_evidence(weighed, context)
-        }
+        far_from_the_noise(weighed, &held_out, context)?
     } else {
         by_evidence(weighed, context)
     };
     context.monitor.advance();
     Ok(judged)
+}
+
+/// Judges by forecasts, unless fits through windows bring something near the noise.
+fn far_from_the_noise<'a>(
+    weighed: Weighed<'a>,
+    held_out: &[Log],
+    context: &Context<'a>,
+) -> Result<Judged<'a>, FitError> {
+    let simulator = weighed.singles.base.simulator().boxed();
+    let horizons = memory(&*simulator, &weighed.singles.searched.null, held_out);
+    let Some(windows) = windows_where_lost(&weighed, &horizons, context) else {
+        return by_forecasts(weighed, held_out, horizons, None, context);
+    };
+    let (weighed, in_windows) = through_windows(weighed, windows, context)?;
+    let held_out = begun(&weighed, context)?;
+    if in_windows || is_beyond(&weighed, &held_out, context)? {
+        by_forecasts(weighed, &held_out, horizons, in_windows.then_some(windows), context)
+    } else {
+        Ok(by_evidence(weighed, context))
+    }
 }
 
 /// Whether nothing comes near the noise.

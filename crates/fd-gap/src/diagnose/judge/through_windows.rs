@@ -16,21 +16,28 @@ use crate::{
     fit::{FitError, Horizon},
 };
 
-/// The same, fitted through windows where the free run is lost; and the windows, where it stays so.
+/// The windows to go through, where fits are to be made in free runs and that without any effect is lost.
+pub(super) fn windows_where_lost(
+    free: &Weighed<'_>,
+    horizons: &[Horizon],
+    context: &Context<'_>,
+) -> Option<Horizon> {
+    let windows = windows(horizons);
+    let may_help = context.settings.horizon == Horizon::FreeRun && windows != Horizon::FreeRun;
+    let singles = &free.singles;
+    (may_help && is_lost(&singles.refit.errors, &singles.base)).then_some(windows)
+}
+
+/// The same, fitted through windows; and whether these are to be judged, since the free run stays lost.
 pub(super) fn through_windows<'a>(
     free: Weighed<'a>,
-    horizons: &[Horizon],
+    windows: Horizon,
     context: &Context<'a>,
-) -> Result<(Weighed<'a>, Option<Horizon>), FitError> {
+) -> Result<(Weighed<'a>, bool), FitError> {
     let settings = context.settings;
-    let windows = windows(horizons);
-    let in_vain = settings.horizon != Horizon::FreeRun || windows == Horizon::FreeRun;
-    if in_vain || !is_lost(&free.singles.refit.errors, &free.singles.base) {
-        return Ok((free, None));
-    }
     let prepared = match prepare(&context.case, windows) {
         // What cannot begin in the middle of a log, as a linear model of whole runs, stays with the free run.
-        Err(FitError::Diverged) => return Ok((free, None)),
+        Err(FitError::Diverged) => return Ok((free, false)),
         prepared => prepared?,
     };
     let known = search(prepared, &free.singles.searched.trials, context)?;
@@ -39,9 +46,9 @@ pub(super) fn through_windows<'a>(
     let law = free.first_law();
     if is_lost(law.as_ref().map_or(&free.refit.errors, |law| &law.errors), &free.base) {
         let singles = weigh_singles(known, context.candidates)?;
-        return Ok((Weighed::of(singles, Vec::new(), settings), Some(windows)));
+        return Ok((Weighed::of(singles, Vec::new(), settings), true));
     }
     let alone = Weighed::of(free, Vec::new(), settings);
     let weighed = if alone.is_far() { alone } else { weigh(alone.singles.searched, context)? };
-    Ok((weighed, None))
+    Ok((weighed, false))
 }

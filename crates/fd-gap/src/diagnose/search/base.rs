@@ -4,7 +4,7 @@
 //! for it. From there a fit of the effect may not find back: the effect is small there, and the parameters have to
 //! move far and together. From the nominal parameters it is the effect that has to move.
 
-use crate::fit::{Minimum, NullFit, Search, Variable, minimise};
+use crate::fit::{Minimum, NullFit, Search, Surroundings, Variable, minimise};
 
 /// Part of the way to the edge of its box from which on a parameter makes up for something.
 const BENT: f64 = 0.95;
@@ -23,6 +23,12 @@ pub(super) fn base(null: &NullFit) -> Minimum {
     let mut problem = null.problem.clone();
     let there = minimise(&mut problem, &nominal, None, Search::LOOK);
     there.map_or_else(|| null.minimum.clone(), |there| there.shared(&problem))
+}
+
+/// Whether slopes are those of the fit without any effect. At the nominal parameters, which are further up, they say little of what
+/// a bent fit lacks.
+pub(super) fn is_of_the_fit(around: &Surroundings<'_>, null: &NullFit) -> bool {
+    around.at().cost <= null.minimum.cost
 }
 
 /// Whether a parameter that is known is at the edge of that.

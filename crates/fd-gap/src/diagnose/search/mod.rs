@@ -21,7 +21,7 @@ use fd_sim::model::Model;
 use crate::together::each;
 
 use self::{
-    base::base,
+    base::{base, is_of_the_fit},
     changes::Changes,
     finalists::go_on,
     screened::Screened,
@@ -194,8 +194,7 @@ impl<'a> Look<'_, 'a> {
         let mut trials = tested(each(first, |(one, _)| fit(one, nth(1))), not_tested);
         let best = trials.iter().map(Trial::cost).fold(self.null.minimum.cost, f64::min);
         let gained = self.null.minimum.cost - best;
-        // At nominal parameters slopes say little of what a bent fit lacks.
-        let is_from_here = self.around.at().cost <= self.null.minimum.cost;
+        let is_from_here = is_of_the_fit(self.around, self.null);
         let others = each(others, |(one, promise)| {
             if promise < least || is_from_here && is_hopeless(promise, gained) {
                 monitor.advance();

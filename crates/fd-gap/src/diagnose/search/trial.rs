@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fd_effect::{Candidate, EffectParameter};
 use fd_sim::{model::Model, simulate::Nominal};
 
-use super::changes::Change;
+use super::{base::is_of_the_fit, changes::Change};
 use crate::{
     diagnose::prepare::step::with_step,
     fit::{
@@ -151,7 +151,7 @@ impl<'a> Trial<'a> {
             self.problem.place(&score.nuisances, &self.begun(values, score.amplitude))
         });
         let places: Vec<Vec<f64>> = places.collect();
-        let fitted = Some(around.at()).filter(|base| base.cost <= null.minimum.cost);
+        let fitted = is_of_the_fit(around, null).then_some(around.at());
         self.short_fit(fitted, &places, SHORT);
     }
 
