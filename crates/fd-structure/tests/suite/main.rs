@@ -3,5 +3,6 @@
 mod choices;
 mod generators;
 mod laws;
+mod published;
 mod structures;
 mod toolbox;
