@@ -1,6 +1,9 @@
 //! From samples at any increasing times to a record on an even time base.
 
-use fd_core::{LimitError, Limits, Shape, ShapeError};
+use fd_core::{
+    LimitError, Limits, Shape, ShapeError,
+    memory::{Budget, MemoryError, reserve},
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -171,10 +174,16 @@ pub enum TimeBaseError {
         /// Value that was given.
         value: f64,
     },
+    /// The even time base is more than there is memory for.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// The values do not fit the channels, or the sample time is wrong.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
+
+/// What needs the memory, for messages.
+const EVEN: &str = "the log on its even time base";
 
 impl Default for ResamplePolicy {
     /// A step found from the data, gaps above five steps of the grid or the data, a tolerance of a thousandth of a step,
@@ -228,8 +237,10 @@ impl TimeSeries {
         let (nu, ny) = (self.inputs.len(), self.outputs.len());
         let row_u = |i: usize| &self.u[i * nu..(i + 1) * nu];
         let row_y = |i: usize| &self.y[i * ny..(i + 1) * ny];
-        let (mut u, mut y) =
-            (Vec::with_capacity(grid.samples * nu), Vec::with_capacity(grid.samples * ny));
+        let values = grid.samples.saturating_mul(nu.saturating_add(ny));
+        let bytes = (values as u64).saturating_mul(size_of::<f64>() as u64);
+        Budget::default().take(EVEN, bytes)?;
+        let (mut u, mut y) = (reserve(EVEN, grid.samples * nu)?, reserve(EVEN, grid.samples * ny)?);
         let (mut cursor, mut even) = (0, true);
         let is_mean = policy.held_inputs == Some(HeldInputs::Mean);
         for k in 0..grid.samples {

@@ -186,3 +186,15 @@ fn a_clock_that_jumps_and_a_grid_that_is_too_fine_are_refused_by_the_limit() {
     let (record, _) = series(&t, &t, &t).resample(&ResamplePolicy { limits, ..policy }).unwrap();
     assert_eq!(record.len(), 301);
 }
+
+/// Where somebody has lifted the limit of samples, what the time base needs is reserved against the budget of memory.
+#[test]
+fn a_time_base_beyond_the_memory_is_refused() {
+    let t = [0.0, 1.0, 2.0];
+    let limits = Limits { samples: u64::MAX, ..Limits::default() };
+    let policy = ResamplePolicy { sample_time: Some(1e-12), limits, ..ResamplePolicy::default() };
+    let error = series(&t, &t, &t).resample(&policy).unwrap_err();
+    // Two channels of 2e12 samples and one.
+    assert!(matches!(error, TimeBaseError::Memory(_)), "{error}");
+    assert!(error.to_string().contains("found 32000000000016"), "{error}");
+}
