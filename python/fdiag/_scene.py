@@ -58,6 +58,8 @@ class Place:
     """The joint of which it is the position or the velocity."""
     sensor: str | None = None
     """The sensor that gives it, where it is none of a joint that shows it as it is."""
+    wraps: bool = False
+    """Whether it is an angle of which a log may leave out whole turns."""
 
 
 #: Names of types of sensors, and units of what they give.
@@ -101,7 +103,8 @@ def _joint(model: Any, what: str, joint: int, room: str) -> Place:
         raise InputError(f"{what}: expected a hinge or slide joint, found a free or ball joint: use a sensor")
     unit = ("m", "rad")[kind - 2]
     if room == "qpos":
-        return Place(room, int(model.jnt_qposadr[joint]), unit, model.joint(joint).name)
+        wraps = kind == 3 and not model.jnt_limited[joint]
+        return Place(room, int(model.jnt_qposadr[joint]), unit, model.joint(joint).name, wraps=wraps)
     return Place(room, int(model.jnt_dofadr[joint]), f"{unit}/s", model.joint(joint).name)
 
 
@@ -119,7 +122,8 @@ def _sensor(model: Any, name: str, sensor: int, number: int | None) -> Place:
             # What a joint shows need not be computed first.
             if is_plain:
                 return place
-            return Place("sensordata", int(model.sensor_adr[sensor]), place.unit, sensor=model.sensor(sensor).name)
+            index, called = int(model.sensor_adr[sensor]), model.sensor(sensor).name
+            return Place("sensordata", index, place.unit, sensor=called, wraps=place.wraps)
     label = kinds(kind).name.removeprefix("mjSENS_")
     unit = _SENSOR_UNITS.get(label, "1")
     at = int(model.sensor_adr[sensor]) + (number or 0)

@@ -50,6 +50,8 @@ class Output:
     """Its unit."""
     noise: float | None = None
     """Standard deviation of the noise of its sensor, in the unit; `None` where it is not known."""
+    wraps: bool | None = None
+    """Whether it is an angle (`rad`, `deg`, `rev`) that begins anew after a turn: whole turns are then no gap."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import html
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ class Calibrated:
     """What the simulator says."""
     value: float
     """What fits best."""
+    tolerances: float
+    """How far that is from what the simulator says, in tolerances."""
     standard_error: float
     """Standard error, in the unit, with everything else unknown as well."""
     of_prior: float
@@ -92,7 +94,7 @@ class Calibration:
 
     def to_frame(self, library: str | None = None) -> Any:
         """The table of the parameters as a data frame of pandas, polars, or the library that is named."""
-        names = ("name", "unit", "nominal", "value", "standard_error", "of_prior", "standing")
+        names = [field.name for field in fields(Calibrated)]
         return frame({name: [getattr(p, name) for p in self.parameters] for name in names}, library)
 
     def __str__(self) -> str:

@@ -45,7 +45,7 @@ class MuJoCo(Simulator):
     outputs
         Names of sensors (`"force[2]"` for one number of several), of joints (their positions), or
         `"joint.qpos"` and `"joint.qvel"`; a dict gives noise: `{"q1": fdiag.Output("rad", noise=1e-3)}`. All sensors
-        if not given.
+        if not given. Whole turns of hinges without limits are no gap, unless it says `wraps=False`.
     uncertain
         Parameters by path, with how well they are known, relative to their values:
         `{"joint/q1.damping": .1, "body/link2.mass": .05, "actuator/u1.gear[0]": .02, "option/gravity[2]": .001}`.
@@ -102,6 +102,8 @@ class MuJoCo(Simulator):
         places = [output_place(model, entry["name"], sensors) for entry in said_outputs]
         for entry, place in zip(said_outputs, places):
             entry.setdefault("unit", place.unit)
+            if place.wraps:
+                entry.setdefault("wraps", True)
         paths, said_parameters = _parameters(model, uncertain or {})
         joints = _joints(model)
         of_joint = _moved(said_outputs, places)

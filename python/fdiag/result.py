@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _fdiag
 from ._frames import frame
+from .calibration import Calibrated
 from .errors import Error
 from .simulators import Simulator
 
@@ -226,6 +227,11 @@ class Result:
         """Several causes, in the order in which they were accepted, where one does not explain the logs."""
         road = self._report["road"]
         return tuple(_cause(m["cause"], False) for m in road["causes"]) if road else ()
+
+    @property
+    def parameters(self) -> tuple[Calibrated, ...]:
+        """The uncertain parameters of the simulator with the best explanation, and what the logs say of each."""
+        return tuple(Calibrated(**p) for p in self._report["diagnosis"]["parameters"])
 
     @property
     def held_out(self) -> tuple[HeldOut, ...]:

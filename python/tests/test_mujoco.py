@@ -216,3 +216,26 @@ def test_a_joint_with_the_name_of_its_actuator() -> None:
     assert result.causes[0].name == "coulomb-friction@pivot_joint", result.headline
     # As a native effect it may be asked for by the name in the scene.
     fdiag.MuJoCo(same, outputs=OUTPUTS, native="coulomb-friction@pivot")
+
+
+def test_whole_turns_of_a_hinge_are_no_gap() -> None:
+    def turning(seed: int) -> dict[str, np.ndarray]:
+        model = mujoco.MjModel.from_xml_string(PENDULUM)
+        data, random = mujoco.MjData(model), np.random.default_rng(seed)
+        torque = np.repeat(random.uniform(2, 6, 30) * random.choice([-1, 1, 1], 30), 30)
+        seen = np.empty((torque.size, 2))
+        for k, u in enumerate(torque):
+            seen[k] = data.qpos[0], data.qvel[0]
+            data.ctrl[0] = u
+            mujoco.mj_step(model, data)
+        seen += random.standard_normal(seen.shape) * [0.002, 0.01]
+        angle = (seen[:, 0] + np.pi) % (2 * np.pi) - np.pi
+        return {"time": np.arange(torque.size) * 0.01, "torque": torque, "angle": angle, "rate": seen[:, 1]}
+
+    log = turning(1)
+    assert np.sum(np.abs(np.diff(log["angle"])) > 3) > 5, "it turns over"
+    answer = fdiag.gap(scene(), log, held_out=turning(2), only=["coulomb-friction", "sensor-bias"])
+    assert answer.verdict == "no-gap", answer.headline
+    stated = scene(outputs=OUTPUTS | {"angle": fdiag.Output("rad", 0.002, wraps=False)})
+    answer = fdiag.gap(stated, log, held_out=turning(2), only=["coulomb-friction", "sensor-bias"])
+    assert "jumps by a turn" in answer.headline, answer.headline

@@ -29,6 +29,13 @@ def test_a_frame_of_an_unknown_library_is_refused(answer: fdiag.Result) -> None:
         answer.to_frame("nonesuch")
 
 
+def test_parameters_of_the_simulator_are_told(answer: fdiag.Result) -> None:
+    mass = {p.name: p for p in answer.parameters}["m"]
+    assert (mass.unit, mass.nominal) == ("kg", 1.2)
+    assert abs(mass.value - 1.2) < 5 * mass.standard_error and mass.standing == "found"
+    assert mass.tolerances == pytest.approx((mass.value / 1.2 - 1.0) / 0.03)
+
+
 def test_a_notebook_shows_headline_table_and_picture(answer: fdiag.Result) -> None:
     shown = answer._repr_html_()
     assert "Coulomb friction at rail" in shown and "<table>" in shown and "<svg" in shown

@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::{
     diagnose::{Case, prepare},
-    fit::{FitError, Horizon, NullFit},
+    fit::{FitError, Horizon, Minimum, NullFit, Problem, Variable},
     shrink::gap_per_output,
 };
 
@@ -56,6 +56,8 @@ pub struct Calibrated {
     pub nominal: f64,
     /// What fits best.
     pub value: f64,
+    /// How far that is from what the model says, in tolerances.
+    pub tolerances: f64,
     /// Standard error, in the unit, with everything else unknown as well.
     pub standard_error: f64,
     /// That in parts of what was known before.
@@ -127,38 +129,13 @@ pub fn estimate(case: &Case<'_>, horizon: Horizon) -> Result<Calibration, FitErr
     let after = of(problem.errors(&minimum.z)).ok_or(FitError::Diverged)?;
     // Errors of a model that lacks something are no noise, but the only measure of what they hide.
     let scale = after.iter().copied().fold(1.0, f64::max);
-    let shared = problem.plan().nuisances().to_vec();
-    let covariance = problem.covariance(&minimum, scale).ok_or(FitError::Diverged)?;
+    let Found { parameters, covariance, open } =
+        found(&problem, &minimum, scale).ok_or(FitError::Diverged)?;
     let deviation = |i: usize| covariance[(i, i)].sqrt();
-    let open = open(&covariance, &shared.iter().map(|v| v.name.as_str()).collect::<Vec<_>>());
-    let standing = |i: usize| {
-        let (variable, value) = (&shared[i], shared[i].value(minimum.z[i]));
-        let edge = EDGE * variable.scale;
-        if value <= variable.low + edge || variable.high - edge <= value {
-            Standing::AtEdge
-        } else if deviation(i) <= OPEN {
-            Standing::Found
-        } else if open
-            .iter()
-            .any(|c| c.parts.len() > 1 && c.parts.iter().any(|p| p.0 == variable.name))
-        {
-            Standing::InCombination
-        } else {
-            Standing::Unmoved
-        }
-    };
-    let parameters = (0..shared.len()).map(|i| Calibrated {
-        name: shared[i].name.clone(),
-        unit: shared[i].unit.clone(),
-        nominal: shared[i].start,
-        value: shared[i].value(minimum.z[i]),
-        standard_error: shared[i].scale * deviation(i),
-        of_prior: deviation(i),
-        standing: standing(i),
-    });
-    let correlations = (0..shared.len()).map(|i| {
+    let n = parameters.len();
+    let correlations = (0..n).map(|i| {
         let with = |j: usize| covariance[(i, j)] / (deviation(i) * deviation(j));
-        (0..shared.len()).map(with).collect()
+        (0..n).map(with).collect()
     });
     let outputs = case.nominal.model().outputs.iter().enumerate().map(|(c, output)| Fitted {
         name: output.name.clone(),
@@ -168,12 +145,58 @@ pub fn estimate(case: &Case<'_>, horizon: Horizon) -> Result<Calibration, FitErr
         after: after[c] * sigma[c],
     });
     Ok(Calibration {
-        parameters: parameters.collect(),
+        parameters,
         correlations: correlations.collect(),
         outputs: outputs.collect(),
         measured: problem.plan().measured(),
         open,
     })
+}
+
+/// What a fit says of the uncertain parameters.
+struct Found {
+    parameters: Vec<Calibrated>,
+    covariance: Mat<f64>,
+    open: Vec<Combination>,
+}
+
+/// The uncertain parameters of the nominal model after a fit, with all else unknown as well and noise that is `scale` times as
+/// large as the weights say; none where the normal equations are singular.
+pub(crate) fn parameters(problem: &Problem, minimum: &Minimum, scale: f64) -> Vec<Calibrated> {
+    found(problem, minimum, scale).map_or_else(Vec::new, |found| found.parameters)
+}
+
+fn found(problem: &Problem, minimum: &Minimum, scale: f64) -> Option<Found> {
+    let shared = problem.plan().nuisances();
+    let covariance = problem.covariance(minimum, scale)?;
+    let open = open(&covariance, &shared.iter().map(|v| v.name.as_str()).collect::<Vec<_>>());
+    let is_combined =
+        |name: &str| open.iter().any(|c| c.parts.len() > 1 && c.parts.iter().any(|p| p.0 == name));
+    let calibrated = |(i, variable): (usize, &Variable)| {
+        let (value, of_prior) = (variable.value(minimum.z[i]), covariance[(i, i)].sqrt());
+        let edge = EDGE * variable.scale;
+        let standing = if value <= variable.low + edge || variable.high - edge <= value {
+            Standing::AtEdge
+        } else if of_prior <= OPEN {
+            Standing::Found
+        } else if is_combined(&variable.name) {
+            Standing::InCombination
+        } else {
+            Standing::Unmoved
+        };
+        Calibrated {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            nominal: variable.start,
+            value,
+            tolerances: variable.in_tolerances(value),
+            standard_error: variable.scale * of_prior,
+            of_prior,
+            standing,
+        }
+    };
+    let parameters = shared.iter().enumerate().map(calibrated).collect();
+    Some(Found { parameters, covariance, open })
 }
 
 /// Combinations that the logs have not fixed, group by group of parameters whose errors hang together: between groups

@@ -1,6 +1,6 @@
 //! From the column map and the header to the columns that are read.
 
-use fd_model::{Channel, SampleTime, unit::Conversion};
+use fd_model::{Channel, Circle, SampleTime, unit::Conversion};
 
 use crate::{
     derived::{Derived, derived, derived_channel},
@@ -20,11 +20,34 @@ pub(super) struct Column {
     pub(super) constant: Option<f64>,
     /// How it is computed from others, if it is none of the file.
     pub(super) derived: Option<Box<Derived>>,
+    /// An angle goes on from its last value, without the jumps of one that begins anew after a turn.
+    pub(super) circle: Circle,
+    pub(super) last: f64,
 }
 
 impl Column {
     pub(super) fn new(index: usize, text: String, conversion: Conversion) -> Self {
-        Self { index, text, conversion, constant: None, derived: None }
+        let (circle, last) = (Circle::LINE, f64::NAN);
+        Self { index, text, conversion, constant: None, derived: None, circle, last }
+    }
+
+    /// The column and the channel that it becomes, in this unit.
+    pub(super) fn into_channel(
+        self,
+        file: &str,
+        map: &ColumnMap,
+        unit: &str,
+    ) -> Result<(Self, Channel), LogError> {
+        let channel = Channel::new(&map.name, unit).wrapping(map.wraps);
+        if map.wraps {
+            // Only angles wrap.
+            Conversion::between(unit, "rad").map_err(|source| LogError::Unit {
+                file: file.to_owned(),
+                column: self.text.clone(),
+                source,
+            })?;
+        }
+        Ok((Self { circle: channel.circle(), ..self }, channel))
     }
 
     /// Whether it is computed from the time of the row, too.
@@ -47,7 +70,11 @@ impl Column {
             (None, Some(number)) => number,
             (None, None) => source.number(self.index)?,
         };
-        Ok(self.conversion.apply(number))
+        let value = self.circle.continued(self.conversion.apply(number), self.last);
+        if value.is_finite() {
+            self.last = value;
+        }
+        Ok(value)
     }
 }
 
@@ -92,6 +119,7 @@ pub(super) fn time_source(
         column_unit: map.time.unit.clone(),
         constant: None,
         expression: None,
+        wraps: false,
     };
     Ok(Time::Column(resolve(file, header, map, &seconds)?.0))
 }
@@ -192,8 +220,7 @@ pub(super) fn resolve(
         column: text.clone(),
         source,
     })?;
-    let column = Column::new(index, text.clone(), conversion);
-    Ok((column, Channel::new(map.name.clone(), unit)))
+    Column::new(index, text.clone(), conversion).into_channel(file, map, unit)
 }
 
 /// A channel that is no column.
@@ -212,7 +239,7 @@ fn constant(file: &str, map: &ColumnMap, number: f64) -> Result<(Column, Channel
     match Conversion::between(from, unit) {
         Ok(conversion) => {
             let column = Column { constant: Some(number), ..Column::new(0, text, conversion) };
-            Ok((column, Channel::new(map.name.clone(), unit)))
+            column.into_channel(&file, map, unit)
         }
         Err(source) => Err(LogError::Unit { file, column: text, source }),
     }

@@ -73,8 +73,7 @@ pub(super) fn derived_channel(
         column: text.clone(),
         source,
     })?;
-    let column = Column { text, conversion, ..column };
-    Ok((column, Channel::new(channel.name.clone(), unit)))
+    Column { text, conversion, ..column }.into_channel(file, channel, unit)
 }
 
 /// What an expression makes of columns; `place` is where it stands in the map, for messages.

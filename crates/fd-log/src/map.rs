@@ -192,6 +192,20 @@ pub struct ColumnMap {
     /// ```
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expression: Option<String>,
+    /// Whether the channel is an angle that begins anew after a turn: it is read as one that goes on, so that between two samples
+    /// on either side of the jump there is no half turn.
+    ///
+    /// ```
+    /// use fd_log::{LogMap, read_log_from};
+    ///
+    /// let map: LogMap = toml::from_str("outputs = [{ name = 'heading', wraps = true }]")?;
+    /// let csv = "t,heading [deg]\n0,170\n1,\n2,-170\n3,-150\n";
+    /// let log = read_log_from("turn.csv", csv.as_bytes(), &map)?;
+    /// assert_eq!([0, 2, 3].map(|k| log.record.y(k)[0]), [170.0, 190.0, 210.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub wraps: bool,
 }
 
 impl LogMap {
@@ -339,6 +353,7 @@ impl ColumnMap {
             column_unit: None,
             constant: None,
             expression: None,
+            wraps: false,
         }
     }
 
@@ -359,6 +374,7 @@ impl From<&Channel> for ColumnMap {
             column_unit: None,
             constant: None,
             expression: None,
+            wraps: channel.wraps,
         }
     }
 }

@@ -70,7 +70,7 @@ fn check(file: &str, record: &Record) -> Result<(), LogError> {
         let header = header(channel);
         let read = HeaderColumn::parse(&header);
         if read.name != channel.name || read.unit.as_deref() != Some(channel.unit.as_str()) {
-            let Channel { name, unit } = channel.clone();
+            let Channel { name, unit, .. } = channel.clone();
             return Err(LogError::Unwritable { file: file.to_owned(), header, name, unit });
         }
     }

@@ -39,6 +39,7 @@
 //! ```
 
 mod channel;
+mod circle;
 mod discretize;
 mod domain;
 mod error;
@@ -87,6 +88,7 @@ pub mod unit;
 
 pub use crate::{
     channel::Channel,
+    circle::Circle,
     domain::{Continuous, Discrete, SampleTime, TimeDomain},
     error::ModelError,
     figure::{duration, figure},

@@ -248,6 +248,18 @@ impl Conversion {
     }
 }
 
+/// A whole turn in a unit of angles; `None` in any other.
+///
+/// ```
+/// # use fd_model::unit::turn;
+/// assert_eq!((turn("deg"), turn("rev"), turn("m")), (Some(360.0), Some(1.0), None));
+/// ```
+#[must_use]
+pub fn turn(unit: &str) -> Option<f64> {
+    let (_, quantity, factor, _) = lookup(unit.trim())?;
+    (quantity == Quantity::Angle).then(|| TURN / factor)
+}
+
 /// What a unit measures, if it is known.
 ///
 /// ```

@@ -355,15 +355,13 @@ fn basis(page: &mut Page, report: &Report) {
     }
     page.table(logs);
     page.text(words::time_policy(report.inputs.pace));
-    let header = ["parameter", "nominal", "refitted", "unit", "deviation [sd]"];
+    let header = ["parameter", "nominal", "refitted", "unit", "moved [tolerances]", "these logs"];
     let mut parameters = Table::new("Parameters of the model, with the best explanation", &header);
-    for nuisance in &report.diagnosis.best.nuisances {
-        let known = report.inputs.parameter(&nuisance.name);
-        let nominal = known.map_or(f64::NAN, |parameter| parameter.value);
-        let unit = known.map_or_else(String::new, |parameter| parameter.unit.clone());
-        let [nominal, refitted] = [nominal, nuisance.value].map(four);
-        let deviation = format!("{:+.1}", nuisance.deviation);
-        parameters.push([nuisance.name.clone(), nominal, refitted, unit, deviation]);
+    for p in &report.diagnosis.parameters {
+        let refitted = words::with_error(p.value, p.standard_error);
+        let (moved, says) = (format!("{:+.1}", p.tolerances), words::standing(p.standing));
+        parameters
+            .push([&p.name, &four(p.nominal), &refitted, &p.unit, &moved, says].map(String::from));
     }
     if !parameters.rows.is_empty() {
         page.table(parameters);

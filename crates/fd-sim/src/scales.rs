@@ -295,8 +295,7 @@ impl Probe {
     fn show(&mut self, value: &Expr) {
         self.count += 1;
         let name = self.draft.fresh_name(&format!("probe_{}", self.count));
-        let unit = "1".to_owned();
-        self.draft.outputs.push(Output { name, unit, value: value.clone(), noise: None });
+        self.draft.outputs.push(Output::new(name, "1", value.clone()));
     }
 }
 

@@ -272,7 +272,7 @@ fn friction_and_springs_work_against_the_motion_at_every_site() {
             for (name, value) in [("shown_force", Expr::name(force)), ("shown_velocity", velocity)]
             {
                 let (name, unit) = (name.to_owned(), "1".to_owned());
-                draft.outputs.push(Output { name, unit, value, noise: None });
+                draft.outputs.push(Output::new(name, unit, value));
             }
             let model = Model::try_from(draft).unwrap();
             let mut theta = case.model.nominal();

@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{case::Case, objection::Objection, settings::Beginning};
-use crate::{fit::Horizon, quality::Finding};
+use crate::{estimate::Calibrated, fit::Horizon, quality::Finding};
 
 pub use self::held_out::HeldOut;
 
@@ -72,6 +72,8 @@ pub struct Diagnosis {
     /// The best explanation: with the cause, or the pair of causes, that the verdict names; that
     /// of `refit` when there is no gap, and with the first cause when none of them is right.
     pub best: Explanation,
+    /// The uncertain parameters with the best explanation, and what the logs say of each.
+    pub parameters: Vec<Calibrated>,
     /// What speaks against the answer, those that forbid it first.
     pub objections: Vec<Objection>,
     /// Held-out gaps, one per horizon that could be computed.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fd_model::SampleTime;
+use fd_model::{Channel, SampleTime};
 use fd_sim::{
     equation::Expr,
     model::{Hold, Model, Output},
@@ -124,6 +124,7 @@ impl<'a> Arena<'a> {
             holes: Vec::new(),
             restarts: Vec::new(),
             lead: 0,
+            circles: self.leader.outputs().iter().map(Channel::circle).collect(),
         };
         let mut states = Vec::with_capacity(samples * x0.len());
         let note = |_, now: &[f64]| states.extend_from_slice(now);
@@ -234,7 +235,8 @@ fn measured(model: &Model, sensor: Option<&Sensor>) -> Option<Model> {
     let unit = model.all_states().find(|known| known.name == *state)?.unit.clone();
     let mut draft = model.clone().into_draft();
     let name = draft.fresh_name(&format!("{state}_sensor"));
-    draft.outputs.push(Output { name, unit, value: Expr::name(state), noise: Some(*noise) });
+    let output = Output::new(name, unit, Expr::name(state));
+    draft.outputs.push(Output { noise: Some(*noise), ..output });
     Model::try_from(draft).ok()
 }
 

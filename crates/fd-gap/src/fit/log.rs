@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fd_model::{Channel, Record};
+use fd_model::{Channel, Circle, Record};
 use fd_sim::simulate::Simulator;
 
 use super::{error::FitError, plan::Plan};
@@ -33,6 +33,8 @@ pub struct Log {
     pub(crate) restarts: Vec<usize>,
     /// Samples of the run before, at its front: simulated, and compared with nothing.
     pub(crate) lead: usize,
+    /// Where the values of each output live.
+    pub(crate) circles: Vec<Circle>,
 }
 
 impl Log {
@@ -114,9 +116,18 @@ impl Log {
             }
         }
         let (nu, ny) = (inputs.len(), outputs.len());
+        let (mut y, mut circles): (Vec<f64>, Vec<Circle>) = (y.collect(), Vec::with_capacity(ny));
+        for (c, channel) in simulator.outputs().iter().enumerate() {
+            circles.push(channel.circle());
+            let mut last = f64::NAN;
+            for value in y.iter_mut().skip(c).step_by(ny).filter(|value| value.is_finite()) {
+                *value = circles[c].continued(*value, last);
+                last = *value;
+            }
+        }
         Ok(Self {
             u,
-            y: y.collect(),
+            y,
             nu,
             ny,
             samples: record.len(),
@@ -127,6 +138,7 @@ impl Log {
             holes,
             restarts: Vec::new(),
             lead: 0,
+            circles,
         })
     }
 
@@ -201,13 +213,12 @@ impl Log {
         let lead = before.samples;
         let moved = self.holes.iter().map(|hole| hole.start + lead..hole.end + lead);
         let (holes, restarts) = (moved.collect(), self.restarts.iter().map(|k| k + lead).collect());
-        let Self { mut u, first, goes_on, is_in_motion, nu, ny, .. } = before;
+        let Self { mut u, first, goes_on, is_in_motion, .. } = before;
         u.append(&mut self.u);
-        let mut y = vec![f64::NAN; lead * ny];
+        let mut y = vec![f64::NAN; lead * self.ny];
         y.append(&mut self.y);
         let samples = lead + self.samples;
-        let row = self.row;
-        Self { u, y, nu, ny, samples, first, goes_on, is_in_motion, row, holes, restarts, lead }
+        Self { u, y, samples, first, goes_on, is_in_motion, holes, restarts, lead, ..self }
     }
 
     /// The same log without outputs that stand still beside others that move: what a sensor in coarse steps, or a
@@ -260,7 +271,8 @@ impl Log {
         let samples = samples.min(self.samples);
         let (u, y) = (self.u[..samples * self.nu].to_vec(), self.y[..samples * self.ny].to_vec());
         let restarts = self.restarts.iter().copied().filter(|k| *k < samples).collect();
-        Self { u, y, samples, holes: Vec::new(), restarts, ..*self }
+        let circles = self.circles.clone();
+        Self { u, y, samples, holes: Vec::new(), restarts, circles, ..*self }
     }
 
     /// Number of the first sample since the clock of the model was started.

@@ -1,5 +1,6 @@
 //! A simulator against logs, as a sum of squares.
 
+mod circles;
 mod signals;
 mod slopes;
 
@@ -38,6 +39,8 @@ pub struct Problem {
     stand_in: Option<Box<dyn Simulator>>,
     /// Whether it gives everything else as well.
     is_stood_in: bool,
+    /// Whether errors on a circle go on beyond half a turn.
+    goes_on: bool,
     weights: Weights,
     effects: Vec<Variable>,
     layout: Layout,
@@ -98,6 +101,7 @@ impl Problem {
         Ok(Self {
             stand_in,
             is_stood_in: false,
+            goes_on: false,
             bounds: variables().map(Variable::range).collect(),
             prior: variables().map(|variable| [0.0, variable.precision()]).collect(),
             theta: simulator.parameters().iter().map(|p| p.value).collect(),
@@ -224,10 +228,7 @@ impl Problem {
         for c in 0..log.ny {
             let measured = log.y[from * log.ny..].iter().skip(c).step_by(log.ny);
             let simulated = y.iter().skip(c).step_by(log.ny);
-            let sigma = self.weights.sigma[c];
-            for ((e, y), m) in error.iter_mut().zip(simulated).zip(measured) {
-                *e = (y - m) / sigma;
-            }
+            self.compare_output(c, log.circles[c], simulated.zip(measured), &mut error);
             let rows = rows.start + c * error.len()..rows.start + (c + 1) * error.len();
             if let Some(raw) = raw.as_deref_mut() {
                 raw[rows.clone()].copy_from_slice(&error);

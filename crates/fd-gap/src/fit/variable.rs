@@ -102,6 +102,11 @@ impl Variable {
         self.in_another_run == InAnotherRun::Path
     }
 
+    /// How far a value that is [`known`](Self::known) is from its start, in tolerances.
+    pub(crate) fn in_tolerances(&self, value: f64) -> f64 {
+        PRIOR * (value - self.start) / self.scale
+    }
+
     /// The value in its unit.
     #[must_use]
     pub fn value(&self, z: f64) -> f64 {

@@ -60,7 +60,10 @@ impl Bench {
         let ny = self.ny();
         let residual = |c: usize, (log, simulated): (&Log, &Vec<f64>)| -> Vec<f64> {
             let pairs = log.y.iter().zip(simulated).skip(c).step_by(ny);
-            pairs.map(|(measured, simulated)| (measured - simulated) / self.sigma[c]).collect()
+            let error = |(measured, simulated): (&f64, &f64)| {
+                log.circles[c].difference(*measured, *simulated) / self.sigma[c]
+            };
+            pairs.map(error).collect()
         };
         let of_output = |c| self.logs.iter().zip(outputs).map(|pair| residual(c, pair)).collect();
         (0..ny).map(of_output).collect()

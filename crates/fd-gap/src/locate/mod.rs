@@ -123,7 +123,7 @@ fn motion(case: &Case<'_>, diagnosis: &Diagnosis, bench: &Bench) -> Result<Motio
         let state = refit.model.states.iter().find(|s| *value == Expr::name(&s.name));
         let unit = state.map_or_else(String::new, |state| state.unit.clone());
         velocities.push((site.name.clone(), unit.clone()));
-        draft.outputs.push(Output { name, unit, value: value.clone(), noise: None });
+        draft.outputs.push(Output::new(name, unit, value.clone()));
     }
     let ts = bench.simulator.ts();
     let shown = Model::try_from(draft).ok().and_then(|m| case.nominal.patched(&m, ts).ok());

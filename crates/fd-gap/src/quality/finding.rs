@@ -90,6 +90,11 @@ pub enum Defect {
         /// Name of the input.
         input: String,
     },
+    /// An angle begins anew after a turn, and nothing says that it does.
+    Wrapped {
+        /// How often.
+        times: usize,
+    },
     /// The log begins in another state than the model says; the channel is that state.
     Elsewhere {
         /// Where it begins, in the unit of the state.
@@ -145,6 +150,7 @@ impl Defect {
             | Self::WrongUnit { .. }
             | Self::Undriven
             | Self::Unresponsive { .. }
+            | Self::Wrapped { .. }
             | Self::Swapped { .. } => Severity::Serious,
         }
     }
@@ -222,6 +228,14 @@ impl fmt::Display for Defect {
                 "the output does not respond to the input `{input}`: was the drive off, braked or unplugged, or the column \
                  of something else?"
             ),
+            Self::Wrapped { times } => {
+                let times = if *times == 1 { "once" } else { &format!("{times} times") };
+                write!(
+                    f,
+                    "the angle jumps by a turn ({times}): if it begins anew after one, say `wraps = true` of this output in \
+                     the model or the column map"
+                )
+            }
             Self::Swapped { with } => {
                 write!(f, "the channel looks like `{with}`: two columns may be swapped")
             }

@@ -9,6 +9,7 @@ use super::{
     finding::{Defect, Finding},
     inputs::input_defects,
     unresponsive::unresponsive,
+    wrapped::jumps,
 };
 use crate::fit::{FitError, Log};
 
@@ -68,6 +69,10 @@ pub fn inspect(
                 add(&channel.name, defect);
             }
         }
+        let times = jumps(channel, &measured[c]);
+        if 0 < times {
+            add(&channel.name, Defect::Wrapped { times });
+        }
     }
     for (c, channel) in outputs.iter().enumerate() {
         if let Some(factor) = unit_factor(&measured[c], &simulated[c]) {
@@ -98,12 +103,13 @@ pub fn inspect(
         }
     }
     for [i, c] in unresponsive(&*simulator, &log, known) {
-        // What stands still, or is in another unit, is said to be that.
+        // What stands still, is in another unit or wraps is said to be that.
         let still = [Defect::Constant, Defect::NotExcited];
         let is_still =
             defects(&measured[c], noise[c], false).iter().any(|found| still.contains(found));
-        let is_unit = unit_factor(&measured[c], &simulated[c]).is_some();
-        if !is_unit && !is_still {
+        let is_other = unit_factor(&measured[c], &simulated[c]).is_some()
+            || 0 < jumps(&outputs[c], &measured[c]);
+        if !is_other && !is_still {
             let input = simulator.inputs()[i].name.clone();
             add(&outputs[c].name, Defect::Unresponsive { input });
         }

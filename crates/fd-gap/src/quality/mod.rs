@@ -12,6 +12,7 @@ mod noise_floor;
 mod pattern;
 mod spectrum;
 mod unresponsive;
+mod wrapped;
 mod wrong_sample;
 
 pub use self::{

@@ -64,7 +64,7 @@ impl Misfit {
             for (log, y) in logs.iter().zip(simulated) {
                 let own = log.y.iter().skip(c).step_by(log.ny);
                 let pairs = own.clone().zip(y.iter().skip(c).step_by(log.ny));
-                errors.push(pairs.map(|(m, y)| y - m).collect());
+                errors.push(pairs.map(|(m, y)| log.circles[c].difference(*y, *m)).collect());
                 measured.extend(own.copied());
             }
             // What was measured, and was not simulated, has diverged.

@@ -153,12 +153,8 @@ impl Controller {
         });
         // The log has the command as it is; the fit needs some noise of it.
         let size = 1e-4 * self.limit;
-        draft.outputs.push(Output {
-            name: command,
-            unit: input.unit.clone(),
-            value: Expr::name(&input.name),
-            noise: Some(size),
-        });
+        let shown = Output::new(command, &input.unit, Expr::name(&input.name));
+        draft.outputs.push(Output { noise: Some(size), ..shown });
         let model = Model::try_from(draft).map_err(|error| BlindError::Model {
             error: Box::new(LoadError::Model { file: "the model with its loop".to_owned(), error }),
         })?;

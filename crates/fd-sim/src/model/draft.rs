@@ -1,5 +1,6 @@
 //! The parts of a model, as plain data.
 
+use fd_model::Channel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -121,6 +122,27 @@ pub struct Output {
     pub value: Expr,
     /// Standard deviation of the sensor noise, in the unit, if known.
     pub noise: Option<f64>,
+    /// Whether it is an angle that begins anew after a turn.
+    pub wraps: bool,
+}
+
+impl Output {
+    /// An output of which the noise is not known.
+    ///
+    /// ```
+    /// # use fd_sim::{equation::Expr, model::Output};
+    /// let output = Output::new("speed", "m/s", Expr::name("v"));
+    /// assert_eq!((output.noise, output.wraps), (None, false));
+    /// ```
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, value: Expr) -> Self {
+        Self { name: name.into(), unit: unit.into(), value, noise: None, wraps: false }
+    }
+
+    /// Its name and unit, and whether it wraps.
+    #[must_use]
+    pub fn channel(&self) -> Channel {
+        Channel::new(&self.name, &self.unit).wrapping(self.wraps)
+    }
 }
 
 /// A named intermediate expression.

@@ -124,6 +124,9 @@ pub enum Mistake {
     /// No unit.
     #[error("a unit is needed, `1` for a pure number")]
     NoUnit,
+    /// What wraps is no angle.
+    #[error("`wraps = true` is for angles: expected a unit of angles (`rad`, `deg`, `rev`), found `{}`", Shown(.0))]
+    NoAngle(String),
     /// A number out of its range.
     #[error("{what} must be {expected}, got {found}")]
     Number {

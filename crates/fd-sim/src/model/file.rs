@@ -87,7 +87,7 @@ impl Reader<'_> {
             states: self.each("states", file.states, Self::state),
             outputs: self.each("outputs", file.outputs, |reader, key, name, o| {
                 let value = reader.expr(&format!("{key}.value"), o.value)?;
-                Ok(Output { name, unit: o.unit, value, noise: o.noise })
+                Ok(Output { name, unit: o.unit, value, noise: o.noise, wraps: o.wraps })
             }),
             definitions: self.each("definitions", file.definitions, Self::definition),
             sites: self.each("sites", file.sites, |reader, key, name, s| {

@@ -103,12 +103,9 @@ impl Model {
             draft.inputs.push(Input { name, unit, saturation: None });
         }
         for (i, ModelChannel { channel, .. }) in linear.outputs.iter().enumerate() {
-            draft.outputs.push(Output {
-                name: channel.name.clone(),
-                unit: unit(channel),
-                value: Expr::Number(0.0),
-                noise: options.noise.get(i).copied().flatten(),
-            });
+            let noise = options.noise.get(i).copied().flatten();
+            let output = Output::new(&channel.name, unit(channel), Expr::Number(0.0));
+            draft.outputs.push(Output { noise, ..output });
         }
         add_states(&mut draft, linear, options);
         let inputs = deviations(&mut draft, &linear.inputs);

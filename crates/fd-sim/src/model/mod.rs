@@ -157,7 +157,7 @@ impl Model {
     /// Outputs, in the order in which a simulation writes them.
     #[must_use]
     pub fn output_channels(&self) -> Vec<Channel> {
-        self.0.outputs.iter().map(|output| Channel::new(&output.name, &output.unit)).collect()
+        self.0.outputs.iter().map(Output::channel).collect()
     }
 
     /// Nominal values of the parameters.

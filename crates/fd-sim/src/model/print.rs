@@ -54,6 +54,9 @@ impl fmt::Display for Model {
             if let Some(noise) = o.noise {
                 write!(f, ", noise = {noise:?}")?;
             }
+            if o.wraps {
+                f.write_str(", wraps = true")?;
+            }
             f.write_str(" }")
         })?;
         room(f, "definitions", &model.definitions, definition)?;

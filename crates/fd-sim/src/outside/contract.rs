@@ -102,6 +102,9 @@ pub struct Entry {
     /// Standard deviation of the noise of an output.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
+    /// Whether an output is an angle that begins anew after a turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wraps: Option<bool>,
     /// Output that is the position of what a port moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<String>,
@@ -131,7 +134,7 @@ pub struct Entry {
 /// What may be said of the entries of a room.
 const ROOMS: [(&str, &[&str]); 6] = [
     ("inputs", &["unit", "variable"]),
-    ("outputs", &["unit", "noise", "variable"]),
+    ("outputs", &["unit", "noise", "wraps", "variable"]),
     ("parameters", &["unit", "value", "tolerance", "bounds", "variable"]),
     ("states", &["unit", "initial", "tolerance", "variable"]),
     ("ports", &["unit", "position", "velocity", "variable"]),
@@ -151,6 +154,7 @@ impl Entry {
             ("tolerance", self.tolerance.is_some()),
             ("bounds", self.bounds.is_some()),
             ("noise", self.noise.is_some()),
+            ("wraps", self.wraps.is_some()),
             ("position", self.position.is_some()),
             ("velocity", self.velocity.is_some()),
             ("label", self.label.is_some()),
@@ -173,6 +177,7 @@ impl Entry {
             tolerance: self.tolerance.or(other.tolerance),
             bounds: self.bounds.or(other.bounds),
             noise: self.noise.or(other.noise),
+            wraps: self.wraps.or(other.wraps),
             position: self.position.or(other.position),
             velocity: self.velocity.or(other.velocity),
             label: self.label.or(other.label),
@@ -295,8 +300,15 @@ impl Stated {
         let mut powers = self.powers.unwrap_or_default();
         powers.check(place)?;
         powers.measure &= powers.step;
-        let channel = |e: &Entry| Channel::new(&e.name, e.unit.as_deref().unwrap_or("1"));
+        let channel = |e: &Entry| {
+            Channel::new(&e.name, e.unit.as_deref().unwrap_or("1")).wrapping(e.wraps == Some(true))
+        };
         let outputs: Vec<Channel> = self.outputs.iter().map(channel).collect();
+        if let Some(output) = outputs.iter().find(|o| o.wraps && o.circle().is_line()) {
+            let expected = "`wraps` with a unit of angles, `rad`, `deg` or `rev`";
+            let found = format!("`{}`", output.unit);
+            return Err(wrong(place, format!("outputs.{}", output.name), expected, found));
+        }
         let parameters = self.parameters.iter().map(|e| parameter(e, place));
         let initial = self.states.iter().map(|e| {
             let value = e.initial.unwrap_or(0.0);

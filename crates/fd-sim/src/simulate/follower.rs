@@ -14,7 +14,7 @@
 //! *When not to use:* on plants that forget their start, or only integrate. There the free run says more: an effect that is
 //! slow is taken for a disturbance by a filter, and followed.
 
-use fd_model::{Continuous, Record, SampleTime, StateSpace, riccati};
+use fd_model::{Circle, Continuous, Record, SampleTime, StateSpace, riccati};
 
 use faer::{Mat, Scale, prelude::Solve};
 use fd_numeric::dense::Dense;
@@ -24,7 +24,7 @@ use super::{
     logged_outputs::{samples_of_action, see_logged, with_logged_outputs},
 };
 use crate::{
-    equation::Expr,
+    equation::{Expr, Unary},
     model::{Input, Law, Model, ModelError, Signal},
     scales::{ForceScale, ReplayScales, SignalScale},
 };
@@ -249,7 +249,7 @@ impl<'a> Follower<'a> {
             let name = draft.fresh_name(&format!("correction_of_{state}"));
             let terms = self.logged.iter().enumerate().map(|(j, (output, logged))| {
                 let error = Expr::name(logged) - Expr::name(output);
-                Expr::from(self.gain[(i, j)]) * error
+                Expr::from(self.gain[(i, j)]) * shortest(model.outputs[j].channel().circle(), error)
             });
             let Some(value) = terms.reduce(|sum, term| sum + term) else { continue };
             let unit = format!("({})/s", draft.states[at].unit);
@@ -353,4 +353,11 @@ fn design(
     let is_finite = (0..n).all(|i| (0..noise.len()).all(|j| f64::is_finite(gain[(i, j)])));
     let sizes = (0..noise.len()).map(|j| filter.weight[(j, j)].sqrt()).collect();
     is_finite.then_some((gain, sizes))
+}
+
+/// A difference without whole turns.
+fn shortest(circle: Circle, difference: Expr) -> Expr {
+    let Some(turn) = circle.turn() else { return difference };
+    let turns = difference.clone() / Expr::from(turn) + Expr::from(0.5);
+    difference - Expr::from(turn) * Expr::unary(Unary::Floor, turns)
 }

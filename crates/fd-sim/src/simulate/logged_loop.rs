@@ -170,12 +170,9 @@ impl<'a> LoggedLoop<'a> {
             state.law = at_rest;
         }
         let names = draft.inputs.iter().map(|i| draft.fresh_name(&format!("{}_shown", i.name)));
-        let shown = names.zip(&draft.inputs).map(|(name, input)| Output {
-            value: Expr::name(&input.name),
-            name,
-            unit: input.unit.clone(),
-            noise: None,
-        });
+        let shown = names
+            .zip(&draft.inputs)
+            .map(|(name, input)| Output::new(name, &input.unit, Expr::name(&input.name)));
         let shown: Vec<Output> = shown.collect();
         let nu = shown.len();
         draft.outputs.splice(0..0, shown);

@@ -6,8 +6,7 @@ use clap::Args;
 use fd_log::LogMap;
 use fd_report::Table;
 use fdiag::{
-    gap::estimate::Standing,
-    gap_study::{CalibratedModel, Named, Request, calibrate},
+    gap_study::{CalibratedModel, Named, Request, calibrate, words::standing},
     model::{Disorder, figure},
 };
 
@@ -85,15 +84,9 @@ fn describe(found: &CalibratedModel) -> String {
     let mut text = format!("{}\n\n", found.headline);
     let mut table = Table::new(
         "Parameters",
-        &["parameter", "unit", "stated", "calibrated", "error", "known to", "finding"],
+        &["parameter", "unit", "stated", "calibrated", "error", "known to", "these logs"],
     );
     for p in &found.calibration.parameters {
-        let finding = match p.standing {
-            Standing::Found => "found",
-            Standing::InCombination => "only in combination",
-            Standing::Unmoved => "not moved by these logs",
-            Standing::AtEdge => "AT THE EDGE of its tolerance or bounds",
-        };
         table.push([
             p.name.clone(),
             p.unit.clone(),
@@ -101,7 +94,7 @@ fn describe(found: &CalibratedModel) -> String {
             figure(p.value),
             figure(p.standard_error),
             format!("{} % of before", figure(100.0 * p.of_prior)),
-            finding.to_owned(),
+            standing(p.standing).to_owned(),
         ]);
     }
     let _ = writeln!(text, "{}", table.to_text(110));

@@ -124,6 +124,7 @@ impl LogDefect {
                 | Defect::Swapped { .. }
                 | Defect::Undriven
                 | Defect::Unresponsive { .. }
+                | Defect::Wrapped { .. }
         )
     }
 

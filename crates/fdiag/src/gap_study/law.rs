@@ -210,7 +210,7 @@ fn signals(
     let ny = draft.outputs.len();
     for (wish, value) in [("law_over", &axes.over), ("law_value", &axes.value)] {
         let name = draft.fresh_name(wish);
-        draft.outputs.push(Output { name, unit: "1".into(), value: value.clone(), noise: None });
+        draft.outputs.push(Output::new(name, "1", value.clone()));
     }
     let model = Model::try_from(draft).ok()?;
     let mut simulator = nominal.patched(&model, ts).ok()?;

@@ -109,6 +109,7 @@ impl Request {
                 match columns.iter_mut().find(|column| column.name == channel.name) {
                     Some(column) => {
                         column.unit.get_or_insert_with(|| channel.unit.clone());
+                        column.wraps |= channel.wraps;
                     }
                     None => columns.push(ColumnMap::from(channel)),
                 }

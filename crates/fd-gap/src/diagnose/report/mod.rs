@@ -28,14 +28,16 @@ use super::{
     result::{Cause, Diagnosis, NotTested, Verdict},
     search::searched::Searched,
     weigh::{
-        answer::Fit,
+        answer::{Answer, Fit},
         explain::{explain, nominal_explanation},
         singles::Singles,
         values::FittedValues,
     },
 };
 use crate::{
+    estimate::{Calibrated, parameters},
     fit::{FitError, Log, Minimum, NullFit, Problem},
+    quality::Finding,
     shrink::as_begun,
 };
 
@@ -68,6 +70,7 @@ pub(super) fn report(
     let Searched { model, null, noise, is_coloured, .. } = searched;
     let mut floor = reported_floor(&answer, &lack_of_fit, &noise, is_coloured);
     let slow_noise = told(slow_noise, &noise, &floor);
+    let parameters = parameters_with(&answer, &null);
 
     let nominal = feedback.closed(case, &model, &base)?;
     let closed = |Fit { problem, minimum }: &Fit| {
@@ -86,11 +89,9 @@ pub(super) fn report(
         None => refitted.clone(),
     };
     around_the_loop(&mut floor, &answer.explanation.gap, &best.gap);
-    let mut findings =
-        findings(case.logs, &nominal, model.external_inputs().len(), &noise.stated, &refit.errors)?;
-    let commanded = context.case.nominal.commanded();
-    findings.retain(|finding| !commanded.contains(&finding.channel));
-    findings.extend((1..=case.logs.len()).flat_map(|log| of_controller(log, commanded)));
+    let known = model.external_inputs().len();
+    let mut findings = findings(case.logs, &nominal, known, &noise.stated, &refit.errors)?;
+    without_commands(&mut findings, case.logs.len(), context.case.nominal.commanded());
     findings.extend(elsewhere(nominal.plan(), &best.starts, nominal.simulator().initial()));
     let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
     let values = match &fit {
@@ -140,6 +141,7 @@ pub(super) fn report(
         refit: refitted,
         is_unexplained: lack_of_fit.is_unexplained,
         best,
+        parameters,
         steps: noise.steps(),
         sigma: noise.sigma,
         floor,
@@ -156,6 +158,22 @@ pub(super) fn report(
         is_stopped: context.monitor.is_stopped(),
         simulations,
     })
+}
+
+/// The uncertain parameters with an answer, or without any effect. Errors of a model that lacks something are no noise, but the
+/// only measure of what they hide.
+fn parameters_with(answer: &Answer, null: &NullFit) -> Vec<Calibrated> {
+    let left = answer.explanation.gap.iter().copied().fold(1.0, f64::max);
+    match &answer.fit {
+        Some(Fit { problem, minimum }) => parameters(problem, minimum, left),
+        None => parameters(&null.problem, &null.minimum, left),
+    }
+}
+
+/// Of outputs that a controller makes of the logs nothing is said but that.
+fn without_commands(findings: &mut Vec<Finding>, logs: usize, commanded: &[String]) {
+    findings.retain(|finding| !commanded.contains(&finding.channel));
+    findings.extend((1..=logs).flat_map(|log| of_controller(log, commanded)));
 }
 
 /// Outputs of which slow noise is told: those that have it, and those with noise of unknown size that is twice what

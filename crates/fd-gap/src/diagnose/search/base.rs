@@ -10,18 +10,22 @@ use crate::fit::{Minimum, NullFit, Search, Surroundings, Variable, minimise};
 const BENT: f64 = 0.95;
 
 /// The fit without any effect, or where that is bent the nominal parameters; what has none stays, as an effect does that is
-/// there already.
+/// there already. Errors of angles go on beyond half a turn.
 pub(super) fn base(null: &NullFit) -> Minimum {
     let plan = null.problem.plan();
     let variables: Vec<&Variable> = plan.nuisances().iter().chain(plan.own_variables()).collect();
-    let mut nominal = null.minimum.z.clone();
-    if null.problem.is_dear() || !is_bent(&variables, &nominal) {
+    let mut place = null.minimum.z.clone();
+    let is_bent = is_bent(&variables, &place);
+    if null.problem.is_dear() || !is_bent && !null.problem.has_circles() {
         return null.minimum.clone();
     }
-    let known = nominal.iter_mut().zip(variables).filter(|(_, v)| v.prior.is_some());
-    known.for_each(|(z, _)| *z = 0.0);
+    if is_bent {
+        let known = place.iter_mut().zip(variables).filter(|(_, v)| v.prior.is_some());
+        known.for_each(|(z, _)| *z = 0.0);
+    }
     let mut problem = null.problem.clone();
-    let there = minimise(&mut problem, &nominal, None, Search::LOOK);
+    problem.go_on(true);
+    let there = minimise(&mut problem, &place, None, Search::LOOK);
     there.map_or_else(|| null.minimum.clone(), |there| there.shared(&problem))
 }
 

@@ -181,7 +181,7 @@ fn probe(model: &Model, input: &str) -> Option<(Model, String)> {
     let unit = model.inputs.iter().find(|known| known.name == input)?.unit.clone();
     let mut draft = model.clone().into_draft();
     let name = draft.fresh_name(&format!("{input}_command"));
-    draft.outputs.push(Output { name, unit: unit.clone(), value: Expr::name(input), noise: None });
+    draft.outputs.push(Output::new(name, &unit, Expr::name(input)));
     let mut patch = Patch::of(&Model::try_from(draft).ok()?);
     let nudge = patch.fresh_name(&format!("{input}_nudge"));
     let nudged = patch.fresh_name(&format!("{input}_nudged"));

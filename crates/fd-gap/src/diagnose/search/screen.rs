@@ -62,6 +62,7 @@ impl Trial<'_> {
     fn score(&mut self, null: &NullFit, around: &Surroundings<'_>, starts: &[Vec<f64>]) {
         let at = around.at();
         let neutral = self.problem.place(&at.z, &self.neutral());
+        self.problem.go_on(true);
         for starts in starts.chunks(AT_A_TIME) {
             let place = |start: &Vec<f64>| self.problem.place(&at.z, start);
             let places: Vec<Vec<f64>> = starts.iter().map(place).collect();
@@ -80,6 +81,7 @@ impl Trial<'_> {
             let others = self.scored.iter_mut().skip(SHORT_FITS);
             others.for_each(|start| start.change = Change::default());
         }
+        self.problem.go_on(false);
     }
 
     /// Those of the candidate; where a frequency is unknown, also each of them at each line.

@@ -72,7 +72,7 @@ impl Problem {
                 for (i, trial) in trials.into_iter().enumerate() {
                     match trial {
                         Some(trial) => {
-                            slopes[moving[i] - columns.start] = difference(trial, &r, steps[i]);
+                            slopes[moving[i] - columns.start] = self.slope(trial, &r, steps[i]);
                         }
                         None => again.push((p, i)),
                     }
@@ -84,10 +84,19 @@ impl Problem {
         let batch: Vec<Vec<f64>> = again.iter().map(back).collect();
         for ((p, i), trial) in again.into_iter().zip(self.compare(by, &batch)) {
             if let (Some(there), Some(trial)) = (&mut all[p], trial) {
-                there.slopes[moving[i] - columns.start] = difference(trial, &there.r, -steps[p][i]);
+                there.slopes[moving[i] - columns.start] = self.slope(trial, &there.r, -steps[p][i]);
             }
         }
         all
+    }
+
+    /// The slope from residuals to those that were found a step away.
+    fn slope(&self, mut found: Vec<f64>, r: &[f64], step: f64) -> Vec<f64> {
+        self.less(&mut found, r);
+        for change in &mut found {
+            *change /= step;
+        }
+        found
     }
 
     fn moved(&self, z: &[f64], column: usize, step: f64) -> Vec<f64> {
@@ -152,10 +161,4 @@ impl LeastSquares for Problem {
         let both = here.into_iter().zip(stood_in);
         both.map(|(r, there)| Some(Linearization { r: r?, slopes: there?.slopes })).collect()
     }
-}
-
-/// The slope from `r` to what was found a step away.
-fn difference(mut trial: Vec<f64>, r: &[f64], step: f64) -> Vec<f64> {
-    trial.iter_mut().zip(r).for_each(|(trial, r)| *trial = (*trial - r) / step);
-    trial
 }

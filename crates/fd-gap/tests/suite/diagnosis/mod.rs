@@ -13,6 +13,7 @@ mod bad_input;
 mod bench_cases;
 mod bent;
 mod calibrate;
+mod circles;
 mod diagnose;
 mod evidence;
 mod experiment;

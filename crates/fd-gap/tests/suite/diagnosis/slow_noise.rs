@@ -16,7 +16,7 @@ const SAMPLES: usize = 600;
 /// The carriage with its speed measured as well.
 fn carriage(noise: Option<f64>) -> Model {
     let mut draft = example("mass_spring_damper").into_draft();
-    let speed = Output { name: "speed".into(), unit: "m/s".into(), value: expr("v"), noise };
+    let speed = Output { noise, ..Output::new("speed", "m/s", expr("v")) };
     draft.outputs.push(speed);
     for output in &mut draft.outputs {
         output.noise = noise;

@@ -1,6 +1,6 @@
 //! Numbers, units and laws of a model.
 
-use fd_model::is_plain;
+use fd_model::{is_plain, unit::turn};
 
 use super::{
     super::{
@@ -39,6 +39,9 @@ pub(super) fn check(draft: &Draft) -> Checked {
         let key = |entry: &str| format!("outputs.{}.{entry}", output.name);
         unit(key("unit"), &output.unit)?;
         not_negative(key("noise"), "the noise", output.noise)?;
+        if output.wraps && turn(&output.unit).is_none() {
+            return Err(ModelError::new(key("wraps"), Mistake::NoAngle(output.unit.clone())));
+        }
     }
     for site in &draft.sites {
         unit(format!("sites.{}.unit", site.name), &site.unit)?;

@@ -84,6 +84,8 @@ pub(super) struct FileOutput {
     pub(super) unit: String,
     pub(super) value: Spanned<Text>,
     pub(super) noise: Option<f64>,
+    #[serde(default)]
+    pub(super) wraps: bool,
 }
 
 #[derive(Deserialize)]

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use fd_model::{Channel, Circle};
+
 use super::{
     part::{Mean, Part},
     wiring::{Source, Wiring},
@@ -32,6 +34,9 @@ pub(super) struct Around {
     pub(super) raw: Vec<f64>,
     /// Inputs of the equations: those from outside, then the raw outputs.
     row: Vec<f64>,
+    /// Where the raw outputs live, and where they were last: an angle goes on, though the simulator begins it anew.
+    circles: Arc<[Circle]>,
+    last: Vec<f64>,
 }
 
 impl Around {
@@ -74,6 +79,8 @@ impl Around {
             pushed: zeros(inside.ports().len()),
             raw: zeros(ny),
             row: zeros(nu + ny),
+            circles: inside.outputs().iter().map(Channel::circle).collect(),
+            last: vec![f64::NAN; ny],
         })
     }
 
@@ -87,6 +94,16 @@ impl Around {
         }
         self.raw.fill(0.0);
         self.row.fill(0.0);
+        self.last.fill(f64::NAN);
+    }
+
+    /// Raw outputs without the jumps of angles.
+    fn go_on(&mut self) {
+        let lasts = self.last.iter_mut().zip(&*self.circles);
+        for (raw, (last, circle)) in self.raw.iter_mut().zip(lasts) {
+            *raw = circle.continued(*raw, *last);
+            *last = *raw;
+        }
     }
 
     /// What the simulator inside sees and is pushed with in a step; `measure` writes its outputs, if anything depends
@@ -94,16 +111,17 @@ impl Around {
     pub(super) fn prepare(&mut self, u: &[f64], f: &[f64], measure: impl FnOnce(&mut [f64])) {
         let nu = self.seen.len();
         self.row[..nu].copy_from_slice(u);
+        if self.before.is_some() && self.needs_outputs {
+            measure(&mut self.raw);
+            self.go_on();
+            self.row[nu..].copy_from_slice(&self.raw);
+        }
         match &mut self.before {
             None => {
                 self.seen.copy_from_slice(u);
                 self.pushed.fill(0.0);
             }
             Some(before) => {
-                if self.needs_outputs {
-                    measure(&mut self.raw);
-                    self.row[nu..].copy_from_slice(&self.raw);
-                }
                 before.step(&self.row);
                 let ts = self.step_seconds;
                 for (seen, mean) in self.seen.iter_mut().zip(&*self.inputs) {
@@ -125,6 +143,7 @@ impl Around {
             y.fill(f64::NAN);
             return false;
         }
+        self.go_on();
         match &mut self.after {
             None => y.copy_from_slice(&self.raw),
             Some(after) => {
@@ -136,8 +155,8 @@ impl Around {
         true
     }
 
-    /// The parts before and after, and the raw outputs: all that a run remembers.
-    pub(super) fn memory(&mut self) -> (impl Iterator<Item = &mut Part>, &mut [f64]) {
-        (self.before.iter_mut().chain(&mut self.after), &mut self.raw)
+    /// The parts before and after, the raw outputs, and where these go on from: all that a run remembers.
+    pub(super) fn memory(&mut self) -> (impl Iterator<Item = &mut Part>, [&mut [f64]; 2]) {
+        (self.before.iter_mut().chain(&mut self.after), [&mut self.raw, &mut self.last])
     }
 }

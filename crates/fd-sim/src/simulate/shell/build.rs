@@ -16,7 +16,8 @@ pub(super) fn build(name: &str, inside: &dyn Simulator) -> Result<(Model, Names)
     // Names that people read come first, so that what is added keeps clear of them.
     for channel in inside.outputs() {
         let (name, unit) = (free(&draft, &channel.name), unit(&channel.unit));
-        draft.outputs.push(Output { name, unit, value: Expr::Number(0.0), noise: None });
+        let output = Output::new(name, unit, Expr::Number(0.0));
+        draft.outputs.push(Output { wraps: channel.wraps, ..output });
     }
     for channel in inside.inputs() {
         let (name, unit) = (free(&draft, &channel.name), unit(&channel.unit));

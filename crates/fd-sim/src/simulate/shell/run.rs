@@ -283,11 +283,12 @@ impl Simulator for ShellSimulator {
         if !self.inside.visit_memory(visitor) {
             return false;
         }
-        let (parts, raw) = self.around.memory();
+        let (parts, [raw, last]) = self.around.memory();
         for part in parts {
             part.equations.visit_memory(visitor);
         }
         visitor.reals_with_holes("raw outputs of the shell", raw);
+        visitor.reals_with_holes("outputs that the shell goes on from", last);
         let mut counts = [u64::from(self.has_diverged)];
         visitor.counts("shell has diverged", &mut counts);
         self.has_diverged = counts[0] != 0;

@@ -136,7 +136,7 @@ impl Before<'_> {
 }
 
 fn shown(name: &str, value: &Expr) -> Output {
-    Output { name: name.to_owned(), unit: "1".to_owned(), value: value.clone(), noise: None }
+    Output::new(name, "1", value.clone())
 }
 
 /// The outputs, unless all are passed on.

@@ -261,9 +261,13 @@ fn plan(args: &WatchArgs) -> Result<(Plan, LogMap), Failure> {
     let map = given(args.columns.as_deref(), LogMap::read)?;
     let mut map = map.unwrap_or_else(|| LogMap::for_model(&model));
     let mut channels = map.inputs.iter().chain(&map.outputs);
-    let is_none = |channel: &&ColumnMap| channel.constant.is_some() || channel.expression.is_some();
-    if let Some(channel) = channels.find(is_none) {
-        let what = if channel.constant.is_some() { "constant" } else { "expression" };
+    let not_on_line = |channel: &ColumnMap| match channel {
+        ColumnMap { constant: Some(_), .. } => Some("constant"),
+        ColumnMap { expression: Some(_), .. } => Some("expression"),
+        ColumnMap { wraps: true, .. } => Some("wraps"),
+        _ => None,
+    };
+    if let Some((channel, what)) = channels.find_map(|c| Some((c, not_on_line(c)?))) {
         let why = format!(
             "column map: `{what}` of channel `{}` is not for samples that come on line",
             channel.name

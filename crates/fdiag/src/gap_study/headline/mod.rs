@@ -3,7 +3,8 @@
 use self::road::several;
 use fd_gap::{
     ceiling::Ceiling,
-    diagnose::{Cause, CauseId, Nuisance, Pair, PairId, Verdict},
+    diagnose::{Cause, CauseId, Objection, Pair, PairId, Verdict},
+    estimate::{Calibrated, Standing},
     fit::Horizon,
     locate::Spectrum,
     quality::Defect,
@@ -30,6 +31,11 @@ const MOSTLY: f64 = 0.7;
 const NARROW: f64 = 0.6;
 /// Share of the held-out gap below which what is not significant is nothing.
 const SHOWN: f64 = 0.05;
+
+/// Tolerances by which a parameter has moved to speak of: half a standard deviation of what was known …
+const SOME: f64 = 0.33;
+/// … and two of them, which is an answer.
+const FAR: f64 = 1.33;
 
 /// What came out, in one sentence.
 pub(super) fn headline(report: &Report) -> String {
@@ -90,15 +96,13 @@ fn answer(report: &Report) -> String {
 }
 
 fn no_gap(report: &Report) -> String {
-    let by_deviation =
-        |a: &&Nuisance, b: &&Nuisance| a.deviation.abs().total_cmp(&b.deviation.abs());
-    let moved = report.diagnosis.best.nuisances.iter().max_by(by_deviation);
-    let moved = moved.filter(|nuisance| 0.5 < nuisance.deviation.abs());
-    let moved = moved.map_or_else(String::new, |nuisance| {
-        let nominal = report.inputs.parameter(&nuisance.name).map_or(f64::NAN, |p| p.value);
-        let relative = 100.0 * (nuisance.value / nominal - 1.0);
-        format!(" (most of all `{}`, by {relative:+.1} %)", nuisance.name)
-    });
+    let moved = match far_moved(report) {
+        Some(moved) => format!(", {moved},"),
+        None => most_moved(report).map_or_else(String::new, |p| {
+            let relative = 100.0 * (p.value / p.nominal - 1.0);
+            format!(" (most of all `{}`, by {relative:+.1} %)", p.name)
+        }),
+    };
     let p = p(report.diagnosis.no_gap);
     let slow = words::slow_noise(report);
     let slow =
@@ -115,6 +119,27 @@ fn no_gap(report: &Report) -> String {
              refitted within their tolerances{moved} ({p}){slow}; but {missed}."
         ),
     }
+}
+
+/// The parameter that has moved furthest, for what was known of it, if any has moved to speak of.
+fn most_moved(report: &Report) -> Option<&Calibrated> {
+    let by_distance =
+        |a: &&Calibrated, b: &&Calibrated| a.tolerances.abs().total_cmp(&b.tolerances.abs());
+    let moved = report.diagnosis.parameters.iter().max_by(by_distance);
+    moved.filter(|p| SOME < p.tolerances.abs())
+}
+
+/// Parameters that have moved further than what was known of them lets expect, which is an answer in itself.
+fn far_moved(report: &Report) -> Option<String> {
+    let far = report.diagnosis.parameters.iter().filter(|p| FAR < p.tolerances.abs());
+    let told = far.map(|p| {
+        let way = if p.tolerances < 0.0 { "below" } else { "above" };
+        let most = if p.standing == Standing::AtEdge { ", the most allowed" } else { "" };
+        let (by, to) = (100.0 * (p.value / p.nominal - 1.0).abs(), p.tolerances.abs());
+        format!("`{}` {by:.1} % {way} nominal ({to:.1} tolerances{most})", p.name)
+    });
+    let told: Vec<String> = told.collect();
+    (!told.is_empty()).then(|| list(&told, "and"))
 }
 
 fn cause(report: &Report) -> String {
@@ -184,8 +209,14 @@ fn none_of_these(report: &Report) -> String {
             share(closed.fraction, closed.interval)
         )
     });
-    let against = report.diagnosis.objections.iter().map(words::objection);
-    let rest: Vec<String> = std::iter::once(format!("{best}{black_box}")).chain(against).collect();
+    let edges = |objection: &Objection| matches!(objection, Objection::ParametersAtEdges { .. });
+    let objections = &report.diagnosis.objections;
+    // Where many are at their edges that is said already.
+    let moved = far_moved(report).filter(|_| !objections.iter().any(edges));
+    let moved = moved.map(|moved| format!("with {moved}"));
+    let against = objections.iter().map(words::objection);
+    let first = std::iter::once(format!("{best}{black_box}"));
+    let rest: Vec<String> = first.chain(moved).chain(against).collect();
     format!(
         "None of the known effects explains the gap ({}){}.",
         p(report.diagnosis.none_of_these),

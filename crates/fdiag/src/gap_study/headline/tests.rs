@@ -89,6 +89,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         nominal: explanation(),
         refit: explanation(),
         best: explanation(),
+        parameters: Vec::new(),
         objections: Vec::new(),
         held_out: vec![HeldOut {
             horizon: Horizon::FreeRun,
@@ -260,8 +261,17 @@ fn none_and_nothing() {
     assert!(text.ends_with(edges), "{text}");
     let mut nothing = report(Verdict::NoGap);
     nothing.diagnosis.no_gap = 0.98;
-    let mass = Nuisance { name: "m".into(), value: 2.03, deviation: 0.8 };
-    nothing.diagnosis.best.nuisances = vec![mass];
+    let mass = Calibrated {
+        name: "m".into(),
+        unit: "kg".into(),
+        nominal: 2.0,
+        value: 2.03,
+        tolerances: 0.5,
+        standard_error: 0.01,
+        of_prior: 0.25,
+        standing: Standing::Found,
+    };
+    nothing.diagnosis.parameters = vec![mass.clone()];
     let mut contradicted = nothing.clone();
     assert_eq!(
         headline(&nothing),
@@ -275,6 +285,17 @@ fn none_and_nothing() {
          refitted within their tolerances (most of all `m`, by +1.5 %) (p = 0.98); but held-out `y` \
          is missed by 3.3 times the noise."
     );
+    let edge = Standing::AtEdge;
+    let friction = Calibrated { name: "f".into(), tolerances: -1.5, value: 1.1, ..mass.clone() };
+    let moved = Calibrated { tolerances: 2.0, value: 2.12, standing: edge, ..mass };
+    nothing.diagnosis.parameters = vec![moved, friction];
+    let told = "`m` 6.0 % above nominal (2.0 tolerances, the most allowed) and `f` 45.0 % below nominal (1.5 tolerances)";
+    let text = headline(&nothing);
+    assert!(text.contains(&format!("within their tolerances, {told}, the model")), "{text}");
+    let mut unknown = report(Verdict::NoneOfThese);
+    unknown.diagnosis.parameters = nothing.diagnosis.parameters;
+    let text = headline(&unknown);
+    assert!(text.contains(&format!("with {told}")), "{text}");
 }
 
 #[test]

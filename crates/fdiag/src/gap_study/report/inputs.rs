@@ -88,12 +88,6 @@ impl Inputs {
             memory,
         }
     }
-
-    /// A parameter of the model, by name.
-    #[must_use]
-    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
-        self.parameters.iter().find(|parameter| parameter.name == name)
-    }
 }
 
 impl LogPart {

@@ -14,7 +14,7 @@ use fd_gap::{
     fit::Horizon,
     locate::Location,
     reading::Reading,
-    road::CauseList,
+    road::{CauseList, ListedCause},
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -95,6 +95,33 @@ impl Report {
     #[must_use]
     pub fn list(&self) -> Option<&CauseList> {
         self.road.as_ref().filter(|road| 1 < road.causes.len())
+    }
+
+    /// The causes that the answer names, alone, tied or together.
+    #[must_use]
+    pub fn named(&self) -> Vec<&Cause> {
+        if self.spoiled().is_some() {
+            return Vec::new();
+        }
+        if let Some(list) = self.list() {
+            return list.causes.iter().map(|listed| &listed.cause).collect();
+        }
+        let Diagnosis { verdict, causes, pairs, tied, .. } = &self.diagnosis;
+        match verdict {
+            Verdict::Cause => causes.iter().take(1).collect(),
+            Verdict::Tied => tied.iter().filter_map(|CauseId(place)| causes.get(*place)).collect(),
+            Verdict::Pair => pairs.iter().take(1).flat_map(|pair| &pair.causes).collect(),
+            Verdict::NoGap | Verdict::NoneOfThese | Verdict::Unclear => Vec::new(),
+        }
+    }
+
+    /// The probability of a cause, alone or beside others: that of the list where it stands in one.
+    #[must_use]
+    pub fn probability(&self, cause: &Cause) -> f64 {
+        let mut listed = self.list().into_iter().flat_map(|list| &list.causes);
+        let is_it = |listed: &&ListedCause| listed.cause.identity() == cause.identity();
+        let listed = listed.find(is_it).map(|listed| listed.probability);
+        listed.unwrap_or_else(|| self.diagnosis.at_work(cause))
     }
 
     /// The causes that this log cannot tell apart; none when it can.

@@ -1,6 +1,7 @@
 //! Names of effects and places.
 
 use fd_effect::SiteRef;
+use fd_gap::estimate::Standing;
 
 /// Labels of the library and of the engine that are more than their dashes turned to spaces.
 const LABELS: [(&str, &str); 22] = [
@@ -82,6 +83,17 @@ pub fn site(site: &SiteRef) -> String {
             _ => format!("{names} alike"),
         },
         SiteRef::WholeModel => "the whole model".to_owned(),
+    }
+}
+
+/// What logs say of an uncertain parameter.
+#[must_use]
+pub fn standing(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Found => "found",
+        Standing::InCombination => "only in combination",
+        Standing::Unmoved => "not moved by these logs",
+        Standing::AtEdge => "AT THE EDGE of its tolerance or bounds",
     }
 }
 

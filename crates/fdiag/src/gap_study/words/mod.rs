@@ -18,7 +18,7 @@ pub use self::{
     answer::{cause, effect, estimate, estimate_of, group, pair, side, strength, with_strength},
     defects::{defect, time_policy},
     further::{advice, answers, rivals, truths},
-    labels::{at, capital, family, label, list, site},
+    labels::{at, capital, family, label, list, site, standing},
     numbers::{formula, four, p, percent, probability, share, with_error},
     objection::objection,
     regions::{region_of, region_on},
