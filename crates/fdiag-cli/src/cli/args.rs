@@ -158,6 +158,7 @@ const GAP_HELP: &str = "\
 Examples:
   fdiag gap --model cart.toml --log monday.csv
   fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --held-out friday.csv
+  fdiag gap --model cart.toml --log monday.csv --log tuesday.csv --log friday.csv --each
   fdiag gap --model cart.toml --log monday.csv --tolerance m=0.01 --noise speed=0.005
   fdiag gap --model cart.toml --log monday.csv --exclude input-delay@force --calibrate 5
   fdiag gap --model examples/process/cart.toml --log examples/gap/quick-start/monday.csv --budget 300runs
@@ -204,6 +205,9 @@ pub(crate) struct GapArgs {
     /// Log of the real system (CSV); may be repeated
     #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
     pub(crate) logs: Vec<PathBuf>,
+    /// Diagnose every log by itself, and say which causes and strengths agree
+    #[arg(long)]
+    pub(crate) each: bool,
     /// Column map of the logs (TOML); channels that it does not name are found by name
     #[arg(long, value_name = "FILE")]
     pub(crate) columns: Option<PathBuf>,

@@ -12,7 +12,10 @@ use fdiag::{
     core::{Limits, Resource},
     effect::text::TextEffects,
     gap::fit::FitError,
-    gap_study::{GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject, Timing},
+    gap_study::{
+        Answered, Compared, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject,
+        Timing,
+    },
     model::{Disorder, figure},
     sim::outside::Counts,
 };
@@ -21,6 +24,7 @@ use signal_hook::{consts::SIGINT, flag};
 
 use super::{
     args::GapArgs,
+    each,
     failure::{ExitCode, Failure},
     given,
     output::Output,
@@ -43,6 +47,9 @@ pub(crate) fn run(args: &GapArgs, limit: Option<Duration>) -> Result<ExitCode, F
     let pool = pool(args.output.threads)?;
     let begun = Instant::now();
     let progress = Stages::new().stopped_by(is_stopped, limit);
+    if args.each {
+        return each_log(args, &request, &output, progress);
+    }
     let study = pool.install(|| GapStudy::run(&request, &progress));
     progress.finish();
     let mut study = study.map_err(|error| refusal(&error))?;
@@ -60,6 +67,37 @@ pub(crate) fn run(args: &GapArgs, limit: Option<Duration>) -> Result<ExitCode, F
             complain(&format!("The simulator was in trouble: {trouble}"));
         }
     }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Every log by itself; one that has no answer is told beside the others.
+fn each_log(
+    args: &GapArgs,
+    request: &Request,
+    output: &Output<'_>,
+    progress: Stages,
+) -> Result<ExitCode, Failure> {
+    let pool = pool(args.output.threads)?;
+    let mut studies = Vec::with_capacity(request.logs.len());
+    for (name, request) in each::requests(request) {
+        let study = pool.install(|| GapStudy::run(&request, &progress));
+        if let Ok(study) = &study {
+            each::write(output, &args.output.out, &name, study)?;
+        }
+        studies.push((name, study));
+    }
+    progress.finish();
+    if let [(_, Err(error)), ..] = &studies[..]
+        && studies.iter().all(|(_, study)| study.is_err())
+    {
+        return Err(refusal(error));
+    }
+    let mut answered: Vec<Answered<'_>> = Vec::with_capacity(studies.len());
+    for (name, study) in &studies {
+        let report = study.as_ref().map(|study| &study.report).map_err(ToString::to_string);
+        answered.push((name.clone(), report));
+    }
+    each::tell(output, &Compared::of(&answered), &inputs(args))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -7,6 +7,7 @@ mod compensate;
 mod demo;
 #[cfg(test)]
 mod documented;
+mod each;
 mod gap;
 mod log;
 mod simulator;

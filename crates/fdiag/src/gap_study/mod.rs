@@ -9,6 +9,7 @@ mod black_box;
 mod budget;
 mod calibrated;
 mod data;
+mod each;
 mod error;
 mod findings;
 mod follow;
@@ -36,6 +37,7 @@ pub mod words;
 pub use self::{
     budget::Budget,
     calibrated::{CalibratedModel, calibrate, calibrate_on},
+    each::{Answered, CauseInLog, Compared, ComparedCause, LogAnswer, MeanStrength, mean_in_words},
     error::GapError,
     findings::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
     follow::follow,
