@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,24 @@ from ._stated import Entries, Uncertain
 from .simulators import Simulator, rooms_of
 
 __all__ = ["Fmu", "Process", "forbid_programs"]
+
+
+# The command line of this package, wherever it is; not what is in the folder that a script runs in.
+_COMMAND = f"""
+import sys
+sys.path = [path for path in sys.path if path] + [{str(Path(__file__).resolve().parent.parent)!r}]
+from fdiag._command import main
+main()
+"""
+
+
+def _host_fmus() -> None:
+    """Each instance of an FMU is a process of its own, of the interpreter that runs this; in one without, none is."""
+    if sys.executable:
+        _fdiag.host_fmus([sys.executable, "-c", _COMMAND, "simulator", "serve"])
+
+
+_host_fmus()
 
 
 def forbid_programs() -> None:
@@ -63,7 +82,9 @@ class Fmu(Simulator):
     """An FMU for co-simulation (FMI 2.0 or 3.0).
 
     `uncertain` maps parameters to how well they are known, relative to their start values; `ports` are inputs at
-    which forces may be added. Without `inputs` and `outputs` all real ones are meant.
+    which forces may be added. Without `inputs` and `outputs` all real ones are meant. Each of `workers` instances is a
+    process of its own, of `sys.executable`, and each of its answers may take `timeout` seconds, 600 if not given. With
+    `in_process` it is loaded into this process, which ends when it crashes: where `sys.executable` is no Python.
     """
 
     def __init__(
@@ -78,6 +99,8 @@ class Fmu(Simulator):
         native_effects: Entries = None,
         sample_time: float | None = None,
         workers: int = 1,
+        timeout: float | None = None,
+        in_process: bool = False,
     ):
         path = Path(os.fspath(file)).resolve()
         head = {
@@ -85,6 +108,8 @@ class Fmu(Simulator):
             "kind": "fmu",
             "fmu": str(path),
             "workers": int(workers),
+            "timeout": None if timeout is None else float(timeout),
+            "in_process": bool(in_process),
             "sample_time": None if sample_time is None else float(sample_time),
         }
         parameters = {

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import fdiag
+
 SCRIPT = """
 import sys, fdiag
 marker = sys.argv[1]
@@ -42,3 +44,21 @@ def test_programs_can_be_forbidden(tmp_path: Path) -> None:
     assert all("would be executed, and programs are forbidden here" in line for line in said)
     assert all("forbid_programs" in line for line in said)
     assert not marker.exists()
+
+
+def test_an_fmu_has_a_process_of_its_own(mass: Path) -> None:
+    """It makes the runs of one in this process."""
+
+    def make(**how: bool) -> fdiag.Fmu:
+        return fdiag.Fmu(mass, outputs={"place": "m"}, uncertain={"d": 0.1}, sample_time=0.02, **how)
+
+    u = [[0.5, 0.0]] * 50
+    assert (make().simulate(u) == make(in_process=True).simulate(u)).all()
+    # The interpreter that serves it is another one.
+    script = f"""
+import os, fdiag
+fdiag.Fmu({str(mass)!r}, outputs={{"place": "m"}}, sample_time=0.02).simulate([[0.0, 0.0]] * 3)
+print(any("mass.so" in line for line in open("/proc/self/maps")))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.stdout == "False\n", done.stderr

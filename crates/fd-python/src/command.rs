@@ -8,6 +8,15 @@ pub(crate) fn forbid_programs() {
     fdiag::forbid_programs();
 }
 
+/// From now on this command serves each instance of an FMU, with the FMU as one more argument.
+#[pyfunction]
+pub(crate) fn host_fmus(command: Vec<String>) {
+    #[cfg(unix)]
+    fdiag::sim::outside::host_fmus(command);
+    #[cfg(not(unix))]
+    drop(command);
+}
+
 /// Runs the command line `fdiag`, the name of the program first, and returns its exit code.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {

@@ -64,6 +64,7 @@ fn _fdiag(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
     module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_function(wrap_pyfunction!(command::forbid_programs, module)?)?;
+    module.add_function(wrap_pyfunction!(command::host_fmus, module)?)?;
     module.add_function(wrap_pyfunction!(online::linear_channels, module)?)?;
     module.add_function(wrap_pyfunction!(settings::column_map, module)?)?;
     Ok(())

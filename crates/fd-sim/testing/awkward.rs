@@ -1,4 +1,4 @@
-//! A sprung mass, served as a process, that misbehaves as its first argument says. For tests.
+//! A sprung mass, served as a process, that misbehaves as its first argument says; or an FMU. For tests.
 #![allow(clippy::print_stderr, reason = "last words, to be quoted")]
 
 use std::{
@@ -168,6 +168,15 @@ impl<W: Write> Write for Lies<W> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let kind = arguments.next().unwrap_or_default();
+    #[cfg(all(unix, feature = "fmu"))]
+    if kind == "fmu" {
+        // An FMU, with nothing awkward but what is in it.
+        let path = arguments.next().unwrap_or_default();
+        return fd_sim::outside::serve_fmu(path.as_ref(), None).map_err(|error| {
+            eprintln!("{error}");
+            exit(1)
+        });
+    }
     let step = arguments.next().map_or(Ok(0), |step| step.parse())?;
     let manner = Manner { kind: kind.clone(), step, once: arguments.next() };
     if let (true, Some(file)) = (kind == "tell", &manner.once) {

@@ -56,6 +56,8 @@ pub struct OutsideFile {
     directory: PathBuf,
     command: Vec<String>,
     timeout: Duration,
+    /// Whether an FMU is loaded into this process.
+    in_process: bool,
     /// The FMU that it is, if it is one.
     fmu: Option<PathBuf>,
     /// Most simulators at once.
@@ -81,8 +83,8 @@ struct Written {
     directory: Option<Spanned<PathBuf>>,
     #[serde(default = "one")]
     workers: usize,
-    #[serde(default = "half_a_minute")]
-    timeout: f64,
+    timeout: Option<f64>,
+    in_process: Option<bool>,
     sample_time: Option<f64>,
     powers: Option<Powers>,
     #[serde(default)]
@@ -104,9 +106,9 @@ fn one() -> usize {
     1
 }
 
-fn half_a_minute() -> f64 {
-    30.0
-}
+/// Longest time for an answer, in seconds, where the file says none: of a program, and of an FMU, whose steps are not
+/// counted against it one by one.
+const TIMEOUTS: [f64; 2] = [30.0, 600.0];
 
 fn named(entries: Ordered<Entry>) -> Vec<Entry> {
     let each = entries.0.into_iter();
@@ -132,6 +134,7 @@ impl OutsideFile {
             file: file.clone(),
             message: error.to_string(),
         })?;
+        let timeout = read.timeout.unwrap_or(TIMEOUTS[usize::from(read.kind == "fmu")]);
         let checks = [
             (read.version == VERSION, "version", "1", read.version.to_string()),
             (
@@ -154,10 +157,16 @@ impl OutsideFile {
             ),
             (0 < read.workers, "workers", "at least 1", read.workers.to_string()),
             (
-                0.0 < read.timeout && read.timeout.is_finite(),
+                0.0 < timeout && timeout.is_finite(),
                 "timeout",
                 "seconds above 0",
-                read.timeout.to_string(),
+                timeout.to_string(),
+            ),
+            (
+                read.kind == "fmu" || read.in_process.is_none(),
+                "in_process",
+                "none, for a process",
+                "one".to_owned(),
             ),
             (
                 read.sample_time.is_none_or(|ts| 0.0 < ts && ts.is_finite()),
@@ -197,12 +206,20 @@ impl OutsideFile {
                 .directory
                 .map_or_else(|| here.to_owned(), |d| here.join(d.into_inner())),
             command: read.command,
+            in_process: read.in_process.unwrap_or(false),
             fmu: read.fmu,
-            timeout: Duration::try_from_secs_f64(read.timeout).unwrap_or(Duration::MAX),
+            timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
             workers: read.workers,
             stated,
             equations: read.equations.map(Spanned::into_inner),
         })
+    }
+
+    /// The FMU that it is of, if it is of one, and what it says of it.
+    #[must_use]
+    pub fn fmu(&self) -> Option<(PathBuf, &Stated)> {
+        let path = self.fmu.as_ref()?;
+        Some((self.directory.join(path), &self.stated))
     }
 
     /// Starts the simulator, at least once, and asks what it is.
@@ -225,7 +242,13 @@ impl OutsideFile {
 
     #[cfg(feature = "fmu")]
     fn open_fmu(&self, path: &Path) -> Result<OutsideSimulator, OutsideError> {
-        let fmu = super::Fmu::load(path, &self.stated)?;
+        let described = super::fmu::Described::read(path, &self.stated)?;
+        #[cfg(unix)]
+        if let Some(host) = super::fmu::host().filter(|_| !self.in_process) {
+            let fmu = super::fmu::HostedFmu::new(described, host, self.timeout);
+            return OutsideSimulator::new(fmu.contract.clone(), fmu, self.workers);
+        }
+        let fmu = super::Fmu::of(described, false)?;
         let workers = if fmu.is_single() { 1 } else { self.workers };
         OutsideSimulator::new(fmu.contract().clone(), fmu, workers)
     }
@@ -243,12 +266,10 @@ impl OutsideFile {
 
     #[cfg(unix)]
     fn open_process(&self) -> Result<OutsideSimulator, OutsideError> {
-        let process = super::Process {
-            command: self.command.clone(),
-            directory: self.directory.clone(),
-            timeout: self.timeout,
-            stated: self.stated.clone(),
-        };
+        let mut process = super::Process::new(self.command.iter().cloned());
+        process.directory.clone_from(&self.directory);
+        process.timeout = self.timeout;
+        process.stated = self.stated.clone();
         OutsideSimulator::new(process.contract()?, process, self.workers)
     }
 

@@ -30,8 +30,9 @@ const STARTS: usize = 2;
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) contract: Contract,
-    pub(super) source: Arc<dyn Source>,
+    /// Before the source: what it keeps for them is there until they have ended.
     pub(super) pool: Pool,
+    pub(super) source: Arc<dyn Source>,
     /// What was simulated before; none where everything is to be simulated.
     pub(super) memory: Option<Memory>,
     pub(super) tally: Arc<Tally>,

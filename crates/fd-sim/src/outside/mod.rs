@@ -5,7 +5,8 @@
 //! | [`Contract`] | channels, parameters, states, ports and capabilities of such a simulator |
 //! | [`OutsideSimulator`] | a [`Simulator`](crate::simulate::Simulator) on top of it: leased instances, remembered runs, counts |
 //! | [`Process`] | a program, over its standard input and output |
-//! | `Fmu` | a unit for co-simulation, FMI 2.0, behind the feature `fmu` |
+//! | `Fmu` | a unit for co-simulation, FMI 2.0 or 3.0, behind the feature `fmu` |
+//! | `host_fmus`, `serve_fmu` | the two sides of an FMU in a process of its own |
 //! | [`OutsideFile`] | its model file |
 //! | [`check()`] | whether a simulator keeps its promises |
 //!
@@ -39,6 +40,8 @@ mod tally;
 
 #[cfg(feature = "fmu")]
 pub use self::fmu::Fmu;
+#[cfg(all(unix, feature = "fmu"))]
+pub use self::fmu::{host_fmus, serve_fmu};
 #[cfg(unix)]
 pub use self::process::{PROTOCOL_VERSION, Process, serve, stated};
 pub use self::{

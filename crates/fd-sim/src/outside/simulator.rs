@@ -87,7 +87,7 @@ impl OutsideSimulator {
         let theta: Vec<f64> = contract.parameters.iter().map(|p| p.value).collect();
         let x0: Vec<f64> = contract.initial.iter().map(|state| state.value).collect();
         let (tally, mut source): (_, Arc<dyn Source>) = (Arc::<Tally>::default(), Arc::new(source));
-        if !contract.powers.resets {
+        if !contract.powers.resets && !source.renews() {
             source = Arc::new(Disposables { source, tally: Arc::clone(&tally) });
         }
         let mut first = source.open()?;

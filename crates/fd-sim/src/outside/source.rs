@@ -213,6 +213,11 @@ pub trait Source: Debug + Send + Sync {
         None
     }
 
+    /// Whether each of them begins every run afresh by itself, also where the contract says that it cannot be reset.
+    fn renews(&self) -> bool {
+        false
+    }
+
     /// How many whole runs one of them takes in one call.
     fn lanes(&self) -> usize {
         1

@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use fd_report::{Page, Table};
-use fdiag::gap_study::{Compared, ComparedCause, GapStudy, Request, mean_in_words, words};
+use fdiag::gap_study::{Compared, ComparedCause, GapStudy, Request, words};
 
 use super::{failure::Failure, output::Output};
 
@@ -45,7 +45,7 @@ pub(super) fn write(
 fn tables(compared: &Compared, whole: bool) -> Vec<Table> {
     let names = compared.logs.iter().map(|answer| answer.log.as_str());
     let header: Vec<&str> =
-        ["cause", "named by"].into_iter().chain(names).chain(["mean"]).collect();
+        ["cause", "named by"].into_iter().chain(names).chain(["mean", "differ"]).collect();
     let mut causes = Table::new("Causes, log by log: probability and strength", &header);
     for cause in &compared.causes {
         causes.push(row(cause, compared.logs.len()));
@@ -65,9 +65,12 @@ fn row(cause: &ComparedCause, logs: usize) -> Vec<String> {
         Some(found) => format!("{} {}", words::probability(found.probability), found.strength),
         None => "no fit".to_owned(),
     });
-    let means: Vec<String> = cause.strengths.iter().map(mean_in_words).collect();
+    let means = cause.strengths.iter().map(|s| words::with_unit(s.mean, s.standard_error, &s.unit));
+    let means: Vec<String> = means.collect();
+    let differ = cause.strengths.iter().map(|strength| format!("{:.1} errors", strength.differ));
+    let differ: Vec<String> = differ.collect();
     let named = format!("{} of {logs}", cause.named);
-    [name, named].into_iter().chain(in_log).chain([means.join("; ")]).collect()
+    [name, named].into_iter().chain(in_log).chain([means.join("; "), differ.join("; ")]).collect()
 }
 
 /// Writes the page that compares, and tells it.

@@ -20,7 +20,7 @@ use fdiag::{
         model::{LinearOptions, Model},
         outside::{
             Checked, Contract, Drive, Grade, OutsideError, OutsideFile, OutsideSimulator, Process,
-            serve, stated,
+            Stated, serve, serve_fmu, stated,
         },
         simulate::{EquationSimulator, Simulator as _},
     },
@@ -41,7 +41,10 @@ pub(crate) enum SimulatorCommand {
     /// something is broken.
     #[command(after_help = CHECK_HELP)]
     Check(CheckArgs),
-    /// Serve a model with equations on standard input and output, for whoever speaks the protocol
+    /// Serve a model with equations, or an FMU, on standard input and output, for whoever speaks the protocol
+    ///
+    /// What an FMU prints goes to standard error. `fdiag` runs FMUs by this command, unless their model files say
+    /// otherwise.
     #[command(after_help = SERVE_HELP)]
     Serve(ServeArgs),
 }
@@ -52,8 +55,9 @@ Examples:
   fdiag simulator check --amplitude 2.4 -- python3 examples/process/cart.py";
 
 const SERVE_HELP: &str = "\
-Example: a model that is diagnosed as if it were somebody's program
-  fdiag simulator check -- fdiag simulator serve examples/gap/quick-start/model.toml";
+Examples: a model that is diagnosed as if it were somebody's program, and an FMU
+  fdiag simulator check -- fdiag simulator serve examples/gap/quick-start/model.toml
+  fdiag simulator check -- fdiag simulator serve plant.fmu --step 0.01";
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
@@ -76,7 +80,7 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
-    /// Model file (TOML) of kind `equations` or `state-space`
+    /// Model file (TOML) of kind `equations`, `state-space` or `fmu`; or an FMU, with what the other side says of it
     #[arg(value_name = "MODEL")]
     model: PathBuf,
     /// Time between steps, in seconds, instead of what the model says
@@ -225,11 +229,26 @@ fn cost(check: &SimulatorCheck, workers: usize) -> String {
     text
 }
 
-/// The text of a file with a linear model.
-fn linear_of(file: &Path) -> Option<String> {
+/// The text of a model file of a kind.
+fn text_of(file: &Path, kind: &str) -> Option<String> {
     let text = read_text(file, Limits::default().bytes).ok()?;
     let table = text.parse::<toml::Table>().ok()?;
-    (table.get("kind")?.as_str()? == "state-space").then_some(text)
+    (table.get("kind")?.as_str()? == kind).then_some(text)
+}
+
+/// The FMU that is to be served, and what is said of it here.
+fn fmu_of(args: &ServeArgs) -> Result<Option<(PathBuf, Option<Stated>)>, Failure> {
+    let model = &args.model;
+    if model.is_dir() || model.extension().is_some_and(|extension| extension == "fmu") {
+        let said = args.step.map(|step| Stated { sample_time: Some(step), ..Stated::default() });
+        return Ok(Some((model.clone(), said)));
+    }
+    let Some(text) = text_of(model, "fmu") else { return Ok(None) };
+    let file = OutsideFile::parse(model, &text).map_err(Failure::of_input)?;
+    Ok(file.fmu().map(|(path, stated)| {
+        let sample_time = args.step.or(stated.sample_time);
+        (path, Some(Stated { sample_time, ..stated.clone() }))
+    }))
 }
 
 /// A linear model as equations, at the step that is wanted or else at its own.
@@ -244,8 +263,12 @@ fn of_linear(file: &Path, text: &str, step: Option<SampleTime>) -> Result<Model,
 }
 
 fn serve_model(args: &ServeArgs) -> Result<ExitCode, Failure> {
+    if let Some((fmu, said)) = fmu_of(args)? {
+        serve_fmu(&fmu, said).map_err(Failure::of_input)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let step = args.step.map(SampleTime::new).transpose().map_err(Failure::of_input)?;
-    let model = &if let Some(text) = linear_of(&args.model) {
+    let model = &if let Some(text) = text_of(&args.model, "state-space") {
         of_linear(&args.model, &text, step)?
     } else {
         let request = Request::new(&args.model, Vec::<PathBuf>::new());

@@ -7,6 +7,7 @@ mod bounds;
 mod cli;
 mod commands;
 mod demo;
+mod fmus;
 mod folder;
 mod fuzz;
 mod gap;

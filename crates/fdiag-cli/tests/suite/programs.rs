@@ -77,6 +77,8 @@ fn forbidden_programs_are_refused_with_the_way_out() {
             "the library in `a.fmu`",
         ),
         ("simulator check fmu.toml", "fmu.toml: ", "the library in `a.fmu`"),
+        ("simulator serve fmu.toml", "a.fmu: ", "the library in it"),
+        ("simulator serve a.fmu", "a.fmu: ", "the library in it"),
     ] {
         let desk = Desk::new();
         for line in [format!("--no-programs {line}"), line.replacen(' ', " --no-programs ", 1)] {

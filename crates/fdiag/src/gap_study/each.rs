@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{
     report::Report,
-    words::{self, capital, list, with_error},
+    words::{self, capital, list, with_unit},
 };
 
 /// Answers of several logs, side by side.
@@ -222,14 +222,10 @@ fn in_words(cause: &ComparedCause) -> String {
 }
 
 /// A mean strength, and whether the logs agree on it.
-#[must_use]
-pub fn mean_in_words(strength: &MeanStrength) -> String {
+fn mean_in_words(strength: &MeanStrength) -> String {
     let MeanStrength { unit, mean, standard_error, differ, .. } = strength;
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    format!(
-        "{}{unit} on average, differing {differ:.1} times as much as their errors say",
-        with_error(*mean, *standard_error)
-    )
+    let mean = with_unit(*mean, *standard_error, unit);
+    format!("{mean} on average, differing {differ:.1} times as much as their errors say")
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ pub mod words;
 pub use self::{
     budget::Budget,
     calibrated::{CalibratedModel, calibrate, calibrate_on},
-    each::{Answered, CauseInLog, Compared, ComparedCause, LogAnswer, MeanStrength, mean_in_words},
+    each::{Answered, CauseInLog, Compared, ComparedCause, LogAnswer, MeanStrength},
     error::GapError,
     findings::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
     follow::follow,

@@ -18,6 +18,7 @@ use rustix::{
 use super::{
     super::{error::OutsideError, leftovers, lock::open, programs},
     Process,
+    note::{Lines, Note, is_note},
 };
 
 /// Longest line of a hello, in bytes.
@@ -51,11 +52,12 @@ struct Words {
 }
 
 impl Words {
-    fn listen(&self, mut from: ChildStderr) {
-        let mut buffer = [0; 1024];
+    fn listen(&self, mut from: ChildStderr, note: Note) {
+        let (mut buffer, mut lines) = ([0; 1024], Lines::new(note));
         loop {
             match from.read(&mut buffer) {
                 Ok(n) if 0 < n => {
+                    lines.take(&buffer[..n]);
                     let mut last = open(&self.last);
                     last.0.extend(&buffer[..n]);
                     let surplus = last.0.len().saturating_sub(LAST_BYTES);
@@ -65,6 +67,7 @@ impl Words {
                 _ => break,
             }
         }
+        drop(lines);
         open(&self.last).1 = true;
         self.ended.notify_all();
     }
@@ -76,7 +79,8 @@ impl Words {
         let last = waited.unwrap_or_else(PoisonError::into_inner).0;
         let (front, back) = last.0.as_slices();
         let text = String::from_utf8_lossy(&[front, back].concat()).into_owned();
-        let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
+        let are_words = |line: &&str| !line.trim().is_empty() && !is_note(line);
+        let lines: Vec<&str> = text.lines().filter(are_words).collect();
         lines[lines.len().saturating_sub(LAST_LINES)..].join("\n")
     }
 }
@@ -115,8 +119,8 @@ impl Child {
         // A child that does not read must not stop this program.
         ioctl_fionbio(&input, true).map_err(|e| failed(e.to_string()))?;
         let words = Arc::new(Words::default());
-        let listener = Arc::clone(&words);
-        std::thread::spawn(move || listener.listen(error));
+        let (listener, note) = (Arc::clone(&words), process.note.clone());
+        std::thread::spawn(move || listener.listen(error, note));
         Ok(Self {
             running: child,
             input: Some(input),

@@ -11,12 +11,21 @@ mod child;
 mod frame;
 mod hello;
 mod instance;
+mod note;
 mod serve;
+#[cfg(feature = "fmu")]
+mod streams;
 
 use std::{path::PathBuf, time::Duration};
 
-use self::instance::ProcessInstance;
 pub use self::serve::{serve, stated};
+use self::{instance::ProcessInstance, note::Note};
+#[cfg(feature = "fmu")]
+pub(super) use self::{
+    note::{tell, tell_in_case_of_an_end},
+    serve::{Widths, answer, greet, heard},
+    streams::own_streams,
+};
 use super::{
     contract::{Contract, Stated},
     error::OutsideError,
@@ -45,6 +54,10 @@ pub struct Process {
     pub timeout: Duration,
     /// What the user says of it; it is told in the hello, and may say itself what is left out.
     pub stated: Stated,
+    /// What it is called in messages, if not by its command.
+    pub title: Option<String>,
+    /// What one of them has told its user.
+    note: Note,
 }
 
 impl Process {
@@ -56,6 +69,8 @@ impl Process {
             directory: PathBuf::from("."),
             timeout: Duration::from_secs(30),
             stated: Stated::default(),
+            title: None,
+            note: Note::default(),
         }
     }
 
@@ -68,14 +83,18 @@ impl Process {
         Ok(ProcessInstance::open(self)?.1)
     }
 
-    /// The command as it is shown in messages.
+    /// What it is called in messages.
     fn shown(&self) -> String {
-        self.command.join(" ")
+        self.title.clone().unwrap_or_else(|| self.command.join(" "))
     }
 }
 
 impl Source for Process {
     fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
         Ok(Box::new(ProcessInstance::open(self)?.0))
+    }
+
+    fn note(&self) -> Option<String> {
+        self.note.get()
     }
 }

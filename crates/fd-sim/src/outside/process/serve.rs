@@ -5,7 +5,9 @@ use std::io::{BufRead, Error, ErrorKind, Read, Result, Write};
 use super::{
     super::{
         contract::{Entry, Stated},
+        error::OutsideError,
         powers::Powers,
+        source::{Instance, Lost, Start},
     },
     PROTOCOL_VERSION,
     frame::{self, HEAD, Op, begin, put},
@@ -108,60 +110,124 @@ pub fn serve(
     mut input: impl BufRead,
     mut output: impl Write,
 ) -> Result<()> {
+    input.read_line(&mut String::new())?;
+    greet(hello, &mut output)?;
+    // What was not said of states is that they are there.
+    let shows_states = hello.powers.is_none_or(|powers| powers.states);
+    let widths = Widths::of(simulator, shows_states);
+    let lane = || -> std::result::Result<Box<dyn Instance>, OutsideError> {
+        Ok(Box::new(Served(simulator.boxed())))
+    };
+    answer(widths, vec![lane().map_err(Error::other)?], &lane, input, output)
+}
+
+/// Takes the hello of the other side: what it has been told of the simulator.
+#[cfg(feature = "fmu")]
+pub(in super::super) fn heard(input: &mut impl BufRead) -> Result<Stated> {
+    #[derive(serde::Deserialize)]
+    struct Theirs {
+        #[serde(default)]
+        stated: Stated,
+    }
+    let mut line = String::new();
+    input.read_line(&mut line)?;
+    let theirs: Theirs = serde_json::from_str(&line).map_err(|error| {
+        let message =
+            format!("the hello of who asks: expected a line of JSON, found `{line}` ({error})");
+        Error::new(ErrorKind::InvalidData, message)
+    })?;
+    Ok(theirs.stated)
+}
+
+/// Says hello.
+pub(in super::super) fn greet(hello: &Stated, output: &mut impl Write) -> Result<()> {
     #[derive(serde::Serialize)]
     struct Ours<'a> {
         version: u32,
         #[serde(flatten)]
         stated: &'a Stated,
     }
-    let mut line = String::new();
-    input.read_line(&mut line)?;
     let ours = Ours { version: PROTOCOL_VERSION, stated: hello };
     writeln!(output, "{}", serde_json::to_string(&ours).map_err(Error::other)?)?;
-    output.flush()?;
+    output.flush()
+}
 
-    // What was not said of states is that they are there.
-    let shows_states = hello.powers.is_none_or(|powers| powers.states);
-    let widths = Widths::of(simulator, shows_states);
-    // Lanes beyond the first, as many as were asked for at once.
-    let mut others: Vec<Box<dyn Simulator>> = Vec::new();
-    let (mut answer, mut bytes) = (Vec::new(), Vec::new());
-    while let Some((op, lanes, values)) = ask(&mut input)? {
+/// Answers frames by simulators beside each other, one for each lane that is asked for; `more` starts another.
+pub(in super::super) fn answer<'a>(
+    widths: Widths,
+    mut lanes: Vec<Box<dyn Instance + 'a>>,
+    more: &dyn Fn() -> std::result::Result<Box<dyn Instance + 'a>, OutsideError>,
+    mut input: impl BufRead,
+    mut output: impl Write,
+) -> Result<()> {
+    let (mut values, mut bytes) = (Vec::new(), Vec::new());
+    while let Some((op, wanted, asked)) = ask(&mut input)? {
         if op == Op::Bye as u32 {
-            return Ok(());
+            break;
         }
-        let (op, samples) = widths.check(op, lanes, &values)?;
+        let (op, samples) = widths.check(op, wanted, &asked)?;
         if matches!(op, Op::Reset | Op::Rollout) {
             // A lane brings values here, so that there are no more of them than values came.
-            while others.len() + 1 < lanes {
-                others.push(simulator.boxed());
+            while lanes.len() < wanted {
+                lanes.push(more().map_err(Error::other)?);
             }
-        } else if others.len() + 1 < lanes {
-            let found = others.len() + 1;
-            let message = format!("{} of {lanes} lanes, of which {found} have begun", op.name());
+        } else if lanes.len() < wanted {
+            let message =
+                format!("{} of {wanted} lanes, of which {} have begun", op.name(), lanes.len());
             return Err(Error::new(ErrorKind::InvalidData, message));
         }
-        answer.clear();
-        let each = values.len() / lanes;
-        for lane in 0..lanes {
-            let values = &values[lane * each..(lane + 1) * each];
-            let simulator = match lane.checked_sub(1) {
-                Some(other) => &mut *others[other],
-                None => &mut *simulator,
-            };
-            widths.act(simulator, op, samples, values, &mut answer)?;
+        values.clear();
+        let each = asked.len() / wanted;
+        let acted = lanes[..wanted].iter_mut().enumerate().try_for_each(|(i, lane)| {
+            widths.act(&mut **lane, op, samples, &asked[i * each..(i + 1) * each], &mut values)
+        });
+        let wanted = u32::try_from(wanted).map_err(Error::other)?;
+        match acted {
+            Ok(()) => {
+                let count = u32::try_from(values.len()).map_err(Error::other)?;
+                begin(&mut bytes, op, [wanted, count]);
+                put(&mut bytes, &values);
+            }
+            Err(Lost::Refused) => {
+                bytes.clear();
+                bytes.resize(HEAD, 0);
+            }
+            Err(Lost::Gone(error) | Lost::Broken(error)) => return Err(Error::other(*error)),
         }
-        let count = u32::try_from(answer.len()).map_err(Error::other)?;
-        begin(&mut bytes, op, [u32::try_from(lanes).map_err(Error::other)?, count]);
-        put(&mut bytes, &answer);
         output.write_all(&bytes)?;
         output.flush()?;
     }
     Ok(())
 }
 
+/// A simulator of this library as one that is asked.
+#[derive(Debug)]
+struct Served(Box<dyn Simulator>);
+
+impl Instance for Served {
+    fn reset(&mut self, start: Start<'_>) -> std::result::Result<(), Lost> {
+        self.0.start(start.theta, start.x0, start.first);
+        Ok(())
+    }
+
+    fn measure(&mut self, u: &[f64], y: &mut [f64]) -> std::result::Result<(), Lost> {
+        self.0.measure(u, y);
+        Ok(())
+    }
+
+    fn step(&mut self, row: &[f64], y: &mut [f64], x: &mut [f64]) -> std::result::Result<(), Lost> {
+        let (u, f) = row.split_at(self.0.inputs().len());
+        self.0.step(u, u, f, y);
+        if !x.is_empty() {
+            x.copy_from_slice(self.0.state());
+        }
+        Ok(())
+    }
+}
+
 /// How many values belong to what.
-struct Widths {
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Widths {
     parameters: usize,
     states: usize,
     inputs: usize,
@@ -180,6 +246,19 @@ impl Widths {
             inputs: simulator.inputs().len(),
             ports: simulator.ports().len(),
             outputs: simulator.outputs().len(),
+        }
+    }
+
+    /// Those of a contract.
+    #[cfg(feature = "fmu")]
+    pub(in super::super) fn of_contract(contract: &super::super::Contract) -> Self {
+        Self {
+            shows_states: contract.powers.states,
+            parameters: contract.parameters.len(),
+            states: contract.initial.len(),
+            inputs: contract.inputs.len(),
+            ports: contract.ports.len(),
+            outputs: contract.outputs.len(),
         }
     }
 
@@ -203,51 +282,48 @@ impl Widths {
                 format!("op {op}, {lanes} lanes: {} values, not {expected} each", values.len());
             return Err(Error::new(ErrorKind::InvalidData, message));
         }
+        if matches!(found, Op::Reset | Op::Rollout) {
+            values
+                .chunks_exact(expected)
+                .try_for_each(|lane| natural(Some(lane[0])).map(|_| ()))?;
+        }
         Ok((found, samples))
     }
 
-    /// Does what is asked of a lane, and adds what it answers.
+    /// Does what is asked of a lane, and adds what it answers: outputs, and then states.
     fn act(
         &self,
-        simulator: &mut dyn Simulator,
+        lane: &mut dyn Instance,
         op: Op,
         samples: usize,
         values: &[f64],
         answer: &mut Vec<f64>,
-    ) -> Result<()> {
-        let begin_run = |simulator: &mut dyn Simulator, rest: &[f64]| -> Result<()> {
-            let (theta, rest) = rest.split_at(self.parameters);
-            let first = natural(values.first().copied())? as u64;
-            simulator.start(theta, &rest[..self.states], first);
-            Ok(())
-        };
-        let from = answer.len();
-        let samples = if op == Op::Reset { 0 } else { samples };
-        answer.resize(from + samples * self.outputs, f64::NAN);
-        let y = &mut answer[from..];
+    ) -> std::result::Result<(), Lost> {
+        let (from, samples) = (answer.len(), if op == Op::Reset { 0 } else { samples });
+        let is_move = matches!(op, Op::Step | Op::Rollout);
+        let shown = if self.shows_states && is_move { self.states } else { 0 };
+        answer.resize(from + samples * self.outputs + shown, f64::NAN);
+        let (y, x) = answer[from..].split_at_mut(samples * self.outputs);
         match op {
-            Op::Reset => begin_run(simulator, &values[1..])?,
-            Op::Step => {
-                let (u, f) = values.split_at(self.inputs);
-                simulator.step(u, u, f, y);
-            }
-            Op::Measure => {
-                simulator.measure(values, y);
-            }
+            Op::Reset => lane.reset(self.start(values.first().copied(), &values[1..])),
+            Op::Step => lane.step(values, y, x),
+            Op::Measure => lane.measure(values, y),
             Op::Rollout | Op::Bye => {
-                begin_run(simulator, &values[2..])?;
-                let rows = &values[2 + self.parameters + self.states..];
-                let width = self.inputs + self.ports;
-                for (k, y) in y.chunks_exact_mut(self.outputs).enumerate() {
-                    let (u, f) = rows[k * width..(k + 1) * width].split_at(self.inputs);
-                    simulator.step(u, u, f, y);
-                }
+                let (start, rows) = values[2..].split_at(self.parameters + self.states);
+                let start = self.start(values.first().copied(), start);
+                // Those of a run without samples.
+                x.iter_mut().zip(start.x0).for_each(|(x, x0)| *x = *x0);
+                lane.rollout(start, rows, samples, y, x)
             }
         }
-        if self.shows_states && matches!(op, Op::Step | Op::Rollout) {
-            answer.extend_from_slice(simulator.state());
-        }
-        Ok(())
+    }
+
+    /// Where a run begins.
+    fn start<'v>(&self, first: Option<f64>, values: &'v [f64]) -> Start<'v> {
+        let (theta, x0) = values.split_at(self.parameters);
+        // It was checked.
+        let first = natural(first).unwrap_or(0) as u64;
+        Start { theta, x0, first }
     }
 }
 

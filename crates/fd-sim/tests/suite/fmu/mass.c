@@ -2,6 +2,8 @@
    4 m, 5 d, 6 k, 7 fault, 8 energy (local). */
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 typedef void *Component;
 typedef const char *String;
@@ -56,6 +58,9 @@ int fmi2ExitInitializationMode(Component c) {
 }
 int fmi2Terminate(Component c) { return 0; }
 int fmi2Reset(Component c) {
+#ifdef DIE_IN_RESET
+    abort();
+#endif
 #ifdef NO_RESET
     return 3;
 #endif
@@ -85,7 +90,14 @@ int fmi2GetReal(Component c, const unsigned *r, size_t n, double *x) {
 int fmi2DoStep(Component c, double t, double h, int no_return) {
     Mass *m = c;
     double *v = m->v;
+#ifdef TALK
+    puts("a step of the mass");
+    fflush(stdout);
+#endif
     if (v[7] > 0 && v[7] < t) {
+#ifdef DIE
+        DIE;
+#endif
         m->callbacks->logger(m->callbacks->environment, "mass", FAULT, "error", "the spring has %s", "broken");
         return FAULT;
     }

@@ -2,6 +2,9 @@
 #![allow(clippy::float_cmp, reason = "the bits are what is compared")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
+#[cfg(unix)]
+mod hosted;
+
 use std::{fs, path::Path, process::Command};
 
 use fd_sim::{
@@ -77,8 +80,16 @@ speed = {}
 push = { position = "place", velocity = "speed" }
 "#;
 
+/// A model file; in a process of its own, unless it says otherwise.
 fn file(directory: &TempDir, text: &str) -> OutsideFile {
+    #[cfg(unix)]
+    fd_sim::outside::host_fmus([env!("CARGO_BIN_EXE_awkward-simulator"), "fmu"]);
     OutsideFile::parse(&directory.path().join("model.toml"), text).unwrap()
+}
+
+/// The same text twice: for an FMU in a process of its own, and for one in this process.
+fn both(text: &str) -> [String; 2] {
+    [text.to_owned(), format!("in_process = true\n{text}")]
 }
 
 fn open(directory: &TempDir) -> OutsideSimulator {
@@ -112,12 +123,14 @@ fn run(simulator: &mut dyn Simulator, theta: &[f64], x0: &[f64]) -> Vec<f64> {
 #[test]
 fn an_fmu_is_the_plant_that_it_was_made_of() {
     for version in [2, 3] {
-        is_the_plant_that_it_was_made_of(&fmu_of(version, &[]));
+        let directory = fmu_of(version, &[]);
+        for text in both(FILE) {
+            is_the_plant_that_it_was_made_of(file(&directory, &text).open().unwrap());
+        }
     }
 }
 
-fn is_the_plant_that_it_was_made_of(directory: &TempDir) {
-    let mut simulator = open(directory);
+fn is_the_plant_that_it_was_made_of(mut simulator: OutsideSimulator) {
     let contract = simulator.contract();
     let names = |channels: &[fd_model::Channel]| -> Vec<String> {
         channels.iter().map(|c| format!("{} {}", c.name, c.unit)).collect()
@@ -156,7 +169,12 @@ fn is_the_plant_that_it_was_made_of(directory: &TempDir) {
 #[test]
 fn it_is_in_order_and_can_be_put_into_a_shell() {
     let directory = fmu(&[]);
-    let file = file(&directory, FILE);
+    for text in both(FILE) {
+        is_in_order(&file(&directory, &text));
+    }
+}
+
+fn is_in_order(file: &OutsideFile) {
     let found = check(&mut file.open().unwrap().without_memory(), SAMPLES, 1.0);
     assert_eq!(found.worst(), Grade::Fine, "{:?}", found.findings);
     let simulator = file.open().unwrap();
@@ -170,10 +188,12 @@ fn it_is_in_order_and_can_be_put_into_a_shell() {
 #[test]
 fn one_that_cannot_be_reset_is_made_anew() {
     let directory = fmu(&["NO_RESET"]);
-    let mut simulator = open(&directory).without_memory();
-    for m in [1.5, 2.0, 1.5] {
-        let found = run(&mut simulator, &[m, 0.8, 6.0], &[0.1, 0.0]);
-        assert_eq!(found, expected([m, 0.8, 6.0], [0.1, 0.0], 0.0));
+    for text in both(FILE) {
+        let mut simulator = file(&directory, &text).open().unwrap().without_memory();
+        for m in [1.5, 2.0, 1.5] {
+            let found = run(&mut simulator, &[m, 0.8, 6.0], &[0.1, 0.0]);
+            assert_eq!(found, expected([m, 0.8, 6.0], [0.1, 0.0], 0.0));
+        }
     }
 }
 
@@ -181,10 +201,19 @@ fn one_that_cannot_be_reset_is_made_anew() {
 #[test]
 fn one_whose_reset_resets_nothing_is_seen_and_made_anew() {
     let without_states = FILE.replace("[states]\nplace = { tolerance = 0.02 }\nspeed = {}\n", "");
-    for (macros, keeps) in [(&["EMPTY_RESET"][..], true), (&[], false)] {
+    let without_resets = without_states.clone() + "[powers]\nresets = false\n";
+    let [other, own] = both(&without_states);
+    for (macros, text, keeps) in [
+        (&["EMPTY_RESET"][..], &other, true),
+        (&["EMPTY_RESET"], &own, true),
+        (&["EMPTY_RESET"], &without_resets, false),
+        (&[], &other, false),
+        (&[], &own, false),
+    ] {
         let directory = fmu(macros);
-        let mut simulator = file(&directory, &without_states).open().unwrap().without_memory();
-        for m in [1.5, 1.5, 2.0, 1.5] {
+        let mut simulator = file(&directory, text).open().unwrap().without_memory();
+        // No two of them begin alike until it has to be known.
+        for m in [1.5, 2.0, 1.0, 1.5, 1.5] {
             let found = run(&mut simulator, &[m, 0.8, 6.0], &[]);
             assert_eq!(found, expected([m, 0.8, 6.0], [0.1, 0.0], 0.0), "{macros:?}");
         }
@@ -216,25 +245,30 @@ fn an_error_in_a_step_is_a_divergence_from_there_and_a_fatal_one_the_end() {
     ]);
     for (version, fault, is_fatal) in each {
         let directory = fmu_of(version, &[fault]);
-        let text = FILE.replace("k = {}", "k = {}\nfault = { tolerance = 0.0 }");
-        let mut simulator = file(&directory, &text).open().unwrap();
-        let healthy = expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0);
-        // From 1.01 s on; the step that fails begins at sample 51.
-        let found = run(&mut simulator, &[1.5, 0.8, 6.0, 1.01], &[0.1, 0.0]);
-        if is_fatal {
-            assert!(found.iter().all(|y| y.is_nan()));
-            let trouble = simulator.trouble().unwrap().to_string();
-            let expected = match version {
-                2 => "fmi2DoStep: fatal (4) the spring has %s",
-                _ => "fmi3DoStep: fatal (4) the spring has broken",
-            };
-            assert!(trouble.contains(expected), "{trouble}");
-        } else {
-            assert_eq!(found[..102], healthy[..102]);
-            assert!(found[102..].iter().all(|y| y.is_nan()));
-            assert_eq!(run(&mut simulator, &[1.5, 0.8, 6.0, 0.0], &[0.1, 0.0]), healthy);
-            assert_eq!(simulator.trouble(), None);
+        for text in both(&FILE.replace("k = {}", "k = {}\nfault = { tolerance = 0.0 }")) {
+            let simulator = file(&directory, &text).open().unwrap();
+            ends_with_an_error(simulator, version, is_fatal);
         }
+    }
+}
+
+fn ends_with_an_error(mut simulator: OutsideSimulator, version: u8, is_fatal: bool) {
+    let healthy = expected([1.5, 0.8, 6.0], [0.1, 0.0], 0.0);
+    // From 1.01 s on; the step that fails begins at sample 51.
+    let found = run(&mut simulator, &[1.5, 0.8, 6.0, 1.01], &[0.1, 0.0]);
+    if is_fatal {
+        assert!(found.iter().all(|y| y.is_nan()));
+        let trouble = simulator.trouble().unwrap().to_string();
+        let expected = match version {
+            2 => "fmi2DoStep: fatal (4) the spring has %s",
+            _ => "fmi3DoStep: fatal (4) the spring has broken",
+        };
+        assert!(trouble.contains(expected), "{trouble}");
+    } else {
+        assert_eq!(found[..102], healthy[..102]);
+        assert!(found[102..].iter().all(|y| y.is_nan()));
+        assert_eq!(run(&mut simulator, &[1.5, 0.8, 6.0, 0.0], &[0.1, 0.0]), healthy);
+        assert_eq!(simulator.trouble(), None);
     }
 }
 

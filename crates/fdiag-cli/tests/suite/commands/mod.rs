@@ -15,7 +15,7 @@ use desk::Desk;
 use fd_console::documented::{Shown, of_documents, of_help};
 
 /// The beginning of a line that is not run, and why.
-const PARSED: [(&str, &str); 9] = [
+const PARSED: [(&str, &str); 10] = [
     ("fdiag watch --replay", "the folder of a monitor that has run; its test is in `fd-watch`"),
     ("fdiag log info pusht", "LeRobot is read with the feature `parquet` only"),
     (
@@ -23,7 +23,11 @@ const PARSED: [(&str, &str); 9] = [
         "a Python that may not be there; its test is in `simulator`",
     ),
     ("fdiag simulator check cart.toml", "the same"),
-    ("fdiag gap --model examples/process", "the same"),
+    (
+        "fdiag simulator check -- fdiag simulator serve plant.fmu",
+        "an FMU, which needs a compiler; its test is in `fmus`",
+    ),
+    ("fdiag gap --model examples/process", "a Python that may not be there"),
     (
         "fdiag watch --model model.toml --spec spec.toml --healthy healthy.csv --unit rig --state state --mqtt",
         "a broker",

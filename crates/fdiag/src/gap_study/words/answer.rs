@@ -7,7 +7,7 @@ use fd_sim::equation::Expr;
 
 use super::{
     labels::{at, family, label, site},
-    numbers::with_error,
+    numbers::{with_error, with_unit},
     units::shown,
 };
 
@@ -126,9 +126,5 @@ pub fn estimate(label: &str, estimate: &Estimate) -> String {
     if value.is_infinite() {
         return "none".to_owned();
     }
-    let value = with_error(value, error);
-    match unit.as_str() {
-        "1" | "" => value,
-        unit => format!("{value} {unit}"),
-    }
+    with_unit(value, error, &unit)
 }

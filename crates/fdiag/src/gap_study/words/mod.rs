@@ -19,7 +19,7 @@ pub use self::{
     defects::{defect, time_policy},
     further::{advice, answers, rivals, truths},
     labels::{at, capital, family, label, list, site, standing},
-    numbers::{formula, four, p, percent, probability, share, with_error},
+    numbers::{formula, four, p, percent, probability, share, with_error, with_unit},
     objection::objection,
     regions::{region_of, region_on},
     units::shown,

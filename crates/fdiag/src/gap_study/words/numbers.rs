@@ -31,6 +31,16 @@ pub fn with_error(value: f64, error: f64) -> String {
     format!("{:.places$} ± {:.places$}", rounded(value), rounded(error))
 }
 
+/// A value with its standard error and unit, which a pure number has not: `0.31 ± 0.02 N m`.
+#[must_use]
+pub fn with_unit(value: f64, error: f64, unit: &str) -> String {
+    let value = with_error(value, error);
+    match unit {
+        "1" | "" => value,
+        unit => format!("{value} {unit}"),
+    }
+}
+
 /// Four significant figures.
 #[must_use]
 pub fn four(value: f64) -> String {

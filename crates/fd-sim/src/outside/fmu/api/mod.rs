@@ -16,8 +16,8 @@
 //!   standard allows; that is what `Send` rests on.
 //! * Callbacks do not unwind: they allocate and free by the C library, and copy a text.
 //!
-//! What an FMU does inside is beyond any proof: one with a bug can corrupt or end this process. Whoever does not
-//! trust one runs it in a process of its own (`kind = "process"`).
+//! What an FMU does inside is beyond any proof: one with a bug can corrupt or end this process. Therefore it is one for
+//! this FMU alone, where that can be had (`host_fmus`).
 #![allow(unsafe_code, reason = "functions of a C library")]
 
 mod three;
