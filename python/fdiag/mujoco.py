@@ -102,7 +102,7 @@ class MuJoCo(Simulator):
         places = [output_place(model, entry["name"], sensors) for entry in said_outputs]
         for entry, place in zip(said_outputs, places):
             entry.setdefault("unit", place.unit)
-            if place.wraps:
+            if place.wraps and entry["unit"] == place.unit:
                 entry.setdefault("wraps", True)
         paths, said_parameters = _parameters(model, uncertain or {})
         joints = _joints(model)

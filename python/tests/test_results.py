@@ -32,7 +32,9 @@ def test_a_frame_of_an_unknown_library_is_refused(answer: fdiag.Result) -> None:
 def test_parameters_of_the_simulator_are_told(answer: fdiag.Result) -> None:
     mass = {p.name: p for p in answer.parameters}["m"]
     assert (mass.unit, mass.nominal) == ("kg", 1.2)
-    assert abs(mass.value - 1.2) < 5 * mass.standard_error and mass.standing == "found"
+    # The cart is a little heavier than its model says, and the logs weigh it to a part of the tolerance.
+    assert mass.standing == "found" and 0 < mass.standard_error < 0.1 * 0.03 * 1.2
+    assert 5 * mass.standard_error < abs(mass.value - 1.2) < 0.03 * 1.2
     assert mass.tolerances == pytest.approx((mass.value / 1.2 - 1.0) / 0.03)
 
 
