@@ -108,9 +108,17 @@ impl<'a> Output<'a> {
         data: &impl Serialize,
         inputs: &[&Path],
     ) -> Result<(), Failure> {
-        let refuse = |e| Failure::output(self.directory.join("report.json"), e);
-        let json = layout::json(data, self.compact).map_err(refuse)?;
-        self.finish_as(headline, tables, page, json, inputs)
+        self.finish_as(headline, tables, page, self.as_json("report.json", data)?, inputs)
+    }
+
+    /// Data as the JSON that goes into a file of this name.
+    ///
+    /// # Errors
+    ///
+    /// Data that are no JSON.
+    pub fn as_json(&self, name: &str, data: &impl Serialize) -> Result<String, Failure> {
+        let refuse = |e| Failure::output(self.directory.join(name), e);
+        layout::json(data, self.compact).map_err(refuse)
     }
 
     fn finish_as(

@@ -70,11 +70,7 @@ impl Column {
             (None, Some(number)) => number,
             (None, None) => source.number(self.index)?,
         };
-        let value = self.circle.continued(self.conversion.apply(number), self.last);
-        if value.is_finite() {
-            self.last = value;
-        }
-        Ok(value)
+        Ok(self.circle.go_on(self.conversion.apply(number), &mut self.last))
     }
 }
 

@@ -64,6 +64,22 @@ impl Circle {
             last + self.difference(value, last)
         }
     }
+
+    /// The same one value after the other: `last` becomes the value, unless that is missing.
+    ///
+    /// ```
+    /// # use fd_model::Circle;
+    /// let (degrees, mut last) = (Circle::new(360.0), f64::NAN);
+    /// let read = [170.0, f64::NAN, -170.0].map(|value| degrees.go_on(value, &mut last));
+    /// assert_eq!((read[0], read[2]), (170.0, 190.0));
+    /// ```
+    pub fn go_on(self, value: f64, last: &mut f64) -> f64 {
+        let value = self.continued(value, *last);
+        if value.is_finite() {
+            *last = value;
+        }
+        value
+    }
 }
 
 #[cfg(test)]

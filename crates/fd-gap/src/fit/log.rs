@@ -120,9 +120,8 @@ impl Log {
         for (c, channel) in simulator.outputs().iter().enumerate() {
             circles.push(channel.circle());
             let mut last = f64::NAN;
-            for value in y.iter_mut().skip(c).step_by(ny).filter(|value| value.is_finite()) {
-                *value = circles[c].continued(*value, last);
-                last = *value;
+            for value in y.iter_mut().skip(c).step_by(ny) {
+                *value = circles[c].go_on(*value, &mut last);
             }
         }
         Ok(Self {

@@ -3,12 +3,15 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use fd_report::{Page, Table};
-use fdiag::gap_study::{Compared, ComparedCause, GapStudy, Request, words};
+use fdiag::gap_study::{Compared, ComparedCause, GapError, GapStudy, Request, words};
 
 use super::{failure::Failure, output::Output};
 
+/// The study of a log by its name.
+pub(super) type Studied = (String, Result<GapStudy, GapError>);
+
 /// A log by itself: the name of its directory, which is that of the file, with a number where two are alike, and its request.
-pub(super) fn requests(request: &Request) -> Vec<(String, Request)> {
+fn requests(request: &Request) -> Vec<(String, Request)> {
     let mut taken = BTreeSet::new();
     let mut name = |path: &Path| {
         let stem = path.file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
@@ -16,25 +19,36 @@ pub(super) fn requests(request: &Request) -> Vec<(String, Request)> {
         let mut names = std::iter::once(stem.to_string()).chain(numbered);
         names.find(|name| taken.insert(name.clone())).unwrap_or_default()
     };
-    let one = |path: &std::path::PathBuf| {
-        (name(path), Request { logs: vec![path.clone()], ..request.clone() })
-    };
-    request.logs.iter().map(one).collect()
+    let logs = request.logs.iter();
+    logs.map(|log| (name(log), Request { logs: vec![log.clone()], ..request.clone() })).collect()
+}
+
+/// The study of each log, of which the report is written into a directory of its own as soon as it is there.
+pub(super) fn studies(
+    request: &Request,
+    output: &Output<'_>,
+    out: &Path,
+    study: impl Fn(&Request) -> Result<GapStudy, GapError>,
+) -> Result<Vec<Studied>, Failure> {
+    let mut studies = Vec::with_capacity(request.logs.len());
+    for (name, request) in requests(request) {
+        let study = study(&request);
+        if let Ok(study) = &study {
+            write(output, out, &name, study)?;
+        }
+        studies.push((name, study));
+    }
+    Ok(studies)
 }
 
 /// Writes the report of one log into its directory.
-pub(super) fn write(
-    output: &Output<'_>,
-    out: &Path,
-    name: &str,
-    study: &GapStudy,
-) -> Result<(), Failure> {
+fn write(output: &Output<'_>, out: &Path, name: &str, study: &GapStudy) -> Result<(), Failure> {
     let directory = out.join(name);
     fs::create_dir_all(&directory).map_err(|error| Failure::output(&directory, error))?;
     let page = fd_page::page(study).map_err(Failure::analysis)?;
     output.write(&format!("{name}/report.html"), &page.to_html())?;
-    let json = serde_json::to_string_pretty(&study.report).map_err(Failure::analysis)?;
-    output.write(&format!("{name}/report.json"), &json)?;
+    let json = format!("{name}/report.json");
+    output.write(&json, &output.as_json(&json, &study.report)?)?;
     for model in &study.report.models {
         output.write(&format!("{name}/{}", model.file), &model.text)?;
     }
@@ -60,7 +74,7 @@ fn tables(compared: &Compared, whole: bool) -> Vec<Table> {
 }
 
 fn row(cause: &ComparedCause, logs: usize) -> Vec<String> {
-    let name = format!("{} {}", words::label(cause.label), words::at(&cause.site));
+    let name = words::effect_at(cause.label, &cause.site);
     let in_log = cause.logs.iter().map(|found| match found {
         Some(found) => format!("{} {}", words::probability(found.probability), found.strength),
         None => "no fit".to_owned(),

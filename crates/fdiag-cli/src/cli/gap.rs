@@ -45,16 +45,22 @@ pub(crate) fn run(args: &GapArgs, limit: Option<Duration>) -> Result<ExitCode, F
     let is_stopped = interrupted()?;
     let output = Output::prepare(&args.output)?;
     let pool = pool(args.output.threads)?;
-    let begun = Instant::now();
     let progress = Stages::new().stopped_by(is_stopped, limit);
+    let timed = |request: &Request| -> Result<GapStudy, GapError> {
+        let begun = Instant::now();
+        let mut study = pool.install(|| GapStudy::run(request, &progress))?;
+        let threads = pool.current_num_threads();
+        study.report.timing = Timing { seconds: begun.elapsed().as_secs_f64(), threads };
+        Ok(study)
+    };
     if args.each {
-        return each_log(args, &request, &output, progress);
+        let studies = each::studies(&request, &output, &args.output.out, timed)?;
+        progress.finish();
+        return compared(&studies, &output, &inputs(args));
     }
-    let study = pool.install(|| GapStudy::run(&request, &progress));
+    let study = timed(&request);
     progress.finish();
-    let mut study = study.map_err(|error| refusal(&error))?;
-    let threads = pool.current_num_threads();
-    study.report.timing = Timing { seconds: begun.elapsed().as_secs_f64(), threads };
+    let study = study.map_err(|error| refusal(&error))?;
     let page = page(&study).map_err(Failure::analysis)?;
     for model in &study.report.models {
         output.write(&model.file, &model.text)?;
@@ -70,34 +76,23 @@ pub(crate) fn run(args: &GapArgs, limit: Option<Duration>) -> Result<ExitCode, F
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every log by itself; one that has no answer is told beside the others.
-fn each_log(
-    args: &GapArgs,
-    request: &Request,
+/// What the answers of several logs agree on; one that has no answer is told beside the others.
+fn compared(
+    studies: &[each::Studied],
     output: &Output<'_>,
-    progress: Stages,
+    inputs: &[&Path],
 ) -> Result<ExitCode, Failure> {
-    let pool = pool(args.output.threads)?;
-    let mut studies = Vec::with_capacity(request.logs.len());
-    for (name, request) in each::requests(request) {
-        let study = pool.install(|| GapStudy::run(&request, &progress));
-        if let Ok(study) = &study {
-            each::write(output, &args.output.out, &name, study)?;
-        }
-        studies.push((name, study));
-    }
-    progress.finish();
-    if let [(_, Err(error)), ..] = &studies[..]
+    if let [(_, Err(error)), ..] = studies
         && studies.iter().all(|(_, study)| study.is_err())
     {
         return Err(refusal(error));
     }
     let mut answered: Vec<Answered<'_>> = Vec::with_capacity(studies.len());
-    for (name, study) in &studies {
+    for (name, study) in studies {
         let report = study.as_ref().map(|study| &study.report).map_err(ToString::to_string);
         answered.push((name.clone(), report));
     }
-    each::tell(output, &Compared::of(&answered), &inputs(args))?;
+    each::tell(output, &Compared::of(&answered), inputs)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -175,7 +175,14 @@ fn means(label: &str, causes: &[&Cause]) -> Vec<MeanStrength> {
 /// What most logs name, and which answer otherwise.
 fn headline(logs: &[LogAnswer], causes: &[ComparedCause]) -> String {
     let all = logs.len();
-    let count = |verdict: Verdict| logs.iter().filter(|log| log.verdict == Some(verdict)).count();
+    // A list of causes that leaves something unexplained names causes all the same.
+    let names_one = |log: usize| {
+        causes.iter().any(|cause| cause.logs[log].as_ref().is_some_and(|cause| cause.is_named))
+    };
+    let count = |verdict: Verdict| {
+        let silent = logs.iter().enumerate().filter(|(log, _)| !names_one(*log));
+        silent.filter(|(_, log)| log.verdict == Some(verdict)).count()
+    };
     let in_all: Vec<String> =
         causes.iter().filter(|cause| cause.named == all).map(in_words).collect();
     let in_some = causes.iter().filter(|cause| cause.named < all);
@@ -208,7 +215,7 @@ fn headline(logs: &[LogAnswer], causes: &[ComparedCause]) -> String {
 }
 
 fn named(cause: &ComparedCause) -> String {
-    format!("{} {}", words::label(cause.label), words::at(&cause.site))
+    words::effect_at(cause.label, &cause.site)
 }
 
 /// A cause with its strengths over all logs.
@@ -278,23 +285,32 @@ mod tests {
     #[test]
     fn the_headline_says_what_all_name_and_what_some_do() {
         let answer = |verdict| LogAnswer { log: "a".into(), headline: String::new(), verdict };
-        let cause = |label, named| ComparedCause {
+        let in_log =
+            |is_named| Some(CauseInLog { is_named, probability: 1.0, strength: String::new() });
+        let cause = |label, named_in: &[bool]| ComparedCause {
             label,
             site: SiteRef::Input(0, "u".into()),
-            logs: Vec::new(),
-            named,
+            logs: named_in.iter().map(|is_named| in_log(*is_named)).collect(),
+            named: named_in.iter().filter(|is_named| **is_named).count(),
             strengths: Vec::new(),
         };
         let logs = [Some(Verdict::Cause), Some(Verdict::Pair), None].map(answer);
-        let text = headline(&logs, &[cause("input-delay", 2)]);
+        let text = headline(&logs, &[cause("input-delay", &[true, true, false])]);
         assert_eq!(
             text,
             "No cause is named by all logs, but delay at input u (2 of 3); 1 of 3 logs has no answer."
         );
-        let text = headline(&logs[..2], &[cause("input-delay", 2), cause("input-gain", 1)]);
+        let both = [cause("input-delay", &[true, true]), cause("input-gain", &[true, false])];
         assert_eq!(
-            text,
+            headline(&logs[..2], &both),
             "Both logs name delay at input u; not all of them name gain error at input u (1 of 2)."
+        );
+        // A list that leaves something unexplained is no log without a known cause; one without a list is.
+        let logs = [Some(Verdict::NoneOfThese), Some(Verdict::NoneOfThese)].map(answer);
+        assert_eq!(
+            headline(&logs, &[cause("input-delay", &[true, false])]),
+            "No cause is named by all logs, but delay at input u (1 of 2); \
+             1 of 2 logs shows a gap that none of the known effects explains."
         );
     }
 }

@@ -26,10 +26,12 @@ impl Problem {
     ) {
         let (sigma, mut last) = (self.weights.sigma[output], 0.0);
         for (error, (simulated, measured)) in errors.iter_mut().zip(pairs) {
-            let missed = circle.continued(simulated - measured, last);
-            if self.goes_on && missed.is_finite() {
-                last = missed;
-            }
+            let missed = simulated - measured;
+            let missed = if self.goes_on {
+                circle.go_on(missed, &mut last)
+            } else {
+                circle.shortest(missed)
+            };
             *error = missed / sigma;
         }
     }

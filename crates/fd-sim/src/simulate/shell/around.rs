@@ -101,8 +101,7 @@ impl Around {
     fn go_on(&mut self) {
         let lasts = self.last.iter_mut().zip(&*self.circles);
         for (raw, (last, circle)) in self.raw.iter_mut().zip(lasts) {
-            *raw = circle.continued(*raw, *last);
-            *last = *raw;
+            *raw = circle.go_on(*raw, last);
         }
     }
 

@@ -14,7 +14,13 @@ use super::{
 /// An effect at its place, such as `Coulomb friction at joint`.
 #[must_use]
 pub fn effect(cause: &Cause) -> String {
-    format!("{} {}", label(cause.label), at(&cause.site))
+    effect_at(cause.label, &cause.site)
+}
+
+/// The same of a label and a place.
+#[must_use]
+pub fn effect_at(of: &str, site: &SiteRef) -> String {
+    format!("{} {}", label(of), at(site))
 }
 
 /// A cause with the other end of a coupling, such as `coupling of states at inflow with state h_2`.

@@ -15,7 +15,9 @@ mod steps;
 mod units;
 
 pub use self::{
-    answer::{cause, effect, estimate, estimate_of, group, pair, side, strength, with_strength},
+    answer::{
+        cause, effect, effect_at, estimate, estimate_of, group, pair, side, strength, with_strength,
+    },
     defects::{defect, time_policy},
     further::{advice, answers, rivals, truths},
     labels::{at, capital, family, label, list, site, standing},
