@@ -3,6 +3,7 @@
 use fd_compensate::calibrate::Beyond;
 use fd_core::stage::Stage;
 use fd_model::Record;
+use fd_numeric::rms;
 use fdiag::{
     spec::{NominalPlant, PipelineSpec, StartSpec},
     training::{Healthy, Trace, Trained, TrainingError, train},
@@ -41,6 +42,26 @@ pub struct Rate {
     pub refused: Vec<String>,
 }
 
+/// How much of the residual of fresh healthy runs compensation leaves on one plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Left {
+    /// Structure and orders of the bias model.
+    pub bias: String,
+    /// Of its rms, geometric mean over the channels.
+    pub of_all: f64,
+    /// Of its rms about the mean of the residuals that the bias was learned from, which a constant alone leaves.
+    pub of_constant: f64,
+}
+
+/// What was measured of some plants of a kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Detector by detector.
+    pub rates: Vec<Rate>,
+    /// Plant by plant, of those on which training was not refused.
+    pub left: Vec<Left>,
+}
+
 /// Trains on healthy logs of each plant of the first scenario, which is one of one's own, and counts the fresh healthy
 /// runs in which each detector alarms. The residual is that of the first generator of the configuration, all other
 /// settings are as they come.
@@ -53,7 +74,7 @@ pub fn measure(
     config: &CompareConfig,
     plan: &Plan,
     detectors: &[Stated],
-) -> Result<Vec<Rate>, CompareError> {
+) -> Result<Measured, CompareError> {
     let setting = |setting: &str, expected| CompareError::Setting {
         setting: setting.to_owned(),
         expected,
@@ -64,7 +85,8 @@ pub fn measure(
     let generator =
         config.generators.first().ok_or_else(|| setting("generators", "at least one"))?;
     let plants = OwnPlants::new(config, own)?;
-    let mut rates: Vec<Rate> = detectors.iter().map(Rate::of).collect();
+    let rates = detectors.iter().map(Rate::of).collect();
+    let mut measured = Measured { rates, left: Vec::new() };
     for seed in (config.first_seed..).take(usize::try_from(plan.plants).unwrap_or(usize::MAX)) {
         let fresh_runs = (plan.healthy + plan.fresh) as u64;
         let runs = plants.runs(Ask { seed, fresh_runs, tested: false })?;
@@ -76,22 +98,31 @@ pub fn measure(
         };
         // So many logs as users have do not resolve a rate. The interval of the threshold is of no interest here.
         (spec.calibration.beyond, spec.calibration.records) = (Beyond::Extrapolate, 1);
-        count(&runs, &spec, plan, detectors, &mut rates);
+        count(&runs, &spec, plan, detectors, &mut measured);
     }
-    for rate in &mut rates {
+    for rate in &mut measured.rates {
         rate.share = Share::clustered(&rate.plants);
     }
-    Ok(rates)
+    Ok(measured)
 }
 
 /// Adds the runs of one plant.
-fn count(runs: &Runs, spec: &PipelineSpec, plan: &Plan, detectors: &[Stated], rates: &mut [Rate]) {
+fn count(
+    runs: &Runs,
+    spec: &PipelineSpec,
+    plan: &Plan,
+    detectors: &[Stated],
+    measured: &mut Measured,
+) {
     let (learned, fresh) = runs.healthy.split_at(plan.healthy.min(runs.healthy.len()));
     let healthy: Vec<Healthy<'_>> =
         learned.iter().map(|log| Healthy::split(log, plan.learn_share)).collect();
     let model = NominalPlant::from(&runs.model).in_units(runs.scaling.clone());
     let mut trained = train(spec, model, &healthy);
-    for (Stated { spec, .. }, rate) in detectors.iter().zip(rates) {
+    if let Ok(trained) = &trained {
+        measured.left.extend(Left::of(trained, fresh).ok());
+    }
+    for (Stated { spec, .. }, rate) in detectors.iter().zip(&mut measured.rates) {
         let alarms = match &mut trained {
             Ok(trained) => alarms(trained.judge_by(spec.clone()), fresh),
             Err(error) => Err(error.clone()),
@@ -112,6 +143,40 @@ fn alarms(trained: &Trained, fresh: &[Record]) -> Result<u64, TrainingError> {
         alarms += u64::from(Trace::of(&mut pipeline, run)?.first_alarm(0).is_some());
     }
     Ok(alarms)
+}
+
+impl Left {
+    fn of(trained: &Trained, fresh: &[Record]) -> Result<Self, TrainingError> {
+        let mut pipeline = trained.silent()?;
+        let mut traces = Vec::new();
+        for run in fresh {
+            pipeline.reset();
+            traces.push(Trace::of(&mut pipeline, run)?);
+        }
+        let left = |channel: usize, of: &dyn Fn(&Trace, usize) -> f64| {
+            let judged = traces.iter().flat_map(|trace| {
+                let judged = (0..trace.len()).filter(|k| trace.compensating[*k]);
+                judged.map(move |k| of(trace, k * trace.channels + channel))
+            });
+            rms(judged)
+        };
+        let channels = trained.means().len();
+        let mean = |relative: &dyn Fn(usize) -> f64| {
+            ((0..channels).map(|channel| relative(channel).ln()).sum::<f64>() / channels as f64)
+                .exp()
+        };
+        let after = |channel| left(channel, &|trace, at| trace.compensated[at]);
+        Ok(Self {
+            bias: trained.bias_model().orders(),
+            of_all: mean(&|channel| {
+                after(channel) / left(channel, &|trace, at| trace.residual[at])
+            }),
+            of_constant: mean(&|channel| {
+                let constant = trained.means()[channel];
+                after(channel) / left(channel, &|trace, at| trace.residual[at] - constant)
+            }),
+        })
+    }
 }
 
 impl Rate {

@@ -9,5 +9,5 @@ mod measure;
 
 pub use self::{
     detectors::{Stated, detectors},
-    measure::{Plan, Rate, measure},
+    measure::{Left, Measured, Plan, Rate, measure},
 };

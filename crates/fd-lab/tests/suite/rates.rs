@@ -25,7 +25,7 @@ fn hold(name: &str, plan: &Plan, only: &[&str], by: [f64; 2]) {
     config.first_seed = 77_001;
     let mut detectors = detectors(STATED, config.samples_of_run());
     detectors.retain(|stated| only.is_empty() || only.contains(&stated.name));
-    for rate in measure(&config, plan, &detectors).unwrap() {
+    for rate in measure(&config, plan, &detectors).unwrap().rates {
         println!(
             "{name} {:?} {}: {} {:?}",
             plan.start,
@@ -33,9 +33,8 @@ fn hold(name: &str, plan: &Plan, only: &[&str], by: [f64; 2]) {
             rate.share.text(),
             rate.refused
         );
-        if rate.share.of > 0 {
-            assert!(rate.share.low <= by[1] && by[0] <= rate.share.high, "{rate:?}");
-        }
+        assert!(0 < rate.share.of, "{rate:?}");
+        assert!(rate.share.low <= by[1] && by[0] <= rate.share.high, "{rate:?}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use fd_model::figure;
 use fd_numeric::rms;
 use fd_report::{Line, Page, Picture, PictureError, Table};
-use fdiag::training::{Compared, Trace, WhyNot};
+use fdiag::training::{Applied, Compared, Trace, WhyNot};
 
 use super::{
     healthy::LogDoubt,
@@ -47,51 +47,71 @@ impl LogStudy {
             (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
         };
         let off = self.where_off();
-        if self.is_off() {
+        if self.all_are(Applied::Nothing) {
             return format!("{off}{alarms}{}", self.cautions());
         }
-        let verb = if after <= before {
-            format!("{} times smaller", figure(before / after))
+        let factor = |after: f64| {
+            if after <= before {
+                format!("{} times smaller", figure(before / after))
+            } else {
+                format!("{} times larger", figure(after / before))
+            }
+        };
+        let alone = if self.all_are(Applied::Constant) {
+            String::new()
         } else {
-            format!("{} times larger", figure(after / before))
+            format!(", a constant alone {}", factor(total(&|log| &log.rms_constant)))
         };
         format!(
-            "{off}Compensation makes the rms residual on the {which} {verb}{change}.{alarms}{}{}",
+            "{off}Compensation makes the rms residual on the {which} {}{change}{alone}.{alarms}{}{}",
+            factor(after),
             self.warning(),
             self.cautions(),
         )
     }
 
-    /// Whether no residual is compensated.
-    fn is_off(&self) -> bool {
+    /// Whether the same is subtracted from every residual.
+    fn all_are(&self, applied: Applied) -> bool {
         let payments = &self.bias.payments;
-        !payments.is_empty() && payments.iter().all(|payment| !payment.applied)
+        !payments.is_empty() && payments.iter().all(|payment| payment.applied == applied)
     }
 
-    /// The residuals that stay primary and why, as sentences; empty when all are compensated.
+    /// The residuals that the bias model is not subtracted from and why, as sentences; empty when there are none.
     fn where_off(&self) -> String {
-        let pairs = || self.residuals.iter().zip(&self.bias.payments);
-        let reasons: Vec<WhyNot> = pairs().filter_map(|(_, payment)| payment.why_not).collect();
-        let off =
-            pairs().filter(|(_, payment)| !payment.applied).filter_map(|(residual, payment)| {
-                Some(format!("{}: {}", residual.name, payment.why_not?.in_words()))
+        let off: Vec<(&SignalUnit, Applied, WhyNot)> = self
+            .residuals
+            .iter()
+            .zip(&self.bias.payments)
+            .filter(|(_, payment)| payment.applied != Applied::Bias)
+            .filter_map(|(residual, payment)| Some((residual, payment.applied, payment.why_not?)))
+            .collect();
+        let Some((_, _, first)) = off.first() else { return String::new() };
+        let all_for_this = off.iter().all(|(_, _, why)| why == first);
+        let why = if all_for_this {
+            first.in_words().to_owned()
+        } else {
+            let each = off.iter().map(|(of, _, why)| format!("{}: {}", of.name, why.in_words()));
+            each.collect::<Vec<_>>().join("; ")
+        };
+        if *first == WhyNot::Never {
+            "Compensation is switched off (bias.apply = \"never\"); the primary residual is judged."
+                .to_owned()
+        } else if self.all_are(Applied::Nothing) {
+            format!(
+                "Compensation does not pay here and is off, and the primary residual is judged: {why}."
+            )
+        } else if self.all_are(Applied::Constant) {
+            format!("Only a constant is subtracted, as more does not pay here: {why}. ")
+        } else {
+            let instead = off.iter().map(|(residual, applied, why)| {
+                let with = if *applied == Applied::Constant { "a constant" } else { "nothing" };
+                format!("{} has {with} subtracted: {}", residual.name, why.in_words())
             });
-        let off: Vec<String> = off.collect();
-        let same = reasons.windows(2).all(|pair| pair[0] == pair[1]);
-        match (&off[..], reasons.first()) {
-            ([], _) | (_, None) => String::new(),
-            (_, Some(WhyNot::Never)) if self.is_off() => {
-                "Compensation is switched off (bias.apply = \"never\"); the primary residual is judged.".to_owned()
-            }
-            (_, Some(only)) if same && self.is_off() => format!(
-                "Compensation does not pay here and is off, and the primary residual is judged: {}.",
-                only.in_words()
-            ),
-            _ if self.is_off() => format!(
-                "Compensation does not pay here and is off, and the primary residual is judged: {}.",
-                off.join("; ")
-            ),
-            _ => format!("Compensation is off where it does not pay. {}. ", off.join("; ")),
+            let instead: Vec<String> = instead.collect();
+            format!(
+                "The bias model is not subtracted where it does not pay. {}. ",
+                instead.join("; ")
+            )
         }
     }
 
@@ -194,10 +214,11 @@ impl LogStudy {
             &[
                 "residual",
                 "rms primary",
-                "rms compensated",
+                "rms less a constant",
+                "rms less the bias model",
                 "gain of the square",
                 "standard error",
-                "applied",
+                "subtracted",
             ],
         );
         for (residual, payment) in self.residuals.iter().zip(payments) {
@@ -205,10 +226,16 @@ impl LogStudy {
             table.push([
                 format!("{} [{}]", residual.name, residual.unit),
                 figure(residual.scale * payment.rms_primary),
+                figure(residual.scale * payment.rms_constant),
                 figure(residual.scale * payment.rms_compensated),
                 figure(square * payment.gain),
                 figure(square * payment.standard_error),
-                if payment.applied { "yes" } else { "no" }.to_owned(),
+                match payment.applied {
+                    Applied::Bias => "bias model",
+                    Applied::Constant => "a constant",
+                    Applied::Nothing => "nothing",
+                }
+                .to_owned(),
             ]);
         }
         (!payments.is_empty()).then_some(table)

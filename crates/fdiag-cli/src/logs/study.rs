@@ -114,6 +114,9 @@ pub struct LogResult {
     pub time_base: TimeBaseReport,
     /// Root mean square of each residual channel before compensation, in scaled units.
     pub rms_primary: Vec<f64>,
+    /// The same less a constant, the mean of the healthy residual that the bias was learned from.
+    #[serde(default)]
+    pub rms_constant: Vec<f64>,
     /// Root mean square of each residual channel after compensation.
     pub rms_compensated: Vec<f64>,
     /// Largest magnitude before and after compensation, all channels.
@@ -232,6 +235,7 @@ impl LogStudy {
                 samples: record.len(),
                 time_base: time_base.clone(),
                 rms_primary: rms_per_channel(&with, &with.residual),
+                rms_constant: rms_per_channel(&with, &less(&with.residual, trained.means())),
                 rms_compensated: rms_per_channel(&with, &with.compensated),
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
@@ -294,6 +298,11 @@ fn rms_per_channel(trace: &Trace, values: &[f64]) -> Vec<f64> {
     (0..channels)
         .map(|channel| rms(rows().filter(|(_, on)| **on).map(|(row, _)| row[channel])))
         .collect()
+}
+
+/// Rows less a constant in each channel.
+fn less(rows: &[f64], constants: &[f64]) -> Vec<f64> {
+    rows.iter().zip(constants.iter().cycle()).map(|(value, constant)| value - constant).collect()
 }
 
 /// First alarm among the samples in which the bias was subtracted, so that both residuals are

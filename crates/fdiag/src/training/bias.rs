@@ -8,7 +8,7 @@ use fd_ident::{
     scheduled::ScheduledModel,
     subspace::StateSpaceBias,
 };
-use fd_model::Record;
+use fd_model::{Record, SampleTime};
 
 use super::running::RunningBias;
 
@@ -58,41 +58,60 @@ impl LearnedBias {
         }
     }
 
-    /// The same model with a bias of zero in every channel that is not `kept`. One state-space model for all channels
-    /// cannot be divided: it stays as it is while any channel is kept.
+    /// The same model with a constant in every channel that has one in `constants`; a state-space model stays as it is
+    /// unless all have one.
     ///
     /// # Errors
     ///
     /// Never fails for models that were checked when they were made.
-    pub(super) fn only(&self, kept: &[bool]) -> Result<Self, IdentError> {
-        let silenced = |model: &ArxModel| {
-            let per_channel = model.orders().parameters(model.nu());
-            let mut theta = model.theta().to_vec();
-            for (theta, kept) in theta.chunks_exact_mut(per_channel).zip(kept) {
-                if !kept {
-                    theta.fill(0.0);
-                }
+    pub(super) fn but_for(
+        &self,
+        constants: &[Option<f64>],
+        ts: SampleTime,
+        nu: usize,
+    ) -> Result<Self, IdentError> {
+        if let Some(constants) = constants.iter().copied().collect::<Option<Vec<f64>>>() {
+            return Self::constant(constants, nu, ts);
+        }
+        let divided = |model: &ArxModel| {
+            let mut theta = Vec::new();
+            for (channel, constant) in constants.iter().enumerate() {
+                let own = model.channel(channel);
+                let (equation, offset) =
+                    own.split_at(own.len() - usize::from(model.orders().offset));
+                let keeps = f64::from(u8::from(constant.is_none()));
+                theta.extend(equation.iter().map(|coefficient| keeps * coefficient));
+                theta.push(constant.or(offset.first().copied()).unwrap_or(0.0));
             }
-            ArxModel::new(model.orders(), model.nu(), model.residual_len(), theta, model.ts())
+            let orders = model.orders().with_offset();
+            ArxModel::new(orders, model.nu(), model.residual_len(), theta, model.ts())
         };
         Ok(match self {
-            Self::Linear(model) => Self::Linear(silenced(model)?),
+            Self::Linear(model) => Self::Linear(divided(model)?),
             Self::Hammerstein(model) => Self::Hammerstein(HammersteinModel::new(
                 model.expansion().clone(),
-                silenced(model.linear())?,
+                divided(model.linear())?,
             )?),
             Self::Scheduled(model) => {
-                let locals = model.locals().iter().map(silenced).collect::<Result<_, _>>()?;
+                let locals = model.locals().iter().map(divided).collect::<Result<_, _>>()?;
                 Self::Scheduled(ScheduledModel::new(model.regions().clone(), locals)?)
             }
-            Self::StateSpace(model) if kept.contains(&true) => Self::StateSpace(model.clone()),
-            Self::StateSpace(model) => {
-                let system = model.system();
-                let constant = ArxOrders::new(0, 0, 0).with_offset();
-                let (nu, ny, ts) = (system.nu(), system.ny(), system.domain().ts);
-                Self::Linear(ArxModel::new(constant, nu, ny, vec![0.0; ny], ts)?)
-            }
+            Self::StateSpace(model) => Self::StateSpace(model.clone()),
         })
+    }
+
+    /// A constant in each channel, whatever the inputs do.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error when one is not finite.
+    pub(super) fn constant(
+        constants: Vec<f64>,
+        nu: usize,
+        ts: SampleTime,
+    ) -> Result<Self, IdentError> {
+        let orders = ArxOrders::new(0, 0, 0).with_offset();
+        Ok(Self::Linear(ArxModel::new(orders, nu, constants.len(), constants, ts)?))
     }
 
     /// All parameters, for reports.

@@ -73,11 +73,11 @@ pub enum TrainingError {
     },
     /// A diagnosis that starts in training did not get beyond it in the healthy logs.
     #[error(
-        "start = \"training\": the switch did not open in any healthy log (at most {samples} samples to \
-         calibrate on), so there is no threshold: give a longer log, or relax compensation.convergence"
+        "start = \"training\": the switch did not open in any healthy log (of {samples} samples at \
+         most), so there is no threshold: give a longer log, or relax compensation.convergence"
     )]
     NeverOpened {
-        /// Samples to calibrate on, in the longest log.
+        /// Samples of the longest log.
         samples: usize,
     },
     /// No order could be fitted.

@@ -11,12 +11,13 @@ use fd_model::Record;
 
 use super::{
     begin::forgotten_after,
+    bias::LearnedBias,
     error::TrainingError,
-    pay,
+    pay::{self, Applied, Payment},
     trace::Trace,
     train::{Healthy, Trained},
 };
-use crate::spec::{ApplySpec, StartSpec};
+use crate::spec::StartSpec;
 
 /// How many beginnings thresholds are calibrated on, all logs together: the rate of a threshold for one run in twenty
 /// then scatters by half of itself, as that of the rest does where it is resolved.
@@ -102,23 +103,30 @@ impl Trained {
         Ok(())
     }
 
-    /// Leaves the primary residual in every channel in which the bias does not pay.
+    /// Subtracts a constant or nothing in every channel in which the bias model does not pay.
     pub(super) fn apply_where_it_pays(
         &mut self,
         healthy: &[Healthy<'_>],
         moves: bool,
     ) -> Result<(), TrainingError> {
-        let apply = self.spec.bias.apply;
-        let (has_constant, never) = (self.bias.has_constant(), apply == ApplySpec::Never);
-        let learned = pay::Learned { moves, has_constant, never };
-        self.payments = pay::payments(&self.healthy, self.design.residual_len(), &learned);
-        let pays: Vec<bool> = self.payments.iter().map(|payment| payment.applied).collect();
-        if apply != ApplySpec::WhereItPays || pays.iter().all(|pays| *pays) {
-            let always = apply == ApplySpec::Always;
-            self.payments.iter_mut().for_each(|payment| payment.applied |= always);
+        let learned = pay::Learned { moves, means: &self.means, apply: self.spec.bias.apply };
+        self.payments = pay::payments(&self.healthy, &learned);
+        let pays = self.payments.iter().any(|payment| payment.applied == Applied::Bias);
+        if pays && matches!(self.bias, LearnedBias::StateSpace(_)) {
+            // One model for all channels cannot be divided.
+            self.payments.iter_mut().for_each(|payment| payment.applied = Applied::Bias);
+        }
+        let of_channel = |(payment, mean): (&Payment, &f64)| match payment.applied {
+            Applied::Bias => None,
+            Applied::Constant => Some(*mean),
+            Applied::Nothing => Some(0.0),
+        };
+        let constants: Vec<Option<f64>> =
+            self.payments.iter().zip(&self.means).map(of_channel).collect();
+        if constants.iter().all(Option::is_none) {
             return Ok(());
         }
-        self.bias = self.bias.only(&pays)?;
+        self.bias = self.bias.but_for(&constants, self.nominal.domain().ts, self.design.io().nu)?;
         self.fit.theta = self.bias.loaded();
         self.calibrate(healthy)
     }
@@ -128,7 +136,12 @@ impl Trained {
     /// as it goes on; one that trains first begins with each log.
     fn calibrate_on(&mut self, log: &Healthy<'_>, beginnings: usize) -> Result<(), TrainingError> {
         let trace = self.watch(log.record)?;
-        self.healthy.append(log.record, &trace, log.calibrate.clone());
+        // One that trains first has learned from nothing that comes after its switch is open.
+        let unlearned = match self.spec.start {
+            StartSpec::Fitted => log.calibrate.clone(),
+            StartSpec::Training => 0..log.record.len(),
+        };
+        self.healthy.append(log.record, &trace, unlearned);
         if self.fit.filling == 0 || self.spec.start != StartSpec::Fitted {
             return Ok(());
         }

@@ -81,9 +81,7 @@ impl Learned {
     fn nothing(records: &[Record], compared: Vec<Compared>) -> Result<Self, TrainingError> {
         let first = records.first().ok_or(TrainingError::NoHealthyLog)?;
         let (nu, channels) = (first.inputs().len(), first.outputs().len());
-        let constant = ArxOrders::new(0, 0, 0).with_offset();
-        let zero = ArxModel::new(constant, nu, channels, vec![0.0; channels], first.ts())?;
-        let bias = LearnedBias::Linear(zero);
+        let bias = LearnedBias::constant(vec![0.0; channels], nu, first.ts())?;
         Ok(Self { bias, selection: None, compared, events: Vec::new() })
     }
 }

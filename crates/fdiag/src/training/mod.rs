@@ -30,7 +30,7 @@ pub use self::{
     choose::Compared,
     error::TrainingError,
     examine::{Doubt, Examination, Names, examine, inputs_move},
-    pay::{Payment, WhyNot},
+    pay::{Applied, Payment, WhyNot},
     replay::{Primary, Subtracted, Subtraction},
     residuals::residual_record,
     running::RunningBias,

@@ -48,6 +48,19 @@ pub fn residual_record(
         .starting_at(start))
 }
 
+/// Mean of each residual channel over the complete samples of all records.
+pub(super) fn means(records: &[Record]) -> Vec<f64> {
+    let channels = records.first().map_or(0, |record| record.outputs().len());
+    let (mut sums, mut count) = (vec![0.0; channels], 0_usize);
+    for record in records {
+        for k in (0..record.len()).filter(|&k| record.is_complete(k)) {
+            sums.iter_mut().zip(record.y(k)).for_each(|(sum, r)| *sum += r);
+            count += 1;
+        }
+    }
+    sums.iter().map(|sum| sum / count.max(1) as f64).collect()
+}
+
 fn keep_finite(kept: &mut [f64], new: &[f64]) {
     for (kept, &new) in kept.iter_mut().zip(new) {
         if new.is_finite() {

@@ -24,7 +24,7 @@ use super::{
     fault_free::{FaultFree, Judged},
     learn::learn,
     pay::Payment,
-    residuals::residual_record,
+    residuals::{means, residual_record},
     running::RunningBias,
     silent::Silent,
     structure::{DynIdentifier, stand_by},
@@ -84,6 +84,8 @@ pub struct Trained {
     pub(super) selection: Option<OrderTable>,
     pub(super) compared: Vec<Compared>,
     pub(super) payments: Vec<Payment>,
+    /// Of the residuals that the bias was learned from, channel by channel.
+    pub(super) means: Vec<f64>,
     pub(super) fit: PreFitted,
     pub(super) events: Vec<Event>,
     pub(super) healthy: FaultFree,
@@ -152,6 +154,7 @@ pub fn train_within<'a>(
         selection: learned.selection,
         compared: learned.compared,
         payments: Vec::new(),
+        means: means(&records),
         fit,
         events: learned.events,
         healthy: FaultFree::default(),
@@ -161,7 +164,8 @@ pub fn train_within<'a>(
     if !trained.healthy.is_empty() && trained.spec.start == StartSpec::Fitted {
         trained.apply_where_it_pays(healthy, records.iter().any(inputs_move))?;
     }
-    let longest = healthy.iter().map(|log| log.calibrate.len()).max().unwrap_or(0);
+    let to_calibrate = healthy.iter().filter(|log| !log.calibrate.is_empty());
+    let longest = to_calibrate.map(|log| log.record.len()).max().unwrap_or(0);
     if spec.start == StartSpec::Training && longest > 0 && trained.healthy.is_empty() {
         return Err(TrainingError::NeverOpened { samples: longest });
     }
@@ -220,6 +224,13 @@ impl Trained {
     #[must_use]
     pub fn payments(&self) -> &[Payment] {
         &self.payments
+    }
+
+    /// Means of the residuals that the bias was learned from, channel by channel: what a constant alone would subtract,
+    /// and a detector that knows the mean of healthy runs leaves out by itself.
+    #[must_use]
+    pub fn means(&self) -> &[f64] {
+        &self.means
     }
 
     /// Phases of a recursive training.

@@ -51,12 +51,27 @@ impl Losses {
 /// The healthy samples as parts, and what is common to all candidates.
 pub(super) struct Judge<'r> {
     records: &'r [Record],
-    /// Each with its fold.
-    parts: Vec<(usize, Record)>,
-    /// Samples at the start of a part that fill the histories of every candidate.
+    parts: Vec<Part>,
+    /// Samples at the start of a run that fill the histories of every candidate.
     lag: usize,
     /// Mean square of each channel over the samples that are judged.
     power: Vec<f64>,
+}
+
+/// A part of a log.
+struct Part {
+    /// Of those that are judged together.
+    fold: usize,
+    /// The log from where it is simulated to the end of the part.
+    run: Record,
+    /// Where the part begins in it.
+    from: usize,
+}
+
+impl Part {
+    fn own(&self) -> Record {
+        self.run.slice(self.from, self.run.len())
+    }
 }
 
 impl<'r> Judge<'r> {
@@ -85,15 +100,19 @@ impl<'r> Judge<'r> {
             let kept = (share * length as f64).round() as usize;
             for j in 0..FOLDS {
                 let from = first + j * length;
-                parts.push(((i + j) % FOLDS, record.slice(from, from + kept)));
+                // From where the log begins, as the compensation runs: what a pole near 1 keeps of the first residuals
+                // then fades. A part of a log that is not compared as a whole is long enough for that.
+                let begin = if kept < length { from } else { first };
+                let run = record.slice(begin, from + kept);
+                parts.push(Part { fold: (i + j) % FOLDS, run, from: from - begin });
             }
         }
         let mut judge = Self { records, parts, lag, power: Vec::new() };
         let channels = records[0].outputs().len();
         let (mut sums, mut count) = (vec![0.0; channels], 0);
-        for (_, part) in &judge.parts {
+        for part in &judge.parts {
             for k in judge.judged(part) {
-                sums.iter_mut().zip(part.y(k)).for_each(|(sum, r)| *sum += r * r);
+                sums.iter_mut().zip(part.run.y(k)).for_each(|(sum, r)| *sum += r * r);
                 count += 1;
             }
         }
@@ -107,13 +126,13 @@ impl<'r> Judge<'r> {
     }
 
     /// Complete samples after those that fill the histories.
-    fn judged<'p>(&self, part: &'p Record) -> impl Iterator<Item = usize> + use<'p> {
+    fn judged<'p>(&self, part: &'p Part) -> impl Iterator<Item = usize> + use<'p> {
         let lag = self.lag;
         let mut complete = 0;
-        (0..part.len()).filter(move |&k| {
-            let is_complete = part.is_complete(k);
+        (0..part.run.len()).filter(move |&k| {
+            let is_complete = part.run.is_complete(k);
             complete += usize::from(is_complete);
-            is_complete && complete > lag
+            is_complete && complete > lag && part.from <= k
         })
     }
 
@@ -154,12 +173,12 @@ impl<'r> Judge<'r> {
         orders: &[ArxOrders],
         out: &[AtomicBool],
     ) -> Vec<Option<Vec<f64>>> {
-        let others = self.parts.iter().filter(|(of, _)| *of != fold);
-        let others: Vec<Record> = others.map(|(_, part)| part.clone()).collect();
+        let others = self.parts.iter().filter(|part| part.fold != fold);
+        let others: Vec<Record> = others.map(Part::own).collect();
         let losses = |model: Option<LearnedBias>| -> Option<Vec<f64>> {
             let model = model?;
-            let own = self.parts.iter().filter(|(of, _)| *of == fold);
-            let runs = own.map(|(_, part)| self.free_run(&model, part));
+            let own = self.parts.iter().filter(|part| part.fold == fold);
+            let runs = own.map(|part| self.free_run(&model, part));
             Some(runs.collect::<Option<Vec<_>>>()?.concat())
         };
         fit_all(structure, learning, orders, &others, out).into_iter().map(losses).collect()
@@ -169,15 +188,16 @@ impl<'r> Judge<'r> {
     pub(super) fn without_bias(&self) -> Losses {
         let mut losses = Vec::new();
         for fold in 0..FOLDS {
-            for (_, part) in self.parts.iter().filter(|(of, _)| *of == fold) {
+            for part in self.parts.iter().filter(|part| part.fold == fold) {
                 losses.extend(self.stretches(part, |_, r, e| e.copy_from_slice(r)));
             }
         }
         Losses(losses)
     }
 
-    /// What a simulation from the inputs leaves of a part, its histories filled with the measured residual.
-    fn free_run(&self, model: &LearnedBias, part: &Record) -> Option<Vec<f64>> {
+    /// What a simulation from the inputs leaves of a part, its histories filled with the measured residual where the run
+    /// begins.
+    fn free_run(&self, model: &LearnedBias, part: &Part) -> Option<Vec<f64>> {
         let radii = model.pole_radii().ok()?;
         if radii.iter().flatten().any(|radius| *radius >= 1.0) {
             return None;
@@ -200,27 +220,24 @@ impl<'r> Judge<'r> {
     /// there, and what it writes counts where the residual is there and histories are full.
     fn stretches(
         &self,
-        part: &Record,
+        Part { run, from, .. }: &Part,
         mut left: impl FnMut(&[f64], &[f64], &mut [f64]),
     ) -> Vec<f64> {
-        let channels = part.outputs().len();
+        let channels = run.outputs().len();
         let mut sums = [(0.0, 0_u32); STRETCHES];
         let (mut e, mut filled) = (vec![0.0; channels], 0);
-        let mut held = vec![0.0; part.inputs().len()];
-        for k in 0..part.len() {
-            held.iter_mut()
-                .zip(part.u(k))
-                .filter(|(_, u)| u.is_finite())
-                .for_each(|(h, u)| *h = *u);
-            let is_complete = part.is_complete(k);
+        let mut held = vec![0.0; run.inputs().len()];
+        for k in 0..run.len() {
+            held.iter_mut().zip(run.u(k)).filter(|(_, u)| u.is_finite()).for_each(|(h, u)| *h = *u);
+            let is_complete = run.is_complete(k);
             if filled < self.lag && !is_complete {
                 continue;
             }
-            left(&held, part.y(k), &mut e);
+            left(&held, run.y(k), &mut e);
             filled += usize::from(is_complete);
-            if is_complete && filled > self.lag {
+            if is_complete && filled > self.lag && *from <= k {
                 let squares = e.iter().zip(&self.power).filter(|(_, power)| **power > 0.0);
-                let (sum, count) = &mut sums[k * STRETCHES / part.len()];
+                let (sum, count) = &mut sums[(k - from) * STRETCHES / (run.len() - from)];
                 *sum += squares.map(|(e, power)| e * e / power).sum::<f64>() / channels as f64;
                 *count += 1;
             }
