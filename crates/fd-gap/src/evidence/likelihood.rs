@@ -210,7 +210,7 @@ fn maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> (f64, f64) {
 
 /// The `l` with the least `n l + E exp(−2 l)/2 + (l − c)²/(2 t²)`, a convex function, by Newton's
 /// method.
-fn best_log_scale(n: f64, squares: f64, prior: &NoisePrior) -> f64 {
+pub(crate) fn best_log_scale(n: f64, squares: f64, prior: &NoisePrior) -> f64 {
     let precision = prior.spread.powi(-2);
     // From the right, where the exponential is small, Newton could jump; from the left it climbs
     // down step by step without passing the solution.

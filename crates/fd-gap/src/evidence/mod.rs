@@ -6,12 +6,13 @@
 //! unrealistically sharp; then forecasts must decide ([`win_frequencies`]).
 
 mod frequency;
+pub(crate) mod grades;
 mod laplace;
 mod likelihood;
 mod posterior;
 mod tie;
 
-pub(crate) use self::likelihood::of_rounding;
+pub(crate) use self::likelihood::{best_log_scale, of_rounding};
 pub use self::{
     frequency::{BlockErrors, win_frequencies, win_frequencies_over},
     laplace::{DECADES, evidence},

@@ -6,11 +6,12 @@ use fd_effect::{Candidate, EffectParameter, Kind, Offers, Side, SiteRef, Suspect
 use fd_sim::model::Model;
 
 use super::Effort;
-use crate::diagnose::{Cause, Diagnosis};
+use crate::{
+    diagnose::{Cause, Diagnosis},
+    evidence::grades::STRONG,
+};
 
-/// Causes within this much evidence of the best one are confirmed beyond the usual number …
-const NEAR: f64 = 4.0;
-/// … up to so many times that.
+/// Causes that cannot be told from the best one are confirmed up to so many times the usual number.
 const AS_MANY: usize = 2;
 
 /// Best causes of which all laws are tried: one may be right where another only comes near.
@@ -89,7 +90,7 @@ impl<'a> Proposals<'a> {
             })
         };
         let best = diagnosis.causes.first().map_or(0.0, |first| first.log_evidence.max(0.0));
-        let is_near = |cause: &Cause| best - NEAR < cause.log_evidence;
+        let is_near = |cause: &Cause| best - STRONG < cause.log_evidence;
         let causes = diagnosis.causes.iter().enumerate();
         let chosen = causes.filter(|(place, cause)| {
             *place < effort.causes

@@ -11,17 +11,13 @@ use std::ops::Range;
 
 use fd_sim::simulate::Simulator;
 
-use super::log::Log;
+use super::{log::Log, plan::shortest_window};
 use crate::quality::{grid_step, robust_third_difference_floor};
 
 /// Difference of the two guesses, in noise, from which an output is left out.
 const UNKNOWN: f64 = 0.5;
 /// Smallest noise that is reckoned with, in the range of the output: outputs without noise are no more exact than that.
 const EXACT: f64 = 1e-4;
-/// Fewest samples per state behind a hole at which a simulation begins anew: as many settle the states of a window.
-const PER_STATE: usize = 4;
-/// Fewest of them in all.
-const FEWEST: usize = 8;
 
 impl Log {
     /// Rows in which an input is missing: those between two that have it.
@@ -45,7 +41,7 @@ impl Log {
             return self;
         }
         let is_unknown = self.unknown(simulator);
-        let least = FEWEST.max(PER_STATE * simulator.initial().len());
+        let least = shortest_window(simulator.initial().len());
         for i in 0..self.holes.len() {
             let hole = self.holes[i].clone();
             let next = self.holes.get(i + 1).map_or(self.samples, |next| next.start);

@@ -29,7 +29,10 @@ mod variable;
 mod weights;
 mod within;
 
-pub(crate) use self::{cholesky::Cholesky, descent::promised, levenberg::LONG, problem::AT_A_TIME};
+pub(crate) use self::{
+    cholesky::Cholesky, descent::promised, levenberg::LONG, plan::shortest_window,
+    problem::AT_A_TIME,
+};
 pub use self::{
     columns::Columns,
     error::FitError,

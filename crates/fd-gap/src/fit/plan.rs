@@ -7,6 +7,16 @@ use serde::Serialize;
 
 use super::{error::FitError, hidden_states, log::Log, variable::Variable};
 
+/// Samples per state in a window, at least: its first half settles the states.
+const SAMPLES_PER_STATE: usize = 4;
+/// Shortest window, in samples.
+const SHORTEST: usize = 8;
+
+/// Samples of the shortest window that settles so many states.
+pub(crate) fn shortest_window(states: usize) -> usize {
+    SHORTEST.max(SAMPLES_PER_STATE * states)
+}
+
 /// How long a simulation runs without seeing the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]

@@ -8,7 +8,7 @@ use super::{
 /// Part of the samples at a limit from which a channel counts as clipped.
 const CLIPPED: f64 = 0.05;
 /// A grid is coarse when its step is above this many times the noise between its points.
-const COARSE: f64 = 0.5;
+pub(crate) const COARSE_GRID: f64 = 0.5;
 /// Part of the distinct values that may miss the grid.
 const OFF_GRID: f64 = 0.01;
 /// Samples per distinct value from which three are a grid.
@@ -72,7 +72,7 @@ pub(super) fn defects(signal: &[f64], noise: Option<f64>, is_input: bool) -> Vec
     let grid = grid_step(signal);
     let third = third_difference_floor(signal).unwrap_or(0.0);
     let smooth = robust_third_difference_floor(signal).unwrap_or(0.0);
-    if let Some(step) = grid.filter(|step| COARSE * smooth.max(noise.unwrap_or(0.0)) < *step) {
+    if let Some(step) = grid.filter(|step| COARSE_GRID * smooth.max(noise.unwrap_or(0.0)) < *step) {
         found.push(Defect::Quantised { step });
     }
     for at in [low, high] {

@@ -30,8 +30,9 @@ pub use self::{
     wrong_sample::{leave_out_wrong_samples, wrong_samples},
 };
 pub(crate) use self::{
+    channel::COARSE_GRID,
     direct_path::passes_at_once,
     distribution::{MOST_OUTLIERS, OUTLIER_WIDTHS},
-    noise_floor::EXPLAINED,
+    noise_floor::{AT_THE_NOISE, EXPLAINED, REACHED},
     wrong_sample::{MOST_ACCIDENTS, NEIGHBOURS, neighbours, wrong_sample},
 };

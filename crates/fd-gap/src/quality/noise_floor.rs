@@ -4,8 +4,13 @@ use fd_numeric::{rms, robust_deviation};
 
 use super::Autoregression;
 
+/// Errors up to so many times the noise may be noise: its size is known no better.
+pub(crate) const AT_THE_NOISE: f64 = 1.2;
 /// Errors of so many times the noise are explained down to it.
 pub(crate) const EXPLAINED: f64 = 1.5;
+/// Errors within this many times the noise may be noise of another colour; beyond it they are the work of something else, and
+/// likelihoods are no use.
+pub(crate) const REACHED: f64 = 2.0;
 
 /// Standard deviation of white noise on a slow signal, `rms(Δ³ r) / √20`: a third difference
 /// removes what is locally a parabola, and multiplies the variance of white noise by

@@ -9,6 +9,7 @@ use fd_model::{
 use fd_sim::{model::Model, simulate::Simulator};
 
 use super::mistake::Mistake;
+use crate::evidence::grades::BEYOND_DOUBT;
 
 /// Probability of a mistake of each class, spread over all of its kind.
 const PRIOR: f64 = 0.01;
@@ -16,10 +17,8 @@ const PRIOR: f64 = 0.01;
 const TOGETHER: f64 = 0.2;
 /// Largest shift of a clock, in samples.
 pub(super) const FURTHEST: i64 = 20;
-/// What a delay of the plant explains as well is called a clock with this much reluctance, in units of a logarithm.
-const CAUSAL: f64 = 10.0;
 /// Factors closer than this to each other are the same.
-const SAME: f64 = 2e-3;
+pub(super) const SAME: f64 = 5e-3;
 /// Gains within this factor are honest errors of a sensor or an amplifier, not of a unit.
 const HONEST: f64 = 3.0;
 /// More parameters than these are no couplings that somebody wrote down.
@@ -65,7 +64,7 @@ pub(super) fn hypotheses(model: &Model, simulator: &dyn Simulator) -> Vec<Hypoth
         |channel: &Channel, late: i64| Mistake::Clock { channel: channel.name.clone(), late };
     let clocks = inputs.iter().flat_map(|c| late().map(move |late| (clock(c, late), late < 0)));
     let after = outputs.iter().flat_map(|c| late().map(move |late| (clock(c, late), 0 < late)));
-    let weight = |is_causal: bool| if is_causal { (-CAUSAL).exp() } else { 1.0 };
+    let weight = |is_causal: bool| if is_causal { (-BEYOND_DOUBT).exp() } else { 1.0 };
     class(&mut all, clocks.chain(after).map(|(clock, is_causal)| (clock, weight(is_causal))));
     let pace = simulator.ts().seconds() / model.sample_time;
     let is_near = |factor: &f64| (pace / factor).max(factor / pace) < PACE;

@@ -16,22 +16,15 @@ use super::{
 };
 use crate::{
     diagnose::{Case, Diagnosis, Verdict},
+    evidence::grades::{STRONG, VERY_STRONG},
     fit::{FitError, Horizon},
     quality::EXPLAINED,
 };
 
-/// Mistakes within this much (natural logarithm) cannot be told apart.
-const TIED: f64 = 3.0;
-/// How much less likely a log must be with half and with twice the factor: a factor that is not
-/// determined, as that of an input that does nothing, is no unit.
-const DETERMINED: f64 = 4.0;
 /// Part of the spread of a column that a mended simulation may leave.
 const FOLLOWS: f64 = 0.7;
 /// By how much (natural logarithm) errors must shrink where they stay above the noise.
 const SHRINKS: f64 = 0.5;
-/// Where no physical cause comes near the noise, a diagnosis of the mended log is worth its time if errors of the
-/// null fit shrink by so much (natural logarithm) and become so much likelier: there may be a cause as well.
-const WORTH: [f64; 2] = [0.4, 5.0];
 
 /// A mistake that would explain much, which a diagnosis of the mended log has to confirm.
 #[derive(Clone, Debug)]
@@ -133,8 +126,8 @@ impl Explained {
         let over_refit = best.1.advantage(&refit);
         let odds = best.1.advantage(&known) + price + best.0.log_prior;
         let is_worth = !known.is_noise(EXPLAINED)
-            && WORTH[0] < best.1.shrinks(&refit)
-            && WORTH[1] < over_refit;
+            && SHRINKS < best.1.shrinks(&refit)
+            && VERY_STRONG < over_refit;
         if !(0.0 < odds || is_worth)
             || !best.1.follows(&refit, FOLLOWS)
             || !is_determined(case, horizon, &best)
@@ -145,7 +138,7 @@ impl Explained {
             (Mistake::Clock { channel: a, .. }, Mistake::Clock { channel: b, .. }) => a == b,
             (a, b) => a == b,
         };
-        let tied = fits.iter().filter(|f| !same(&f.0.mistake) && -TIED < beats(f, &best));
+        let tied = fits.iter().filter(|f| !same(&f.0.mistake) && -STRONG < beats(f, &best));
         let also = tied.map(|(hypothesis, _)| hypothesis.mistake.clone()).collect();
         let (hypothesis, mended) = best;
         Ok(Some(Suspicion { hypothesis, also, as_read: known, price, mended }))
@@ -203,7 +196,7 @@ fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit))
     };
     [0.5, 2.0].into_iter().filter_map(with).all(|control| {
         let control = fit(case, horizon, &control);
-        control.is_none_or(|control| DETERMINED < best.1.advantage(&control))
+        control.is_none_or(|control| STRONG < best.1.advantage(&control))
     })
 }
 

@@ -6,10 +6,8 @@ use fd_model::{
 };
 use fd_sim::model::Model;
 
-use super::mistake::Mistake;
+use super::{hypotheses::SAME, mistake::Mistake};
 
-/// Relative error of a factor that is that of a unit.
-const SAME: f64 = 5e-3;
 /// Units of the same kind that are not in the table, with their factor: values in these are smaller.
 const MORE: [(&str, &str, f64); 3] =
     [("N", "kgf", 9.806_65), ("N m", "kgf m", 9.806_65), ("m/s^2", "g", 9.806_65)];

@@ -7,12 +7,12 @@ use super::{
     Settled,
     forecast::{Forecast, forecast_one},
 };
-use crate::fit::{FitError, Horizon, Log};
+use crate::{
+    evidence::grades::BEYOND_DOUBT,
+    fit::{FitError, Horizon, Log},
+    quality::REACHED,
+};
 
-/// What a free start must gain, per unknown, beyond `ln n`: as much as something needs to be sure.
-pub(crate) const SURE: f64 = 10.0;
-/// Times the noise in a forecast from which its start is doubted.
-const MISSED: f64 = 2.0;
 /// Part of the squares of the forecast that may be left with another start.
 const LEFT: f64 = 0.25;
 /// Times that have passed before a log begins, in eighths of its length, from which to seek the best …
@@ -41,7 +41,7 @@ pub(crate) fn as_begun(
         }
         let run = |log: &Log| forecast_one(nominal, best, log, Horizon::FreeRun, sigma);
         let Some(mut forecast) = run(log)? else { continue };
-        let is_missed = |forecast: &Forecast| MISSED * MISSED <= forecast.mean_square();
+        let is_missed = |forecast: &Forecast| REACHED * REACHED <= forecast.mean_square();
         if !log.is_in_motion && is_missed(&forecast) {
             let free = log.clone().in_motion();
             if let Some(found) = run(&free)?.filter(|found| is_better(found, &forecast, 0)) {
@@ -100,6 +100,6 @@ fn later(
 fn is_better(free: &Forecast, stated: &Forecast, more: usize) -> bool {
     let (n, unknowns) = (free.begin.samples as f64, (free.begin.unknowns + more) as f64);
     let gain = stated.begin.squares - free.begin.squares;
-    let is_sure = unknowns * (n.ln() + SURE) * free.begin.squares < n * gain;
+    let is_sure = unknowns * (n.ln() + BEYOND_DOUBT) * free.begin.squares < n * gain;
     is_sure && free.mean_square() < LEFT * stated.mean_square()
 }

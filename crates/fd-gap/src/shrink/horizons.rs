@@ -5,7 +5,7 @@ use fd_numeric::dense::DenseReal;
 use fd_numeric::upper_median;
 use fd_sim::simulate::{Outcome, Simulator, walk};
 
-use crate::fit::{Horizon, Log};
+use crate::fit::{Horizon, Log, shortest_window};
 
 /// Instants of a log at which a plant is linearised.
 const INSTANTS: usize = 9;
@@ -15,10 +15,6 @@ const STEP: f64 = 1e-5;
 /// A time constant that is longer than this part of the shortest log is cut to it: what is slower
 /// looks like an integrator to the log.
 const LONGEST: f64 = 0.1;
-/// Samples per state in a window, at least: its first half settles the states.
-const SAMPLES_PER_STATE: usize = 4;
-/// Shortest window, in samples.
-const SHORTEST: usize = 8;
 /// The middle horizon, in time constants.
 const MIDDLE: f64 = 5.0;
 
@@ -117,7 +113,7 @@ fn slowest_decay(
 pub fn horizons(time_constant: Option<f64>, states: usize, shortest_log: usize) -> Vec<Horizon> {
     let longest = LONGEST * shortest_log as f64;
     let time_constant = time_constant.map_or(longest, |t| t.min(longest));
-    let least = SHORTEST.max(SAMPLES_PER_STATE * states);
+    let least = shortest_window(states);
     let window = |factor: f64| {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below a log")]
         let samples = ((factor * time_constant).round() as usize).max(least);

@@ -22,7 +22,4 @@ pub use self::{
     gap::{Closed, Errors, closed, gap, gap_per_output},
     horizons::{dominant_time_constant, horizons},
 };
-pub(crate) use self::{
-    begun::{SURE, as_begun},
-    forecast::errors_from_best_starts,
-};
+pub(crate) use self::{begun::as_begun, forecast::errors_from_best_starts};

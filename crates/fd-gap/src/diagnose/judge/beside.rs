@@ -1,15 +1,18 @@
 //! A cause of the measurement beside the best simulated answer.
 
-use crate::diagnose::{
-    candidates::Candidates,
-    result::{CauseId, Pair},
-    sets::EffectSet,
-    weigh::{
-        answer::{Answer, PAIR},
-        measurement::{Measured, MeasurementCause, weigh_measurement},
-        rank::{RankedCause, measured_cause},
-        singles::Singles,
+use crate::{
+    diagnose::{
+        candidates::Candidates,
+        result::{CauseId, Pair},
+        sets::EffectSet,
+        weigh::{
+            answer::Answer,
+            measurement::{Measured, MeasurementCause, weigh_measurement},
+            rank::{RankedCause, measured_cause},
+            singles::Singles,
+        },
     },
+    evidence::grades::VERY_STRONG,
 };
 
 /// A cause of the measurement beside a simulated one.
@@ -62,7 +65,7 @@ impl<'a> Beside<'a> {
     /// Whether it belongs into the best answer: it is worth a second cause, and no pair of simulated
     /// causes is better.
     pub(super) fn is_best(&self, pairs: &[EffectSet]) -> bool {
-        PAIR < self.measured.gain
+        VERY_STRONG < self.measured.gain
             && pairs.first().is_none_or(|best| best.log_evidence < self.pair.log_evidence)
     }
 }

@@ -4,19 +4,17 @@ use crate::{
     diagnose::{
         result::{Leftover, Pair},
         settings::Settings,
-        weigh::{
-            SOMETHING, answer::Answer, lack_of_fit::LackOfFit, priors::Priors, rank::RankedCause,
-        },
+        weigh::{answer::Answer, lack_of_fit::LackOfFit, priors::Priors, rank::RankedCause},
     },
-    evidence::probabilities,
+    evidence::{
+        grades::{BEYOND_DOUBT, STRONG, VERY_STRONG},
+        probabilities,
+    },
 };
 
 /// Share of the amplitude of the gap from which what is left may be the work of something else;
 /// less is the right mechanism with another law.
 const OTHER: f64 = 0.15;
-
-/// What a strength costs that the data know: an unknown cause has one as well.
-const STRENGTH: f64 = 5.0;
 
 /// Probabilities of the answers that are neither a cause nor a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +36,7 @@ pub(super) fn unknown_gain(left: &Leftover) -> f64 {
     if OTHER < left.share { left.gain() } else { 0.0 }
 }
 
-/// With this gain over noise of what a fit leaves something is missing, if only in the law …
-const SIGNIFICANT: f64 = 10.0;
-/// … and then the answer is another one with at least this probability. Of laws that the library has in another
+/// Where something is missing beyond doubt, if only in the law, the answer is another one with at least this probability. Of laws that the library has in another
 /// form the first label was right in .73 of blind cases (docs/results/blind.md, seed 20270715).
 const ANOTHER: f64 = 0.25;
 /// Where nothing but noise is left, "none of these" can be no verdict.
@@ -59,8 +55,8 @@ pub(super) fn bounded(
     let Believed { others: Probabilities { no_gap, none_of_these }, mut causes, mut pairs } =
         believed;
     let gain = left.leftover.gain();
-    let low = if SIGNIFICANT < gain || is_curve { ANOTHER * (1.0 - no_gap) } else { 0.0 };
-    let is_noise = !left.is_unexplained && gain + doubt < SOMETHING;
+    let low = if BEYOND_DOUBT < gain || is_curve { ANOTHER * (1.0 - no_gap) } else { 0.0 };
+    let is_noise = !left.is_unexplained && gain + doubt < STRONG;
     let high = if is_noise { NOT_MORE * (1.0 - no_gap) } else { 1.0 };
     // What is named, as it is: of 1 less all others only rounding may be left.
     let of_causes = causes.iter().map(|ranked| ranked.cause.probability);
@@ -94,7 +90,7 @@ pub(super) fn believe(
     let priors = Priors::of(settings, n);
     let known = [priors.no_gap, priors.cause, priors.pair][best.effects.min(2)];
     let prior = known * unknown / (1.0 - unknown);
-    let mut answers = vec![(0.0, priors.no_gap), (best.log_evidence + gain - STRENGTH, prior)];
+    let mut answers = vec![(0.0, priors.no_gap), (best.log_evidence + gain - VERY_STRONG, prior)];
     answers.extend(causes.iter().map(|ranked| (ranked.cause.log_evidence, priors.cause)));
     answers.extend(pairs.iter().map(|pair| (pair.log_evidence, priors.pair)));
     let found = probabilities(&answers, temperature);

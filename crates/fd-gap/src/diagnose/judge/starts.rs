@@ -9,8 +9,8 @@ use crate::{
         },
         search::searched::Searched,
     },
+    evidence::grades::BEYOND_DOUBT,
     fit::FitError,
-    shrink::SURE,
 };
 
 /// Whether free starts could gain enough to be believed: not where the noise of all outputs is stated and the answer
@@ -51,6 +51,6 @@ pub(in crate::diagnose) fn prefer<'a>(stated: Judged<'a>, free: Judged<'a>) -> J
     let gain = n * (squares(&stated) / squares(&free)).ln();
     let is_plainer = free.best.effects as f64 + unknowns < stated.best.effects as f64
         || 1 < stated.best.effects && free.best.effects < stated.best.effects;
-    let least = if is_plainer { -SURE } else { needed(plan) };
+    let least = if is_plainer { -BEYOND_DOUBT } else { needed(plan) };
     if least < gain { free } else { stated }
 }

@@ -18,12 +18,10 @@ use super::case::Case;
 use crate::{
     evidence::of_rounding,
     fit::{FitError, Horizon, Log, NullFit, Plan, Weights, null_fit},
-    quality::{grid_step, robust_third_difference_floor},
+    quality::{AT_THE_NOISE, grid_step, robust_third_difference_floor},
 };
 
-/// A stated noise is believed up to this factor below what third differences show …
-const BELIEVED: f64 = 1.25;
-/// … and never raised by more than this.
+/// A stated noise is never raised by more than this, whatever third differences show.
 const RAISED: f64 = 4.0;
 
 /// What a diagnosis begins with: the logs, what is known of their noise, and the fit of the model
@@ -122,7 +120,7 @@ fn weighted_null_fit(
             let shown =
                 robust_third_difference_floor(&signals.join(&f64::NAN)).unwrap_or(1.0) * old;
             let sigma = match stated {
-                Some(stated) if shown <= BELIEVED * stated => *stated,
+                Some(stated) if shown <= AT_THE_NOISE * stated => *stated,
                 Some(stated) => shown.min(RAISED * stated),
                 None => shown.max(1e-3 * old),
             };

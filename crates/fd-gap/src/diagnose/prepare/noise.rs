@@ -2,7 +2,7 @@
 
 use crate::{
     evidence::{NoisePrior, of_rounding},
-    quality::noise_floor,
+    quality::{COARSE_GRID, REACHED, noise_floor},
     shrink::gap_per_output,
 };
 
@@ -10,11 +10,6 @@ use crate::{
 const NOISE_SPREAD: [f64; 2] = [0.1, 0.5];
 /// A grid above this many times the noise is seen in it: errors of rounding are no noise of a filter.
 const COARSE: f64 = 1.0;
-/// A grid above this many times the noise is a property of the log that is worth telling, not of the file's digits.
-const SEEN: f64 = 0.5;
-/// Errors within this many times the noise may be noise of another colour; beyond it they are the work of something else, and
-/// likelihoods are no use.
-pub(in crate::diagnose) const REACHED: f64 = 2.0;
 
 /// What is known of the noise of each output.
 #[derive(Clone, Debug)]
@@ -58,7 +53,7 @@ impl KnownNoise {
     /// The grids whose steps are seen in the noise, in the unit of the output.
     pub(in crate::diagnose) fn steps(&self) -> Vec<Option<f64>> {
         let outputs = self.grids.iter().zip(&self.sigma);
-        outputs.map(|(grid, sigma)| grid.filter(|step| SEEN * sigma < *step)).collect()
+        outputs.map(|(grid, sigma)| grid.filter(|step| COARSE_GRID * sigma < *step)).collect()
     }
 
     /// What errors are at least, in sigma: a log in steps of `q` has errors of `q/√12`, however smooth it looks, and

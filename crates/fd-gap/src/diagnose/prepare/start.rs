@@ -13,8 +13,8 @@ use crate::{
         case::Case,
         settings::{Beginning, Settings},
     },
+    evidence::grades::BEYOND_DOUBT,
     fit::{FitError, NullFit, Plan},
-    shrink::SURE,
 };
 
 /// The same logs with free starts, if these explain so much more that the logs cannot have begun where the model says: an
@@ -58,7 +58,7 @@ fn begins_in_motion(stated: &NullFit, free: &NullFit) -> bool {
 /// What free starts must gain where they are not the plainer answer, in log-likelihood.
 pub(in crate::diagnose) fn needed(free: &Plan) -> f64 {
     let (n, unknowns) = (free.measured() as f64, free.own_variables().count() as f64);
-    unknowns * (n.ln() + SURE)
+    unknowns * (n.ln() + BEYOND_DOUBT)
 }
 
 /// Sum of squares that a fit leaves, in `common` units; `None` where its simulation diverges.

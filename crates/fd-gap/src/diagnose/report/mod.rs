@@ -44,9 +44,6 @@ use crate::{
 /// Innovation, as a fraction of the noise, below which noise is slow: neighbouring samples show less than half of it.
 const SLOW: f64 = 0.5;
 
-/// Noise that nobody states is slow, too, whatever its innovation, where it is so many times what neighbouring samples show.
-const TWICE: f64 = 2.0;
-
 /// Reports the best answer; the refitted model where there is no gap. What is reported is the simulator
 /// as it came in the `case`, with its loop closed, whatever the controller saw while causes were sought.
 pub(super) fn report(
@@ -180,7 +177,7 @@ fn without_commands(findings: &mut Vec<Finding>, logs: usize, commanded: &[Strin
 /// neighbouring samples show.
 fn told(slow: Vec<bool>, noise: &KnownNoise, floor: &[f64]) -> Vec<bool> {
     let told = slow.into_iter().enumerate();
-    told.map(|(c, is)| is || noise.slow[c] && TWICE < floor[c]).collect()
+    told.map(|(c, is)| is || noise.slow[c] && 1.0 < SLOW * floor[c]).collect()
 }
 
 /// What could not be tried: refused, not simulated, or without a trace in the measurement.

@@ -14,16 +14,13 @@ use crate::{
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
+    quality::AT_THE_NOISE,
 };
 
-/// Strengths below so many standard errors are worth a word …
+/// Strengths below so many standard errors are worth a word.
 pub(crate) const FAINT: f64 = 2.0;
-/// … and below so many are none.
-const NONE: f64 = 1.0;
 /// A forecast that is worse than another one by less than this factor is not worse.
 const WORSE: f64 = 1.02;
-/// Times the noise floor up to which a forecast is as good as any can be.
-const AT_THE_FLOOR: f64 = 1.3;
 /// Distance from the edge of a box, in its width, that counts as at the edge.
 const EDGE: f64 = 1e-3;
 /// Fewest parameters at their edges, and share of all, with which a model is not the one that was meant.
@@ -104,7 +101,7 @@ fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
     (largest < FAINT).then(|| Objection::FaintStrength {
         cause: cause.label.to_owned(),
         errors: largest,
-        is_none: largest < NONE,
+        is_none: !cause.is_there(),
     })
 }
 
@@ -114,7 +111,7 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
     // What explains the fitted logs down to the noise, and surely something of the held-out ones, is no artefact of a
     // model that stands still: the rest is where a held-out log begins, or what only that one shows.
     let gaps = answer.explanation.gap.iter().zip(noise.floors);
-    let is_explained = gaps.into_iter().all(|(gap, floor)| *gap < AT_THE_FLOOR * floor);
+    let is_explained = gaps.into_iter().all(|(gap, floor)| *gap < AT_THE_NOISE * floor);
     if is_explained && !held_out.is_empty() && held_out.iter().all(is_shown) {
         return Vec::new();
     }
@@ -123,7 +120,7 @@ fn useless(claim: Claim<'_>) -> Vec<Objection> {
             && held_out.iter().all(|h| {
                 let after = h.total(|h| &h.after, noise.sigma);
                 let floor = h.total(|h| &h.floor, noise.sigma);
-                WORSE * h.total(rival, noise.sigma) < after && AT_THE_FLOOR * floor < after
+                WORSE * h.total(rival, noise.sigma) < after && AT_THE_NOISE * floor < after
             })
     };
     let mut all = Vec::new();

@@ -13,14 +13,12 @@ use crate::{
     diagnose::{
         candidates::{Candidates, is_same_cause},
         context::Context,
-        prepare::{
-            Prepared,
-            noise::{KnownNoise, REACHED},
-        },
+        prepare::{Prepared, noise::KnownNoise},
         search::search_beside,
         weigh::{answer::Fit, singles::Singles},
     },
     fit::{FitError, NullFit, Problem},
+    quality::REACHED,
 };
 
 /// What is sought beside a set.

@@ -15,7 +15,7 @@ use crate::{
         context::Context,
         judge::{Entrant, horizons, standings},
         monitor::Monitor,
-        prepare::{noise::REACHED, prepared, start::in_motion},
+        prepare::{prepared, start::in_motion},
         result::{Cause, Diagnosis},
         search::searched::Searched,
         settings::Settings,
@@ -28,6 +28,7 @@ use crate::{
     },
     evidence::{SEPARATED, distance, probabilities},
     fit::{FitError, Horizon, Log},
+    quality::REACHED,
     shrink::{Forecasts, Rules, Settled, as_begun, forecast_errors},
 };
 

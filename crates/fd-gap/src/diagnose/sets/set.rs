@@ -27,9 +27,6 @@ use crate::{
     shrink::gap,
 };
 
-/// Standard errors from which a strength is one.
-const THERE: f64 = 1.0;
-
 /// Effects that were fitted together.
 #[derive(Clone, Debug)]
 pub struct EffectSet {
@@ -263,8 +260,7 @@ impl EffectSet {
     /// Whether each of them is there: a strength below its standard error beside the others is none, and what the set
     /// explains more than they do is due to a rough sum of squares.
     pub(in crate::diagnose) fn are_all_there(&self) -> bool {
-        let is_there = |cause: &Cause| cause.significance().is_none_or(|ratio| THERE <= ratio);
-        self.causes().iter().all(is_there)
+        self.causes().iter().all(Cause::is_there)
     }
 
     /// Whether one of them follows a log as it pleases: beside another cause it may stand for anything.

@@ -6,16 +6,14 @@ use fd_sim::model::Model;
 use super::{explain::explain, measurement::MeasurementCause};
 use crate::{
     diagnose::result::Explanation,
+    evidence::grades::VERY_STRONG,
     fit::{Minimum, Problem, Variable},
     shrink::Paths,
 };
 
-/// Evidence over that of the best single cause from which a second cause is accepted.
-pub(in crate::diagnose) const PAIR: f64 = 5.0;
-
 /// Whether the evidence of two causes is so much more than that of one that a second is worth its name.
 pub(crate) fn is_a_pair(two: f64, one: f64) -> bool {
-    one + PAIR < two
+    one + VERY_STRONG < two
 }
 
 /// An explanation with what it rests on.

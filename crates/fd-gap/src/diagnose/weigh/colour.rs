@@ -4,11 +4,12 @@ use crate::together::each;
 
 use crate::{
     diagnose::{
-        prepare::noise::{KnownNoise, REACHED},
+        prepare::noise::KnownNoise,
         search::{finish, searched::Searched, trial::Trial},
     },
     evidence::likelihood,
     fit::{FitError, Weights, null_fit},
+    quality::REACHED,
     shrink::gap_per_output,
 };
 

@@ -16,22 +16,13 @@ use super::{
     stronger_noise::{Known, WHITE},
 };
 use crate::{
-    evidence::{DECADES, NoisePrior},
+    evidence::{DECADES, NoisePrior, best_log_scale, grades::BEYOND_DOUBT},
     fit::Problem,
     quality::Autoregression,
 };
 
-/// Jitters that are tried, of the one that would explain all errors by itself.
-const TRIED: [f64; 12] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
-/// Noise levels that are tried with each, of the size of all errors.
-const LEVELS: usize = 40;
-/// Smallest level.
-const LEAST: f64 = 0.02;
-/// Coefficients of the noise, a first-order autoregression, that are tried.
-const COLOURS: [f64; 7] = [0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95];
-
-/// Log-likelihood that a jitter has to gain beyond its price: what a model lacks grows with the slope as well.
-const RELUCTANT: f64 = 10.0;
+/// Places that are tried of the share that a jitter has in the errors, and of the colour of the noise.
+const PLACES: usize = 40;
 
 /// Noise and a jitter.
 #[derive(Clone, Copy, Debug)]
@@ -49,17 +40,6 @@ struct Tried {
 struct Foretold {
     error: f64,
     variance: f64,
-}
-
-impl Foretold {
-    fn log(&self) -> f64 {
-        let Self { error, variance } = *self;
-        if error.is_finite() {
-            -0.5 * (error * error / variance + variance.ln() + (2.0 * PI).ln())
-        } else {
-            0.0
-        }
-    }
 }
 
 impl Tried {
@@ -122,23 +102,35 @@ impl Jitter {
         if !(0.0 < size && 0.0 < steepness && steepness.is_finite()) {
             return None;
         }
-        let log = |tried: &Tried| -> f64 {
-            let log: f64 =
-                runs.iter().map(|run| tried.foretold(*run).map(|f| f.log()).sum::<f64>()).sum();
+        // With the noise as the unit everything is foretold as well, so that its best size is known at once.
+        let sized = |unit: Tried| -> (f64, Tried) {
+            let (mut squares, mut spreads) = (0.0, 0.0);
+            for found in runs.iter().flat_map(|run| unit.foretold(*run)) {
+                if found.error.is_finite() {
+                    squares += found.error * found.error / found.variance;
+                    spreads += found.variance.ln();
+                }
+            }
+            let size = best_log_scale(n, squares, &prior);
+            let misfit = squares * (-2.0 * size).exp();
+            let noise = size.exp();
+            let log = -0.5 * (misfit + spreads + 2.0 * n * size + n * (2.0 * PI).ln());
             // A colour costs what any of its coefficients does.
-            let price = if tried.colour == 0.0 { 0.0 } else { 0.5 * n.ln() };
-            log - prior.cost(tried.noise.ln()) - price
+            let price = if unit.colour == 0.0 { 0.0 } else { 0.5 * n.ln() };
+            let tried = Tried { noise, time: noise * unit.time, colour: unit.colour };
+            (log - prior.cost(size) - price, tried)
         };
-        let colours = if prior.is_coloured { &COLOURS[..] } else { &COLOURS[..1] };
-        let level = |i: usize| size * LEAST.powf(i as f64 / (LEVELS - 1) as f64);
-        let tried = colours.iter().flat_map(|colour| {
-            TRIED.iter().flat_map(move |part| {
-                let time = part * size / steepness;
-                (0..LEVELS).map(move |i| Tried { noise: level(i), time, colour: *colour })
+        let part = |i: usize| i as f64 / PLACES as f64;
+        let colours = if prior.is_coloured { PLACES } else { 1 };
+        let tried = (0..colours).flat_map(|colour| {
+            (1..PLACES).map(move |i| {
+                // The share is the squared sine of angles that are evenly apart: as evenly as shares can be told apart
+                // (Jeffreys).
+                let time = (0.5 * PI * part(i)).tan() / steepness;
+                Tried { noise: 1.0, time, colour: part(colour) }
             })
         });
-        let (best, tried) =
-            tried.map(|tried| (log(&tried), tried)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (best, tried) = tried.map(sized).max_by(|a, b| a.0.total_cmp(&b.0))?;
         let Tried { noise: s, time, .. } = tried;
         // Fisher's information of ln τ in a Gaussian of variance s² + τ² ẏ².
         let information: f64 = pairs()
@@ -160,7 +152,7 @@ impl Jitter {
             return None;
         }
         Some(Self {
-            gain: best - gaussian(signals, prior).log + occam - RELUCTANT,
+            gain: best - gaussian(signals, prior).log + occam - BEYOND_DOUBT,
             time: Known { value: time, standard_error: time * relative },
             left,
         })

@@ -4,12 +4,9 @@ use super::{answer::Answer, known::Known, leftover::leftover};
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Leftover},
     fit::Problem,
-    quality::noise_floor,
+    quality::{AT_THE_NOISE, noise_floor},
     shrink::gap_per_output,
 };
-
-/// `ln(rms/floor)` from which a residual is unexplained.
-const UNEXPLAINED: f64 = 0.2;
 
 /// What is left of the gap, and how much of that may be noise.
 #[derive(Clone, Debug)]
@@ -41,7 +38,7 @@ pub(super) fn lack_of_fit(
             slow.map_or(floor, |slow| floor.max(slow))
         })
         .collect();
-    let is_unexplained = gaps.iter().zip(&floor).any(|(gap, f)| UNEXPLAINED < (gap / f).ln());
+    let is_unexplained = gaps.iter().zip(&floor).any(|(gap, f)| AT_THE_NOISE * f < *gap);
     let outputs = &answer.explanation.outputs;
     // A controller on logged outputs has these for inputs as well, with their noise.
     let inputs = refit.explanation.model.external_inputs().len();

@@ -9,11 +9,9 @@ use super::{
 };
 use crate::{
     diagnose::{prepare::noise::KnownNoise, result::Estimate},
+    evidence::grades::VERY_STRONG,
     fit::Problem,
 };
-
-/// Log-likelihood ratio from which wrong samples come in bursts, which is no accident of a sensor.
-const BURSTS: f64 = 5.0;
 
 /// A cause of the measurement, and what it makes of the errors of a simulation.
 #[derive(Clone, Debug)]
@@ -33,7 +31,7 @@ impl MeasurementCause<'_> {
     /// Log-likelihood that something unknown in its place could gain over it: wrong samples in bursts
     /// are no accident.
     pub(in crate::diagnose) fn doubt(&self) -> f64 {
-        if BURSTS < self.bursts { self.bursts } else { 0.0 }
+        if VERY_STRONG < self.bursts { self.bursts } else { 0.0 }
     }
 }
 

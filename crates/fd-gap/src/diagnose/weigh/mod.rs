@@ -20,7 +20,7 @@ mod stronger_noise;
 pub(super) mod values;
 
 use self::{
-    answer::{Answer, PAIR, Proposal, choose},
+    answer::{Answer, Proposal, choose},
     colour::{COLOURED, colour_of, with_colour},
     from_pairs::fitted_from,
     lack_of_fit::LackOfFit,
@@ -29,13 +29,11 @@ use self::{
     slow::with_slow,
 };
 use super::{context::Context, search::searched::Searched, sets::EffectSet, settings::Settings};
-use crate::fit::FitError;
-
-/// Errors above this many times the noise leave room for a second effect, which must be looked for
-/// before the noise gets a colour that hides it.
-const NEAR: f64 = 1.15;
-/// Log-likelihood that something else could gain from which second causes are tried.
-pub(super) const SOMETHING: f64 = 3.0;
+use crate::{
+    evidence::grades::{STRONG, VERY_STRONG},
+    fit::FitError,
+    quality::AT_THE_NOISE,
+};
 
 /// Single causes and pairs with their evidence, and the answer that it prefers.
 #[derive(Debug)]
@@ -53,7 +51,7 @@ impl<'a> Weighed<'a> {
     pub(super) fn of(singles: Singles<'a>, pairs: Vec<EffectSet>, settings: &Settings) -> Self {
         // So much better than a single cause that two are worth their name.
         let pair = pairs.first().and_then(EffectSet::answer);
-        let pair = pair.map(|answer| Proposal { answer, price: PAIR });
+        let pair = pair.map(|answer| Proposal { answer, price: VERY_STRONG });
         let best = choose(&singles.refit, singles.proposal(settings).into_iter().chain(pair));
         let lack_of_fit = singles.lack_of_fit(&best);
         Self { singles, pairs, best, lack_of_fit }
@@ -68,7 +66,7 @@ impl<'a> Weighed<'a> {
             2 => self.pairs.first().is_some_and(EffectSet::follows_anything),
             _ => false,
         };
-        let is_short_of_it = follows && NEAR < noise.reach(&self.best.errors);
+        let is_short_of_it = follows && AT_THE_NOISE < noise.reach(&self.best.errors);
         let law = is_short_of_it.then(|| self.singles.first_law()).flatten();
         noise.is_far(law.as_ref().map_or(&self.best.errors, |law| &law.errors))
     }
@@ -82,7 +80,7 @@ pub(super) fn weigh<'a>(
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
     let (searched, left) = with_slow_noise(searched, context.settings.finalists)?;
-    if searched.noise.reach(&left) <= NEAR {
+    if searched.noise.reach(&left) <= AT_THE_NOISE {
         colour_then_pairs(searched, &left, context)
     } else {
         pairs_then_colour(searched, left, context)
@@ -100,7 +98,7 @@ fn with_slow_noise(
 ) -> Result<(Searched<'_>, Errors), FitError> {
     let left = searched.best_errors()?;
     let searched = Searched { noise: with_slow(&searched, &left)?, ..searched };
-    if !searched.noise.slow.contains(&true) || searched.noise.reach(&left) <= NEAR {
+    if !searched.noise.slow.contains(&true) || searched.noise.reach(&left) <= AT_THE_NOISE {
         return Ok((searched, left));
     }
     let Some(weights) = colour_of(&searched, &searched.noise, &left) else {
@@ -157,7 +155,7 @@ fn with_pairs<'a>(singles: Singles<'a>, context: &Context<'a>) -> Result<Weighed
 fn is_open(alone: &Weighed<'_>) -> bool {
     let Weighed { singles, best, lack_of_fit, .. } = alone;
     lack_of_fit.is_unexplained
-        || SOMETHING < lack_of_fit.leftover.gain()
+        || STRONG < lack_of_fit.leftover.gain()
         || best.effects == 1
             && (singles.is_first_a_curve() || singles.searched.slow_noise(COLOURED).contains(&true))
 }

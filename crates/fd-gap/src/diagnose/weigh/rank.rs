@@ -9,7 +9,7 @@ use crate::{
         result::{Cause, Estimate, Explanation},
         search::{searched::TrialId, trial::Trial},
     },
-    evidence::{NoisePrior, evidence, likelihood, pool},
+    evidence::{NoisePrior, evidence, grades::BARE_MENTION, likelihood, pool},
     fit::{Minimum, Problem},
     shrink::gap,
 };
@@ -51,9 +51,6 @@ pub(in crate::diagnose) struct WeighedLaw<'a> {
     /// The cause with this law alone.
     pub(in crate::diagnose) cause: Cause,
 }
-
-/// Evidence by which a law that the simulator has in itself is preferred to others of its cause.
-const BARE_MENTION: f64 = 1.16;
 
 impl WeighedLaw<'_> {
     /// What decides which law speaks for its cause.

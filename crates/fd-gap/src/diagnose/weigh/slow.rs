@@ -8,12 +8,10 @@
 //! *When not to use:* where the model states the noise, because its size then shows what is too much; and on a
 //! coarse grid, whose rounding errors are not filtered noise.
 
-use super::{
-    SOMETHING,
-    known::{Known, signals},
-};
+use super::known::{Known, signals};
 use crate::{
     diagnose::{prepare::noise::KnownNoise, search::searched::Searched},
+    evidence::grades::STRONG,
     fit::FitError,
     quality::pattern,
 };
@@ -35,7 +33,7 @@ pub(in crate::diagnose) fn with_slow(
     let inputs = searched.model.external_inputs().len();
     let signals = signals(Known { problem: &problem, inputs, outputs: &outputs });
     for ((is_slow, errors), may_be) in noise.slow.iter_mut().zip(left).zip(may_be) {
-        *is_slow |= may_be && pattern(errors, &signals) < SOMETHING;
+        *is_slow |= may_be && pattern(errors, &signals) < STRONG;
     }
     Ok(noise)
 }
