@@ -52,11 +52,10 @@ pub enum Mode {
 pub struct Convergence {
     /// Which test ends it; default [`ConvergenceRule::InARow`].
     pub rule: ConvergenceRule,
-    /// With the rule `in-a-row`: `ε` of the test `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖`; default 3e-3. A smaller one mostly buys time:
+    /// With the rule `in-a-row`: `ε` of the test `‖θ(k+1) − θ(k)‖ ≤ ε ‖θ(k)‖`; default 1e-3. A smaller one mostly buys time:
     /// for a second-order bias under white noise of 1 % of its peak, recursive least squares passes
     /// 1e-3 after 3 000 to 10 000 samples and 1e-4 not within 20 000, while what is left of the bias
-    /// is the same within some per cent from 3e-3 on. With 1e-3 the switch did not open in 3000 samples of a motor with
-    /// friction, on which 3e-3 leaves as much as a fit to all of them.
+    /// is the same within some per cent from 3e-3 on.
     pub tolerance: f64,
     /// With the rule `in-a-row`: samples in a row that must pass the test, more than the order of the bias
     /// model; default 50.
@@ -79,7 +78,7 @@ impl Default for Convergence {
     fn default() -> Self {
         Self {
             rule: ConvergenceRule::default(),
-            tolerance: 3e-3,
+            tolerance: 1e-3,
             consecutive: 50,
             least_samples: 200,
             longest: None,

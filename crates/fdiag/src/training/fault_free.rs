@@ -109,8 +109,8 @@ impl Trained {
         healthy: &[Healthy<'_>],
         moves: bool,
     ) -> Result<(), TrainingError> {
-        let learned = pay::Learned { moves, means: &self.means, apply: self.spec.bias.apply };
-        self.payments = pay::payments(&self.healthy, &learned);
+        let terms = pay::Terms { moves, means: &self.means, apply: self.spec.bias.apply };
+        self.payments = pay::payments(&self.healthy, &terms);
         let pays = self.payments.iter().any(|payment| payment.applied == Applied::Bias);
         if pays && matches!(self.bias, LearnedBias::StateSpace(_)) {
             // One model for all channels cannot be divided.

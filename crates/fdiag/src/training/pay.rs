@@ -46,7 +46,7 @@ pub enum Applied {
 pub enum WhyNot {
     /// The spec says `bias.apply = "never"`.
     Never,
-    /// No input moved while the bias was learned.
+    /// No input moved while the bias was terms.
     Unexcited,
     /// The residual is noise: there is no bias.
     NoBias,
@@ -83,8 +83,8 @@ const ERRORS: f64 = 1.0;
 /// Largest memory of a residual that is noise, in samples: one of a moving average over two samples is 2.
 const NOISE: f64 = 2.0;
 
-/// What was learned and how.
-pub(super) struct Learned<'a> {
+/// What a payment is judged by beside the held-out samples.
+pub(super) struct Terms<'a> {
     /// Whether an input moved.
     pub(super) moves: bool,
     /// Means of the residuals that it was learned from.
@@ -93,17 +93,17 @@ pub(super) struct Learned<'a> {
 }
 
 /// The payments of all channels.
-pub(super) fn payments(held_out: &FaultFree, learned: &Learned<'_>) -> Vec<Payment> {
-    let channels = learned.means.len();
+pub(super) fn payments(held_out: &FaultFree, terms: &Terms<'_>) -> Vec<Payment> {
+    let channels = terms.means.len();
     let channel = |values: &[f64], at: usize| -> Vec<f64> {
         values.iter().skip(at).step_by(channels).copied().collect()
     };
     let payment = |(at, mean): (usize, &f64)| {
         let primary = channel(&held_out.primary, at);
         let compensated = channel(&held_out.compensated, at);
-        Payment::of(&primary, &compensated, *mean, learned)
+        Payment::of(&primary, &compensated, *mean, terms)
     };
-    learned.means.iter().enumerate().map(payment).collect()
+    terms.means.iter().enumerate().map(payment).collect()
 }
 
 /// By how much a mean square became smaller.
@@ -132,12 +132,12 @@ impl Gain {
 }
 
 impl Payment {
-    fn of(primary: &[f64], compensated: &[f64], mean: f64, learned: &Learned<'_>) -> Self {
+    fn of(primary: &[f64], compensated: &[f64], mean: f64, terms: &Terms<'_>) -> Self {
         let constant: Vec<f64> = primary.iter().map(|r| r - mean).collect();
         let of_constant = Gain::of(primary, &constant);
         let without = if 0.0 < of_constant.mean { &constant[..] } else { primary };
         let gain = Gain::of(without, compensated);
-        let applied = match learned.apply {
+        let applied = match terms.apply {
             ApplySpec::Always => Applied::Bias,
             ApplySpec::WhereItPays if gain.pays() => Applied::Bias,
             ApplySpec::WhereItPays if of_constant.pays() => Applied::Constant,
@@ -145,9 +145,9 @@ impl Payment {
         };
         let is_noise = || autocorrelation_time(primary).is_some_and(|time| time <= NOISE);
         let why_not = (!gain.pays()).then(|| match () {
-            () if learned.apply == ApplySpec::Never => WhyNot::Never,
+            () if terms.apply == ApplySpec::Never => WhyNot::Never,
             () if is_noise() => WhyNot::NoBias,
-            () if !learned.moves => WhyNot::Unexcited,
+            () if !terms.moves => WhyNot::Unexcited,
             () if !gain.is_known && -gain.standard_error < gain.mean => WhyNot::TooShort,
             () => WhyNot::Nonlinear,
         });
