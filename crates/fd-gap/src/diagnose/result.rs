@@ -312,15 +312,7 @@ impl Cause {
         let ratios = strengths.map(|p| p.value.abs() / p.standard_error);
         ratios.filter(|ratio| ratio.is_finite()).reduce(f64::max)
     }
-
-    /// Whether it is there: strengths below their own standard errors are none.
-    pub(in crate::diagnose) fn is_there(&self) -> bool {
-        self.significance().is_none_or(|ratio| THERE <= ratio)
-    }
 }
-
-/// Standard errors from which a strength is one.
-const THERE: f64 = 1.0;
 
 /// A fitted parameter of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

@@ -219,20 +219,6 @@ impl Trained {
         &self.compared
     }
 
-    /// What the bias model is worth in each residual channel on the samples that it was calibrated on; none without
-    /// such samples, or when the bias is learned on line first.
-    #[must_use]
-    pub fn payments(&self) -> &[Payment] {
-        &self.payments
-    }
-
-    /// Means of the residuals that the bias was learned from, channel by channel: what a constant alone would subtract,
-    /// and a detector that knows the mean of healthy runs leaves out by itself.
-    #[must_use]
-    pub fn means(&self) -> &[f64] {
-        &self.means
-    }
-
     /// Phases of a recursive training.
     #[must_use]
     pub fn events(&self) -> &[Event] {

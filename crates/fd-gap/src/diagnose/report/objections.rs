@@ -11,6 +11,7 @@ use crate::{
         judge::Probabilities,
         objection::Objection,
         result::{Cause, HeldOut, Pair, Verdict},
+        sets::is_there,
         weigh::answer::Answer,
     },
     fit::{Log, Variable},
@@ -101,7 +102,7 @@ fn faint(cause: &Cause, held_out: &[HeldOut]) -> Option<Objection> {
     (largest < FAINT).then(|| Objection::FaintStrength {
         cause: cause.label.to_owned(),
         errors: largest,
-        is_none: !cause.is_there(),
+        is_none: !is_there(cause),
     })
 }
 

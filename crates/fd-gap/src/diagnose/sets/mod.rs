@@ -11,5 +11,5 @@ pub(crate) use self::search::Round;
 pub use self::{beside::Wanted, search::SetSearch, set::EffectSet};
 pub(super) use self::{
     beside::{beside, to_come_near},
-    set::Member,
+    set::{Member, is_there},
 };

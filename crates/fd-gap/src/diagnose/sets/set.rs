@@ -260,7 +260,7 @@ impl EffectSet {
     /// Whether each of them is there: a strength below its standard error beside the others is none, and what the set
     /// explains more than they do is due to a rough sum of squares.
     pub(in crate::diagnose) fn are_all_there(&self) -> bool {
-        self.causes().iter().all(Cause::is_there)
+        self.causes().iter().all(is_there)
     }
 
     /// Whether one of them follows a log as it pleases: beside another cause it may stand for anything.
@@ -307,4 +307,12 @@ pub(super) fn in_step(candidate: Candidate, step: Option<f64>) -> Candidate {
         Some(step) => Candidate { model: with_step(&candidate.model, step), ..candidate },
         None => candidate,
     }
+}
+
+/// Standard errors from which a strength is one.
+const THERE: f64 = 1.0;
+
+/// Whether a cause is there: strengths below their own standard errors are none.
+pub(in crate::diagnose) fn is_there(cause: &Cause) -> bool {
+    cause.significance().is_none_or(|ratio| THERE <= ratio)
 }
