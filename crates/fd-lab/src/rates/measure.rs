@@ -25,6 +25,8 @@ pub struct Plan {
     pub learn_share: f64,
     /// Settling time in s; none is what the model needs.
     pub settle_s: Option<f64>,
+    /// Relative change of the parameters at which learning on line ends; none is that of the default.
+    pub tolerance: Option<f64>,
     /// Whether a diagnosis begins with the fitted bias or in training.
     pub start: StartSpec,
 }
@@ -96,6 +98,9 @@ pub fn measure(
             settle_s: plan.settle_s,
             ..PipelineSpec::default()
         };
+        if let Some(tolerance) = plan.tolerance {
+            spec.compensation.convergence.tolerance = tolerance;
+        }
         // So many logs as users have do not resolve a rate. The interval of the threshold is of no interest here.
         (spec.calibration.beyond, spec.calibration.records) = (Beyond::Extrapolate, 1);
         count(&runs, &spec, plan, detectors, &mut measured);

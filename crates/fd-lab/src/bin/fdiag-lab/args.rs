@@ -131,4 +131,7 @@ pub(crate) struct RatesArgs {
     /// Settling time in seconds; without it what the model needs
     #[arg(long, value_name = "SECONDS")]
     pub(crate) settle: Option<f64>,
+    /// Relative change of the parameters at which learning on line ends [default: 0.001]
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) tolerance: Option<f64>,
 }

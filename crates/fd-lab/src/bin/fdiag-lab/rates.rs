@@ -33,6 +33,7 @@ pub(crate) fn run(args: &RatesArgs) -> Result<ExitCode, Failure> {
                 fresh: args.fresh,
                 learn_share: 0.7,
                 settle_s: args.settle,
+                tolerance: args.tolerance,
                 start,
             };
             let name = config.scenarios.first().map_or("", |scenario| &scenario.name);
