@@ -64,6 +64,7 @@ pub(super) fn hypotheses(model: &Model, simulator: &dyn Simulator) -> Vec<Hypoth
         |channel: &Channel, late: i64| Mistake::Clock { channel: channel.name.clone(), late };
     let clocks = inputs.iter().flat_map(|c| late().map(move |late| (clock(c, late), late < 0)));
     let after = outputs.iter().flat_map(|c| late().map(move |late| (clock(c, late), 0 < late)));
+    // A delay of the plant that explains as much must always win over a clock.
     let weight = |is_causal: bool| if is_causal { (-BEYOND_DOUBT).exp() } else { 1.0 };
     class(&mut all, clocks.chain(after).map(|(clock, is_causal)| (clock, weight(is_causal))));
     let pace = simulator.ts().seconds() / model.sample_time;

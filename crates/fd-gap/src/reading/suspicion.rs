@@ -194,6 +194,7 @@ fn is_determined(case: &Case<'_>, horizon: Horizon, best: &(Hypothesis, Misfit))
         | Mistake::Swap { .. }
         | Mistake::Clock { .. } => None,
     };
+    // A factor that is not determined, as that of an input that does nothing, is no unit.
     [0.5, 2.0].into_iter().filter_map(with).all(|control| {
         let control = fit(case, horizon, &control);
         control.is_none_or(|control| STRONG < best.1.advantage(&control))

@@ -158,28 +158,22 @@ impl Left {
             pipeline.reset();
             traces.push(Trace::of(&mut pipeline, run)?);
         }
-        let left = |channel: usize, of: &dyn Fn(&Trace, usize) -> f64| {
-            let judged = traces.iter().flat_map(|trace| {
-                let judged = (0..trace.len()).filter(|k| trace.compensating[*k]);
-                judged.map(move |k| of(trace, k * trace.channels + channel))
-            });
-            rms(judged)
+        let left = |of: fn(&Trace) -> &[f64], channel: usize, constant: f64| {
+            let judged = traces.iter().flat_map(|t| t.while_compensating(of(t), channel));
+            rms(judged.map(|r| r - constant))
         };
-        let channels = trained.means().len();
-        let mean = |relative: &dyn Fn(usize) -> f64| {
-            ((0..channels).map(|channel| relative(channel).ln()).sum::<f64>() / channels as f64)
-                .exp()
+        let means = trained.means();
+        let ratio = |channel, constant| {
+            left(|t| &t.compensated, channel, 0.0) / left(|t| &t.residual, channel, constant)
         };
-        let after = |channel| left(channel, &|trace, at| trace.compensated[at]);
+        let mean = |constants: &dyn Fn(usize) -> f64| {
+            let ratios = (0..means.len()).map(|channel| ratio(channel, constants(channel)));
+            (ratios.map(f64::ln).sum::<f64>() / means.len() as f64).exp()
+        };
         Ok(Self {
             bias: trained.bias_model().orders(),
-            of_all: mean(&|channel| {
-                after(channel) / left(channel, &|trace, at| trace.residual[at])
-            }),
-            of_constant: mean(&|channel| {
-                let constant = trained.means()[channel];
-                after(channel) / left(channel, &|trace, at| trace.residual[at] - constant)
-            }),
+            of_all: mean(&|_| 0.0),
+            of_constant: mean(&|channel| means[channel]),
         })
     }
 }

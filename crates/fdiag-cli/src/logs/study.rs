@@ -223,6 +223,7 @@ impl LogStudy {
             Err(error) => (trained.silent()?, Some(error.to_string())),
         };
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
+        let zero = vec![0.0; trained.means().len()];
         for StudiedLog { file: path, record, time_base, healthy } in &material.logs {
             let run = |pipeline: &mut DynPipeline| {
                 pipeline.reset();
@@ -234,9 +235,9 @@ impl LogStudy {
                 healthy: *healthy,
                 samples: record.len(),
                 time_base: time_base.clone(),
-                rms_primary: rms_per_channel(&with, &with.residual),
-                rms_constant: rms_per_channel(&with, &less(&with.residual, trained.means())),
-                rms_compensated: rms_per_channel(&with, &with.compensated),
+                rms_primary: rms_per_channel(&with, &with.residual, &zero),
+                rms_constant: rms_per_channel(&with, &with.residual, trained.means()),
+                rms_compensated: rms_per_channel(&with, &with.compensated, &zero),
                 largest: with.maxima().unwrap_or((f64::NAN, f64::NAN)),
                 first_alarm_s: (alarm_time(&without, &with), alarm_time(&with, &with)),
                 alarms_s: alarm_intervals(&with),
@@ -291,18 +292,10 @@ fn residual_units(spec: &PipelineSpec, outputs: &[SignalUnit], channels: usize) 
     (1..=channels).map(name).collect()
 }
 
-/// Root mean square per channel over the samples in which the bias was subtracted.
-fn rms_per_channel(trace: &Trace, values: &[f64]) -> Vec<f64> {
-    let channels = trace.channels.max(1);
-    let rows = || values.chunks_exact(channels).zip(&trace.compensating);
-    (0..channels)
-        .map(|channel| rms(rows().filter(|(_, on)| **on).map(|(row, _)| row[channel])))
-        .collect()
-}
-
-/// Rows less a constant in each channel.
-fn less(rows: &[f64], constants: &[f64]) -> Vec<f64> {
-    rows.iter().zip(constants.iter().cycle()).map(|(value, constant)| value - constant).collect()
+/// Root mean square per channel, less a constant in each, over the samples in which the bias was subtracted.
+fn rms_per_channel(trace: &Trace, rows: &[f64], constants: &[f64]) -> Vec<f64> {
+    let constants = constants.iter().enumerate();
+    constants.map(|(at, c)| rms(trace.while_compensating(rows, at).map(|r| r - c))).collect()
 }
 
 /// First alarm among the samples in which the bias was subtracted, so that both residuals are

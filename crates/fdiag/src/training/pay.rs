@@ -46,7 +46,7 @@ pub enum Applied {
 pub enum WhyNot {
     /// The spec says `bias.apply = "never"`.
     Never,
-    /// No input moved while the bias was terms.
+    /// No input moved while the bias was learned.
     Unexcited,
     /// The residual is noise: there is no bias.
     NoBias,

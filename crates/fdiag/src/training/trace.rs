@@ -82,6 +82,16 @@ impl Trace {
         self.time.is_empty()
     }
 
+    /// A residual channel while the bias was subtracted; `rows` are `residual` or `compensated`.
+    pub fn while_compensating<'a>(
+        &'a self,
+        rows: &'a [f64],
+        channel: usize,
+    ) -> impl Iterator<Item = f64> + 'a {
+        let rows = rows.chunks_exact(self.channels.max(1)).zip(&self.compensating);
+        rows.filter(|(_, on)| **on).map(move |(row, _)| row[channel])
+    }
+
     /// Largest magnitudes of the primary and the compensated residual over the samples in which
     /// the bias was subtracted, all channels together; `None` when there are none.
     #[must_use]

@@ -13,7 +13,7 @@ use fdiag::{
     core::stage::Stage,
     model::{Channel, Continuous, Discrete, Record, SampleTime, StateSpace},
     spec::PipelineSpec,
-    training::{Applied, Healthy, Trace, Trained, train},
+    training::{Applied, Healthy, Trace, Trained, WhyNot, train},
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -127,7 +127,7 @@ fn a_bias_that_does_not_pay_is_not_applied() {
     for payment in trained.payments() {
         println!("{payment:?}");
         assert!(payment.applied == Applied::Constant && payment.gain < payment.standard_error);
-        assert!(payment.why_not.is_some());
+        assert_eq!(payment.why_not, Some(WhyNot::Nonlinear));
         // Friction is mostly an offset at the speeds of this motor.
         assert!(payment.rms_constant < 0.5 * payment.rms_primary, "{payment:?}");
     }

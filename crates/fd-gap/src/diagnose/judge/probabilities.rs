@@ -36,8 +36,9 @@ pub(super) fn unknown_gain(left: &Leftover) -> f64 {
     if OTHER < left.share { left.gain() } else { 0.0 }
 }
 
-/// Where something is missing beyond doubt, if only in the law, the answer is another one with at least this probability. Of laws that the library has in another
-/// form the first label was right in .73 of blind cases (docs/results/blind.md, seed 20270715).
+/// Where something is missing beyond doubt, if only in the law, the answer is another one with at least this probability.
+/// Of laws that the library has in another form the first label was right in .73 of blind cases (docs/results/blind.md, seed
+/// 20270715).
 const ANOTHER: f64 = 0.25;
 /// Where nothing but noise is left, "none of these" can be no verdict.
 const NOT_MORE: f64 = 0.5;
@@ -90,6 +91,7 @@ pub(super) fn believe(
     let priors = Priors::of(settings, n);
     let known = [priors.no_gap, priors.cause, priors.pair][best.effects.min(2)];
     let prior = known * unknown / (1.0 - unknown);
+    // An unknown cause has a strength as well, which the data know.
     let mut answers = vec![(0.0, priors.no_gap), (best.log_evidence + gain - VERY_STRONG, prior)];
     answers.extend(causes.iter().map(|ranked| (ranked.cause.log_evidence, priors.cause)));
     answers.extend(pairs.iter().map(|pair| (pair.log_evidence, priors.pair)));

@@ -151,6 +151,7 @@ impl Jitter {
         if Autoregression::fit(&even, Autoregression::HIGHEST_ORDER).innovation() < WHITE {
             return None;
         }
+        // What a model lacks grows with the slope as well, so that a jitter must be beyond doubt.
         Some(Self {
             gain: best - gaussian(signals, prior).log + occam - BEYOND_DOUBT,
             time: Known { value: time, standard_error: time * relative },

@@ -80,6 +80,7 @@ pub(super) fn weigh<'a>(
     context: &Context<'a>,
 ) -> Result<Weighed<'a>, FitError> {
     let (searched, left) = with_slow_noise(searched, context.settings.finalists)?;
+    // Errors above it leave room for a second effect, which a colour of the noise would hide.
     if searched.noise.reach(&left) <= AT_THE_NOISE {
         colour_then_pairs(searched, &left, context)
     } else {

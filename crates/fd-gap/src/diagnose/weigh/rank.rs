@@ -55,6 +55,7 @@ pub(in crate::diagnose) struct WeighedLaw<'a> {
 impl WeighedLaw<'_> {
     /// What decides which law speaks for its cause.
     fn preference(&self) -> f64 {
+        // The file of the simulator can keep a law that it has in itself.
         let is_native = self.candidate.law == NATIVE;
         self.cause.log_evidence + if is_native { BARE_MENTION } else { 0.0 }
     }
