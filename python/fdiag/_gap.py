@@ -37,6 +37,7 @@ def gap(
     drop_disorder: bool = False,
     as_read: bool = False,
     starts: str | None = None,
+    controller_sees: str | None = None,
     calibrate: int | None = None,
     most: int | None = None,
     budget: str | None = None,
@@ -87,6 +88,9 @@ def gap(
     starts
         Where the logs begin: "stated" (where the model says), "free" (anywhere), or "either", whichever explains
         them better (the default).
+    controller_sees
+        What a controller in the model acts on: "logged" (what was measured, noise included), "simulated" (a loop that
+        is closed in the simulator), or "either", whichever leaves less without any effect (the default).
     calibrate
         Also diagnose this many simulated logs of each known cause.
     most
@@ -144,6 +148,7 @@ def gap(
         "drop_disorder": bool(drop_disorder),
         "as_read": bool(as_read),
         "starts": starts,
+        "controller_sees": controller_sees,
         "calibrate": calibrate,
         "most": most,
         "budget": budget,

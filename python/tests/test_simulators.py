@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import traceback
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -215,6 +216,15 @@ def test_what_an_object_says_of_itself_is_checked(
         fdiag.gap(type("Odd", (Cart,), change)(), quick["monday"])
 
 
+@pytest.fixture
+def heard() -> Iterator[None]:
+    """Ctrl-C is heard, also in the background of a shell, where it is ignored from the start."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
 def test_ctrl_c_stops_an_object(quick: dict[str, str]) -> None:
     class Slow(Cart):
         begun = False
@@ -229,6 +239,7 @@ def test_ctrl_c_stops_an_object(quick: dict[str, str]) -> None:
         fdiag.gap(Slow(), quick["monday"])
 
 
+@pytest.mark.usefixtures("heard")
 def test_ctrl_c_stops_equations(quick: dict[str, str]) -> None:
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
     timer.start()

@@ -32,7 +32,7 @@ pub struct TimeSeries {
 ///
 /// The grid begins at the first sample. On a grid time that meets a sample to within `tolerance`
 /// the sample is taken as it is. Elsewhere inputs keep the value of the sample before
-/// (zero-order hold; see also [`HeldInputs`]) and outputs are interpolated linearly between the samples before and
+/// (zero-order hold; [`HeldInputs`] has other ways) and outputs are interpolated linearly between the samples before and
 /// after; both are missing when those two are further apart than `max_gap_s`, and a value is
 /// missing when one that it is made of is missing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,15 +70,18 @@ pub enum Disorder {
     Drop,
 }
 
-/// What becomes of inputs, each held until its next sample, that change between two grid times.
+/// What becomes of inputs that change between two grid times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum HeldInputs {
-    /// The grid time has the value of the sample before: what an input was then.
+    /// The grid time has the value of the sample before: what an input was then, if it was held.
     #[default]
     Latest,
-    /// The grid time has the mean until the next one, so that a simulation that holds it has the same integral: with
+    /// The grid time has the value on the line between the samples before and after, as outputs have: for inputs that were
+    /// measured. Held, they would be late by half a step on average.
+    Linear,
+    /// Of inputs that were held, the grid time has the mean until the next one, so that a simulation that holds it has the same integral: with
     /// jitter nothing is late, and on a coarse grid nothing is skipped.
     Mean,
 }
@@ -242,7 +245,10 @@ impl TimeSeries {
         Budget::default().take(EVEN, bytes)?;
         let (mut u, mut y) = (reserve(EVEN, grid.samples * nu)?, reserve(EVEN, grid.samples * ny)?);
         let (mut cursor, mut even) = (0, true);
-        let is_mean = policy.held_inputs == Some(HeldInputs::Mean);
+        let held = policy.held_inputs.unwrap_or_default();
+        let between = |before: &[f64], after: &[f64], share: f64, values: &mut Vec<f64>| {
+            values.extend(before.iter().zip(after).map(|(a, b)| a + share * (b - a)));
+        };
         for k in 0..grid.samples {
             match grid.place(k, &mut cursor, &order.kept, &self.t) {
                 Place::On(i) => {
@@ -251,9 +257,12 @@ impl TimeSeries {
                 }
                 Place::Between { before, after, share } => {
                     even = false;
-                    u.extend_from_slice(row_u(before));
-                    let pairs = row_y(before).iter().zip(row_y(after));
-                    y.extend(pairs.map(|(a, b)| a + share * (b - a)));
+                    if held == HeldInputs::Linear {
+                        between(row_u(before), row_u(after), share, &mut u);
+                    } else {
+                        u.extend_from_slice(row_u(before));
+                    }
+                    between(row_y(before), row_y(after), share, &mut y);
                 }
                 Place::Gap => {
                     even = false;
@@ -262,7 +271,7 @@ impl TimeSeries {
                     continue;
                 }
             }
-            if is_mean {
+            if held == HeldInputs::Mean {
                 let row = &mut u[k * nu..];
                 grid.held(k, cursor, &order.kept, &self.t, |i, share| {
                     for (mean, value) in row.iter_mut().zip(row_u(i)) {

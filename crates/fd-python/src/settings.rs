@@ -1,6 +1,6 @@
 //! What is asked, as the side of Python says it: JSON with one entry per option of the command line.
 
-use std::{fs, path::PathBuf};
+use std::{fs, path::PathBuf, str::FromStr};
 
 use fd_log::{LogMap, LogTable};
 use fd_model::Disorder;
@@ -32,6 +32,7 @@ pub(crate) struct Settings {
     drop_disorder: bool,
     as_read: bool,
     starts: Option<String>,
+    controller_sees: Option<String>,
     calibrate: Option<usize>,
     most: Option<usize>,
     seed: Option<u64>,
@@ -68,10 +69,8 @@ impl Settings {
         let disorder = if self.drop_disorder { Disorder::Drop } else { Disorder::Reject };
         let budget = self.budget.map(|text| text.parse::<Budget>()).transpose();
         let budget = budget.map_err(|error| format!("budget: {error}"))?;
-        let starts = self.starts.map(|text| {
-            text.parse().map_err(|error: String| format!("starts: {error}, found `{text}`"))
-        });
-        let starts = starts.transpose()?;
+        let starts = chosen("starts", self.starts)?;
+        let controller_sees = chosen("controller_sees", self.controller_sees)?;
         let effects = self.effects.effects().map_err(|error| error.to_string())?;
         Ok(Request {
             effects,
@@ -92,7 +91,8 @@ impl Settings {
             },
             most: self.most.unwrap_or(plain.most),
             as_read: self.as_read,
-            starts: starts.unwrap_or_default(),
+            starts,
+            controller_sees,
             seed: self.seed.unwrap_or(plain.seed),
             calibrate: self.calibrate,
             limits: Limits {
@@ -102,6 +102,17 @@ impl Settings {
             ..plain
         })
     }
+}
+
+/// A choice by its word; without one, as it is by default.
+fn chosen<T: Default + FromStr<Err = String>>(
+    what: &str,
+    word: Option<String>,
+) -> Result<T, String> {
+    word.map_or_else(
+        || Ok(T::default()),
+        |word| word.parse().map_err(|error| format!("{what}: {error}, found `{word}`")),
+    )
 }
 
 /// A column map out of a TOML file, as JSON.

@@ -1,6 +1,7 @@
 //! Sizes of all signals in a simulation of the nominal model.
 
 mod motion;
+mod parts;
 
 use fd_model::SampleTime;
 
@@ -65,8 +66,8 @@ pub struct ForceScale {
     pub name: String,
     /// Unit of the force.
     pub unit: String,
-    /// The force that makes the accelerations of the replay: their standard deviation divided by
-    /// `|mobility|`. Zero when nothing moves.
+    /// The force that makes the accelerations of the replay, or the largest of those that they are the sum of, as of a spring
+    /// that a cylinder pushes slowly: the standard deviation divided by `|mobility|`. Zero when nothing moves.
     pub force: f64,
     /// Mean acceleration per force, with its sign: negative where a positive force works against
     /// what is called the velocity.
@@ -169,7 +170,7 @@ impl ReplayScales {
         for site in &sites {
             probe.show(&site.acceleration);
             probe.show(&site.compliance);
-            for expr in [&site.velocity, &site.position].into_iter().flatten() {
+            for expr in [&site.velocity, &site.position].into_iter().flatten().chain(&site.parts) {
                 probe.show(expr);
             }
         }
@@ -189,16 +190,19 @@ impl ReplayScales {
                     (expr, scale)
                 })
             };
+            let (velocity, position) = (signal(probe.velocity), signal(probe.position));
+            let parts = probe.parts.iter().map(|_| next("part", "").std);
+            let largest = parts.fold(acceleration.std, f64::max);
             let moves = acceleration.moves() && compliance.mean.abs() > 0.0;
             ForceScale {
                 name: site.name.clone(),
                 unit: site.unit.clone(),
-                force: if moves { acceleration.std / compliance.mean.abs() } else { 0.0 },
+                force: if moves { largest / compliance.mean.abs() } else { 0.0 },
                 mobility: compliance.mean,
                 kick: compliance.peak() * if is_discrete(model, site) { 1.0 } else { step },
                 is_discrete: is_discrete(model, site),
-                velocity: signal(probe.velocity),
-                position: signal(probe.position),
+                velocity,
+                position,
                 acceleration: probe.acceleration,
                 compliance: probe.compliance,
                 helpers: probe.helpers,

@@ -18,6 +18,8 @@ use crate::{
     say::remark,
 };
 
+/// What is shown before work begins: whatever there is to read or to learn from first.
+const PREPARING: &str = "preparing";
 /// Work is extrapolated from pieces that took at least this long together.
 const WATCHED: Duration = Duration::from_secs(1);
 /// What the bar counts in each piece.
@@ -68,11 +70,13 @@ impl Bar {
             };
             let pieces = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
                 let all = state.len().unwrap_or_default() / GRAIN;
-                let _ = write!(out, "{}/{all}", state.pos() / GRAIN);
+                if 0 < all {
+                    let _ = write!(out, "{}/{all}", state.pos() / GRAIN);
+                }
             };
             bar.set_style(style.with_key("time_left", time_left).with_key("pieces", pieces));
         }
-        bar.set_message(what);
+        bar.set_message(PREPARING);
         bar.enable_steady_tick(TICK);
         Self {
             shown: bar,
@@ -185,6 +189,7 @@ impl Bar {
 
 impl Watcher for Bar {
     fn begin(&self, pieces: u64, done: u64) {
+        self.shown.set_message(self.what);
         self.shown.set_length(pieces.saturating_mul(GRAIN));
         self.shown.set_position(done.saturating_mul(GRAIN));
         // What was done before says nothing about the time that is left.

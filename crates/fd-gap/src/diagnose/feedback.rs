@@ -12,7 +12,7 @@ use super::{
     case::Case,
     commanded::commanded,
     prepare::{Prepared, prepare},
-    settings::Settings,
+    settings::{ControllerSees, Settings},
 };
 use crate::{
     evidence::{NoisePrior, likelihood},
@@ -31,6 +31,8 @@ const RUNS_AWAY: f64 = 100.0;
 #[derive(Debug)]
 pub(super) struct Feedback<'a> {
     logged: Option<Logged<'a>>,
+    /// Whether the controller can act on logged outputs.
+    can_see_the_log: bool,
 }
 
 /// A controller on logged outputs, with the records that have these as inputs.
@@ -47,10 +49,14 @@ impl<'a> Feedback<'a> {
     /// Chooses by what the fit of the nuisances leaves. An effect leaves much either way; what tells
     /// the two apart is the noise, so that the innovations of what is left are compared.
     pub(super) fn of(case: &Case<'a>, settings: &Settings) -> Self {
-        let horizon = settings.horizon;
-        let logged = if settings.without.logged_loops { None } else { Logged::of(case) };
-        let logged = logged.filter(|logged| saw_the_log(&logged.case(case), case, horizon));
-        Self { logged }
+        let logged = Logged::of(case);
+        let can_see_the_log = logged.is_some();
+        let logged = logged.filter(|logged| match settings.controller_sees {
+            ControllerSees::Simulated => false,
+            ControllerSees::Logged => true,
+            ControllerSees::Either => saw_the_log(&logged.case(case), case, settings.horizon),
+        });
+        Self { logged, can_see_the_log }
     }
 
     /// What is diagnosed.
@@ -67,6 +73,11 @@ impl<'a> Feedback<'a> {
     /// Whether the controller acts on logged outputs.
     pub(super) fn is_logged(&self) -> bool {
         self.logged.is_some()
+    }
+
+    /// Whether it can.
+    pub(super) fn can_see_the_log(&self) -> bool {
+        self.can_see_the_log
     }
 
     /// A problem with the loop closed, of which `model` is the (patched) model; the same unknowns

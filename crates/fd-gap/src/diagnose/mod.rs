@@ -172,7 +172,7 @@ pub use self::{
         Nuisance, Pair, PairId, Regime, RivalCause, SideShare, Start, Verdict,
     },
     sets::{EffectSet, SetSearch, Wanted},
-    settings::{Beginning, Settings, Without},
+    settings::{Beginning, ControllerSees, Settings, Without},
 };
 pub(crate) use self::{
     candidates::{follows_anything, is_curve_of_signal, is_law, wanders},

@@ -23,11 +23,11 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What the probabilities rest on.
     pub regime: Regime,
-    /// Whether the controller in the loop was run on the logged outputs, which it did see: causes
-    /// are weighed with the commands that the plant really had
-    /// ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)). Explanations and held-out gaps are of the
-    /// simulator as it came, with its loop closed.
+    /// Whether the controller in the loop was run on the logged outputs ([`LoggedLoop`](fd_sim::simulate::LoggedLoop)).
+    /// Explanations and held-out gaps are of the simulator as it came, with its loop closed.
     pub is_logged_loop: bool,
+    /// Whether it can be: the controller of the model acts at samples of the logs.
+    pub can_see_the_log: bool,
     /// Probability that the nominal model, with its parameters refitted, explains the log.
     pub no_gap: f64,
     /// Probability that no cause that was tried, nor a pair of them, is the right one.

@@ -1,5 +1,10 @@
 //! How a diagnosis is made.
 
+use std::str::FromStr;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::fit::Horizon;
 
 /// How a diagnosis is made; the defaults are for most logs.
@@ -31,6 +36,8 @@ pub struct Settings {
     pub seed: u64,
     /// Where logs may begin.
     pub beginning: Beginning,
+    /// What the controller of a loop acts on.
+    pub controller_sees: ControllerSees,
     /// What is left out, to see what it brings.
     pub without: Without,
 }
@@ -48,6 +55,32 @@ pub enum Beginning {
     AsStated,
     /// In motion.
     InMotion,
+}
+
+/// What a controller that the model has, and that acts at samples of the log, acts on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerSees {
+    /// What was logged, or what is simulated: what leaves the smaller innovations without any effect.
+    #[default]
+    Either,
+    /// What was logged, noise included: that of the real loop.
+    Logged,
+    /// What is simulated: the loop is closed in the simulator, which knows nothing of the noise.
+    Simulated,
+}
+
+impl FromStr for ControllerSees {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "either" => Ok(Self::Either),
+            "logged" => Ok(Self::Logged),
+            "simulated" => Ok(Self::Simulated),
+            _ => Err("expected `either`, `logged` or `simulated`".to_owned()),
+        }
+    }
 }
 
 /// Of the best, so many get another look: second causes are tried beside them, forecasts asked of them, other causes fitted from
@@ -69,8 +102,6 @@ impl Settings {
 /// Rules of a diagnosis that can be left out, to see what they bring.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Without {
-    /// That the controller of a loop may have seen what was logged.
-    pub logged_loops: bool,
     /// That a log may begin in motion.
     pub free_starts: bool,
     /// That what an engineer would not believe at first sight is not named.
@@ -93,6 +124,7 @@ impl Default for Settings {
             replicas: 400,
             seed: 1,
             beginning: Beginning::default(),
+            controller_sees: ControllerSees::default(),
             without: Without::default(),
         }
     }

@@ -1,8 +1,9 @@
 //! What a simulation cannot know of rows that have no inputs, and where it begins anew behind them.
 //!
-//! In a hole the last input is held, which is a guess; that the next one came at once is another. Outputs of which the
-//! two guesses differ by more than a part of the noise are no evidence of anything and are left out. A plant that does
-//! not forget its guess before the middle of what follows begins anew behind the hole, with states that nobody knows.
+//! In a hole the last input is held, which is a guess; that it was as far above or below that as it ever moves in so long is
+//! another. Outputs of which guesses differ by more than a part of the noise are no evidence of anything and are left out. A
+//! plant that does not forget its guess before the middle of what follows begins anew behind the hole, with states that nobody
+//! knows.
 //!
 //! *When not to use:* where inputs are missing as a rule and not by exception. Such a log says little, and what is left
 //! out may be most of it.
@@ -14,7 +15,7 @@ use fd_sim::simulate::Simulator;
 use super::{log::Log, plan::shortest_window};
 use crate::quality::{grid_step, robust_third_difference_floor};
 
-/// Difference of the two guesses, in noise, from which an output is left out.
+/// Difference of two guesses, in noise, from which an output is left out.
 const UNKNOWN: f64 = 0.5;
 /// Smallest noise that is reckoned with, in the range of the output: outputs without noise are no more exact than that.
 const EXACT: f64 = 1e-4;
@@ -61,7 +62,7 @@ impl Log {
         self
     }
 
-    /// Samples at which the two guesses differ, each hole on its own.
+    /// Samples at which the guesses differ, each hole on its own.
     fn unknown(&self, simulator: &dyn Simulator) -> Vec<bool> {
         let noise: Vec<f64> = (0..self.ny)
             .map(|c| {
@@ -74,39 +75,119 @@ impl Log {
                 floor.max(rounding).max(EXACT * range).max(f64::MIN_POSITIVE)
             })
             .collect();
-        let mut at_once = self.u.clone();
-        for hole in &self.holes {
-            let next = self.input(hole.end).to_vec();
-            hole.clone().for_each(|k| {
-                at_once[k * self.nu..(k + 1) * self.nu].copy_from_slice(&next);
-            });
-        }
-        let at_once = |k: usize| {
+        let guesses = [1.0, -1.0].map(|sign| self.moved_inputs(sign));
+        let guessed = |guess: &[f64], k: usize| {
             let k = k.min(self.samples - 1);
-            &at_once[k * self.nu..(k + 1) * self.nu]
+            guess[k * self.nu..(k + 1) * self.nu].to_vec()
         };
         let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
         let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
-        let (mut held, mut other) = (simulator.boxed(), None::<Box<dyn Simulator>>);
+        let (mut held, mut others) = (simulator.boxed(), Vec::<Box<dyn Simulator>>::new());
         let (mut y, mut y_other) = (vec![0.0; self.ny], vec![0.0; self.ny]);
         held.start(&theta, &x0, 0);
         let mut is_unknown = vec![false; self.samples];
         for (k, is_unknown) in is_unknown.iter_mut().enumerate() {
             if self.holes.iter().any(|hole| hole.start == k) {
-                // A copy goes on from here with all that it remembers, or else from these states.
-                let mut copy = held.boxed();
-                if copy.state() != held.state() {
+                // Copies go on from here with all that it remembers, or else from these states.
+                others = guesses.iter().map(|_| held.boxed()).collect();
+                for copy in others.iter_mut().filter(|copy| copy.state() != held.state()) {
                     copy.start(&theta, held.state(), k as u64);
                 }
-                other = Some(copy);
             }
             held.step(self.input(k), self.input(k + 1), &[], &mut y);
-            let Some(other) = &mut other else { continue };
-            other.step(at_once(k), at_once(k + 1), &[], &mut y_other);
-            // What is not finite is not known either.
-            let is_known = |((a, b), s): ((&f64, &f64), &f64)| (a - b).abs() <= UNKNOWN * s;
-            *is_unknown = !y.iter().zip(&y_other).zip(&noise).all(is_known);
+            for (other, guess) in others.iter_mut().zip(&guesses) {
+                other.step(&guessed(guess, k), &guessed(guess, k + 1), &[], &mut y_other);
+                // What is not finite is not known either.
+                let is_known = |((a, b), s): ((&f64, &f64), &f64)| (a - b).abs() <= UNKNOWN * s;
+                *is_unknown |= !y.iter().zip(&y_other).zip(&noise).all(is_known);
+            }
         }
         is_unknown
+    }
+
+    /// The inputs, which in each hole are above or below what is held by as much as they ever move in so long.
+    fn moved_inputs(&self, sign: f64) -> Vec<f64> {
+        let mut moved = self.u.clone();
+        for hole in &self.holes {
+            for c in 0..self.nu {
+                let own = self.u.iter().skip(c).step_by(self.nu);
+                let reach = sign * largest_range(own.copied().collect(), hole.len() + 1);
+                hole.clone().for_each(|k| moved[k * self.nu + c] += reach);
+            }
+        }
+        moved
+    }
+}
+
+/// Largest range of a signal within so many samples in a row.
+fn largest_range(signal: Vec<f64>, samples: usize) -> f64 {
+    let samples = samples.clamp(1, signal.len().max(1));
+    let (mut high, mut low) = (signal.clone(), signal);
+    // Of twice as many samples each time, and of as many as are left at last.
+    let mut within = 1;
+    while within < samples {
+        let further = within.min(samples - within);
+        let end = high.len() - further;
+        for k in 0..end {
+            (high[k], low[k]) = (high[k].max(high[k + further]), low[k].min(low[k + further]));
+        }
+        high.truncate(end);
+        low.truncate(end);
+        within += further;
+    }
+    high.iter().zip(&low).map(|(high, low)| high - low).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use fd_model::Record;
+    use fd_sim::{model::Model, simulate::EquationSimulator};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ROOM: &str = r#"
+version = 1
+kind = "equations"
+name = "room"
+sample_time = 60.0
+inputs = { heater = { unit = "kW" } }
+outputs = { T = { unit = "degC", value = "x", noise = 0.1 } }
+states = { x = { unit = "degC", initial = 20.0, derivative = "(5*heater - (x - 15))/7200" } }
+"#;
+
+    /// A thermostat is off before a hole of an hour and off behind it, and nobody knows how often it was on in between.
+    #[test]
+    fn what_switched_in_a_hole_is_unknown_behind_it() {
+        let model: Model = ROOM.parse().unwrap();
+        let simulator = EquationSimulator::<f64>::new(&model).unwrap();
+        let heater = |k: u32| if k == 239 { 0.0 } else { f64::from((k / 15) % 2) };
+        let hole = 240..300;
+        let rows = (0..600).map(|k| {
+            let is_known = !hole.contains(&k);
+            let y = 20.0 + f64::from(k % 7) / 70.0;
+            ([if is_known { heater(k) } else { f64::NAN }], [if is_known { y } else { f64::NAN }])
+        });
+        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+        let record = Record::from_rows(inputs, outputs, rows, model.sample_time().unwrap());
+        assert_eq!((heater(239), heater(300)), (0.0, 0.0));
+        let logs = Log::all(&[record.unwrap()], &simulator, &[]).unwrap();
+        assert_eq!(logs[0].restarts, [300]);
+    }
+
+    proptest! {
+        #[test]
+        fn the_largest_range_is_that_of_some_window(
+            signal in proptest::collection::vec(-9.0..9.0_f64, 1..60),
+            samples in 1..70_usize,
+        ) {
+            let range = |part: &[f64]| {
+                let high = part.iter().fold(f64::MIN, |a, b| a.max(*b));
+                high - part.iter().fold(f64::MAX, |a, b| a.min(*b))
+            };
+            let windows = signal.windows(samples.min(signal.len()));
+            let expected = windows.map(range).fold(0.0, f64::max);
+            prop_assert_eq!(largest_range(signal.clone(), samples).to_bits(), expected.to_bits());
+        }
     }
 }

@@ -58,7 +58,13 @@ impl Misfit {
         for (c, name) in names.iter().enumerate() {
             let column = mistake.map_or(*name, |mistake| mistake.column(name));
             let place = names.iter().position(|known| *known == column)?;
-            let scale = mistake.map_or(1.0, |mistake| mistake.scale(name));
+            let turn = logs.first().and_then(|log| log.circles[c].turn());
+            // On a circle no error is above half a turn, whatever the unit of the column: one that makes a turn small there
+            // earns nothing by that.
+            let scale = match (turn, mistake) {
+                (None, Some(mistake)) => mistake.scale(name),
+                _ => 1.0,
+            };
             let mut measured = Vec::new();
             let mut errors: Vec<Vec<f64>> = Vec::new();
             for (log, y) in logs.iter().zip(simulated) {
@@ -73,7 +79,10 @@ impl Misfit {
             if count(&mut measured.iter()) != count(&mut errors.iter().flatten()) {
                 return None;
             }
-            columns[place] = Some(ColumnMisfit::of(&measured, &errors, floors[c], scale, look));
+            let found = ColumnMisfit::of(&measured, &errors, floors[c], scale, look);
+            // What points anywhere is that far from whatever it is compared with.
+            let anywhere = turn.map_or(f64::INFINITY, |turn| turn / 12.0_f64.sqrt());
+            columns[place] = Some(ColumnMisfit { spread: found.spread.min(anywhere), ..found });
         }
         Some(Self { columns: columns.into_iter().collect::<Option<_>>()? })
     }
@@ -176,4 +185,42 @@ fn autocorrelation_time(errors: &[Vec<f64>], rms: f64) -> f64 {
     };
     let lags = (1..n / 5).map(correlation).take_while(|rho| FORGOTTEN < *rho);
     (1.0 + 2.0 * lags.sum::<f64>()).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use fd_model::Record;
+    use fd_sim::{model::Model, simulate::EquationSimulator};
+
+    use super::*;
+
+    const COMPASS: &str = r#"
+version = 1
+kind = "equations"
+name = "compass"
+sample_time = 1.0
+inputs = { r = { unit = "deg/s" } }
+outputs = { heading = { unit = "deg", value = "x", noise = 0.2, wraps = true } }
+states = { x = { unit = "deg", initial = 0.0, derivative = "r" } }
+"#;
+
+    /// Errors of a degree, and those of a heading in thousandths of a degree, which are anywhere on the circle.
+    #[test]
+    fn a_unit_that_makes_a_turn_small_earns_nothing() {
+        let model: Model = COMPASS.parse().unwrap();
+        let simulator = EquationSimulator::<f64>::new(&model).unwrap();
+        let heading = |k: u32| f64::from(7 * k) + f64::from(k).sin();
+        let rows = (0..500).map(|k| ([7.0], [heading(k)]));
+        let (inputs, outputs) = (model.external_inputs(), model.output_channels());
+        let ts = model.sample_time().unwrap();
+        let record = Record::from_rows(inputs, outputs, rows, ts).unwrap();
+        let simulated = [(0..500_u32).map(|k| f64::from(7 * k)).collect()];
+        let misfit = |mistake: Option<&Mistake>| {
+            let record = mistake.map_or(record.clone(), |known| known.mended(&record).unwrap());
+            let logs = Log::all(&[record], &simulator, &[]).unwrap();
+            Misfit::of(mistake, &["heading"], &logs, &simulated, &[0.2], Look::Close).unwrap()
+        };
+        let (as_read, small) = (misfit(None), misfit(Some(&Mistake::unit("heading", 1e-3))));
+        assert!(small.advantage(&as_read) < 0.0, "{small:?} {as_read:?}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Ablation: what can be left out of the method.
 
 use fd_effect::{Effect, library};
-use fd_gap::diagnose::{Settings, Without};
+use fd_gap::diagnose::{ControllerSees, Settings, Without};
 use fd_model::HeldInputs;
 
 /// Effects that are no curve, no law of one signal and no parameter: stores, paths over time and leaks between sensors.
@@ -115,10 +115,14 @@ impl Method {
     /// Settings without the rules of a diagnosis that are left out.
     pub(super) fn settings(self, settings: &Settings) -> Settings {
         let without = Without {
-            logged_loops: !self.has(Feature::LoggedLoops),
             free_starts: !self.has(Feature::FreeStarts),
             vetoes: !self.has(Feature::Vetoes),
         };
-        Settings { without, ..settings.clone() }
+        let controller_sees = if self.has(Feature::LoggedLoops) {
+            settings.controller_sees
+        } else {
+            ControllerSees::Simulated
+        };
+        Settings { without, controller_sees, ..settings.clone() }
     }
 }

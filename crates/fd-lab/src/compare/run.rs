@@ -90,7 +90,7 @@ impl Comparison {
         let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         let thresholds = all(&scenes, &threshold_seeds, &known_thresholds, |scene, seed| {
             goes_on()?;
-            let unit = unit(scene, seed, Role::Thresholds, watcher);
+            let unit = unit(scene, seed, Role::Thresholds, watcher)?;
             keep(&Line::Thresholds(unit.clone()))?;
             watcher.advance();
             Ok(unit)
@@ -99,7 +99,7 @@ impl Comparison {
             (0..scenes.len()).map(|scenario| factors(config, &of(&thresholds, scenario))).collect();
         let tests = all(&scenes, &test_seeds, &known_tests, |scene, seed| {
             goes_on()?;
-            let unit = unit(scene, seed, Role::Test(&factors[scene.index]), watcher);
+            let unit = unit(scene, seed, Role::Test(&factors[scene.index]), watcher)?;
             keep(&Line::Test(unit.clone()))?;
             watcher.advance();
             Ok(unit)
@@ -177,10 +177,19 @@ fn of(units: &[Unit], scenario: usize) -> Vec<&Unit> {
 }
 
 /// One engine; if it cannot be run at all, no entry can.
-fn unit(scene: &Scene<'_>, seed: u64, role: Role<'_>, watcher: &impl Watcher) -> Unit {
-    scene.unit(seed, role, watcher).unwrap_or_else(|error| {
-        let failed = Outcome::Failed(error.to_string());
-        let entries = vec![failed; scene.config.entries()];
-        Unit { scenario: scene.index, seed, entries }
-    })
+fn unit(
+    scene: &Scene<'_>,
+    seed: u64,
+    role: Role<'_>,
+    watcher: &impl Watcher,
+) -> Result<Unit, CompareError> {
+    match scene.unit(seed, role, watcher) {
+        Ok(unit) => Ok(unit),
+        Err(CompareError::Stopped) => Err(CompareError::Stopped),
+        Err(error) => {
+            let failed = Outcome::Failed(error.to_string());
+            let entries = vec![failed; scene.config.entries()];
+            Ok(Unit { scenario: scene.index, seed, entries })
+        }
+    }
 }

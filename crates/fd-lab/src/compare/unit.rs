@@ -26,7 +26,7 @@ const NAMING_S: f64 = 2.0;
 
 impl Scene<'_> {
     /// Runs one engine. Entries that cannot be built on it say why; the error is for an engine that
-    /// cannot be run at all.
+    /// cannot be run at all, or that nobody waits for any longer.
     pub(super) fn unit(
         &self,
         seed: u64,
@@ -47,6 +47,8 @@ impl Scene<'_> {
             done.set(done.get() + 1);
             watcher.step(done.get(), steps);
         };
+        // Asked before what takes long, so that nothing finished is lost.
+        let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         step();
         for generator in &config.generators {
             let generator = completed(config, generator, &runs);
@@ -57,11 +59,12 @@ impl Scene<'_> {
             let biases = config.biases.iter();
             let fits: Vec<Option<Result<Trained, String>>> = biases
                 .map(|bias| {
+                    goes_on()?;
                     let fit = bias.spec.as_ref().map(|spec| train(Some(spec)));
                     step();
-                    fit
+                    Ok(fit)
                 })
-                .collect();
+                .collect::<Result<_, CompareError>>()?;
             // The primary residual is the same whatever is learned from it.
             let learned;
             let plain = if let Some(fit) = fits.iter().flatten().find(|fit| fit.is_ok()) {
@@ -74,6 +77,7 @@ impl Scene<'_> {
                 Residuals::primary(trained, &runs, start).map_err(|error| error.to_string())
             });
             for fit in &fits {
+                goes_on()?;
                 let judged = |trained: &Trained, residuals: &Residuals, scale: &[f64]| {
                     let judge = Judge::new(self, &runs, trained, residuals, scale)?;
                     Ok(judge.outcomes(role, entries.len()))

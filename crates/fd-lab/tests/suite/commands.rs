@@ -44,7 +44,7 @@ impl Desk {
 
     /// Runs a command that must fail with `code` and say all of `words`.
     #[track_caller]
-    fn fails(&self, line: &str, code: i32, words: &[&str]) {
+    fn fails(&self, line: &str, code: i32, words: &[&str]) -> String {
         let output = self.lab(line);
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(code), "`{line}`: {error}");
@@ -53,6 +53,7 @@ impl Desk {
         }
         assert!(error.len() < 2_000 && !error.contains("panicked"), "{error}");
         assert!(output.stdout.is_empty(), "`{line}` printed a result");
+        error
     }
 
     /// The same, and nothing is left behind.
@@ -203,9 +204,12 @@ fn what_is_merely_large_has_to_be_wanted() {
     let words = ["more engines: about", "go on with --yes"];
     desk.refuses("engine --seeds 100000 --threads 1 --out large", 4, &words);
     let words = ["go on with --yes (", "are finished and kept in"];
-    desk.fails("compare --scenario linear --seeds 20000 --threads 1 --out large", 4, &words);
-    // Nothing of it is lost.
-    assert!(desk.text("large/progress.jsonl").lines().count() > 1);
+    let compare = "compare --scenario linear --seeds 20000 --threads 1 --out large";
+    let said = desk.fails(compare, 4, &words);
+    // Nothing of it is lost: what it says is there, below a line with what was asked.
+    let (_, finished) = said.rsplit_once('(').unwrap();
+    let finished: usize = finished.split_once(' ').unwrap().0.parse().unwrap();
+    assert_eq!(desk.text("large/progress.jsonl").lines().count(), 1 + finished);
 }
 
 #[test]

@@ -61,7 +61,7 @@ impl<'a> Engine<'a> {
 fn spec(kind: &str) -> PipelineSpec {
     let text = format!(
         "weighting = [[1.0, 1.0, 1.0, 1.0, 1.0]]\nsettle_s = 0.0\n\
-         generator = {{ kind = \"observer\", rate = 2.0 }}\n[detector]\nkind = \"{kind}\"\n\
+         generator = {{ kind = \"observer\", rate = 2.0 }}\nbias = {{ apply = \"never\" }}\n[detector]\nkind = \"{kind}\"\n\
          false_alarms = {{ kind = \"per-run\", probability = {STATED}, samples = 600 }}\n"
     );
     text.parse().unwrap()

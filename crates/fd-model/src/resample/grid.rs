@@ -8,6 +8,10 @@ use crate::{
 };
 
 const BRIDGED_STEPS: f64 = 5.0;
+/// Part of the last digit of a time that is rounding of binary numbers.
+const EXACT: f64 = 1e-3;
+/// Most digits after the point that are looked for.
+const DIGITS: i32 = 9;
 
 /// The samples that move time forward.
 pub(super) struct Order {
@@ -60,6 +64,19 @@ pub(super) enum Place {
     Gap,
 }
 
+/// What the last digit counts with which the times are written, in seconds: all are multiples of it. `None` where there are
+/// too many digits to tell.
+fn last_digit(kept: &[usize], t: &[f64]) -> Option<f64> {
+    let is_written = |digits: &i32| {
+        let per_second = 10.0_f64.powi(*digits);
+        kept.iter().all(|&i| {
+            let count = t[i] * per_second;
+            (count - count.round()).abs() <= EXACT && count.abs() * f64::EPSILON < EXACT
+        })
+    };
+    (0..=DIGITS).find(is_written).map(|digits| 10.0_f64.powi(-digits))
+}
+
 impl Grid {
     pub(super) fn of(
         kept: &[usize],
@@ -72,18 +89,27 @@ impl Grid {
         let (start, span) = (t[first], t[last] - t[first]);
         let mut steps: Vec<f64> = kept.windows(2).map(|pair| t[pair[1]] - t[pair[0]]).collect();
         steps.sort_unstable_by(f64::total_cmp);
+        let mean = span / steps.len().max(1) as f64;
+        // Times that are rounded or cut off say no more than their last digit does.
+        let digit = last_digit(kept, t).map(|digit| (1.0 + EXACT) * digit);
+        let digit = digit.filter(|digit| 2.0 * digit < mean).unwrap_or(0.0);
+        let is_on_grid = |step: f64| {
+            let off = (policy.tolerance * step).max(digit);
+            kept.iter().enumerate().all(|(k, &i)| (t[i] - (start + k as f64 * step)).abs() <= off)
+        };
         let step = match (policy.sample_time, steps.get(steps.len() / 2)) {
             (Some(step), _) => step,
             (None, None) => return Err(TimeBaseError::TooShort { samples: kept.len() }),
             (None, Some(&median)) => {
-                let mean = span / steps.len() as f64;
-                let off_grid = |(k, &i): (usize, &usize)| {
-                    policy.tolerance * mean < (t[i] - (start + k as f64 * mean)).abs()
-                };
-                if kept.iter().enumerate().any(off_grid) { median } else { mean }
+                if is_on_grid(mean) {
+                    mean
+                } else {
+                    median
+                }
             }
         };
-        let tolerance = policy.tolerance * step;
+        let digit = if is_on_grid(step) { digit } else { 0.0 };
+        let tolerance = (policy.tolerance * step).max(digit);
         let samples = ((span + tolerance) / step).floor() + 1.0;
         let limit = policy.limits.check(Resource::Samples, "samples on an even time base", samples);
         if let Err(limit) = limit {

@@ -198,3 +198,47 @@ fn a_time_base_beyond_the_memory_is_refused() {
     assert!(matches!(error, TimeBaseError::Memory(_)), "{error}");
     assert!(error.to_string().contains("found 32000000000016"), "{error}");
 }
+
+/// Four samples a second, with stamps of one digit: rounded half up, or cut off.
+#[test]
+fn times_that_are_rounded_are_even() {
+    let counts = 0..200_u32;
+    let rounded: Vec<f64> = counts.clone().map(|k| (f64::from(k) * 2.5).round() / 10.0).collect();
+    let cut: Vec<f64> = counts.clone().map(|k| (f64::from(k) * 2.5).floor() / 10.0).collect();
+    let y: Vec<f64> = counts.map(|k| f64::from(k).sin()).collect();
+    for t in [rounded, cut] {
+        let (record, report) = series(&t, &y, &y).resample(&ResamplePolicy::default()).unwrap();
+        // The last stamp is off by a digit at most.
+        assert!((record.ts().seconds() - 0.25).abs() <= 0.1 / 199.0, "{report:?}");
+        assert!(report.even);
+        assert_eq!(bits(record.input(0)), bits(y.iter().copied()));
+    }
+}
+
+/// What jitters by more than the last digit does jitter.
+#[test]
+fn times_that_jitter_are_not_even() {
+    let t: Vec<f64> = (0..200_u32).map(|k| f64::from(25 * k + 3 * (k % 3)) / 100.0).collect();
+    let (_, report) = series(&t, &t, &t).resample(&ResamplePolicy::default()).unwrap();
+    assert!(!report.even);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// An input that was measured is on the line through its samples, as outputs are.
+    #[test]
+    fn inputs_are_interpolated_where_that_is_asked(
+        steps in proptest::collection::vec(0.2..2.0_f64, 2..100),
+        values in proptest::collection::vec(-5.0..5.0_f64, 101),
+    ) {
+        let t: Vec<f64> = std::iter::once(0.0)
+            .chain(steps.iter().scan(0.0, |t, dt| { *t += dt; Some(*t) }))
+            .collect();
+        let y = &values[..t.len()];
+        let held_inputs = Some(HeldInputs::Linear);
+        let policy = ResamplePolicy { sample_time: Some(0.3), held_inputs, ..ResamplePolicy::default() };
+        let (record, _) = series(&t, y, y).resample(&policy).unwrap();
+        prop_assert_eq!(bits(record.input(0)), bits(record.output(0)));
+    }
+}

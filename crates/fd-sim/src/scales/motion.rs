@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::ForceScale;
+use super::{ForceScale, is_discrete, parts::parts};
 use crate::{
     equation::{Definitions, Expr, MAX_DEPTH, Size, Slopes},
     model::{Definition, FreshNames, Law, Model, Site},
@@ -18,6 +18,8 @@ const WRITTEN_OUT: Size = Size { nodes: 10_000, levels: MAX_DEPTH as u64 };
 pub(super) struct SiteProbe {
     pub(super) acceleration: Expr,
     pub(super) compliance: Expr,
+    /// What the acceleration is the sum of; none where it is too long for that, or a step in time.
+    pub(super) parts: Vec<Expr>,
     pub(super) helpers: Vec<Definition>,
     pub(super) velocity: Option<Expr>,
     pub(super) position: Option<Expr>,
@@ -51,7 +53,11 @@ impl SiteProbe {
         });
         let (acceleration, compliance, helpers) =
             written.unwrap_or_else(|| through_names(model, site, &moved, names));
-        Self { acceleration, compliance, helpers, velocity, position: site.position.clone() }
+        let is_short = |sum: &Expr| definitions(model).written_out(sum, WRITTEN_OUT);
+        let balance = if is_discrete(model, site) { None } else { is_short(&acceleration) };
+        let parts = balance.as_ref().map(parts).unwrap_or_default();
+        let position = site.position.clone();
+        Self { acceleration, compliance, parts, helpers, velocity, position }
     }
 }
 

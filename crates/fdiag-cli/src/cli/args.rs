@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use fdiag::gap_study::{Budget, HorizonChoice, Named, StartsChoice};
+use fdiag::gap_study::{Budget, ControllerSees, HorizonChoice, Named, StartsChoice};
 
 use super::{
     bounds::{BoundsArgs, Ending},
@@ -255,6 +255,10 @@ pub(crate) struct GapArgs {
     /// better
     #[arg(long, value_name = "WHERE", default_value = "either")]
     pub(crate) starts: StartsChoice,
+    /// What a controller in the model acts on: `logged` (what was measured, noise included), `simulated` (a loop that is
+    /// closed in the simulator), or `either`, whichever leaves less without any effect
+    #[arg(long, value_name = "WHAT", default_value = "either")]
+    pub(crate) controller_sees: ControllerSees,
     /// Also diagnose simulated logs of known cause, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]

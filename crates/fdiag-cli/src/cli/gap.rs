@@ -144,6 +144,7 @@ fn request(args: &GapArgs) -> Result<Request, Failure> {
         },
         as_read: args.as_read,
         starts: args.starts,
+        controller_sees: args.controller_sees,
         seed: args.seed,
         most: args.most.map_or(plain.most, |n| n as usize),
         calibrate: args.calibrate.map(|n| n as usize),

@@ -189,7 +189,6 @@ impl LogStudy {
         let Some(first) = material.logs.first() else {
             return Err(TrainingError::NoHealthyLog.into());
         };
-        watcher.begin(material.logs.len() as u64, 0);
         let model = file.system.sampled(first.record.ts())?;
         let healthy: Vec<Healthy<'_>> = material
             .logs
@@ -222,6 +221,8 @@ impl LogStudy {
             Ok(plain) => (plain, None),
             Err(error) => (trained.silent()?, Some(error.to_string())),
         };
+        // What learning took says nothing of the logs.
+        watcher.begin(material.logs.len() as u64, 0);
         let (mut logs, mut traces) = (Vec::new(), Vec::new());
         let zero = vec![0.0; trained.means().len()];
         for StudiedLog { file: path, record, time_base, healthy } in &material.logs {

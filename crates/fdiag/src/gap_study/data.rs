@@ -216,9 +216,12 @@ fn map(request: &Request, subject: &Subject) -> (LogMap, Pace) {
     if request.resample.disorder != Disorder::default() {
         policy.disorder = request.resample.disorder;
     }
-    // What a model holds until the next sample has to have the integral of what was held in between.
-    let held =
-        if subject.model().hold == Hold::Zero { HeldInputs::Mean } else { HeldInputs::Latest };
+    // What a model holds until the next sample has to have the integral of what was held in between; what it draws a line
+    // through is on that line in between as well.
+    let held = match subject.model().hold {
+        Hold::Zero => HeldInputs::Mean,
+        Hold::Linear => HeldInputs::Linear,
+    };
     policy.held_inputs.get_or_insert(held);
     let is_stated = policy.sample_time.or(map.time.sample_time).is_some();
     let pace = match (is_stated, subject.keeps_pace()) {

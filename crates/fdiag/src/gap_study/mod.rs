@@ -34,6 +34,8 @@ mod traces;
 mod whole;
 pub mod words;
 
+pub use fd_gap::diagnose::ControllerSees;
+
 pub use self::{
     budget::Budget,
     calibrated::{CalibratedModel, calibrate, calibrate_on},

@@ -8,6 +8,7 @@ use std::{
 
 use fd_core::Limits;
 use fd_effect::text::TextEffect;
+use fd_gap::diagnose::ControllerSees;
 use fd_log::{ColumnMap, Log, LogError, LogMap, LogTable, read_log};
 use fd_model::{Channel, Disorder};
 use schemars::JsonSchema;
@@ -51,6 +52,8 @@ pub struct Request {
     pub as_read: bool,
     /// Where logs begin.
     pub starts: StartsChoice,
+    /// What a controller of the model acts on.
+    pub controller_sees: ControllerSees,
     /// Seed of everything random.
     pub seed: u64,
     /// Replicas per cause of the self-calibration; none leaves it out.
@@ -92,6 +95,7 @@ impl Request {
             most: MOST,
             as_read: false,
             starts: StartsChoice::default(),
+            controller_sees: ControllerSees::default(),
             seed: 1,
             calibrate: None,
             budget: None,

@@ -236,8 +236,8 @@ pub(super) fn settings(
         StartsChoice::Stated => Beginning::AsStated,
         StartsChoice::Free => Beginning::InMotion,
     };
-    let seed = request.seed;
-    Settings { horizon, report_horizons, seed, beginning, ..Settings::default() }
+    let Request { seed, controller_sees, .. } = *request;
+    Settings { horizon, report_horizons, seed, beginning, controller_sees, ..Settings::default() }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]

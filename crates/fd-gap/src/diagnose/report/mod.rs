@@ -108,9 +108,8 @@ pub(super) fn report(
         (Verdict::Pair, Some(pair)) => pair.causes.iter().collect(),
         _ => Vec::new(),
     };
-    let logs = &base.plan().logs;
     let follows = first_follows && named.len() == 1 && ties.tied.len() < 2;
-    let (answer, held) = (&answer, &held_out[..]);
+    let (answer, held, logs) = (&answer, &held_out[..], &base.plan().logs);
     let claim = Claim { causes: &named, follows, answer, held_out: held, noise: known, logs };
     let objections = objections(claim, verdict);
     let is_forbidden = !named.is_empty() && objections.iter().any(Objection::forbids);
@@ -124,6 +123,7 @@ pub(super) fn report(
         verdict,
         regime,
         is_logged_loop: feedback.is_logged(),
+        can_see_the_log: feedback.can_see_the_log(),
         no_gap: probabilities.no_gap,
         none_of_these: probabilities.none_of_these,
         groups: groups(&causes, &pairs),

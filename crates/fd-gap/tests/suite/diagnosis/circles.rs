@@ -2,7 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use fd_gap::diagnose::{Case, Diagnosis, Settings, Verdict, diagnose};
+use fd_gap::{
+    diagnose::{Case, Diagnosis, Settings, Verdict, diagnose},
+    fit::Horizon,
+    reading::{Mistake, suspect},
+};
 use fd_model::{Record, signal::WhiteNoise};
 use fd_sim::model::Model;
 
@@ -94,6 +98,21 @@ fn a_bias_is_found_on_the_circle() {
 }
 
 /// Undeclared, the jumps are told, and how to declare them.
+/// In another unit an angle would be anywhere on its circle, with errors of at most half a turn: no reason to believe in that.
+#[test]
+fn a_clock_beside_an_angle_is_a_clock() {
+    let model: Model = MODEL.parse().unwrap();
+    let log = run(&model, 1, 0.0, 0.0);
+    let early = Mistake::Clock { channel: "speed".to_owned(), late: 3 };
+    let logs = [early.mended(&log).unwrap()];
+    let suspects = suspects(&model, &logs[0], &[]);
+    let case = Case { nominal: &model, suspects: &suspects, logs: &logs, held_out: &[] };
+    let found = suspect(&case, Horizon::FreeRun, None).unwrap().unwrap();
+    // By how much is not asked: a pendulum that turns over leaves its model soon after.
+    let is_early = |mistake: &Mistake| matches!(mistake, Mistake::Clock { channel, late } if channel == "speed" && *late < 0);
+    assert!(is_early(found.mistake()), "{:?}", found.mistake());
+}
+
 #[test]
 fn jumps_of_an_angle_are_told() {
     let model: Model = MODEL.replace(", wraps = true", "").parse().unwrap();

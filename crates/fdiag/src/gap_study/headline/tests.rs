@@ -67,6 +67,7 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         verdict,
         regime: Regime::AtTheFloor,
         is_logged_loop: false,
+        can_see_the_log: false,
         no_gap: 0.2,
         none_of_these: 0.93,
         causes: vec![

@@ -1,7 +1,10 @@
 //! How a study was made.
 
 use fd_effect::text::TextEffect;
-use fd_gap::{diagnose::Settings, fit::Horizon};
+use fd_gap::{
+    diagnose::{ControllerSees, Settings},
+    fit::Horizon,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -36,6 +39,8 @@ pub struct StudySettings {
     pub as_read: bool,
     /// Where the logs were taken to begin.
     pub starts: StartsChoice,
+    /// What a controller of the model was to act on.
+    pub controller_sees: ControllerSees,
     /// Causes that were fitted to the end.
     pub finalists: usize,
     /// Probability of no gap before the data.
@@ -110,6 +115,7 @@ impl StudySettings {
             noise: request.noise.clone(),
             as_read: request.as_read,
             starts: request.starts,
+            controller_sees: request.controller_sees,
             finalists: settings.finalists,
             prior_no_gap: settings.no_gap,
             prior_unknown: settings.unknown,

@@ -1,6 +1,6 @@
 //! What to do next.
 
-use fd_gap::diagnose::{Objection, Verdict};
+use fd_gap::diagnose::{ControllerSees, Diagnosis, Objection, Verdict};
 
 use super::{
     further::advice,
@@ -39,6 +39,7 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
     if !is_list && (diagnosis.verdict == Verdict::NoneOfThese || is_doubted) {
         steps.extend(liftable(report));
+        steps.extend(other_loop(report));
         steps.extend(limits(report));
         steps.push(of_what_is_left(report));
     }
@@ -161,6 +162,20 @@ fn liftable(report: &Report) -> Option<String> {
             "Not tried because no position is known: {}. Name what moves there in the table `[sites]` of the \
              model (`position = \"…\"`), and they will be.",
             list(&names, "and")
+        )
+    })
+}
+
+/// That the controller may have acted on something else than it was run on.
+fn other_loop(report: &Report) -> Option<String> {
+    let Diagnosis { is_logged_loop, can_see_the_log, .. } = report.diagnosis;
+    let is_open = can_see_the_log && report.settings.controller_sees == ControllerSees::Either;
+    let (was, other) =
+        if is_logged_loop { ("logged", "simulated") } else { ("simulated", "logged") };
+    is_open.then(|| {
+        format!(
+            "Say what the controller acts on, if you know: it was run on what is {was}, which leaves less without any effect; \
+             `--controller-sees {other}` is the other way."
         )
     })
 }
