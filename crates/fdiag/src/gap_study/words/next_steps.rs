@@ -39,9 +39,11 @@ pub(in crate::gap_study) fn next_steps(report: &Report) -> Vec<String> {
     let is_doubted = diagnosis.verdict == Verdict::Unclear && DOUBTED <= diagnosis.none_of_these;
     if !is_list && (diagnosis.verdict == Verdict::NoneOfThese || is_doubted) {
         steps.extend(liftable(report));
-        steps.extend(other_loop(report));
         steps.extend(limits(report));
         steps.push(of_what_is_left(report));
+    }
+    if is_open && diagnosis.verdict != Verdict::Tied {
+        steps.extend(other_loop(report));
     }
     let is_mute = is_open && steps.is_empty();
     steps.extend(idle(&diagnosis.idle));
