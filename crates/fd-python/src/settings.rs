@@ -63,9 +63,7 @@ impl Settings {
         } else {
             HeldOutChoice::Logs(held_out)
         };
-        let horizon = self.horizon.map_or(Ok(plain.horizon), |text| {
-            text.parse().map_err(|error: String| format!("horizon: {error}, found `{text}`"))
-        })?;
+        let horizon = chosen("horizon", self.horizon)?;
         let disorder = if self.drop_disorder { Disorder::Drop } else { Disorder::Reject };
         let budget = self.budget.map(|text| text.parse::<Budget>()).transpose();
         let budget = budget.map_err(|error| format!("budget: {error}"))?;

@@ -75,11 +75,7 @@ impl Log {
                 floor.max(rounding).max(EXACT * range).max(f64::MIN_POSITIVE)
             })
             .collect();
-        let guesses = [1.0, -1.0].map(|sign| self.moved_inputs(sign));
-        let guessed = |guess: &[f64], k: usize| {
-            let k = k.min(self.samples - 1);
-            guess[k * self.nu..(k + 1) * self.nu].to_vec()
-        };
+        let guesses = self.guesses();
         let theta: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
         let x0: Vec<f64> = simulator.initial().iter().map(|state| state.value).collect();
         let (mut held, mut others) = (simulator.boxed(), Vec::<Box<dyn Simulator>>::new());
@@ -96,7 +92,7 @@ impl Log {
             }
             held.step(self.input(k), self.input(k + 1), &[], &mut y);
             for (other, guess) in others.iter_mut().zip(&guesses) {
-                other.step(&guessed(guess, k), &guessed(guess, k + 1), &[], &mut y_other);
+                other.step(guess.input(k), guess.input(k + 1), &[], &mut y_other);
                 // What is not finite is not known either.
                 let is_known = |((a, b), s): ((&f64, &f64), &f64)| (a - b).abs() <= UNKNOWN * s;
                 *is_unknown |= !y.iter().zip(&y_other).zip(&noise).all(is_known);
@@ -105,17 +101,19 @@ impl Log {
         is_unknown
     }
 
-    /// The inputs, which in each hole are above or below what is held by as much as they ever move in so long.
-    fn moved_inputs(&self, sign: f64) -> Vec<f64> {
-        let mut moved = self.u.clone();
+    /// The same log with inputs that are in each hole above, or below, what is held by as much as they ever move in so long.
+    fn guesses(&self) -> [Self; 2] {
+        let mut guesses = [self.clone(), self.clone()];
         for hole in &self.holes {
             for c in 0..self.nu {
                 let own = self.u.iter().skip(c).step_by(self.nu);
-                let reach = sign * largest_range(own.copied().collect(), hole.len() + 1);
-                hole.clone().for_each(|k| moved[k * self.nu + c] += reach);
+                let reach = largest_range(own.copied().collect(), hole.len() + 1);
+                for (guess, reach) in guesses.iter_mut().zip([reach, -reach]) {
+                    hole.clone().for_each(|k| guess.u[k * self.nu + c] += reach);
+                }
             }
         }
-        moved
+        guesses
     }
 }
 

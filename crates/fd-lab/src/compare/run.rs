@@ -87,9 +87,7 @@ impl Comparison {
         watcher.begin(total, (known_thresholds.len() + known_tests.len()) as u64);
 
         let keep = |line: &Line| journal.as_ref().map_or(Ok(()), |journal| journal.append(line));
-        let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         let thresholds = all(&scenes, &threshold_seeds, &known_thresholds, |scene, seed| {
-            goes_on()?;
             let unit = unit(scene, seed, Role::Thresholds, watcher)?;
             keep(&Line::Thresholds(unit.clone()))?;
             watcher.advance();
@@ -98,7 +96,6 @@ impl Comparison {
         let factors: Vec<Vec<Vec<f64>>> =
             (0..scenes.len()).map(|scenario| factors(config, &of(&thresholds, scenario))).collect();
         let tests = all(&scenes, &test_seeds, &known_tests, |scene, seed| {
-            goes_on()?;
             let unit = unit(scene, seed, Role::Test(&factors[scene.index]), watcher)?;
             keep(&Line::Test(unit.clone()))?;
             watcher.advance();

@@ -33,6 +33,9 @@ impl Scene<'_> {
         role: Role<'_>,
         watcher: &impl Watcher,
     ) -> Result<Unit, CompareError> {
+        // Asked before what takes long, so that nothing finished is lost.
+        let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
+        goes_on()?;
         let (config, start) = (self.config, self.config.fault_start());
         let (fresh_runs, tested) = match role {
             Role::Thresholds => (config.engines.threshold_runs, false),
@@ -47,8 +50,6 @@ impl Scene<'_> {
             done.set(done.get() + 1);
             watcher.step(done.get(), steps);
         };
-        // Asked before what takes long, so that nothing finished is lost.
-        let goes_on = || if watcher.is_stopped() { Err(CompareError::Stopped) } else { Ok(()) };
         step();
         for generator in &config.generators {
             let generator = completed(config, generator, &runs);

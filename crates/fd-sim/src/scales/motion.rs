@@ -53,8 +53,8 @@ impl SiteProbe {
         });
         let (acceleration, compliance, helpers) =
             written.unwrap_or_else(|| through_names(model, site, &moved, names));
-        let is_short = |sum: &Expr| definitions(model).written_out(sum, WRITTEN_OUT);
-        let balance = if is_discrete(model, site) { None } else { is_short(&acceleration) };
+        let balance = definitions(model).written_out(&acceleration, WRITTEN_OUT);
+        let balance = balance.filter(|_| !is_discrete(model, site));
         let parts = balance.as_ref().map(parts).unwrap_or_default();
         let position = site.position.clone();
         Self { acceleration, compliance, parts, helpers, velocity, position }
