@@ -20,14 +20,14 @@ pub enum Scaling {
 #[derive(Clone, Debug)]
 pub(crate) struct Samples<'a> {
     records: &'a [Record],
-    pub(crate) io: IoDims,
+    pub io: IoDims,
 }
 
 /// What one channel is centred and scaled by.
 #[derive(Clone, Debug)]
 pub(crate) struct Centre {
-    pub(crate) mean: Vec<f64>,
-    pub(crate) scale: Vec<f64>,
+    pub mean: Vec<f64>,
+    pub scale: Vec<f64>,
 }
 
 impl<'a> Samples<'a> {

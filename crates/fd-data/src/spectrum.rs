@@ -8,8 +8,8 @@ use crate::error::DataError;
 /// Eigenvalues, largest first, and the eigenvectors as columns in the same order.
 #[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
-    pub(crate) values: Vec<f64>,
-    pub(crate) vectors: Mat<f64>,
+    pub values: Vec<f64>,
+    pub vectors: Mat<f64>,
 }
 
 impl Spectrum {

@@ -13,16 +13,16 @@ use crate::{
 /// A column that is read.
 #[derive(Debug)]
 pub(super) struct Column {
-    pub(super) index: usize,
-    pub(super) text: String,
-    pub(super) conversion: Conversion,
+    pub index: usize,
+    pub text: String,
+    pub conversion: Conversion,
     /// The number that it always has, if it is none of the file.
-    pub(super) constant: Option<f64>,
+    pub constant: Option<f64>,
     /// How it is computed from others, if it is none of the file.
-    pub(super) derived: Option<Box<Derived>>,
+    pub derived: Option<Box<Derived>>,
     /// An angle goes on from its last value, without the jumps of one that begins anew after a turn.
-    pub(super) circle: Circle,
-    pub(super) last: f64,
+    pub circle: Circle,
+    pub last: f64,
 }
 
 impl Column {
@@ -77,9 +77,9 @@ impl Column {
 /// Where a log is being read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
-    pub(super) row: u64,
+    pub row: u64,
     /// Time of the row in seconds, once it is known.
-    pub(super) time: f64,
+    pub time: f64,
 }
 
 /// Where the time of a row comes from.

@@ -129,6 +129,6 @@ pub(crate) fn cannot_read(file: &str, error: &io::Error) -> LogError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("expected sound {format} data, {found}")]
 pub(crate) struct Unsound {
-    pub(crate) format: &'static str,
-    pub(crate) found: String,
+    pub format: &'static str,
+    pub found: String,
 }

@@ -11,8 +11,8 @@ use crate::{
 
 /// Factors of the gramians in their own units: `P = L_c L_cᵀ`, `Q = L_o L_oᵀ`.
 pub(crate) struct GramianFactors {
-    pub(crate) controllability: Mat<f64>,
-    pub(crate) observability: Mat<f64>,
+    pub controllability: Mat<f64>,
+    pub observability: Mat<f64>,
 }
 
 impl<D: TimeDomain> StateSpace<D> {

@@ -21,21 +21,21 @@ use crate::{
 #[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]
 pub(crate) struct PythonInstance {
     name: String,
-    pub(crate) object: Py<PyAny>,
-    pub(crate) inputs: usize,
-    pub(crate) ports: usize,
-    pub(crate) outputs: Vec<String>,
-    pub(crate) parameters: Vec<String>,
-    pub(crate) states: Vec<String>,
-    pub(crate) shows_states: bool,
+    pub object: Py<PyAny>,
+    pub inputs: usize,
+    pub ports: usize,
+    pub outputs: Vec<String>,
+    pub parameters: Vec<String>,
+    pub states: Vec<String>,
+    pub shows_states: bool,
     rolls_out: bool,
-    pub(crate) takes_forces: bool,
+    pub takes_forces: bool,
     /// Whether `rollout` takes stacked runs.
-    pub(crate) is_stacked: bool,
+    pub is_stacked: bool,
     troubles: Arc<Troubles>,
     /// For messages: where it stands.
     at: String,
-    pub(crate) samples: usize,
+    pub samples: usize,
 }
 
 impl PythonInstance {

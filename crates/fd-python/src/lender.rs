@@ -18,11 +18,11 @@ use crate::{
 /// `step(u[, f])`, or with `rollout(parameters, x0, u[, f])`, and perhaps `measure(u)` and `state()`.
 #[derive(Debug)]
 pub(crate) struct Lender {
-    pub(crate) contract: Contract,
-    pub(crate) object: Py<PyAny>,
+    pub contract: Contract,
+    pub object: Py<PyAny>,
     /// Whether its functions take forces.
-    pub(crate) takes_forces: bool,
-    pub(crate) kind: Lending,
+    pub takes_forces: bool,
+    pub kind: Lending,
     troubles: Arc<Troubles>,
 }
 

@@ -184,8 +184,8 @@ impl SceneSteps {
 #[derive(Debug)]
 pub(crate) struct SceneInstance {
     /// What begins its runs, and tells of its troubles.
-    pub(crate) python: PythonInstance,
-    pub(crate) steps: Py<SceneSteps>,
+    pub python: PythonInstance,
+    pub steps: Py<SceneSteps>,
 }
 
 impl SceneInstance {

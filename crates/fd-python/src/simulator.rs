@@ -62,8 +62,8 @@ impl Lent {
 /// A subject, and what went wrong with it.
 #[derive(Debug)]
 pub(crate) struct Ready {
-    pub(crate) subject: Subject,
-    pub(crate) troubles: Arc<Troubles>,
+    pub subject: Subject,
+    pub troubles: Arc<Troubles>,
 }
 
 impl Simulator {

@@ -76,9 +76,9 @@ impl Line {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes {
     /// Left, top, right and bottom, in units of the drawing.
-    pub(super) frame: [i32; 4],
-    pub(super) x: (f64, f64),
-    pub(super) y: (f64, f64),
+    pub frame: [i32; 4],
+    pub x: (f64, f64),
+    pub y: (f64, f64),
 }
 
 /// A picture cannot be drawn.

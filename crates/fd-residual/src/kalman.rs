@@ -15,17 +15,17 @@ const STEPS: usize = 100;
 /// Noise that drives the states (`q`), the outputs (`r`), and what they have in common (`s`,
 /// states × outputs).
 pub(crate) struct Noises {
-    pub(crate) q: Mat<f64>,
-    pub(crate) s: Mat<f64>,
-    pub(crate) r: Mat<f64>,
+    pub q: Mat<f64>,
+    pub s: Mat<f64>,
+    pub r: Mat<f64>,
 }
 
 /// A stationary filter.
 pub(crate) struct Filter {
     /// `L` in `x̂⁺ = A x̂ + L (y − C x̂)`.
-    pub(crate) gain: Mat<f64>,
+    pub gain: Mat<f64>,
     /// Covariance (or intensity) of the innovation `y − C x̂`.
-    pub(crate) innovation: Mat<f64>,
+    pub innovation: Mat<f64>,
 }
 
 /// The filter of `x⁺ = A x + w`, `y = C x + v` with the given noises, `R > 0`.

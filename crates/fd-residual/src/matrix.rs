@@ -123,12 +123,12 @@ pub(crate) fn with_natural_states<D: TimeDomain>(
 /// A plant whose only inputs are the unknown ones, in natural units of signals and of time.
 #[derive(Clone, Debug)]
 pub(crate) struct Natural {
-    pub(crate) a: Mat<f64>,
-    pub(crate) b: Mat<f64>,
-    pub(crate) c: Mat<f64>,
-    pub(crate) d: Mat<f64>,
+    pub a: Mat<f64>,
+    pub b: Mat<f64>,
+    pub c: Mat<f64>,
+    pub d: Mat<f64>,
     /// Of the unknown inputs, not of the known ones.
-    pub(crate) units: NaturalUnits,
+    pub units: NaturalUnits,
 }
 
 impl Natural {

@@ -160,9 +160,9 @@ impl fmt::Display for Times {
 
 /// A matrix with its singular values, and its rank relative to `scale`.
 pub(crate) struct Decided {
-    pub(crate) decision: RankDecision,
+    pub decision: RankDecision,
     /// Absent for a matrix without rows or columns.
-    pub(crate) svd: Option<Svd<f64>>,
+    pub svd: Option<Svd<f64>>,
     rows: usize,
     columns: usize,
 }

@@ -12,13 +12,13 @@ use crate::{bits, input::Runs, message::What};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClockPlan {
     /// Step of the grid, in s.
-    pub(crate) step: f64,
+    pub step: f64,
     /// Longest distance of samples that is bridged, in s.
-    pub(crate) longest_gap: f64,
+    pub longest_gap: f64,
     /// Distance from a grid time that counts as none, in steps.
-    pub(crate) tolerance: f64,
+    pub tolerance: f64,
     /// Inputs are the first so many values.
-    pub(crate) inputs: usize,
+    pub inputs: usize,
 }
 
 /// What comes of a sample.
@@ -68,7 +68,7 @@ pub(crate) struct Clock {
     between: Vec<f64>,
     /// Samples left out since somebody asked, those that are no surprise after a restart not counted.
     #[serde(skip)]
-    pub(crate) dropped: u64,
+    pub dropped: u64,
 }
 
 /// Why a sample is left out.

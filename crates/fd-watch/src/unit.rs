@@ -47,24 +47,24 @@ pub struct Latest {
 }
 
 pub(crate) struct Unit {
-    pub(crate) name: String,
-    pub(crate) clock: Clock,
-    pub(crate) phase: Phase,
-    pub(crate) alarm: Annunciator,
+    pub name: String,
+    pub clock: Clock,
+    pub phase: Phase,
+    pub alarm: Annunciator,
     /// The question whether to train again, until it is answered.
-    pub(crate) wish: Option<String>,
+    pub wish: Option<String>,
     /// Time of the last sample on the grid.
-    pub(crate) time: Option<f64>,
-    pub(crate) refused: Runs,
+    pub time: Option<f64>,
+    pub refused: Runs,
     held: Runs,
     settled: bool,
-    pub(crate) latest: Latest,
+    pub latest: Latest,
     /// What it learned from, until that is saved.
-    pub(crate) learned: Option<Vec<f64>>,
+    pub learned: Option<Vec<f64>>,
     /// Whether the diagnosis is the unit's own.
-    pub(crate) is_own: bool,
+    pub is_own: bool,
     /// Whether something happened since it was saved.
-    pub(crate) is_dirty: bool,
+    pub is_dirty: bool,
     channels: usize,
     scaled: Vec<f64>,
 }

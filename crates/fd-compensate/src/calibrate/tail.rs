@@ -26,9 +26,9 @@ pub(super) fn exponential_tail(sorted: &[f64], resolved: f64, rate: f64) -> f64 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tail<'a> {
     /// Ascending, not empty.
-    pub(super) sorted: &'a [f64],
+    pub sorted: &'a [f64],
     /// The share that the tail takes over from.
-    pub(super) resolved: f64,
+    pub resolved: f64,
 }
 
 impl Tail<'_> {

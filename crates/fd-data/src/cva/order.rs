@@ -20,12 +20,12 @@ pub enum States {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prediction<'a> {
     /// Covariance of the next output.
-    pub(super) output: MatRef<'a, f64>,
+    pub output: MatRef<'a, f64>,
     /// Covariance of the canonical variates (rows) with it; they have unit variance each.
-    pub(super) shared: MatRef<'a, f64>,
+    pub shared: MatRef<'a, f64>,
     /// Windows, inputs.
-    pub(super) samples: usize,
-    pub(super) inputs: usize,
+    pub samples: usize,
+    pub inputs: usize,
 }
 
 impl States {

@@ -26,20 +26,20 @@ pub struct Limits {
 /// What a method found in healthy logs.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
-    pub(crate) io: IoDims,
-    pub(crate) order: usize,
+    pub io: IoDims,
+    pub order: usize,
     /// Mean and scale of every entry of a window.
-    pub(crate) mean: Vec<f64>,
-    pub(crate) scale: Vec<f64>,
+    pub mean: Vec<f64>,
+    pub scale: Vec<f64>,
     /// Whitened scores from a window, their way back, and what is left.
-    pub(crate) scores: Mat<f64>,
-    pub(crate) back: Mat<f64>,
-    pub(crate) left: Mat<f64>,
+    pub scores: Mat<f64>,
+    pub back: Mat<f64>,
+    pub left: Mat<f64>,
     /// Whether what is left has a T² of its own.
-    pub(crate) has_rest: bool,
+    pub has_rest: bool,
     /// Eigenvalues of the covariance of the prediction error.
-    pub(crate) error_values: Vec<f64>,
-    pub(crate) windows: usize,
+    pub error_values: Vec<f64>,
+    pub windows: usize,
 }
 
 /// Scores and prediction errors of a window at design time, with limits.

@@ -40,13 +40,13 @@ impl Default for Components {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     /// Windows.
-    pub(super) rows: usize,
+    pub rows: usize,
     /// Channels of a sample.
-    pub(super) width: usize,
+    pub width: usize,
     /// Window length minus one.
-    pub(super) order: usize,
+    pub order: usize,
     /// Units of the channels.
-    pub(super) scaling: Scaling,
+    pub scaling: Scaling,
 }
 
 impl Components {

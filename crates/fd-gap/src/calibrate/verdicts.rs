@@ -16,12 +16,12 @@ const TEMPERATURES: i32 = 50;
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     /// Row of the truth.
-    pub(super) row: usize,
+    pub row: usize,
     /// Column of the answer.
-    pub(super) column: usize,
+    pub column: usize,
     /// Answers: "no gap" first, then causes, the tied ones as one. Which of them is the truth, and
     /// the evidence in each.
-    pub(super) answers: Answers,
+    pub answers: Answers,
 }
 
 /// Answers of a diagnosis with their evidence.

@@ -23,9 +23,9 @@ const BLOCK: usize = 256;
 /// Signals of a log, column by column: drivers, and the residual of one output.
 #[derive(Clone, Debug)]
 pub(super) struct Example<'a> {
-    pub(super) drivers: &'a [Vec<f64>],
+    pub drivers: &'a [Vec<f64>],
     /// NaN where it is not known.
-    pub(super) residual: Vec<f64>,
+    pub residual: Vec<f64>,
 }
 
 /// Random features of lagged drivers `x(k)` and `na` past values of `r`, all standardised.

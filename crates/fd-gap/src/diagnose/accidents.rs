@@ -17,9 +17,9 @@ use crate::quality::{Finding, MOST_ACCIDENTS, wrong_sample};
 #[derive(Debug)]
 pub(super) struct Accidents {
     /// What there is to say of each.
-    pub(super) findings: Vec<Finding>,
+    pub findings: Vec<Finding>,
     /// The fitted logs without them.
-    pub(super) logs: Vec<Record>,
+    pub logs: Vec<Record>,
 }
 
 impl Accidents {

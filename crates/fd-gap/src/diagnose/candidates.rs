@@ -20,11 +20,11 @@ const WANDERS: &str = "parameter-wander";
 #[derive(Debug)]
 pub(super) struct Candidates {
     /// Effects on the simulation.
-    pub(super) simulated: Vec<Candidate>,
+    pub simulated: Vec<Candidate>,
     /// Effects on the distribution of a measurement, which leave the simulation as it is.
-    pub(super) measured: Vec<Candidate>,
+    pub measured: Vec<Candidate>,
     /// What cannot be tried.
-    pub(super) refused: Vec<NotTested>,
+    pub refused: Vec<NotTested>,
 }
 
 impl Candidates {

@@ -6,8 +6,8 @@ use super::{candidates::Candidates, case::Case, monitor::Monitor, settings::Sett
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     /// The case as it is diagnosed: with the controller on logged outputs, if it did see these.
-    pub(super) case: Case<'a>,
-    pub(super) candidates: &'a Candidates,
-    pub(super) settings: &'a Settings,
-    pub(super) monitor: &'a dyn Monitor,
+    pub case: Case<'a>,
+    pub candidates: &'a Candidates,
+    pub settings: &'a Settings,
+    pub monitor: &'a dyn Monitor,
 }

@@ -230,9 +230,9 @@ pub fn diagnose(
 
 /// A diagnosis, and where it took the logs to begin.
 pub(crate) struct Told {
-    pub(crate) diagnosis: Diagnosis,
+    pub diagnosis: Diagnosis,
     /// Whether both beginnings were tried.
-    pub(crate) is_doubted: bool,
+    pub is_doubted: bool,
 }
 
 /// One diagnosis, and another one without single wrong samples if it shows any, unless the logs are `clean` of them.

@@ -17,12 +17,12 @@ const PROBABLE: f64 = 20.0;
 #[derive(Clone, Debug)]
 pub(super) struct Contender<'a> {
     /// The model as a candidate brings it: parameters not settled.
-    pub(super) model: Model,
+    pub model: Model,
     /// Parameters of its effects, and their fitted values.
-    pub(super) effects: Vec<Variable>,
-    pub(super) values: Vec<f64>,
+    pub effects: Vec<Variable>,
+    pub values: Vec<f64>,
     /// The model with all values settled.
-    pub(super) fitted: &'a Model,
+    pub fitted: &'a Model,
 }
 
 /// What is to be told apart: the pairs or causes that are tied, or else the leader and its rivals,

@@ -12,9 +12,9 @@ const WRONG: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Refit {
     /// Parameters of the shell.
-    pub(super) theta: Vec<f64>,
+    pub theta: Vec<f64>,
     /// Initial states, log by log.
-    pub(super) starts: Vec<Vec<f64>>,
+    pub starts: Vec<Vec<f64>>,
 }
 
 impl Refit {

@@ -19,7 +19,7 @@ pub(crate) struct Arrow {
     blocks: Vec<f64>,
     /// Own rows, shared columns, one after the other.
     arms: Vec<f64>,
-    pub(crate) gradient: Vec<f64>,
+    pub gradient: Vec<f64>,
 }
 
 impl Arrow {

@@ -30,7 +30,7 @@ pub(crate) fn promised(problem: &dyn LeastSquares, at: &Minimum) -> f64 {
 
 /// What all searches of a problem have in common.
 pub(super) struct Setting {
-    pub(super) layout: Layout,
+    pub layout: Layout,
     bounds: Vec<[f64; 2]>,
     prior: Vec<[f64; 2]>,
     search: Search,
@@ -98,7 +98,7 @@ pub(super) enum Next {
 /// A step that could be taken.
 pub(super) struct Step {
     /// Where it leads.
-    pub(super) z: Vec<f64>,
+    pub z: Vec<f64>,
     damping: f64,
     /// By how much the sum of squares falls, if residuals are linear; NaN where the step ends at the edge of the box.
     predicted: f64,
@@ -108,7 +108,7 @@ pub(super) struct Step {
 /// a step was predicted, and grows faster and faster with steps that lead up (Nielsen; Madsen, Nielsen & Tingleff 2004, 3.16).
 pub(super) struct Descent<'a> {
     setting: &'a Setting,
-    pub(super) at: Minimum,
+    pub at: Minimum,
     damping: f64,
     /// By how much the next step up will raise it.
     growth: f64,

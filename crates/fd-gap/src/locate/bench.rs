@@ -13,11 +13,11 @@ use crate::{
 /// a diagnosis has cut them into.
 #[derive(Clone, Debug)]
 pub(crate) struct Bench {
-    pub(crate) simulator: Box<dyn Simulator>,
-    pub(crate) logs: Vec<Log>,
-    pub(crate) segments: Vec<Segment>,
+    pub simulator: Box<dyn Simulator>,
+    pub logs: Vec<Log>,
+    pub segments: Vec<Segment>,
     /// Noise of each output.
-    pub(crate) sigma: Vec<f64>,
+    pub sigma: Vec<f64>,
 }
 
 /// Values per log, row by row.

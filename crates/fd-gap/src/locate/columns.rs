@@ -7,8 +7,8 @@ use fd_numeric::dot;
 /// A column; rows outside `rows` are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
-    pub(super) rows: Range<usize>,
-    pub(super) values: Vec<f64>,
+    pub rows: Range<usize>,
+    pub values: Vec<f64>,
 }
 
 impl Column {

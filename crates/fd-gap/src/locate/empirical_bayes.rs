@@ -13,11 +13,11 @@ const ROUNDING: f64 = 1e-12;
 /// Coefficients of columns, after nuisances have taken what they can.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Regression {
-    pub(super) coefficients: Vec<f64>,
+    pub coefficients: Vec<f64>,
     /// Fall of the sum of squares, less what is expected of noise alone.
-    pub(super) explained: f64,
+    pub explained: f64,
     /// Logarithm of the evidence over that of no coefficients.
-    pub(super) log_evidence: f64,
+    pub log_evidence: f64,
 }
 
 /// `r = N z + J f + e` with unit noise `e`, `z` of the given prior precisions (about zero), and

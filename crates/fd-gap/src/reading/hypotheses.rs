@@ -46,8 +46,8 @@ const TIMES: [f64; 8] = [1e3, 1e-3, 60.0, 1.0 / 60.0, 10.0, 0.1, 100.0, 0.01];
 /// A mistake with the logarithm of its probability before the data.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
-    pub(super) mistake: Mistake,
-    pub(super) log_prior: f64,
+    pub mistake: Mistake,
+    pub log_prior: f64,
 }
 
 /// All mistakes that can be made with the channels of a simulator and the parameters of a model.

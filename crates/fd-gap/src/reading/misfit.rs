@@ -25,7 +25,7 @@ pub(super) struct ColumnMisfit {
     /// Number of measured values.
     count: f64,
     /// Root mean square of the errors, in the unit of the channel.
-    pub(super) rms: f64,
+    pub rms: f64,
     /// The same about their mean.
     about_mean: f64,
     /// Standard deviation of what was measured, in the unit of the channel.
@@ -41,7 +41,7 @@ pub(super) struct ColumnMisfit {
 /// What a simulation leaves of a log, column by column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Misfit {
-    pub(super) columns: Vec<ColumnMisfit>,
+    pub columns: Vec<ColumnMisfit>,
 }
 
 impl Misfit {

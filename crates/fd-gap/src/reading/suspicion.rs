@@ -47,7 +47,7 @@ pub(super) struct Explained {
     /// That of refitted parameters.
     refit: Misfit,
     /// What parameters and starts can do; `None` where the simulation is lost.
-    pub(super) fitted: Option<Misfit>,
+    pub fitted: Option<Misfit>,
 }
 
 /// Looks for a mistake of reading that explains a log at least about as well as the diagnosis of the

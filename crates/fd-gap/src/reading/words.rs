@@ -14,9 +14,9 @@ const MORE: [(&str, &str, f64); 3] =
 
 /// What is said of a mistake.
 pub(super) struct Said {
-    pub(super) statement: String,
-    pub(super) advice: String,
-    pub(super) lines: String,
+    pub statement: String,
+    pub advice: String,
+    pub lines: String,
 }
 
 /// A mistake in words; `model` and `ts` (the time between samples) are mended.

@@ -45,15 +45,15 @@ impl From<usize> for Bounds {
 #[derive(Clone, Copy)]
 pub(super) struct Selection<'a> {
     /// Looks beside a set that can still be taken.
-    pub(super) looks: &'a Cell<usize>,
-    pub(super) first: &'a Diagnosis,
-    pub(super) search: &'a SetSearch<'a>,
+    pub looks: &'a Cell<usize>,
+    pub first: &'a Diagnosis,
+    pub search: &'a SetSearch<'a>,
     /// Most causes.
-    pub(super) most: usize,
+    pub most: usize,
     /// Horizon at which forecasts judge; `None` without held-out logs.
-    pub(super) horizon: Option<Horizon>,
+    pub horizon: Option<Horizon>,
     /// Whether a set counts only if it leaves nothing but noise.
-    pub(super) is_to_the_noise: bool,
+    pub is_to_the_noise: bool,
 }
 
 impl Selection<'_> {
@@ -67,22 +67,22 @@ impl Selection<'_> {
 /// A set that was found, a name for each member, and why it ends there.
 #[derive(Debug)]
 pub(super) struct Found {
-    pub(super) set: EffectSet,
-    pub(super) named: Vec<Named>,
-    pub(super) end: End,
+    pub set: EffectSet,
+    pub named: Vec<Named>,
+    pub end: End,
 }
 
 /// What is said of a cause in a set.
 #[derive(Clone, Debug)]
 pub(super) struct Named {
     /// Logarithm of the evidence beside all others.
-    pub(super) log_evidence: f64,
+    pub log_evidence: f64,
     /// Probability, together with those that the log cannot tell from it.
-    pub(super) probability: f64,
+    pub probability: f64,
     /// Labels of these.
-    pub(super) tied: Vec<String>,
+    pub tied: Vec<String>,
     /// Probability over that of the best cause beside the same others, curves included.
-    pub(super) odds: f64,
+    pub odds: f64,
 }
 
 /// Goes on from a diagnosis as long as causes help and as far as the `bounds` allow. `None` where one answer is

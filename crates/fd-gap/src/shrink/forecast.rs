@@ -39,9 +39,9 @@ pub struct Settled<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Forecast {
     /// As [`forecast_errors`] returns them.
-    pub(super) errors: Vec<Vec<Vec<f64>>>,
-    pub(super) segments: Vec<Segment>,
-    pub(super) begin: Begin,
+    pub errors: Vec<Vec<Vec<f64>>>,
+    pub segments: Vec<Segment>,
+    pub begin: Begin,
 }
 
 /// What tells the states in which a segment begins.
@@ -57,11 +57,11 @@ enum States {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Begin {
     /// Sum of squares that the estimate leaves, in sigma.
-    pub(super) squares: f64,
+    pub squares: f64,
     /// Measured values.
-    pub(super) samples: usize,
+    pub samples: usize,
     /// Initial states.
-    pub(super) unknowns: usize,
+    pub unknowns: usize,
 }
 
 impl Forecast {

@@ -9,8 +9,8 @@ use crate::{
 /// A design as numbers that the kernel understands, whatever the kind of forgetting.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneDesign<T> {
-    pub(super) prior_variance: T,
-    pub(super) settings: Settings<T>,
+    pub prior_variance: T,
+    pub settings: Settings<T>,
 }
 
 impl<T: LaneScalar> LaneDesign<T> {

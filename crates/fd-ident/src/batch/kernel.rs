@@ -13,31 +13,31 @@ use crate::rls::rounding;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settings<R> {
     /// Variance `ρ` that the noise of a sample counts with: `λ`, `α` of eq. (18), or 1.
-    pub(super) noise: R,
+    pub noise: R,
     /// `−s`, where `P` grows by `s` per sample: `1/λ` or 1.
-    pub(super) minus_scale: R,
+    pub minus_scale: R,
     /// Samples with `φᵀPφ` of this or less are skipped.
-    pub(super) silence: R,
+    pub silence: R,
     /// At least what the trace of `P` grows by per sample.
-    pub(super) growth: R,
+    pub growth: R,
     /// Largest trace of `P` that forgetting may lead to.
-    pub(super) largest_trace: R,
+    pub largest_trace: R,
     /// `λ` of directional forgetting, 1 where forgetting is of another kind.
-    pub(super) kept: R,
+    pub kept: R,
 }
 
 /// What the estimators of some lanes remember.
 pub(super) struct State<R, const N: usize> {
     /// Strict upper triangle of `U`, column by column; the rest is not touched.
-    pub(super) u: [[R; N]; N],
-    pub(super) d: [R; N],
-    pub(super) theta: [R; N],
+    pub u: [[R; N]; N],
+    pub d: [R; N],
+    pub theta: [R; N],
     /// At least the trace of `P`.
-    pub(super) trace_bound: R,
+    pub trace_bound: R,
     /// Samples skipped so far.
-    pub(super) skipped: R,
+    pub skipped: R,
     /// How often forgetting paused.
-    pub(super) bounded: R,
+    pub bounded: R,
 }
 
 /// Learns from one sample in each lane. What directional forgetting costs is left out when no lane

@@ -20,8 +20,8 @@ type Row<T> = <T as LaneScalar>::Row;
 /// Where the rows of a tile are: settings first, then what it remembers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    pub(super) n: usize,
-    pub(super) regressors: Regressors,
+    pub n: usize,
+    pub regressors: Regressors,
 }
 
 /// Where regressors come from.

@@ -10,9 +10,9 @@ const SWEEPS: usize = 60;
 
 /// `R = U diag(σ) Vᵀ`, the largest singular value first.
 pub(super) struct Modes {
-    pub(super) u: Mat<f64>,
-    pub(super) sigma: Vec<f64>,
-    pub(super) v: Mat<f64>,
+    pub u: Mat<f64>,
+    pub sigma: Vec<f64>,
+    pub v: Mat<f64>,
 }
 
 impl Modes {

@@ -42,10 +42,10 @@ impl fmt::Display for Criterion {
 /// The four information criteria of one model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Information {
-    pub(super) aic: f64,
-    pub(super) aicc: f64,
-    pub(super) bic: f64,
-    pub(super) fpe: f64,
+    pub aic: f64,
+    pub aicc: f64,
+    pub bic: f64,
+    pub fpe: f64,
 }
 
 impl Information {

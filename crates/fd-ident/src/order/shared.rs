@@ -19,10 +19,10 @@ pub(super) type Fits = HashMap<ArxOrders, Vec<f64>>;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Columns {
     /// Past values of the bias in the widest regressor; the inputs follow, from delay 0 on.
-    pub(super) na: usize,
-    pub(super) nu: usize,
+    pub na: usize,
+    pub nu: usize,
     /// Column of the constant.
-    pub(super) constant: usize,
+    pub constant: usize,
 }
 
 /// A triangular factor and what is left of the other columns.

@@ -7,10 +7,10 @@ use fd_numeric::dense::triangle;
 #[derive(Clone, Debug)]
 pub(super) struct Bordered {
     /// Columns of its own that each block has.
-    pub(super) own: usize,
+    pub own: usize,
     /// Columns that all blocks have.
-    pub(super) shared: usize,
-    pub(super) blocks: Vec<Mat<f64>>,
+    pub shared: usize,
+    pub blocks: Vec<Mat<f64>>,
 }
 
 /// The same, each block compressed by QR with its columns scaled to length one.

@@ -19,20 +19,20 @@ pub(super) trait SumOfSquares {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Patience {
     /// Most linearisations.
-    pub(super) rounds: usize,
+    pub rounds: usize,
     /// Least promised decrease of the cost, relative to it, that is worth another round.
-    pub(super) tolerance: f64,
+    pub tolerance: f64,
     /// Cost that is nothing but rounding.
-    pub(super) floor: f64,
+    pub floor: f64,
 }
 
 /// Where a search ended.
 #[derive(Clone, Debug)]
 pub(super) struct Minimum {
-    pub(super) parameters: Vec<f64>,
-    pub(super) cost: f64,
-    pub(super) rounds: usize,
-    pub(super) converged: bool,
+    pub parameters: Vec<f64>,
+    pub cost: f64,
+    pub rounds: usize,
+    pub converged: bool,
 }
 
 /// Damping that a search begins with, and its largest value; both in units of the squared column

@@ -40,9 +40,9 @@ impl NoiseStructure {
 #[derive(Clone, Debug)]
 pub(super) struct Stretch {
     /// Inputs, row by row, missing ones held.
-    pub(super) u: Vec<f64>,
+    pub u: Vec<f64>,
     /// Bias, NaN where it is missing.
-    pub(super) mu: Vec<f64>,
+    pub mu: Vec<f64>,
 }
 
 /// The predictor of one residual channel.
@@ -51,12 +51,12 @@ pub(super) struct Stretch {
 /// `μ̂(−1) … μ̂(−na)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Predictor {
-    pub(super) orders: ArxOrders,
-    pub(super) nu: usize,
-    pub(super) noise: NoiseStructure,
+    pub orders: ArxOrders,
+    pub nu: usize,
+    pub noise: NoiseStructure,
     /// What a simulation takes for the past; without meaning for ARMAX, which begins as soon as
     /// the measured past is there.
-    pub(super) start: Start,
+    pub start: Start,
 }
 
 /// The last values of a signal, newest first, each with its gradient.

@@ -10,8 +10,8 @@ use crate::{arx::reflect, columns::from_rows, error::IdentError};
 /// Parameters are the shared ones of the predictor, then the past of each stretch.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
-    pub(super) predictor: Predictor,
-    pub(super) stretches: Vec<Stretch>,
+    pub predictor: Predictor,
+    pub stretches: Vec<Stretch>,
 }
 
 impl Problem {

@@ -14,11 +14,11 @@ use crate::{
 
 /// What least squares finds for given `A` and `C`.
 pub(super) struct Response {
-    pub(super) b: Mat<f64>,
-    pub(super) d: Mat<f64>,
-    pub(super) offset: Vec<f64>,
+    pub b: Mat<f64>,
+    pub d: Mat<f64>,
+    pub offset: Vec<f64>,
     /// Mean squared error of each output.
-    pub(super) error: Vec<f64>,
+    pub error: Vec<f64>,
 }
 
 pub(super) fn fit_response<R: Borrow<Record>>(

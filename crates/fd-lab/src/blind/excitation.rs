@@ -31,10 +31,10 @@ impl Shape {
 /// Range and band of the excitation of one external input.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
-    pub(super) centre: f64,
-    pub(super) amplitude: f64,
+    pub centre: f64,
+    pub amplitude: f64,
     /// Lowest and highest frequency, in Hz.
-    pub(super) band: [f64; 2],
+    pub band: [f64; 2],
 }
 
 impl Drive {

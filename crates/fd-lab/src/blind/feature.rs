@@ -91,7 +91,7 @@ impl Feature {
 /// A method of which something may be left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Method {
-    pub(super) without: Option<Feature>,
+    pub without: Option<Feature>,
 }
 
 impl Method {

@@ -50,8 +50,8 @@ const FROM_REST: [&str; 2] = ["train_from_rest.csv", "held_out_from_rest.csv"];
 
 /// A case as a user has it.
 pub(super) struct Case {
-    pub(super) name: String,
-    pub(super) directory: PathBuf,
+    pub name: String,
+    pub directory: PathBuf,
 }
 
 /// Name of the file of answers in a form, by a method that may be without something.

@@ -31,9 +31,9 @@ const STILL: f64 = 0.02;
 /// What a logger does to one run.
 pub(super) struct Logged {
     /// Outputs, row by row, NaN where they are missing.
-    pub(super) y: Vec<f64>,
+    pub y: Vec<f64>,
     /// Whether each row is there at all.
-    pub(super) is_kept: Vec<bool>,
+    pub is_kept: Vec<bool>,
 }
 
 impl Logger {

@@ -12,14 +12,14 @@ use super::{
 /// A log with what its reader may not know.
 pub(super) struct LogOfRun {
     /// The log.
-    pub(super) record: Record,
+    pub record: Record,
     /// The reference of the controller that is not in the model.
-    pub(super) reference: Option<(Channel, Vec<f64>)>,
+    pub reference: Option<(Channel, Vec<f64>)>,
     /// Whether each row is in the file.
-    pub(super) is_kept: Vec<bool>,
+    pub is_kept: Vec<bool>,
     /// States of the plant at its first sample, and how far each moves.
-    pub(super) start: Vec<f64>,
-    pub(super) spread: Vec<f64>,
+    pub start: Vec<f64>,
+    pub spread: Vec<f64>,
 }
 
 /// Which part of a run.

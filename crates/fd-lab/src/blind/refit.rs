@@ -44,9 +44,9 @@ pub(super) struct Sight<'a> {
 
 /// A candidate with its best fit.
 pub(super) struct Fitted {
-    pub(super) candidate: Candidate,
+    pub candidate: Candidate,
     problem: Problem,
-    pub(super) minimum: Minimum,
+    pub minimum: Minimum,
 }
 
 /// The null fit to a log, with the noise that the model states: white, or an AR(1) sequence of this

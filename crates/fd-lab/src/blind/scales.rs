@@ -5,38 +5,38 @@ use super::simulate::{Observer, Snapshot};
 /// Size of a signal.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Signal {
-    pub(super) mean: f64,
-    pub(super) std: f64,
+    pub mean: f64,
+    pub std: f64,
     /// Largest magnitude.
-    pub(super) peak: f64,
-    pub(super) low: f64,
-    pub(super) high: f64,
+    pub peak: f64,
+    pub low: f64,
+    pub high: f64,
     /// Root mean square of the change from sample to sample.
-    pub(super) slope: f64,
+    pub slope: f64,
 }
 
 /// Sizes at a site.
 #[derive(Clone, Debug)]
 pub(super) struct SiteScale {
-    pub(super) position: Option<Signal>,
-    pub(super) velocity: Option<Signal>,
+    pub position: Option<Signal>,
+    pub velocity: Option<Signal>,
     /// Spread of the acceleration (of the position's rate where there is no velocity).
-    pub(super) acceleration: f64,
+    pub acceleration: f64,
     /// The force that makes such an acceleration.
-    pub(super) force: f64,
+    pub force: f64,
 }
 
 /// Sizes of all signals.
 #[derive(Clone, Debug)]
 pub(super) struct Scales {
-    pub(super) inputs: Vec<Signal>,
-    pub(super) states: Vec<Signal>,
-    pub(super) outputs: Vec<Signal>,
-    pub(super) sites: Vec<SiteScale>,
+    pub inputs: Vec<Signal>,
+    pub states: Vec<Signal>,
+    pub outputs: Vec<Signal>,
+    pub sites: Vec<SiteScale>,
     /// Signals inside the plant.
-    pub(super) inner: Vec<Signal>,
-    pub(super) ts: f64,
-    pub(super) duration: f64,
+    pub inner: Vec<Signal>,
+    pub ts: f64,
+    pub duration: f64,
 }
 
 impl Signal {

@@ -14,8 +14,8 @@ use super::{
 
 /// A plant with what the model file says of it.
 pub(super) struct Bench<'a> {
-    pub(super) plant: &'a Plant,
-    pub(super) model: &'a Model,
+    pub plant: &'a Plant,
+    pub model: &'a Model,
     limits: Vec<[f64; 2]>,
     substeps: usize,
     h: f64,
@@ -24,44 +24,44 @@ pub(super) struct Bench<'a> {
 /// What a run starts from and sees.
 #[derive(Clone, Copy)]
 pub(super) struct Trial<'a> {
-    pub(super) parameters: &'a [f64],
+    pub parameters: &'a [f64],
     /// Initial states of the model.
-    pub(super) x0: &'a [f64],
+    pub x0: &'a [f64],
     /// External inputs, row by row.
-    pub(super) u: &'a [f64],
+    pub u: &'a [f64],
     /// Noise of all outputs, row by row; none for a noise-free run.
-    pub(super) noise: Option<&'a [f64]>,
+    pub noise: Option<&'a [f64]>,
     /// What makes commands of references instead of the plant's own controller; the number of the
     /// run.
-    pub(super) controller: Option<(&'a Controller, u64)>,
+    pub controller: Option<(&'a Controller, u64)>,
 }
 
 /// What a run has given, row by row.
 pub(super) struct Trace {
     /// Outputs with noise.
-    pub(super) y: Vec<f64>,
+    pub y: Vec<f64>,
     /// The same outputs without it; where noise goes round a loop, it has moved the plant.
-    pub(super) clean: Vec<f64>,
+    pub clean: Vec<f64>,
     /// Commands at all inputs of the plant.
-    pub(super) commands: Vec<f64>,
+    pub commands: Vec<f64>,
     /// States of the plant.
-    pub(super) states: Vec<f64>,
+    pub states: Vec<f64>,
 }
 
 /// A law at work at its place.
 pub(super) struct Injected {
-    pub(super) index: usize,
-    pub(super) partner: usize,
-    pub(super) mechanism: Mechanism,
+    pub index: usize,
+    pub partner: usize,
+    pub mechanism: Mechanism,
 }
 
 /// All that there is at a sample.
 pub(super) struct Snapshot<'a> {
-    pub(super) u: &'a [f64],
-    pub(super) x: &'a [f64],
-    pub(super) y: &'a [f64],
-    pub(super) sites: &'a [Site<'a>],
-    pub(super) inner: &'a [f64],
+    pub u: &'a [f64],
+    pub x: &'a [f64],
+    pub y: &'a [f64],
+    pub sites: &'a [Site<'a>],
+    pub inner: &'a [f64],
 }
 
 /// Sees every sample.

@@ -91,11 +91,11 @@ impl Truth {
 
 /// A truth with its plant, ready to run.
 pub(super) struct Scene<'a> {
-    pub(super) truth: &'a Truth,
-    pub(super) plant: &'static Plant,
-    pub(super) model: &'a Model,
-    pub(super) bench: Bench<'a>,
-    pub(super) scales: Scales,
+    pub truth: &'a Truth,
+    pub plant: &'static Plant,
+    pub model: &'a Model,
+    pub bench: Bench<'a>,
+    pub scales: Scales,
     laws: Vec<Law>,
 }
 

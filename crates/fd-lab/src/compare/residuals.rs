@@ -20,10 +20,10 @@ pub(super) enum ResidualError {
 /// Residuals, row by row.
 pub(super) struct Residuals {
     /// Of the runs without an injected fault, whole.
-    pub(super) healthy: Vec<Vec<f64>>,
+    pub healthy: Vec<Vec<f64>>,
     /// Of the same with each kind of fault in each size, from the start of the faults on: before it they
     /// are the same.
-    pub(super) faulty: Vec<Vec<Vec<Vec<f64>>>>,
+    pub faulty: Vec<Vec<Vec<Vec<f64>>>>,
 }
 
 impl Residuals {

@@ -33,29 +33,29 @@ pub(crate) trait Plants: Sync {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ask {
     /// Which plant.
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// How many runs without an injected fault, for thresholds or, if `tested`, for results.
-    pub(crate) fresh_runs: u64,
+    pub fresh_runs: u64,
     /// Whether the results are taken from it, so that runs with faults are needed.
-    pub(crate) tested: bool,
+    pub tested: bool,
 }
 
 /// The runs of one plant.
 pub(crate) struct Runs {
     /// The model that watches it.
-    pub(crate) model: StateSpace<Discrete>,
+    pub model: StateSpace<Discrete>,
     /// What its signals are in physical units.
-    pub(crate) scaling: Scaling,
+    pub scaling: Scaling,
     /// The run that the bias is learned from.
-    pub(crate) training: Record,
+    pub training: Record,
     /// Fault-free runs that scale the detectors.
-    pub(crate) calibration: Vec<Record>,
+    pub calibration: Vec<Record>,
     /// Runs without an injected fault that thresholds or results are taken from.
-    pub(crate) healthy: Vec<Record>,
+    pub healthy: Vec<Record>,
     /// The first of them with each kind of fault in each size; none for plants that set thresholds.
-    pub(crate) faulty: Vec<Vec<Vec<Record>>>,
+    pub faulty: Vec<Vec<Vec<Record>>>,
     /// Samples at the start of a run that no detector sees, as residual and simulated bias do not begin at rest there.
-    pub(crate) unseen: usize,
+    pub unseen: usize,
 }
 
 impl Runs {
@@ -68,9 +68,9 @@ impl Runs {
 
 /// A scenario ready to run.
 pub(super) struct Scene<'a> {
-    pub(super) config: &'a CompareConfig,
-    pub(super) index: usize,
-    pub(super) kinds: Vec<FaultKind>,
+    pub config: &'a CompareConfig,
+    pub index: usize,
+    pub kinds: Vec<FaultKind>,
     plants: Box<dyn Plants + 'a>,
 }
 

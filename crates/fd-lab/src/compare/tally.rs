@@ -8,11 +8,11 @@ use super::watch::Rest;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Unit {
     /// Index of the scenario.
-    pub(super) scenario: usize,
+    pub scenario: usize,
     /// Seed of the engine.
-    pub(super) seed: u64,
+    pub seed: u64,
     /// One entry per generator, bias model and detector, the detector changing fastest.
-    pub(super) entries: Vec<Outcome>,
+    pub entries: Vec<Outcome>,
 }
 
 /// What an engine is for.
@@ -41,25 +41,25 @@ pub(super) enum Outcome {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Alarms {
     /// Runs without an injected fault.
-    pub(super) healthy_runs: u64,
+    pub healthy_runs: u64,
     /// Those with an alarm, one count per rate of false alarms.
-    pub(super) healthy: Vec<u64>,
+    pub healthy: Vec<u64>,
     /// For each kind of fault and each size what was found at the wanted rate.
-    pub(super) faults: Vec<Vec<Found>>,
+    pub faults: Vec<Vec<Found>>,
     /// Runs with a fault, of all kinds and sizes, that have no alarm without the fault, and those of
     /// them with an alarm, one pair per rate of false alarms.
-    pub(super) roc: Vec<(u64, u64)>,
+    pub roc: Vec<(u64, u64)>,
     /// Found sensor faults by true sensor and named sensor.
-    pub(super) confusion: Vec<Vec<u64>>,
+    pub confusion: Vec<Vec<u64>>,
 }
 
 /// Runs with one fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Found {
     /// Runs that have no alarm without the fault.
-    pub(super) looked: u64,
+    pub looked: u64,
     /// Delay of each alarm in samples.
-    pub(super) delays: Vec<u32>,
+    pub delays: Vec<u32>,
 }
 
 impl Alarms {

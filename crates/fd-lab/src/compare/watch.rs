@@ -18,16 +18,16 @@ pub(super) struct Fork {
     detector: Snapshot,
     recent: DebouncedStatistic,
     /// The largest margin up to here.
-    pub(super) peak: f64,
+    pub peak: f64,
 }
 
 /// Margins that mean something.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Levels {
     /// Above it is an alarm.
-    pub(super) alarm: f64,
+    pub alarm: f64,
     /// Above it nothing more is asked.
-    pub(super) enough: f64,
+    pub enough: f64,
 }
 
 impl Levels {
@@ -39,9 +39,9 @@ impl Levels {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rest {
     /// First sample after the fork with an alarm.
-    pub(super) alarm: Option<usize>,
+    pub alarm: Option<usize>,
     /// The largest margin, as far as it was looked at.
-    pub(super) peak: f64,
+    pub peak: f64,
 }
 
 impl Watch {

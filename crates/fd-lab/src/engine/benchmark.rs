@@ -36,14 +36,14 @@ pub struct Benchmark {
 /// One perturbed engine with the model that is to watch it.
 pub(crate) struct Case {
     /// The engine where the bias is learned.
-    pub(crate) training: Reality,
+    pub training: Reality,
     /// The same engine where the test runs take place.
-    pub(crate) moved: Reality,
+    pub moved: Reality,
     /// The engine itself, when it is nonlinear.
     engine: Option<Engine17<f64>>,
     /// The perturbed plant, when it is linear.
     pub(super) plant: Option<StateSpace<Discrete>>,
-    pub(crate) model: StateSpace<Discrete>,
+    pub model: StateSpace<Discrete>,
     /// What its signals are in physical units, where they are deviations from its own equilibrium.
     pub(super) scaling: Option<Scaling>,
     pub(super) redraws: usize,

@@ -91,23 +91,23 @@ pub struct FaultOutcome {
 
 /// Everything that is simulated for one seed before a diagnosis is made.
 pub(super) struct Logs {
-    pub(super) training: Record,
-    pub(super) calibration: Vec<Record>,
-    pub(super) tests: Vec<Record>,
+    pub training: Record,
+    pub calibration: Vec<Record>,
+    pub tests: Vec<Record>,
 }
 
 /// What is random in these runs.
 pub(super) struct Draws {
-    pub(super) training: Draw,
-    pub(super) calibration: Vec<Draw>,
-    pub(super) tests: Vec<Draw>,
+    pub training: Draw,
+    pub calibration: Vec<Draw>,
+    pub tests: Vec<Draw>,
 }
 
 /// Residuals of the test runs and what is needed to judge them.
 pub(super) struct Tests {
-    pub(super) start: usize,
-    pub(super) primary: Vec<Run>,
-    pub(super) compensated: Vec<Run>,
+    pub start: usize,
+    pub primary: Vec<Run>,
+    pub compensated: Vec<Run>,
 }
 
 impl Benchmark {

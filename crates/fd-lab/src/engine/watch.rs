@@ -14,8 +14,8 @@ const LARGEST_FAULT: f64 = 10.0;
 
 /// A residual and the input that drove the plant, row by row.
 pub(super) struct Run {
-    pub(super) inputs: Vec<f64>,
-    pub(super) residual: Vec<f64>,
+    pub inputs: Vec<f64>,
+    pub residual: Vec<f64>,
 }
 
 /// The calibrated detector of one of the two residuals.
@@ -28,10 +28,10 @@ pub(super) struct Watch {
 
 /// What a detector finds of a fault.
 pub(super) struct Found {
-    pub(super) smallest: f64,
-    pub(super) share: f64,
+    pub smallest: f64,
+    pub share: f64,
     /// In samples.
-    pub(super) delay: f64,
+    pub delay: f64,
 }
 
 impl Watch {

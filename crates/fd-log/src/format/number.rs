@@ -6,7 +6,7 @@ use fd_core::memory::{self, MemoryError};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number {
     kind: Kind,
-    pub(super) bytes: usize,
+    pub bytes: usize,
     is_big_endian: bool,
 }
 

@@ -6,12 +6,12 @@ use fd_numeric::dense::Dense;
 /// Factors of both gramians of a discrete system.
 pub(crate) struct SmithFactors {
     /// `P = L Lᵀ` with `A P Aᵀ − P + B Bᵀ = 0`.
-    pub(crate) controllability: Mat<f64>,
+    pub controllability: Mat<f64>,
     /// `Q = L Lᵀ` with `Aᵀ Q A − Q + Cᵀ C = 0`.
-    pub(crate) observability: Mat<f64>,
+    pub observability: Mat<f64>,
     /// Whether a power of `A` was found to be a contraction, which proves that `A` is stable. The
     /// factors of an unstable `A` exist too, when no input or no output sees what is unstable.
-    pub(crate) proves_stability: bool,
+    pub proves_stability: bool,
 }
 
 /// Factors of the gramians of a discrete system `(A, B, C)`; `None` when `A` is unstable or too

@@ -7,8 +7,8 @@ use crate::error::ModelError;
 
 /// `A = Q T Qᵀ` with `Q` orthogonal and `T` upper triangular but for 2×2 blocks on its diagonal.
 pub(crate) struct RealSchur {
-    pub(crate) q: Mat<f64>,
-    pub(crate) t: Mat<f64>,
+    pub q: Mat<f64>,
+    pub t: Mat<f64>,
 }
 
 impl RealSchur {

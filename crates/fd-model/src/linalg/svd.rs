@@ -7,10 +7,10 @@ use crate::error::ModelError;
 
 /// `A = U diag(values) Vᵀ` with as many columns in `U` and `V` as there are values.
 pub(crate) struct Svd {
-    pub(crate) u: Mat<f64>,
+    pub u: Mat<f64>,
     /// Largest first.
-    pub(crate) values: Vec<f64>,
-    pub(crate) v: Mat<f64>,
+    pub values: Vec<f64>,
+    pub v: Mat<f64>,
 }
 
 /// Singular values, largest first: half the work of the decomposition.

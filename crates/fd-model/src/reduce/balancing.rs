@@ -7,9 +7,9 @@ use crate::{domain::TimeDomain, error::ModelError, linalg::svd, state_space::Sta
 /// The leading part of a balanced model.
 pub(super) struct Balanced<D> {
     /// The first states in balanced coordinates.
-    pub(super) model: StateSpace<D>,
+    pub model: StateSpace<D>,
     /// Hankel singular values of all states.
-    pub(super) hankel: Vec<f64>,
+    pub hankel: Vec<f64>,
 }
 
 /// The first balanced states: `wanted` if there are as many, but at least `needed`.

@@ -15,7 +15,7 @@ const DIGITS: i32 = 9;
 
 /// The samples that move time forward.
 pub(super) struct Order {
-    pub(super) kept: Vec<usize>,
+    pub kept: Vec<usize>,
     duplicates: usize,
     backwards: usize,
 }
@@ -45,9 +45,9 @@ impl Order {
 
 /// The even time base, and what it was made from.
 pub(super) struct Grid {
-    pub(super) start: f64,
-    pub(super) step: SampleTime,
-    pub(super) samples: usize,
+    pub start: f64,
+    pub step: SampleTime,
+    pub samples: usize,
     max_gap: f64,
     tolerance: f64,
     shortest: f64,

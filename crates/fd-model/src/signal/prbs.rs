@@ -127,7 +127,7 @@ impl Prbs {
 /// A Fibonacci feedback shift register; iterates over its output for ever.
 #[derive(Clone, Debug)]
 pub(super) struct Register {
-    pub(super) state: u64,
+    pub state: u64,
     taps: u64,
     bits: u32,
 }

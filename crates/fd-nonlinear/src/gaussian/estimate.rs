@@ -18,9 +18,9 @@ pub(crate) struct Estimate {
     process: Vec<f64>,
     output: Vec<f64>,
     /// Mean.
-    pub(crate) x: Vec<f64>,
+    pub x: Vec<f64>,
     /// Factor of the covariance, lower triangular, row by row.
-    pub(crate) s: Vec<f64>,
+    pub s: Vec<f64>,
     /// Inputs of the sample before.
     u: Vec<f64>,
     /// Samples so far.
@@ -35,9 +35,9 @@ pub(crate) struct Estimate {
 /// Deviations from the mean, one per column: those of the states row by row, then those of the outputs.
 #[derive(Clone, Debug)]
 pub(crate) struct Deviations {
-    pub(crate) columns: usize,
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
+    pub columns: usize,
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
 }
 
 impl Deviations {

@@ -52,10 +52,10 @@ pub struct PatchedDesign {
 /// A tracked parameter at run time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
-    pub(super) parameter: usize,
-    pub(super) variance: f64,
-    pub(super) shift: f64,
-    pub(super) bounds: [f64; 2],
+    pub parameter: usize,
+    pub variance: f64,
+    pub shift: f64,
+    pub bounds: [f64; 2],
 }
 
 impl PatchedDesign {

@@ -18,12 +18,12 @@ const INDEPENDENT: f64 = 0.05;
 #[derive(Clone, Debug)]
 pub(super) struct Learned {
     /// Standard deviation.
-    pub(super) deviation: Vec<f64>,
+    pub deviation: Vec<f64>,
     /// Variance of a sample as evidence: that of the residual times the samples that are worth one
     /// independent sample.
-    pub(super) variance: Vec<f64>,
+    pub variance: Vec<f64>,
     /// Largest magnitude of the smoothed residual, in standard deviations.
-    pub(super) largest: Vec<f64>,
+    pub largest: Vec<f64>,
 }
 
 /// Runs the untracked residual over healthy logs.

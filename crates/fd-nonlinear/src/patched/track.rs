@@ -8,7 +8,7 @@ use super::design::Axis;
 #[derive(Clone, Debug)]
 pub(super) struct Track {
     axes: Vec<Axis>,
-    pub(super) distance: Vec<f64>,
+    pub distance: Vec<f64>,
     /// Covariance, row by row.
     covariance: Vec<f64>,
     /// `P ψ`.

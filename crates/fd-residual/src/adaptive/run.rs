@@ -10,8 +10,8 @@ use super::design::ParameterNoise;
 /// What one parameter does to the model.
 #[derive(Clone, Debug)]
 pub(super) struct Direction<T: Scalar> {
-    pub(super) a: HeapMap<T>,
-    pub(super) b: HeapMap<T>,
+    pub a: HeapMap<T>,
+    pub b: HeapMap<T>,
 }
 
 /// An observer that learns parameters; all memory is taken at construction.

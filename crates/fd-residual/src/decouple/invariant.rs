@@ -14,20 +14,20 @@ use crate::{
 /// all here is in natural units of signals and of time.
 #[derive(Clone, Debug)]
 pub(super) struct Invariant {
-    pub(super) v: Mat<f64>,
-    pub(super) phi: Mat<f64>,
-    pub(super) g: Mat<f64>,
+    pub v: Mat<f64>,
+    pub phi: Mat<f64>,
+    pub g: Mat<f64>,
     /// Orthonormal rows with `W [C N, F] = 0`, where `N` spans what `V` leaves out.
-    pub(super) w: Mat<f64>,
+    pub w: Mat<f64>,
     /// `W C Vᵀ`.
-    pub(super) m: Mat<f64>,
-    pub(super) units: NaturalUnits,
+    pub m: Mat<f64>,
+    pub units: NaturalUnits,
     /// Size of `[A E; C F]`, which a relative change of the data moves by as much.
-    pub(super) scale: f64,
+    pub scale: f64,
     /// The nearest decision.
-    pub(super) nearest: RankDecision,
+    pub nearest: RankDecision,
     /// Smallest value that was kept in any.
-    pub(super) kept: f64,
+    pub kept: f64,
 }
 
 /// For a plant with these unknown inputs.

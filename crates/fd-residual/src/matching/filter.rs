@@ -36,11 +36,11 @@ pub(super) struct Estimation {
 
 /// A filter from `y` to an estimate of `z`, and how far the two are apart.
 pub(super) struct Estimate {
-    pub(super) filter: StateSpace<Continuous>,
+    pub filter: StateSpace<Continuous>,
     /// Of the transfer function from `v` to `z − ẑ`, H-infinity or H2.
-    pub(super) distance: f64,
+    pub distance: f64,
     /// No filter is nearer than that, as far as the search has told.
-    pub(super) bound: f64,
+    pub bound: f64,
 }
 
 impl Estimation {

@@ -20,12 +20,12 @@ const MOST: usize = 200;
 /// A square part of a system, made regular at infinity, and its inverse.
 pub(super) struct Inverted<D> {
     /// Combinations of the rows (rank × rows).
-    pub(super) rows: Mat<f64>,
+    pub rows: Mat<f64>,
     /// The columns.
-    pub(super) columns: Vec<usize>,
+    pub columns: Vec<usize>,
     /// Filters in front of the inverse; a common lag `(a/(s + a))ᵏ`, or `z⁻ᵏ`, is in them.
-    pub(super) filters: Vec<StateSpace<D>>,
-    pub(super) inverse: StateSpace<D>,
+    pub filters: Vec<StateSpace<D>>,
+    pub inverse: StateSpace<D>,
 }
 
 /// The part with the fewest zeros slower than `rate`, and then at infinity: what the update has to carry. `None` when the

@@ -13,8 +13,8 @@ use crate::{
 /// `M` and `N` with `M Y = N`, both stable, for one row `Y`.
 pub(super) struct Factored<D> {
     /// Scalar.
-    pub(super) factor: StateSpace<D>,
-    pub(super) filter: StateSpace<D>,
+    pub factor: StateSpace<D>,
+    pub filter: StateSpace<D>,
 }
 
 /// A mode at the rate itself is left where it is, and must not lie on the line in which others are mirrored.

@@ -15,8 +15,8 @@ const RANK: f64 = 1e-9;
 /// A system with a feedthrough of full row rank, and the proper filters that lead from the
 /// outputs of the original one to its outputs, up to a common low-pass or delay.
 pub(crate) struct Regular<D> {
-    pub(crate) system: StateSpace<D>,
-    pub(crate) filters: Vec<StateSpace<D>>,
+    pub system: StateSpace<D>,
+    pub filters: Vec<StateSpace<D>>,
 }
 
 /// Silverman's structure algorithm: rows without feedthrough are multiplied by `(s + a)/a`, or by

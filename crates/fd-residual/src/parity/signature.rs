@@ -83,11 +83,11 @@ impl ParityDesign {
 
 /// A parity vector of the least order with a wanted signature, in natural units of signals and of time.
 pub(crate) struct LeastVector {
-    pub(crate) plant: NaturalPlant,
-    pub(crate) order: usize,
-    pub(crate) w: Mat<f64>,
+    pub plant: NaturalPlant,
+    pub order: usize,
+    pub w: Mat<f64>,
     /// The nearest decision behind it.
-    pub(crate) nearest: RankDecision,
+    pub nearest: RankDecision,
 }
 
 /// The vector that [`ParityDesign::with_signature_within`] is made of, on either time axis.

@@ -15,9 +15,9 @@ use crate::{
 /// Of one model.
 pub(super) struct Moments {
     /// Covariance of `[Y; U]` without a fault.
-    pub(super) healthy: Mat<f64>,
+    pub healthy: Mat<f64>,
     /// What faults of unit size add, each by itself, summed.
-    pub(super) faulty: Mat<f64>,
+    pub faulty: Mat<f64>,
 }
 
 impl Moments {

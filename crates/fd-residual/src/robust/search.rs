@@ -53,9 +53,9 @@ pub(super) fn energy(w: &Mat<f64>, row: usize, m: &Mat<f64>) -> f64 {
 
 /// A row, what it achieves over all models, and what none exceeds.
 pub(super) struct Found {
-    pub(super) w: Mat<f64>,
-    pub(super) achieved: f64,
-    pub(super) bound: f64,
+    pub w: Mat<f64>,
+    pub achieved: f64,
+    pub bound: f64,
 }
 
 /// Multiplicative weights on the models that decide.

@@ -11,17 +11,17 @@ use super::set::{Zonotope, dot};
 #[derive(Clone, Debug)]
 pub(super) struct Parts<T: Scalar> {
     /// `A − L C`, `B − L D`, `L`.
-    pub(super) closed: HeapMap<T>,
-    pub(super) b: HeapMap<T>,
-    pub(super) gain: HeapMap<T>,
+    pub closed: HeapMap<T>,
+    pub b: HeapMap<T>,
+    pub gain: HeapMap<T>,
     /// Rows of `C`, columns of `L` and of `E`, as slices.
-    pub(super) c_rows: Vec<Vec<T>>,
-    pub(super) gain_columns: Vec<Vec<T>>,
-    pub(super) disturbance: Vec<Vec<T>>,
-    pub(super) d: HeapMap<T>,
-    pub(super) noise: Vec<T>,
+    pub c_rows: Vec<Vec<T>>,
+    pub gain_columns: Vec<Vec<T>>,
+    pub disturbance: Vec<Vec<T>>,
+    pub d: HeapMap<T>,
+    pub noise: Vec<T>,
     /// `ΔA`, `ΔB`, `ΔC`, `ΔD`, if any is above zero.
-    pub(super) model: Option<[HeapMap<T>; 4]>,
+    pub model: Option<[HeapMap<T>; 4]>,
 }
 
 /// An observer of all states that the bounds allow; all memory is taken at construction.

@@ -126,7 +126,7 @@ pub(crate) struct Slopes<'a> {
     /// Definitions that depend on the variable, and what their derivatives are called.
     names: HashMap<&'a str, String>,
     /// The derivatives, each after all that it uses.
-    pub(crate) definitions: Vec<(String, Expr)>,
+    pub definitions: Vec<(String, Expr)>,
 }
 
 impl<'a> Slopes<'a> {

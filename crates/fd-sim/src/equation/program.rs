@@ -58,11 +58,11 @@ pub struct Workspace<V> {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instruction {
-    pub(super) operation: Operation,
-    pub(super) to: u32,
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) c: u32,
+    pub operation: Operation,
+    pub to: u32,
+    pub a: u32,
+    pub b: u32,
+    pub c: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -338,8 +338,8 @@ fn each<const N: usize>(to: &mut Lanes<N>, a: &Lanes<N>, f: fn(f64) -> f64) {
 
 /// Work on lanes, waiting for a machine.
 pub(super) struct InLanes<W, V> {
-    pub(super) work: W,
-    pub(super) lanes: PhantomData<V>,
+    pub work: W,
+    pub lanes: PhantomData<V>,
 }
 
 impl<const N: usize, W: Work<Lanes<N>>> lanes::Work<f64> for InLanes<W, Lanes<N>> {

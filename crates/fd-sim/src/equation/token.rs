@@ -86,8 +86,8 @@ pub(super) enum Kind {
 
 #[derive(Clone, Debug)]
 pub(super) struct Token {
-    pub(super) kind: Kind,
-    pub(super) span: Span,
+    pub kind: Kind,
+    pub span: Span,
 }
 
 impl Token {

@@ -12,8 +12,8 @@ use crate::simulate::{Around, Run};
 /// A source of simulators that cannot be reset.
 #[derive(Debug)]
 pub(super) struct Disposables {
-    pub(super) source: Arc<dyn Source>,
-    pub(super) tally: Arc<Tally>,
+    pub source: Arc<dyn Source>,
+    pub tally: Arc<Tally>,
 }
 
 /// A simulator that begins each run in a new instance.

@@ -29,22 +29,22 @@ const STARTS: usize = 2;
 /// What all copies of a simulator share.
 #[derive(Debug)]
 pub(super) struct Shared {
-    pub(super) contract: Contract,
+    pub contract: Contract,
     /// Before the source: what it keeps for them is there until they have ended.
-    pub(super) pool: Pool,
-    pub(super) source: Arc<dyn Source>,
+    pub pool: Pool,
+    pub source: Arc<dyn Source>,
     /// What was simulated before; none where everything is to be simulated.
-    pub(super) memory: Option<Memory>,
-    pub(super) tally: Arc<Tally>,
-    pub(super) grain: Grain,
+    pub memory: Option<Memory>,
+    pub tally: Arc<Tally>,
+    pub grain: Grain,
     /// By how much equal runs differ; none where they do not, or nobody has looked.
-    pub(super) spread: OnceLock<Spread>,
+    pub spread: OnceLock<Spread>,
     /// Inputs that were gone through before.
-    pub(super) tapes: Tapes,
+    pub tapes: Tapes,
     /// How outputs change with inputs and forces, where somebody has told.
-    pub(super) responses: Mutex<Option<Arc<[DifferenceEquation]>>>,
+    pub responses: Mutex<Option<Arc<[DifferenceEquation]>>>,
     /// Deaths by parameters and initial states; and whether all is given up.
-    pub(super) fate: Mutex<Fate>,
+    pub fate: Mutex<Fate>,
 }
 
 /// What is known of parameters at which simulators end.

@@ -39,7 +39,7 @@ struct Room {
 /// What is in a room.
 #[derive(Debug)]
 pub(super) struct Slot {
-    pub(super) instance: Option<Box<dyn Instance>>,
+    pub instance: Option<Box<dyn Instance>>,
     thread: ThreadId,
     used: Instant,
 }

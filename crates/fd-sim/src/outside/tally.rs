@@ -34,13 +34,13 @@ pub struct Counts {
 /// The counters, shared.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
-    pub(super) asked: AtomicU64,
-    pub(super) made: AtomicU64,
-    pub(super) repeated: AtomicU64,
-    pub(super) steps: AtomicU64,
-    pub(super) started: AtomicU64,
-    pub(super) deaths: AtomicU64,
-    pub(super) lost: AtomicU64,
+    pub asked: AtomicU64,
+    pub made: AtomicU64,
+    pub repeated: AtomicU64,
+    pub steps: AtomicU64,
+    pub started: AtomicU64,
+    pub deaths: AtomicU64,
+    pub lost: AtomicU64,
     nanoseconds: AtomicU64,
     last: Mutex<Option<OutsideError>>,
 }

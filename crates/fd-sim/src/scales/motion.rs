@@ -16,13 +16,13 @@ const WRITTEN_OUT: Size = Size { nodes: 10_000, levels: MAX_DEPTH as u64 };
 /// The quantities of one site that are probed.
 #[derive(Clone, Debug)]
 pub(super) struct SiteProbe {
-    pub(super) acceleration: Expr,
-    pub(super) compliance: Expr,
+    pub acceleration: Expr,
+    pub compliance: Expr,
     /// What the acceleration is the sum of; none where it is too long for that, or a step in time.
-    pub(super) parts: Vec<Expr>,
-    pub(super) helpers: Vec<Definition>,
-    pub(super) velocity: Option<Expr>,
-    pub(super) position: Option<Expr>,
+    pub parts: Vec<Expr>,
+    pub helpers: Vec<Definition>,
+    pub velocity: Option<Expr>,
+    pub position: Option<Expr>,
 }
 
 impl SiteProbe {

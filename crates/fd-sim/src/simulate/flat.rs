@@ -12,29 +12,29 @@ pub(super) const FIRST_STATE: usize = 2;
 pub(super) struct Flat {
     /// Slow: parameters, then `dt`. Fast: `t`, `first`, states, external inputs, held control
     /// signals, signs, delayed values.
-    pub(super) scope: Scope,
+    pub scope: Scope,
     /// Rates of all states; zero for those with another law.
-    pub(super) rates: Vec<Expr>,
+    pub rates: Vec<Expr>,
     /// Plant states with an update law, by index, and their laws.
-    pub(super) updates: Vec<(usize, Expr)>,
+    pub updates: Vec<(usize, Expr)>,
     /// Outputs.
-    pub(super) outputs: Vec<Expr>,
+    pub outputs: Vec<Expr>,
     /// Velocities of the signs.
-    pub(super) velocities: Vec<Expr>,
+    pub velocities: Vec<Expr>,
     /// Delayed expressions and their times, each after those that it uses.
-    pub(super) delays: Vec<(Expr, Expr)>,
+    pub delays: Vec<(Expr, Expr)>,
     /// The sampled controller.
-    pub(super) control: Option<SampledControl>,
-    pub(super) states: usize,
-    pub(super) inputs: usize,
+    pub control: Option<SampledControl>,
+    pub states: usize,
+    pub inputs: usize,
 }
 
 /// What happens when a sampled controller acts.
 pub(super) struct SampledControl {
     /// Signals to be held, in the order of their fast inputs.
-    pub(super) signals: Vec<Expr>,
+    pub signals: Vec<Expr>,
     /// Controller states, by index, and their laws.
-    pub(super) updates: Vec<(usize, Expr)>,
+    pub updates: Vec<(usize, Expr)>,
 }
 
 /// The name under which the value of an input before its saturation is known. It cannot clash: a

@@ -19,11 +19,11 @@ const ROUNDING: f64 = 1e-9;
 /// The grid of a simulation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
-    pub(super) ts: f64,
+    pub ts: f64,
     /// Integration steps per sample.
-    pub(super) substeps: usize,
+    pub substeps: usize,
     /// Integration steps between two actions of a sampled controller; 0 without one.
-    pub(super) control_period: u64,
+    pub control_period: u64,
 }
 
 impl Timing {

@@ -19,17 +19,17 @@ const BETTER: f64 = 0.9;
 
 /// How the outputs change when one input or force is moved up and down by `size`.
 pub(super) struct Response {
-    pub(super) size: f64,
+    pub size: f64,
     /// Changes, row by row.
-    pub(super) change: Vec<f64>,
+    pub change: Vec<f64>,
 }
 
 /// The responses to all inputs and forces.
 pub(super) struct Data<'a> {
-    pub(super) responses: &'a [Response],
+    pub responses: &'a [Response],
     /// First rows of the replays.
-    pub(super) begins: &'a [usize],
-    pub(super) ny: usize,
+    pub begins: &'a [usize],
+    pub ny: usize,
 }
 
 impl Data<'_> {

@@ -26,18 +26,18 @@ pub(super) struct Responses {
 /// What is known of a simulator.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
-    pub(super) theta: Vec<f64>,
-    pub(super) x0: Vec<f64>,
+    pub theta: Vec<f64>,
+    pub x0: Vec<f64>,
     /// Inputs, forces and outputs of the replays, row by row.
-    pub(super) u: Vec<f64>,
-    pub(super) f: Vec<f64>,
-    pub(super) y: Vec<f64>,
+    pub u: Vec<f64>,
+    pub f: Vec<f64>,
+    pub y: Vec<f64>,
     /// First rows of the replays.
-    pub(super) begins: Vec<usize>,
+    pub begins: Vec<usize>,
     /// Change of the outputs per parameter and per initial state, row by row.
-    pub(super) runs: Vec<Vec<f64>>,
+    pub runs: Vec<Vec<f64>>,
     /// The difference equation of each output.
-    pub(super) equations: Arc<[DifferenceEquation]>,
+    pub equations: Arc<[DifferenceEquation]>,
 }
 
 impl Responses {

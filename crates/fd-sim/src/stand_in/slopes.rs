@@ -4,21 +4,21 @@
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     /// Numbers of states, inputs, forces and parameters: what is moved, in this order.
-    pub(super) widths: [usize; 4],
+    pub widths: [usize; 4],
     /// Number of outputs.
-    pub(super) ny: usize,
+    pub ny: usize,
     /// Nominal parameters.
-    pub(super) theta: Vec<f64>,
+    pub theta: Vec<f64>,
     /// Inputs, row by row.
-    pub(super) u: Vec<f64>,
+    pub u: Vec<f64>,
     /// Forces, row by row.
-    pub(super) f: Vec<f64>,
+    pub f: Vec<f64>,
     /// States before each step, row by row.
-    pub(super) x: Vec<f64>,
+    pub x: Vec<f64>,
     /// Outputs and then the states after each step, row by row.
-    pub(super) result: Vec<f64>,
+    pub result: Vec<f64>,
     /// Slopes of the results, row by row and in a row column by column.
-    pub(super) columns: Vec<f64>,
+    pub columns: Vec<f64>,
 }
 
 impl Slopes {

@@ -43,12 +43,12 @@ pub struct Solve {
 #[derive(Clone, Debug)]
 pub(super) struct Integrated {
     /// Place of the state among the fast inputs.
-    pub(super) state: usize,
+    pub state: usize,
     /// Place of its rate.
-    pub(super) rate: usize,
-    pub(super) initial: f64,
+    pub rate: usize,
+    pub initial: f64,
     /// Whether the rate is the next value, not a derivative.
-    pub(super) is_update: bool,
+    pub is_update: bool,
 }
 
 /// A residual generator that can run.

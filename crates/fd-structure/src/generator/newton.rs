@@ -16,10 +16,10 @@ const ROUNDING: f64 = 1e-6;
 /// The formula of an unknown; or the differences of some equations, then their slopes, row by row.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    pub(super) program: Program,
+    pub program: Program,
     /// Places of the unknowns among the fast inputs.
-    pub(super) places: Vec<usize>,
-    pub(super) is_formula: bool,
+    pub places: Vec<usize>,
+    pub is_formula: bool,
 }
 
 impl Block {

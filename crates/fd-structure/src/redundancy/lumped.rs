@@ -14,19 +14,19 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     /// The equations, by number in the model.
-    pub(super) equations: EquationSet,
+    pub equations: EquationSet,
     /// Unknowns that other rows have as well.
     columns: Vec<usize>,
     /// Whether the search may take it out. What may not be taken out was taken out elsewhere.
-    pub(super) is_removable: bool,
+    pub is_removable: bool,
     /// Whether it holds the equation of a fault.
-    pub(super) has_fault: bool,
+    pub has_fault: bool,
 }
 
 /// An overdetermined set without any just determined part.
 #[derive(Clone, Debug)]
 pub(super) struct Lumped {
-    pub(super) rows: Vec<Row>,
+    pub rows: Vec<Row>,
 }
 
 impl Lumped {

@@ -8,15 +8,15 @@ use super::settings::AlarmSettings;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Heard {
     /// Time of the sample in s.
-    pub(crate) time: f64,
+    pub time: f64,
     /// Whether it sees a fault.
-    pub(crate) is_fault: bool,
+    pub is_fault: bool,
     /// Which; a fault may have no name.
-    pub(crate) hypothesis: Option<usize>,
+    pub hypothesis: Option<usize>,
     /// Ratio of statistic to threshold.
-    pub(crate) ratio: f64,
+    pub ratio: f64,
     /// Whether nobody wants to hear of it now.
-    pub(crate) is_shelved: bool,
+    pub is_shelved: bool,
 }
 
 /// What is to be told of it.
@@ -41,18 +41,18 @@ pub(crate) enum Said {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Annunciator {
     /// The alarm that stands, or that was the last.
-    pub(crate) id: Option<String>,
+    pub id: Option<String>,
     stands: bool,
     /// The cause that was told.
-    pub(crate) hypothesis: Option<usize>,
+    pub hypothesis: Option<usize>,
     /// Severity that was told.
-    pub(crate) severity: u8,
+    pub severity: u8,
     /// Since when there has been a fault without a break, while no alarm stands.
     fault_since: Option<f64>,
     /// Since when the unit has been normal, while an alarm stands.
     normal_since: Option<f64>,
     /// The last sample that spoke for the alarm.
-    pub(crate) last: f64,
+    pub last: f64,
     told: f64,
     /// When the alarm was over.
     cleared: f64,

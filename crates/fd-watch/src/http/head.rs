@@ -8,9 +8,9 @@ pub(super) const LONGEST: usize = 8192;
 /// A request line and header fields.
 #[derive(Debug)]
 pub(super) struct Head {
-    pub(super) method: String,
+    pub method: String,
     /// Without what follows `?`.
-    pub(super) path: String,
+    pub path: String,
     fields: Vec<(String, String)>,
 }
 

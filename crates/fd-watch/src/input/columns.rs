@@ -166,7 +166,7 @@ impl InputMap {
 /// Names that were looked up before.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
-    pub(super) map: InputMap,
+    pub map: InputMap,
     known: HashMap<String, Bound>,
     unknown: usize,
 }

@@ -12,7 +12,7 @@ fn is_told(count: u64) -> bool {
 /// A row of things of one kind, one directly after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Runs {
-    pub(crate) count: u64,
+    pub count: u64,
 }
 
 impl Runs {

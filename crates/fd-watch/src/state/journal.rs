@@ -21,9 +21,9 @@ pub(super) struct Journal {
 
 /// What was found in a journal.
 pub(super) struct Found {
-    pub(super) journal: Journal,
+    pub journal: Journal,
     /// Messages that may not have been published, in order.
-    pub(super) unsure: Vec<Message>,
+    pub unsure: Vec<Message>,
 }
 
 /// Why a journal cannot be opened.

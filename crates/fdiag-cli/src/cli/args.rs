@@ -16,15 +16,15 @@ use super::{
 #[command(name = "fdiag", version, max_term_width = 100, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
     #[command(subcommand)]
-    pub(crate) command: Option<Command>,
+    pub command: Option<Command>,
     /// Say nothing on standard error but what is wrong
     #[arg(long, short, global = true)]
-    pub(crate) quiet: bool,
+    pub quiet: bool,
     /// Start no program and load no library that a model file names (kind = "process" or "fmu")
     #[arg(long, global = true)]
-    pub(crate) no_programs: bool,
+    pub no_programs: bool,
     #[command(flatten)]
-    pub(crate) bounds: BoundsArgs,
+    pub bounds: BoundsArgs,
 }
 
 impl Command {
@@ -168,32 +168,32 @@ Examples:
 pub(crate) struct CompensateArgs {
     /// Model file of the nominal plant (TOML)
     #[arg(long, value_name = "FILE")]
-    pub(crate) model: PathBuf,
+    pub model: PathBuf,
     /// Log of the real plant (CSV); may be repeated; without --healthy the first one is
     /// the healthy log, the others are diagnosed
     #[arg(long = "log", value_name = "FILE", required_unless_present_any = ["healthy", "print_spec"])]
-    pub(crate) logs: Vec<PathBuf>,
+    pub logs: Vec<PathBuf>,
     /// Log of the healthy plant (CSV) to learn from; may be repeated
     #[arg(long, value_name = "FILE")]
-    pub(crate) healthy: Vec<PathBuf>,
+    pub healthy: Vec<PathBuf>,
     /// Column map of the logs (TOML); without it columns are found by channel name
     #[arg(long, value_name = "FILE")]
-    pub(crate) columns: Option<PathBuf>,
+    pub columns: Option<PathBuf>,
     /// Choice of residual generator, bias model, detector and rule (TOML)
     #[arg(long, value_name = "FILE")]
-    pub(crate) spec: Option<PathBuf>,
+    pub spec: Option<PathBuf>,
     /// Share of each healthy log, from its start, to learn the bias from; the alarm threshold is
     /// taken from the rest
     #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = share)]
-    pub(crate) learn_share: f64,
+    pub learn_share: f64,
     /// Print the spec that would run on the model, that of --spec or the defaults, and stop; needs no log
     #[arg(long)]
-    pub(crate) print_spec: bool,
+    pub print_spec: bool,
     /// Exit with code 1 when a later log raises an alarm
     #[arg(long)]
-    pub(crate) fail_on_alarm: bool,
+    pub fail_on_alarm: bool,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 #[derive(Debug, Args)]
@@ -201,90 +201,90 @@ pub(crate) struct CompensateArgs {
 pub(crate) struct GapArgs {
     /// Model file of the simulator (TOML)
     #[arg(long, value_name = "FILE")]
-    pub(crate) model: PathBuf,
+    pub model: PathBuf,
     /// Log of the real system (CSV); may be repeated
     #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
-    pub(crate) logs: Vec<PathBuf>,
+    pub logs: Vec<PathBuf>,
     /// Diagnose every log by itself, and say which causes and strengths agree
     #[arg(long)]
-    pub(crate) each: bool,
+    pub each: bool,
     /// Column map of the logs (TOML); channels that it does not name are found by name
     #[arg(long, value_name = "FILE")]
-    pub(crate) columns: Option<PathBuf>,
+    pub columns: Option<PathBuf>,
     /// Log that no fit sees, to measure how far the gap shrinks; may be repeated
     #[arg(long, value_name = "FILE", conflicts_with = "split")]
-    pub(crate) held_out: Vec<PathBuf>,
+    pub held_out: Vec<PathBuf>,
     /// Share of each log that is fitted to; its end is held out [default: 0.67 without --held-out]
     #[arg(long, value_name = "SHARE", value_parser = share)]
-    pub(crate) split: Option<f64>,
+    pub split: Option<f64>,
     /// How long simulations run without seeing the outputs: `free` through the whole log, a number
     /// of seconds, or `auto`: free, unless the model runs away from its initial state
     #[arg(long, value_name = "free|auto|SECONDS", default_value = "auto")]
-    pub(crate) horizon: HorizonChoice,
+    pub horizon: HorizonChoice,
     /// Effects of your own that are tried as well (TOML, see docs/gap.md)
     #[arg(long, value_name = "FILE")]
-    pub(crate) effects: Option<PathBuf>,
+    pub effects: Option<PathBuf>,
     /// Effect that is not tried: a label or a mechanism, also at one place (input-delay@u); several times
     #[arg(long, value_name = "EFFECT[@PLACE]")]
-    pub(crate) exclude: Vec<String>,
+    pub exclude: Vec<String>,
     /// Effect that is tried, no others; named as for --exclude
     #[arg(long, value_name = "EFFECT[@PLACE]")]
-    pub(crate) only: Vec<String>,
+    pub only: Vec<String>,
     /// How well a parameter is known, relative to its value, instead of what the model says;
     /// 0 for exactly
     #[arg(long, value_name = "NAME=SHARE")]
-    pub(crate) tolerance: Vec<Named>,
+    pub tolerance: Vec<Named>,
     /// Standard deviation of the noise of an output, in its unit, instead of what the model says
     #[arg(long, value_name = "OUTPUT=SIGMA")]
-    pub(crate) noise: Vec<Named>,
+    pub noise: Vec<Named>,
     /// Time between samples, in seconds, to which logs are resampled; without it the median of the
     /// first log
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub(crate) resample: Option<f64>,
+    pub resample: Option<f64>,
     /// Longest hole of a log that is bridged, in seconds; without it five samples
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub(crate) longest_hole: Option<f64>,
+    pub longest_hole: Option<f64>,
     /// Drop rows whose time is not later than that of the row before, instead of refusing
     /// the log
     #[arg(long)]
-    pub(crate) drop_disorder: bool,
+    pub drop_disorder: bool,
     /// Take the log as it is read, without looking for wrong signs, units, columns and clocks
     #[arg(long)]
-    pub(crate) as_read: bool,
+    pub as_read: bool,
     /// Where the logs begin: `stated` (where the model says), `free` (anywhere), or `either`, whichever explains them
     /// better
     #[arg(long, value_name = "WHERE", default_value = "either")]
-    pub(crate) starts: StartsChoice,
+    pub starts: StartsChoice,
     /// What a controller in the model acts on: `logged` (what was measured, noise included), `simulated` (a loop that is
     /// closed in the simulator), or `either`, whichever leaves less without any effect
     #[arg(long, value_name = "WHAT", default_value = "either")]
-    pub(crate) controller_sees: ControllerSees,
+    pub controller_sees: ControllerSees,
     /// Also diagnose simulated logs of known cause, N of each, to see what such logs can tell
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5",
           value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) calibrate: Option<u32>,
+    pub calibrate: Option<u32>,
     /// Most causes that are sought one after another where one does not explain the logs; 1 for no
     /// more. Without it the search goes on while held-out forecasts improve (8 at most)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) most: Option<u32>,
+    pub most: Option<u32>,
     /// What a diagnosis of a simulator of your own may cost, as time in it (`10min`, `90s`, `2h`) or as
     /// runs through the logs (`300runs`); what is left out for it is reported
     #[arg(long, value_name = "COST")]
-    pub(crate) budget: Option<Budget>,
+    pub budget: Option<Budget>,
     /// Search a simulator of your own with thousands of runs, as equations are, instead of with few
     #[arg(long)]
-    pub(crate) thorough: bool,
+    pub thorough: bool,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// Begin also what will take very long, or much memory
     #[arg(long)]
-    pub(crate) yes: bool,
+    pub yes: bool,
     /// Print the model that would be diagnosed, with all its places for effects, and stop
     #[arg(long)]
-    pub(crate) print_model: bool,
+    pub print_model: bool,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// A part of a whole that leaves something of it.

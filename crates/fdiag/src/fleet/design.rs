@@ -48,13 +48,13 @@ pub struct FleetDesign<D, J> {
 /// The generator as one matrix, and what parts need to know besides.
 #[derive(Clone, Debug)]
 pub(super) struct Shared<T> {
-    pub(super) io: IoDims,
-    pub(super) nx: usize,
-    pub(super) channels: usize,
+    pub io: IoDims,
+    pub nx: usize,
+    pub channels: usize,
     /// `[A B; C D]`, row by row, with `B = [B_u B_y]` and `D = [D_u D_y]`.
     matrix: Vec<T>,
-    pub(super) settling: u64,
-    pub(super) training: u64,
+    pub settling: u64,
+    pub training: u64,
 }
 
 impl<T: FleetScalar> Shared<T> {

@@ -25,15 +25,15 @@ pub struct UnitStatus<T> {
 pub(super) struct Unit<T, D, J> {
     detector: D,
     rule: J,
-    pub(super) samples: u64,
-    pub(super) missing: u64,
+    pub samples: u64,
+    pub missing: u64,
     /// Complete samples seen by the generator, counted up to the settling time.
-    pub(super) settled: u64,
+    pub settled: u64,
     /// Samples that were offered to the learner.
-    pub(super) offered: u64,
+    pub offered: u64,
     /// Samples that it has learned from.
-    pub(super) learned: u64,
-    pub(super) is_frozen: bool,
+    pub learned: u64,
+    pub is_frozen: bool,
     verdict: Option<Verdict<T>>,
     decision: Decision<T>,
 }

@@ -16,30 +16,31 @@ use fd_sim::{
 };
 
 use super::{
+    automatic::{longest, settings, short_log},
     data::Data,
     error::GapError,
     memory::Memory,
     only::Chosen,
+    read::read_logs,
     request::Request,
     sparing::{Spared, Sparing, diagnose_sparing},
-    study::{longest, settings, short_log},
     subject::Subject,
 };
 
 /// A diagnosis with what it was made of.
 pub(super) struct Attempt<'a> {
-    pub(super) subject: &'a Subject,
+    pub subject: &'a Subject,
     /// The simulator of the subject, or one that follows the logs with it.
-    pub(super) nominal: &'a dyn Nominal,
-    pub(super) data: &'a Data,
-    pub(super) suspects: Chosen<'a>,
-    pub(super) logs: [Vec<Log>; 2],
-    pub(super) memory: Memory,
-    pub(super) settings: Settings,
-    pub(super) ts: SampleTime,
-    pub(super) diagnosis: Diagnosis,
+    pub nominal: &'a dyn Nominal,
+    pub data: &'a Data,
+    pub suspects: Chosen<'a>,
+    pub logs: [Vec<Log>; 2],
+    pub memory: Memory,
+    pub settings: Settings,
+    pub ts: SampleTime,
+    pub diagnosis: Diagnosis,
     /// How a simulator outside was diagnosed with few runs, and what answers further questions.
-    pub(super) sparing: Option<(Sparing, Shell)>,
+    pub sparing: Option<(Sparing, Shell)>,
 }
 
 impl<'a> Attempt<'a> {
@@ -220,7 +221,7 @@ impl Mended {
         if matches!(mistake, Mistake::Parameter { .. }) && other.is_none() {
             return None;
         }
-        let data = Data::read(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
+        let data = read_logs(request, other.as_ref().unwrap_or(subject), Some(mistake)).ok()?;
         Some(Self { subject: other, data, suspicion })
     }
 }

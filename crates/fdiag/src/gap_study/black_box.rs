@@ -4,7 +4,7 @@ use fd_gap::fit::Log;
 use fd_model::SampleTime;
 use fd_sim::simulate::{Nominal, Run, Simulator};
 
-use super::{data::Data, error::GapError, findings::LogFinding, subject::Subject};
+use super::{data::Data, error::GapError, log_finding::LogFinding, subject::Subject};
 
 impl Subject {
     /// Of a simulator outside of this program: the values that its parameters get, those of its own effects last, and

@@ -10,11 +10,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    data::Data,
+    automatic::{longest, settings},
     error::GapError,
     memory::Memory,
+    read::read_logs,
     request::{HeldOutChoice, Request},
-    study::{longest, on_threads, settings},
+    study::on_threads,
     subject::{Subject, settled},
 };
 
@@ -67,8 +68,8 @@ fn of(request: &Request, subject: &Subject) -> Result<CalibratedModel, GapError>
     if subject.model().parameters.iter().all(|p| p.tolerance == 0.0) {
         return Err(GapError::NothingUncertain);
     }
-    let data = Data::read(&request, subject, None)?;
-    subject.check_cost(&data, &request.limits)?;
+    let data = read_logs(&request, subject, None)?;
+    subject.check_cost(&data.fit, &request.limits)?;
     subject.unrepeated(&data)?;
     let ts = data.ts().ok_or(GapError::NothingUncertain)?;
     let simulator = subject.nominal().simulator(ts)?;

@@ -13,8 +13,8 @@ use super::{
     attempt::{Attempt, Mended, confirmed, glanced, mended},
     data::Data,
     error::GapError,
+    log_part::LogPart,
     pause::Pause,
-    report::LogPart,
     request::Request,
     subject::Subject,
     whole::{Whole, judge},
@@ -22,22 +22,22 @@ use super::{
 
 /// The attempt that is reported.
 pub(super) struct Found<'a> {
-    pub(super) attempt: Attempt<'a>,
+    pub attempt: Attempt<'a>,
     /// The mistake of reading that is mended in it.
-    pub(super) reading: Option<Reading>,
+    pub reading: Option<Reading>,
     /// All rows of a long log.
-    pub(super) whole: Option<Whole>,
+    pub whole: Option<Whole>,
 }
 
 /// What is looked into.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
-    pub(super) request: &'a Request,
-    pub(super) subject: &'a Subject,
+    pub request: &'a Request,
+    pub subject: &'a Subject,
     /// The simulator of the subject, or the `follower`.
-    pub(super) nominal: &'a dyn Nominal,
-    pub(super) data: &'a Data,
-    pub(super) follower: Option<&'a Follower<'a>>,
+    pub nominal: &'a dyn Nominal,
+    pub data: &'a Data,
+    pub follower: Option<&'a Follower<'a>>,
 }
 
 /// Data and subjects that come up on the way, and are what attempts are of.

@@ -13,21 +13,21 @@ use super::{attempt::Attempt, error::GapError, pause::Pause, request::Request};
 
 /// Answers to further questions; `None` where a question makes no sense or was not asked.
 pub(super) struct Further {
-    pub(super) road: Option<CauseList>,
-    pub(super) location: Location,
-    pub(super) ceiling: Option<Ceiling>,
-    pub(super) advice: Option<Advice>,
-    pub(super) calibration: Option<Confusion>,
+    pub road: Option<CauseList>,
+    pub location: Location,
+    pub ceiling: Option<Ceiling>,
+    pub advice: Option<Advice>,
+    pub calibration: Option<Confusion>,
 }
 
 /// How they are asked.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
-    pub(super) request: &'a Request,
+    pub request: &'a Request,
     /// Whether the simulator follows the logs: with logged outputs among the inputs, a black box would explain each
     /// output by itself, and other inputs cannot be tried.
-    pub(super) is_followed: bool,
-    pub(super) pause: &'a Pause<'a>,
+    pub is_followed: bool,
+    pub pause: &'a Pause<'a>,
 }
 
 impl Further {

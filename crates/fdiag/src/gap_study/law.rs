@@ -17,8 +17,6 @@ use fd_sim::{
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::report::first_cause;
-
 /// Most points of the law, and of the data.
 const POINTS: usize = 400;
 /// Way up and down of a curve, in ranges, beyond which it is none.
@@ -60,15 +58,15 @@ struct Axes {
     adds: bool,
 }
 
-/// The law that the diagnosis names, if it is one of a place with a signal.
+/// The law of the first cause of a diagnosis, if it is one of a place with a signal.
 pub(super) fn law(
     nominal: &dyn Nominal,
     diagnosis: &Diagnosis,
+    cause: &Cause,
     location: &Location,
     logs: &[Log],
     ts: SampleTime,
 ) -> Option<Law> {
-    let cause = first_cause(diagnosis)?;
     let model = &diagnosis.best.model;
     let axes = axes(nominal.model(), model, cause)?;
     let signals = signals(nominal, diagnosis, &axes, logs, ts)?;

@@ -5,11 +5,11 @@ use fd_model::Record;
 use fd_sim::simulate::Nominal;
 
 use super::{
-    data::Data,
+    automatic::longest,
+    data::{Data, Long},
     error::GapError,
+    log_part::{LogPart, Role},
     memory::Memory,
-    report::{LogPart, Role},
-    study::longest,
 };
 
 /// Rows of all logs together from which stretches are fitted instead.
@@ -27,77 +27,48 @@ const UNFORGETTING: usize = 1_250;
 /// Rows along which the memory of the model is looked for.
 const SEEN: usize = 10_000;
 
-/// The parts of long logs that no fit can take whole.
-#[derive(Clone, Debug)]
-pub(super) struct Long {
-    /// Whole parts, fitted ones first, with where they come from.
-    pub(super) parts: Vec<(LogPart, Record)>,
-    /// Length of a stretch.
-    pub(super) length: usize,
+/// Puts the stretches that tell most in the place of logs that are long.
+pub(super) fn shortened(mut data: Data, nominal: &dyn Nominal) -> Result<Data, GapError> {
+    let records = data.fit.iter().chain(&data.held_out);
+    if records.map(Record::len).sum::<usize>() <= LONG {
+        return Ok(data);
+    }
+    let length = stretch(&data, nominal)?;
+    let records = std::mem::take(&mut data.fit).into_iter();
+    let records = records.chain(std::mem::take(&mut data.held_out));
+    let parts: Vec<(LogPart, Record)> =
+        std::mem::take(&mut data.parts).into_iter().zip(records).collect();
+    let rows = |role: Role| -> usize {
+        parts.iter().filter(|(part, _)| part.role == role).map(|(_, r)| r.len()).sum()
+    };
+    let all = [rows(Role::Fit), rows(Role::HeldOut)];
+    for (part, record) in &parts {
+        let (wanted, all) = match part.role {
+            Role::Fit => (FITTED, all[0]),
+            Role::HeldOut => (HELD_OUT, all[1]),
+        };
+        // In proportion to the length of each log.
+        let count = (wanted * record.len()).div_ceil(all * length).max(1);
+        for rows in stretches(record, length, count) {
+            data.add(part, record, [rows.start, rows.end]);
+        }
+    }
+    data.long = Some(Long { parts, length });
+    Ok(data)
 }
 
-impl Data {
-    /// Puts the stretches that tell most in the place of logs that are long.
-    pub(super) fn shortened(&mut self, nominal: &dyn Nominal) -> Result<(), GapError> {
-        let records = self.fit.iter().chain(&self.held_out);
-        if records.map(Record::len).sum::<usize>() <= LONG {
-            return Ok(());
-        }
-        let length = self.stretch(nominal)?;
-        let records = std::mem::take(&mut self.fit).into_iter();
-        let records = records.chain(std::mem::take(&mut self.held_out));
-        let parts: Vec<(LogPart, Record)> =
-            std::mem::take(&mut self.parts).into_iter().zip(records).collect();
-        let rows = |role: Role| -> usize {
-            parts.iter().filter(|(part, _)| part.role == role).map(|(_, r)| r.len()).sum()
-        };
-        let all = [rows(Role::Fit), rows(Role::HeldOut)];
-        for (part, record) in &parts {
-            let (wanted, all) = match part.role {
-                Role::Fit => (FITTED, all[0]),
-                Role::HeldOut => (HELD_OUT, all[1]),
-            };
-            // In proportion to the length of each log.
-            let count = (wanted * record.len()).div_ceil(all * length).max(1);
-            for rows in stretches(record, length, count) {
-                self.add(part, record, [rows.start, rows.end]);
-            }
-        }
-        self.long = Some(Long { parts, length });
-        Ok(())
-    }
-
-    /// A stretch of a part of a file; parts are in the order of the records, fitted ones first.
-    pub(super) fn add(&mut self, part: &LogPart, record: &Record, [from, to]: [usize; 2]) {
-        let first = part.samples[0];
-        let samples = [first + from, first + to];
-        let record = record.slice(from, to);
-        let new = LogPart::new(&part.path, part.role, samples, &record, &part.time_base);
-        match part.role {
-            Role::Fit => {
-                self.parts.insert(self.fit.len(), new);
-                self.fit.push(record);
-            }
-            Role::HeldOut => {
-                self.parts.push(new);
-                self.held_out.push(record);
-            }
-        }
-    }
-
-    /// How long a stretch must be.
-    fn stretch(&self, nominal: &dyn Nominal) -> Result<usize, GapError> {
-        let Some(record) = self.fit.iter().max_by_key(|record| record.len()) else {
-            return Ok(SHORTEST);
-        };
-        let simulator = nominal.simulator(record.ts())?;
-        let log = fd_gap::fit::Log::new(&record.slice(0, SEEN), &*simulator, 1)?;
-        let (u, samples) = longest(&[log]);
-        let memory = Memory::of(&*simulator, &u, samples);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let memories = |seconds: f64| (MEMORIES * seconds / record.ts().seconds()).ceil() as usize;
-        let forgotten = memory.seconds.map_or(SHORTEST, memories);
-        let least = if memory.forgets { SHORTEST } else { UNFORGETTING };
-        Ok(forgotten.clamp(least, FITTED))
-    }
+/// How long a stretch must be.
+fn stretch(data: &Data, nominal: &dyn Nominal) -> Result<usize, GapError> {
+    let Some(record) = data.fit.iter().max_by_key(|record| record.len()) else {
+        return Ok(SHORTEST);
+    };
+    let simulator = nominal.simulator(record.ts())?;
+    let log = fd_gap::fit::Log::new(&record.slice(0, SEEN), &*simulator, 1)?;
+    let (u, samples) = longest(&[log]);
+    let memory = Memory::of(&*simulator, &u, samples);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    let memories = |seconds: f64| (MEMORIES * seconds / record.ts().seconds()).ceil() as usize;
+    let forgotten = memory.seconds.map_or(SHORTEST, memories);
+    let least = if memory.forgets { SHORTEST } else { UNFORGETTING };
+    Ok(forgotten.clamp(least, FITTED))
 }

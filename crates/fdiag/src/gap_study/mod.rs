@@ -5,6 +5,7 @@
 //! [`words`] turns its types into plain language.
 
 mod attempt;
+mod automatic;
 mod black_box;
 mod budget;
 mod calibrated;
@@ -18,11 +19,14 @@ mod found;
 mod further;
 mod headline;
 mod law;
+mod log_finding;
+mod log_part;
 mod long;
 mod memory;
 mod only;
 mod patched;
 mod pause;
+mod read;
 mod report;
 mod request;
 mod said;
@@ -37,23 +41,24 @@ pub mod words;
 pub use fd_gap::diagnose::ControllerSees;
 
 pub use self::{
+    automatic::automatic_settings,
     budget::Budget,
     calibrated::{CalibratedModel, calibrate, calibrate_on},
     each::{Answered, CauseInLog, Compared, ComparedCause, LogAnswer, MeanStrength},
     error::GapError,
-    findings::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
     follow::follow,
     law::Law,
+    log_finding::{LogDefect, LogFinding, SimulatorDefect, TimeBaseDefect},
+    log_part::{LogPart, Pace, Role},
     memory::Memory,
     patched::PatchedModel,
     report::{
-        HorizonKind, HorizonSource, Inputs, LogPart, Pace, REPORT_VERSION, Report, Role,
-        StudySettings, Timing, schema,
+        HorizonKind, HorizonSource, Inputs, REPORT_VERSION, Report, StudySettings, Timing, schema,
     },
     request::{HeldOutChoice, HorizonChoice, Named, Request, ResampleChoice, StartsChoice},
     simulator_check::{Cost, SimulatorCheck},
     sparing::Sparing,
-    study::{GapStudy, automatic_settings},
+    study::GapStudy,
     subject::Subject,
     traces::{Drive, Signals, Trace},
     whole::{Whole, Window},

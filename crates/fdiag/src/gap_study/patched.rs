@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::{
     data::Data,
-    report::Role,
+    log_part::Role,
     subject::Subject,
     words::{self, with_strength},
 };

@@ -12,6 +12,7 @@ use fd_sim::{
 use super::{
     data::Data,
     error::GapError,
+    read::read_logs,
     request::{HeldOutChoice, Request},
     sparing::planned_runs,
     subject::Subject,
@@ -92,7 +93,7 @@ impl SimulatorCheck {
     ) -> Result<Self, GapError> {
         let request = Request { held_out: HeldOutChoice::Logs(Vec::new()), ..request.clone() };
         let is_alone = request.logs.is_empty();
-        let data = (!is_alone).then(|| Data::read(&request, subject, None)).transpose()?;
+        let data = (!is_alone).then(|| read_logs(&request, subject, None)).transpose()?;
         let model = subject.model();
         let ts = data.as_ref().and_then(Data::ts).map_or_else(|| model.sample_time(), Ok)?;
         let mut simulator = subject.nominal().simulator(ts)?;

@@ -53,9 +53,9 @@ pub struct Sparing {
 
 /// A diagnosis, and how few runs it was made with.
 pub(super) struct Spared {
-    pub(super) diagnosis: Diagnosis,
+    pub diagnosis: Diagnosis,
     /// How that was done, and the simulator for further questions to the same logs.
-    pub(super) sparing: Option<(Sparing, Shell)>,
+    pub sparing: Option<(Sparing, Shell)>,
 }
 
 /// Diagnoses a case; one of a simulator outside of this program with few runs, unless the request or the simulator

@@ -17,7 +17,6 @@ use fd_sim::{
 };
 
 use super::{
-    data::Data,
     error::GapError,
     followed::with_followed,
     request::{Named, Request},
@@ -184,14 +183,14 @@ impl Subject {
     }
 
     /// Compares the work for the fitted logs with the limit, before it is begun.
-    pub(super) fn check_cost(&self, data: &Data, limits: &Limits) -> Result<(), GapError> {
+    pub(super) fn check_cost(&self, fitted: &[Record], limits: &Limits) -> Result<(), GapError> {
         let is_text = self.engine.is_none() && self.outside.is_none();
-        let Some(ts) = data.fit.first().map(Record::ts).filter(|_| is_text) else {
+        let Some(ts) = fitted.first().map(Record::ts).filter(|_| is_text) else {
             return Ok(());
         };
         let simulate = |error| GapError::Simulate(Box::new(error));
         let simulator = EquationSimulator::<f64>::at(self.model(), ts).map_err(simulate)?;
-        let samples: usize = data.fit.iter().map(Record::len).sum();
+        let samples: usize = fitted.iter().map(Record::len).sum();
         let steps = samples as f64 * simulator.substeps() as f64;
         let [least, most] = seconds(steps).map(|seconds| seconds / 3600.0);
         let what = format!(

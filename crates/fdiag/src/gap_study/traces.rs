@@ -6,7 +6,8 @@ use fd_sim::simulate::Nominal;
 
 use super::{
     data::Data,
-    report::{LogPart, Report, Role},
+    log_part::{LogPart, Role},
+    report::Report,
 };
 
 /// Signals of one run, or of a part of one.

@@ -10,7 +10,7 @@ use fd_sim::simulate::{Nominal, Simulator};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{long::Long, report::Role, said::Said};
+use super::{data::Long, log_part::Role, said::Said};
 
 /// Rows that are simulated at a time: their slopes must fit into memory.
 const AT_A_TIME: usize = 20_000;

@@ -33,11 +33,11 @@ pub(super) enum Judged {
 /// Samples of both residuals next to their inputs, row by row, in one or more runs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaultFree {
-    pub(super) inputs: Vec<f64>,
-    pub(super) primary: Vec<f64>,
-    pub(super) compensated: Vec<f64>,
+    pub inputs: Vec<f64>,
+    pub primary: Vec<f64>,
+    pub compensated: Vec<f64>,
     /// The sample at which each run but the first begins.
-    pub(super) starts: Vec<usize>,
+    pub starts: Vec<usize>,
     samples: usize,
 }
 

@@ -30,11 +30,11 @@ const HELD_OUT_PART: usize = 4;
 
 /// A bias model and how it came about.
 pub(super) struct Learned {
-    pub(super) bias: LearnedBias,
-    pub(super) selection: Option<OrderTable>,
+    pub bias: LearnedBias,
+    pub selection: Option<OrderTable>,
     /// The forms that were compared, when the form was to be chosen.
-    pub(super) compared: Vec<Compared>,
-    pub(super) events: Vec<Event>,
+    pub compared: Vec<Compared>,
+    pub events: Vec<Event>,
 }
 
 /// Learns from residual records, one per log.

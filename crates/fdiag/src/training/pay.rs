@@ -86,10 +86,10 @@ const NOISE: f64 = 2.0;
 /// What a payment is judged by beside the held-out samples.
 pub(super) struct Terms<'a> {
     /// Whether an input moved.
-    pub(super) moves: bool,
+    pub moves: bool,
     /// Means of the residuals that it was learned from.
-    pub(super) means: &'a [f64],
-    pub(super) apply: ApplySpec,
+    pub means: &'a [f64],
+    pub apply: ApplySpec,
 }
 
 /// The payments of all channels.

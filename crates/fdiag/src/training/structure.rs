@@ -30,9 +30,9 @@ pub(super) enum Structure {
 /// Sizes of a bias model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
-    pub(super) orders: ArxOrders,
-    pub(super) nu: usize,
-    pub(super) channels: usize,
+    pub orders: ArxOrders,
+    pub nu: usize,
+    pub channels: usize,
 }
 
 impl Structure {

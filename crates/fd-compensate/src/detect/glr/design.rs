@@ -30,12 +30,12 @@ pub struct GlrDesign {
 /// One course along one signature, or along all directions.
 #[derive(Clone, Debug)]
 pub(super) struct Pattern {
-    pub(super) course: Course,
-    pub(super) signature: Option<usize>,
+    pub course: Course,
+    pub signature: Option<usize>,
     /// `F(t)` for each age, channels by sizes.
-    pub(super) effect: Vec<Mat<f64>>,
+    pub effect: Vec<Mat<f64>>,
     /// `L⁻¹` with `J = L Lᵀ`, for each age: `cᵀ J⁻¹ c = ‖L⁻¹ c‖²`.
-    pub(super) root: Vec<Mat<f64>>,
+    pub root: Vec<Mat<f64>>,
 }
 
 impl GlrDesign {

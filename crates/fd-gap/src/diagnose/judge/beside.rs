@@ -18,8 +18,8 @@ use crate::{
 /// A cause of the measurement beside a simulated one.
 #[derive(Debug)]
 pub(super) struct Beside<'a> {
-    pub(super) pair: Pair,
-    pub(super) measured: MeasurementCause<'a>,
+    pub pair: Pair,
+    pub measured: MeasurementCause<'a>,
 }
 
 impl<'a> Beside<'a> {

@@ -21,17 +21,17 @@ use crate::{
 /// Causes in the order of their probabilities, with those of the other answers.
 #[derive(Debug)]
 pub(super) struct Contested<'a> {
-    pub(super) others: Probabilities,
-    pub(super) singles: Singles<'a>,
+    pub others: Probabilities,
+    pub singles: Singles<'a>,
 }
 
 /// A law that takes part.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnose) struct Entrant {
     /// Place of its cause.
-    pub(in crate::diagnose) cause: usize,
+    pub cause: usize,
     /// Sum of squares of its fit: laws that win nothing are ranked by that.
-    pub(in crate::diagnose) cost: f64,
+    pub cost: f64,
 }
 
 /// A law of a search.
@@ -44,17 +44,17 @@ struct Law {
 /// How causes came out, the model that they were added to first.
 pub(in crate::diagnose) struct Standings {
     no_gap: f64,
-    pub(in crate::diagnose) causes: Vec<Standing>,
+    pub causes: Vec<Standing>,
 }
 
 /// How a cause came out.
 pub(in crate::diagnose) struct Standing {
     /// The place of its best law among the entrants; `None` where it has none.
-    pub(in crate::diagnose) best: Option<usize>,
+    pub best: Option<usize>,
     /// How often it wins.
     wins: f64,
     /// What is believed of it.
-    pub(in crate::diagnose) probability: f64,
+    pub probability: f64,
 }
 
 /// The most that wins can say: the law may be in no library.

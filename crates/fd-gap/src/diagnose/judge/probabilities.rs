@@ -19,16 +19,16 @@ const OTHER: f64 = 0.15;
 /// Probabilities of the answers that are neither a cause nor a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnose) struct Probabilities {
-    pub(in crate::diagnose) no_gap: f64,
-    pub(in crate::diagnose) none_of_these: f64,
+    pub no_gap: f64,
+    pub none_of_these: f64,
 }
 
 /// Answers that exclude each other, with their probabilities.
 #[derive(Debug)]
 pub(super) struct Believed {
-    pub(super) others: Probabilities,
-    pub(super) causes: Vec<RankedCause>,
-    pub(super) pairs: Vec<Pair>,
+    pub others: Probabilities,
+    pub causes: Vec<RankedCause>,
+    pub pairs: Vec<Pair>,
 }
 
 /// Log-likelihood that something unknown could gain over an explanation that leaves `left`.

@@ -31,7 +31,7 @@ pub(crate) struct Prepared {
     /// The nominal model, its integration step pinned.
     pub(super) model: Model,
     /// The fit without any effect, which has the logs.
-    pub(crate) null: NullFit,
+    pub null: NullFit,
     /// What is known of the noise.
     pub(super) noise: KnownNoise,
 }

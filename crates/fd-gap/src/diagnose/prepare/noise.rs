@@ -15,16 +15,16 @@ const COARSE: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct KnownNoise {
     /// What the model states, with the spread of the simulator on top, in the unit of the output.
-    pub(in crate::diagnose) stated: Vec<Option<f64>>,
+    pub stated: Vec<Option<f64>>,
     /// Steps of grids that measured values lie on, in the unit of the output.
-    pub(in crate::diagnose) grids: Vec<Option<f64>>,
+    pub grids: Vec<Option<f64>>,
     /// Standard deviation among equal runs of the simulator, in the unit of the output.
-    pub(in crate::diagnose) spread: Vec<f64>,
+    pub spread: Vec<f64>,
     /// What residuals are measured in, in the unit of the output.
-    pub(in crate::diagnose) sigma: Vec<f64>,
+    pub sigma: Vec<f64>,
     /// Whether the noise of an output, which nobody states, is slow: what is left of it has a colour, and nothing
     /// that is known foretells it.
-    pub(in crate::diagnose) slow: Vec<bool>,
+    pub slow: Vec<bool>,
 }
 
 impl KnownNoise {

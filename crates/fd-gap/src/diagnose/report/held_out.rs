@@ -16,9 +16,9 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise<'a> {
     /// What residuals are measured in, in the unit of the output.
-    pub(super) sigma: &'a [f64],
+    pub sigma: &'a [f64],
     /// Noise floor, in sigma.
-    pub(super) floors: &'a [f64],
+    pub floors: &'a [f64],
 }
 
 /// The gaps of the nominal, the refitted and the `best` model: one entry per horizon at which nothing

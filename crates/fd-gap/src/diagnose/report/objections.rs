@@ -36,17 +36,17 @@ const NOISE: f64 = 6.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Claim<'a> {
     /// The causes that the verdict names.
-    pub(super) causes: &'a [&'a Cause],
+    pub causes: &'a [&'a Cause],
     /// Whether the only one of them follows anything.
-    pub(super) follows: bool,
+    pub follows: bool,
     /// The best answer.
-    pub(super) answer: &'a Answer,
+    pub answer: &'a Answer,
     /// Gaps on held-out logs.
-    pub(super) held_out: &'a [HeldOut],
+    pub held_out: &'a [HeldOut],
     /// What is known of the noise.
-    pub(super) noise: Noise<'a>,
+    pub noise: Noise<'a>,
     /// The logs of the fit.
-    pub(super) logs: &'a [Log],
+    pub logs: &'a [Log],
 }
 
 /// What speaks against the named causes, those that forbid them first; where none of the causes explains the gap, what speaks

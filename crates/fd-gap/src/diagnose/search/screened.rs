@@ -8,13 +8,13 @@ use super::trial::{ScoredStart, Trial};
 /// so many candidates are fitted.
 #[derive(Debug)]
 pub(super) struct Screened<'a> {
-    pub(super) candidate: &'a Candidate,
+    pub candidate: &'a Candidate,
     /// Place among the candidates.
-    pub(super) index: usize,
+    pub index: usize,
     /// The starts and what they could explain, the best first.
-    pub(super) scored: Vec<ScoredStart>,
+    pub scored: Vec<ScoredStart>,
     /// What that has cost.
-    pub(super) simulations: usize,
+    pub simulations: usize,
 }
 
 impl<'a> Screened<'a> {

@@ -14,19 +14,19 @@ use crate::{
 #[derive(Debug)]
 pub(in crate::diagnose) struct Searched<'a> {
     /// The nominal model, with an integration step that is short enough for the finalists.
-    pub(in crate::diagnose) model: Model,
+    pub model: Model,
     /// The fit without any effect.
-    pub(in crate::diagnose) null: NullFit,
-    pub(in crate::diagnose) noise: KnownNoise,
+    pub null: NullFit,
+    pub noise: KnownNoise,
     /// Simulations that it took to see what each candidate promises.
-    pub(in crate::diagnose) screening: usize,
+    pub screening: usize,
     /// What candidates change, as far as they were looked at.
-    pub(in crate::diagnose) changes: Arc<OnceLock<Changes>>,
+    pub changes: Arc<OnceLock<Changes>>,
     /// The fits, in the order of the candidates.
-    pub(in crate::diagnose) trials: Vec<Trial<'a>>,
-    pub(in crate::diagnose) not_tested: Vec<NotTested>,
+    pub trials: Vec<Trial<'a>>,
+    pub not_tested: Vec<NotTested>,
     /// Whether the fits whiten errors: the noise has a colour.
-    pub(in crate::diagnose) is_coloured: bool,
+    pub is_coloured: bool,
 }
 
 /// A trial of a search: its place in [`Searched::trials`].

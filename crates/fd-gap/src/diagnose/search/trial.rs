@@ -67,17 +67,17 @@ impl ScoredStart {
 /// functions that own it, and rests once it is part of a step.
 #[derive(Debug)]
 pub(in crate::diagnose) struct Trial<'a> {
-    pub(in crate::diagnose) candidate: &'a Candidate,
+    pub candidate: &'a Candidate,
     /// The model of the candidate, with the integration step that is in use.
-    pub(in crate::diagnose) model: Model,
+    pub model: Model,
     /// Place among the candidates.
-    pub(in crate::diagnose) index: usize,
-    pub(in crate::diagnose) problem: Problem,
+    pub index: usize,
+    pub problem: Problem,
     /// Neutral values of strengths; `None` for shapes.
-    pub(in crate::diagnose) strengths: Vec<Option<f64>>,
-    pub(in crate::diagnose) best: Option<Minimum>,
+    pub strengths: Vec<Option<f64>>,
+    pub best: Option<Minimum>,
     /// Whether it was fitted to the end.
-    pub(in crate::diagnose) is_final: bool,
+    pub is_final: bool,
     /// The starts of the candidate and what they could explain, the best first.
     pub(super) scored: Vec<ScoredStart>,
 }

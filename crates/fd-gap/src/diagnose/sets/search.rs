@@ -342,7 +342,7 @@ impl<'a> SetSearch<'a> {
 
 /// Sets with one more effect each than one that they compete to follow.
 pub(crate) struct Round {
-    pub(crate) more: Vec<EffectSet>,
+    pub more: Vec<EffectSet>,
     /// Of the set without any of them, and of each.
-    pub(crate) forecasts: Forecasts,
+    pub forecasts: Forecasts,
 }

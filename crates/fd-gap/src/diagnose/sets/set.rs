@@ -46,8 +46,8 @@ pub struct EffectSet {
 /// A member with the values that its parameters have.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Member<'a> {
-    pub(in crate::diagnose) candidate: &'a Candidate,
-    pub(in crate::diagnose) values: Vec<f64>,
+    pub candidate: &'a Candidate,
+    pub values: Vec<f64>,
 }
 
 impl EffectSet {

@@ -19,22 +19,22 @@ pub(crate) fn is_a_pair(two: f64, one: f64) -> bool {
 /// An explanation with what it rests on.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Answer {
-    pub(in crate::diagnose) explanation: Explanation,
+    pub explanation: Explanation,
     /// Errors in sigma.
-    pub(in crate::diagnose) errors: Vec<Vec<Vec<f64>>>,
+    pub errors: Vec<Vec<Vec<f64>>>,
     /// The fit, if a simulated effect is part of it.
-    pub(in crate::diagnose) fit: Option<Fit>,
+    pub fit: Option<Fit>,
     /// How many effects there are in it.
-    pub(in crate::diagnose) effects: usize,
+    pub effects: usize,
     /// Logarithm of the evidence over that of "no gap".
-    pub(in crate::diagnose) log_evidence: f64,
+    pub log_evidence: f64,
 }
 
 /// A fitted problem.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Fit {
-    pub(in crate::diagnose) problem: Problem,
-    pub(in crate::diagnose) minimum: Minimum,
+    pub problem: Problem,
+    pub minimum: Minimum,
 }
 
 impl Fit {
@@ -53,9 +53,9 @@ impl Fit {
 /// An answer and what must speak for it.
 #[derive(Clone, Debug)]
 pub(super) struct Proposal {
-    pub(super) answer: Answer,
+    pub answer: Answer,
     /// Evidence over that of the best plainer answer from which it is preferred.
-    pub(super) price: f64,
+    pub price: f64,
 }
 
 /// The answer to prefer: that of the refitted model, or the last of the proposals, the plainest

@@ -75,11 +75,11 @@ fn is_known((e, slope): &(&f64, &f64)) -> bool {
 #[derive(Clone, Debug)]
 pub(super) struct Jitter {
     /// Logarithm of the evidence over that of noise of one size.
-    pub(super) gain: f64,
+    pub gain: f64,
     /// Standard deviation of the clock, in seconds.
-    pub(super) time: Known,
+    pub time: Known,
     /// The errors with the jitter taken out: those of a clock that runs evenly.
-    pub(super) left: Vec<Vec<f64>>,
+    pub left: Vec<Vec<f64>>,
 }
 
 impl Jitter {

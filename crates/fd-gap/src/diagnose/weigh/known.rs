@@ -9,11 +9,11 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known<'a> {
     /// Its logs have the inputs, cut as the errors are.
-    pub(super) problem: &'a Problem,
+    pub problem: &'a Problem,
     /// How many of them, from the first, come from outside.
-    pub(super) inputs: usize,
+    pub inputs: usize,
     /// Simulated outputs of each log.
-    pub(super) outputs: &'a [Vec<f64>],
+    pub outputs: &'a [Vec<f64>],
 }
 
 /// How fast a simulated output moves in each segment, in sigma per second: the difference of its neighbours.

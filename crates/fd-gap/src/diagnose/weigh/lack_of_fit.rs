@@ -12,10 +12,10 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct LackOfFit {
     /// Noise floor of each output, in sigma.
-    pub(in crate::diagnose) floor: Vec<f64>,
+    pub floor: Vec<f64>,
     /// Whether some output is clearly above it.
-    pub(in crate::diagnose) is_unexplained: bool,
-    pub(in crate::diagnose) leftover: Leftover,
+    pub is_unexplained: bool,
+    pub leftover: Leftover,
 }
 
 /// What an answer leaves of the gap of the `refit`ted model, of which `base` is the problem.

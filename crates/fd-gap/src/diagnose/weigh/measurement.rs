@@ -16,15 +16,15 @@ use crate::{
 /// A cause of the measurement, and what it makes of the errors of a simulation.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct MeasurementCause<'a> {
-    pub(in crate::diagnose) candidate: &'a Candidate,
+    pub candidate: &'a Candidate,
     /// Logarithm of the evidence over that of the same errors without the cause.
-    pub(in crate::diagnose) gain: f64,
+    pub gain: f64,
     /// Log-likelihood that errors which come in bursts would add for something that explains them.
-    pub(in crate::diagnose) bursts: f64,
+    pub bursts: f64,
     /// Errors of the output (in sigma) without what the cause has done to them.
-    pub(in crate::diagnose) left: Vec<Vec<f64>>,
+    pub left: Vec<Vec<f64>>,
     /// Fitted parameters.
-    pub(in crate::diagnose) parameters: Vec<Estimate>,
+    pub parameters: Vec<Estimate>,
 }
 
 impl MeasurementCause<'_> {
@@ -39,11 +39,11 @@ impl MeasurementCause<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnose) struct Measured<'a> {
     /// Its logs were measured.
-    pub(in crate::diagnose) problem: &'a Problem,
+    pub problem: &'a Problem,
     /// Simulated outputs of each log.
-    pub(in crate::diagnose) outputs: &'a [Vec<f64>],
+    pub outputs: &'a [Vec<f64>],
     /// Their errors, in sigma.
-    pub(in crate::diagnose) errors: &'a [Vec<Vec<f64>>],
+    pub errors: &'a [Vec<Vec<f64>>],
 }
 
 /// Weighs a cause by the errors of a simulation. `None` when there is nothing of it in

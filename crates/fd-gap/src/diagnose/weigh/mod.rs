@@ -38,12 +38,12 @@ use crate::{
 /// Single causes and pairs with their evidence, and the answer that it prefers.
 #[derive(Debug)]
 pub(super) struct Weighed<'a> {
-    pub(super) singles: Singles<'a>,
+    pub singles: Singles<'a>,
     /// Pairs that were fitted, the best first.
-    pub(super) pairs: Vec<EffectSet>,
+    pub pairs: Vec<EffectSet>,
     /// The best of the refitted model, the first single cause and the first pair.
-    pub(super) best: Answer,
-    pub(super) lack_of_fit: LackOfFit,
+    pub best: Answer,
+    pub lack_of_fit: LackOfFit,
 }
 
 impl<'a> Weighed<'a> {

@@ -31,14 +31,14 @@ const BURST: usize = 3;
 #[derive(Clone, Debug)]
 pub(super) struct Outliers {
     /// Logarithm of the evidence over that of noise.
-    pub(super) gain: f64,
+    pub gain: f64,
     /// Share of the samples.
-    pub(super) share: f64,
-    pub(super) standard_error: f64,
+    pub share: f64,
+    pub standard_error: f64,
     /// Log-likelihood ratio of bursts to independent samples.
-    pub(super) bursts: f64,
+    pub bursts: f64,
     /// Which samples are wrong, signal by signal.
-    pub(super) places: Vec<Vec<bool>>,
+    pub places: Vec<Vec<bool>>,
 }
 
 impl Outliers {

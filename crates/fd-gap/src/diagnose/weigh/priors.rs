@@ -5,11 +5,11 @@ use crate::diagnose::settings::Settings;
 /// Probabilities of the answers before the data.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnose) struct Priors {
-    pub(in crate::diagnose) no_gap: f64,
+    pub no_gap: f64,
     /// Of each single cause.
-    pub(in crate::diagnose) cause: f64,
+    pub cause: f64,
     /// Of each pair of causes, of which only the promising ones are tried.
-    pub(in crate::diagnose) pair: f64,
+    pub pair: f64,
 }
 
 impl Priors {

@@ -18,9 +18,9 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Reference {
     /// The noise of each output, as an unknown.
-    pub(in crate::diagnose) noise: Vec<NoisePrior>,
+    pub noise: Vec<NoisePrior>,
     /// Logarithm of the evidence of "no gap".
-    pub(in crate::diagnose) log_evidence: f64,
+    pub log_evidence: f64,
 }
 
 /// What a cause rests on.
@@ -39,8 +39,8 @@ pub(in crate::diagnose) struct MeasurementId(pub(super) usize);
 /// A cause with what it rests on.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct RankedCause {
-    pub(in crate::diagnose) basis: Basis,
-    pub(in crate::diagnose) cause: Cause,
+    pub basis: Basis,
+    pub cause: Cause,
 }
 
 /// A law with its weight.
@@ -49,7 +49,7 @@ pub(in crate::diagnose) struct WeighedLaw<'a> {
     candidate: &'a Candidate,
     basis: Basis,
     /// The cause with this law alone.
-    pub(in crate::diagnose) cause: Cause,
+    pub cause: Cause,
 }
 
 impl WeighedLaw<'_> {

@@ -24,16 +24,16 @@ use crate::{
 /// Single causes with their evidence.
 #[derive(Debug)]
 pub(in crate::diagnose) struct Singles<'a> {
-    pub(in crate::diagnose) searched: Searched<'a>,
+    pub searched: Searched<'a>,
     /// The problem without any effect.
-    pub(in crate::diagnose) base: Problem,
+    pub base: Problem,
     /// The nominal model with its parameters refitted.
-    pub(in crate::diagnose) refit: Answer,
-    pub(in crate::diagnose) reference: Reference,
+    pub refit: Answer,
+    pub reference: Reference,
     /// Causes of the measurement of which there is something in the log.
-    pub(in crate::diagnose) measured: Vec<MeasurementCause<'a>>,
+    pub measured: Vec<MeasurementCause<'a>>,
     /// The causes, the most evidence first.
-    pub(in crate::diagnose) causes: Vec<RankedCause>,
+    pub causes: Vec<RankedCause>,
 }
 
 /// Weighs every trial and every cause of the measurement against "no gap".

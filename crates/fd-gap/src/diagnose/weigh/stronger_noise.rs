@@ -17,18 +17,18 @@ const FREEDOMS: [f64; 4] = [3.0, 4.0, 6.0, 10.0];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StrongerNoise {
     /// Logarithm of the evidence over that of the expected noise.
-    pub(super) gain: f64,
+    pub gain: f64,
     /// What comes on top of the expected noise, in sigma.
-    pub(super) extra: Known,
+    pub extra: Known,
     /// Degrees of freedom, where tails are heavy.
-    pub(super) freedom: Option<Known>,
+    pub freedom: Option<Known>,
 }
 
 /// A number that is known within an error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
-    pub(super) value: f64,
-    pub(super) standard_error: f64,
+    pub value: f64,
+    pub standard_error: f64,
 }
 
 /// Noise of any size above the stated one.

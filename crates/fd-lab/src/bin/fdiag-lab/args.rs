@@ -11,10 +11,10 @@ use fd_console::{output::OutputArgs, patience::PatienceArgs, shell};
 #[command(name = "fdiag-lab", version, max_term_width = 100, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
     #[command(subcommand)]
-    pub(crate) command: Option<Command>,
+    pub command: Option<Command>,
     /// Say nothing on standard error but what is wrong
     #[arg(long, short, global = true)]
-    pub(crate) quiet: bool,
+    pub quiet: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -66,72 +66,72 @@ pub(crate) enum Command {
 pub(crate) struct EngineArgs {
     /// Configuration file (TOML); see --print-config for all settings and their defaults
     #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
+    pub config: Option<PathBuf>,
     /// Number of perturbed engines
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) seeds: Option<u64>,
+    pub seeds: Option<u64>,
     /// First seed
     #[arg(long, value_name = "S")]
-    pub(crate) first_seed: Option<u64>,
+    pub first_seed: Option<u64>,
     /// Print the configuration that would run, and stop
     #[arg(long)]
-    pub(crate) print_config: bool,
+    pub print_config: bool,
     /// Write model, spec and logs of the first seed to this directory, as `fdiag compensate` takes them, and stop
     #[arg(long, value_name = "DIR")]
-    pub(crate) write_files: Option<PathBuf>,
+    pub write_files: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) patience: PatienceArgs,
+    pub patience: PatienceArgs,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
     /// Configuration file (TOML); see --print-config for all settings and their defaults
     #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
+    pub config: Option<PathBuf>,
     /// Number of engines that set the thresholds, and of those that the results are taken from
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) seeds: Option<u64>,
+    pub seeds: Option<u64>,
     /// First seed
     #[arg(long, value_name = "S")]
-    pub(crate) first_seed: Option<u64>,
+    pub first_seed: Option<u64>,
     /// Only this scenario of the configuration; may be repeated
     #[arg(long, value_name = "NAME")]
-    pub(crate) scenario: Vec<String>,
+    pub scenario: Vec<String>,
     /// Start over, even if the directory holds the beginning of a comparison
     #[arg(long)]
-    pub(crate) restart: bool,
+    pub restart: bool,
     /// Print the configuration that would run, and stop
     #[arg(long)]
-    pub(crate) print_config: bool,
+    pub print_config: bool,
     #[command(flatten)]
-    pub(crate) patience: PatienceArgs,
+    pub patience: PatienceArgs,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RatesArgs {
     /// Configuration of a comparison with a plant of one's own (TOML); may be repeated
     #[arg(long, value_name = "FILE", required = true)]
-    pub(crate) config: Vec<PathBuf>,
+    pub config: Vec<PathBuf>,
     /// Number of plants
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) seeds: u64,
+    pub seeds: u64,
     /// First seed
     #[arg(long, value_name = "S", default_value_t = 9001)]
-    pub(crate) first_seed: u64,
+    pub first_seed: u64,
     /// Healthy logs of each plant
     #[arg(long, value_name = "N", default_value_t = 20)]
-    pub(crate) healthy: usize,
+    pub healthy: usize,
     /// Fresh healthy runs of each plant
     #[arg(long, value_name = "N", default_value_t = 30)]
-    pub(crate) fresh: usize,
+    pub fresh: usize,
     /// Settling time in seconds; without it what the model needs
     #[arg(long, value_name = "SECONDS")]
-    pub(crate) settle: Option<f64>,
+    pub settle: Option<f64>,
     /// Relative change of the parameters at which learning on line ends [default: 0.001]
     #[arg(long, value_name = "SHARE")]
-    pub(crate) tolerance: Option<f64>,
+    pub tolerance: Option<f64>,
 }

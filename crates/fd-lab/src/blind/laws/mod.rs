@@ -74,26 +74,26 @@ pub(super) enum Needs {
 /// A law.
 #[derive(Clone, Copy)]
 pub(super) struct Law {
-    pub(super) label: &'static str,
-    pub(super) name: &'static str,
-    pub(super) family: &'static str,
-    pub(super) place: Place,
-    pub(super) origin: Origin,
-    pub(super) needs: Needs,
+    pub label: &'static str,
+    pub name: &'static str,
+    pub family: &'static str,
+    pub place: Place,
+    pub origin: Origin,
+    pub needs: Needs,
     /// Least and largest strength, dimensionless.
-    pub(super) range: [f64; 2],
+    pub range: [f64; 2],
     build: fn(&Setting<'_>) -> Mechanism,
 }
 
 /// All that a law needs to know to be built.
 pub(super) struct Setting<'a> {
-    pub(super) strength: f64,
+    pub strength: f64,
     /// Uniform draws in `0..1` for shapes.
-    pub(super) shape: [f64; 3],
-    pub(super) index: usize,
-    pub(super) partner: usize,
-    pub(super) scales: &'a Scales,
-    pub(super) seed: u64,
+    pub shape: [f64; 3],
+    pub index: usize,
+    pub partner: usize,
+    pub scales: &'a Scales,
+    pub seed: u64,
 }
 
 impl Setting<'_> {
@@ -141,30 +141,30 @@ impl Setting<'_> {
 
 /// What arrives at an input.
 pub(super) struct Arriving<'a> {
-    pub(super) u: f64,
-    pub(super) all: &'a [f64],
-    pub(super) t: f64,
-    pub(super) h: f64,
+    pub u: f64,
+    pub all: &'a [f64],
+    pub t: f64,
+    pub h: f64,
 }
 
 /// What a sensor measures.
 pub(super) struct Measured<'a> {
-    pub(super) y: f64,
-    pub(super) all: &'a [f64],
-    pub(super) t: f64,
-    pub(super) h: f64,
+    pub y: f64,
+    pub all: &'a [f64],
+    pub t: f64,
+    pub h: f64,
 }
 
 /// What is at a site.
 #[derive(Clone, Copy)]
 pub(super) struct Site<'a> {
-    pub(super) x: f64,
-    pub(super) v: f64,
+    pub x: f64,
+    pub v: f64,
     /// Acceleration without the force, and per force.
-    pub(super) a: f64,
-    pub(super) c: f64,
-    pub(super) t: f64,
-    pub(super) states: &'a [f64],
+    pub a: f64,
+    pub c: f64,
+    pub t: f64,
+    pub states: &'a [f64],
 }
 
 impl Site<'_> {

@@ -7,11 +7,11 @@ use super::{Plant, elsewhere, process};
 #[derive(Clone, Copy)]
 pub(in crate::blind) struct Inner {
     /// Name of its definition in the model file.
-    pub(in crate::blind) name: &'static str,
+    pub name: &'static str,
     /// Its value, from parameters and states.
-    pub(in crate::blind) value: fn(p: &[f64], x: &[f64]) -> f64,
+    pub value: fn(p: &[f64], x: &[f64]) -> f64,
     /// What a change of it adds to the rates.
-    pub(in crate::blind) add: fn(p: &[f64], change: f64, dx: &mut [f64]),
+    pub add: fn(p: &[f64], change: f64, dx: &mut [f64]),
 }
 
 const OF_TANKS: [Inner; 1] = [Inner {

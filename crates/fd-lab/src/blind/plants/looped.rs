@@ -6,12 +6,12 @@ use super::{Plant, drives, elsewhere, mechanics, process};
 /// A plant with what a controller of it needs to know.
 #[derive(Clone, Copy)]
 pub(in crate::blind) struct Looped {
-    pub(in crate::blind) plant: &'static Plant,
+    pub plant: &'static Plant,
     /// Places of the input that is driven and of the output that follows.
-    pub(in crate::blind) ends: [usize; 2],
+    pub ends: [usize; 2],
     /// Another output that a state feedback uses.
-    pub(in crate::blind) inner: Option<usize>,
-    pub(in crate::blind) tuning: Tuning,
+    pub inner: Option<usize>,
+    pub tuning: Tuning,
 }
 
 /// How strongly a controller may act.

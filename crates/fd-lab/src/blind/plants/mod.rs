@@ -51,20 +51,20 @@ type Build = fn(&[f64]) -> Result<Box<dyn Physics>, BlindError>;
 /// A kind of plant.
 #[derive(Clone, Copy)]
 pub(super) struct Plant {
-    pub(super) name: &'static str,
+    pub name: &'static str,
     /// Text of the nominal model, or a function that makes it.
     model: fn() -> Result<Model, BlindError>,
     physics: Build,
     /// One per external input.
-    pub(super) drives: &'static [Drive],
+    pub drives: &'static [Drive],
     /// Whether the controller, if there is one, sees the noise that is logged.
-    pub(super) noise_in_loop: bool,
+    pub noise_in_loop: bool,
     /// Longest integration step of the truth, in seconds.
-    pub(super) step: f64,
+    pub step: f64,
     /// Whether something turns around at its sites, as friction needs it.
-    pub(super) reverses: bool,
+    pub reverses: bool,
     /// Share of the cases.
-    pub(super) weight: usize,
+    pub weight: usize,
 }
 
 impl Plant {

@@ -22,11 +22,11 @@ const MOST_CAUSES: usize = 6;
 /// What a diagnosis makes of a training log.
 pub(crate) struct Named {
     /// The causes in words.
-    pub(crate) words: String,
+    pub words: String,
     /// The model file with them in it.
-    pub(crate) text: String,
+    pub text: String,
     /// Runs of the engine through the log.
-    pub(crate) runs: f64,
+    pub runs: f64,
 }
 
 /// The text of a file of the engine: what its user knows, and the noise of its sensors.

@@ -22,21 +22,21 @@ const LOOKED_AT: usize = 200;
 /// How a file is to be read.
 #[derive(Debug)]
 pub(super) struct Dialect {
-    pub(super) delimiter: u8,
+    pub delimiter: u8,
     /// Bytes and lines of the block before the header.
-    pub(super) skipped: (usize, u64),
-    pub(super) columns: Vec<HeaderColumn>,
+    pub skipped: (usize, u64),
+    pub columns: Vec<HeaderColumn>,
     /// Whether units stand in the line behind the header.
-    pub(super) has_units: bool,
-    pub(super) decimal_comma: bool,
+    pub has_units: bool,
+    pub decimal_comma: bool,
     /// Columns that hold dates.
-    pub(super) dates: Vec<bool>,
+    pub dates: Vec<bool>,
     /// Columns of days and of times of day that are one date.
-    pub(super) pair: Option<(usize, usize)>,
+    pub pair: Option<(usize, usize)>,
     /// The column of dates, if there is one.
-    pub(super) date_column: Option<usize>,
+    pub date_column: Option<usize>,
     /// What was found and is not said by the file.
-    pub(super) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 /// A line of the beginning, taken apart.

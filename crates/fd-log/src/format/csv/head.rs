@@ -31,14 +31,14 @@ impl<R: Read> Read for Text<R> {
 #[derive(Debug)]
 pub(super) struct Head {
     /// From the first line on that is neither blank nor a comment.
-    pub(super) block: Vec<u8>,
+    pub block: Vec<u8>,
     /// Whether that is all that follows.
-    pub(super) is_whole: bool,
-    pub(super) lines_before: u64,
+    pub is_whole: bool,
+    pub lines_before: u64,
     /// Whether the file begins with the version line of the format.
-    pub(super) written_here: bool,
-    pub(super) sample_time: Option<f64>,
-    pub(super) is_utf16: bool,
+    pub written_here: bool,
+    pub sample_time: Option<f64>,
+    pub is_utf16: bool,
 }
 
 impl Head {
@@ -140,8 +140,8 @@ fn line(bytes: &[u8], is_whole: bool) -> Option<usize> {
 /// From the line counts of the CSV reader to lines of the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineCounter {
-    pub(super) before_header: u64,
-    pub(super) crlf: bool,
+    pub before_header: u64,
+    pub crlf: bool,
 }
 
 impl LineCounter {

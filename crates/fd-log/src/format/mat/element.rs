@@ -14,9 +14,9 @@ const PIECE: u64 = 1 << 20;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Element<'a> {
     /// Its type.
-    pub(super) kind: u32,
+    pub kind: u32,
     /// What is in it.
-    pub(super) data: &'a [u8],
+    pub data: &'a [u8],
 }
 
 impl Element<'_> {

@@ -28,9 +28,9 @@ pub(super) type Definitions = BTreeMap<String, Vec<Field>>;
 /// A field of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
-    pub(super) name: String,
-    pub(super) kind: Kind,
-    pub(super) count: Count,
+    pub name: String,
+    pub kind: Kind,
+    pub count: Count,
 }
 
 /// What a field holds.

@@ -14,8 +14,8 @@ use crate::equation::Outside;
 /// What is read first, so that another format is named instead of its unknown entries.
 #[derive(Deserialize)]
 pub(super) struct Head {
-    pub(super) version: u32,
-    pub(super) kind: String,
+    pub version: u32,
+    pub kind: String,
 }
 
 #[derive(Deserialize)]
@@ -25,111 +25,111 @@ pub(super) struct FileModel {
     _version: u32,
     #[serde(rename = "kind")]
     _kind: String,
-    pub(super) name: String,
+    pub name: String,
     #[serde(default)]
-    pub(super) description: String,
-    pub(super) sample_time: Spanned<f64>,
-    pub(super) step: Option<Spanned<f64>>,
+    pub description: String,
+    pub sample_time: Spanned<f64>,
+    pub step: Option<Spanned<f64>>,
     #[serde(default)]
-    pub(super) hold: Hold,
+    pub hold: Hold,
     #[serde(default)]
-    pub(super) parameters: Ordered<FileParameter>,
+    pub parameters: Ordered<FileParameter>,
     #[serde(default)]
-    pub(super) inputs: Ordered<FileInput>,
+    pub inputs: Ordered<FileInput>,
     #[serde(default)]
-    pub(super) states: Ordered<FileState>,
-    pub(super) outputs: Ordered<FileOutput>,
+    pub states: Ordered<FileState>,
+    pub outputs: Ordered<FileOutput>,
     #[serde(default)]
-    pub(super) definitions: Ordered<Spanned<Text>>,
+    pub definitions: Ordered<Spanned<Text>>,
     #[serde(default)]
-    pub(super) sites: Ordered<FileSite>,
+    pub sites: Ordered<FileSite>,
     #[serde(default)]
-    pub(super) delays: Ordered<FileDelay>,
+    pub delays: Ordered<FileDelay>,
     #[serde(default)]
-    pub(super) signs: Ordered<Spanned<Text>>,
+    pub signs: Ordered<Spanned<Text>>,
     #[serde(default)]
-    pub(super) tables: Ordered<FileTable>,
-    pub(super) controller: Option<FileController>,
+    pub tables: Ordered<FileTable>,
+    pub controller: Option<FileController>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileParameter {
-    pub(super) unit: String,
-    pub(super) value: f64,
-    pub(super) tolerance: Option<f64>,
-    pub(super) bounds: Option<[f64; 2]>,
+    pub unit: String,
+    pub value: f64,
+    pub tolerance: Option<f64>,
+    pub bounds: Option<[f64; 2]>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileInput {
-    pub(super) unit: String,
-    pub(super) saturation: Option<[Spanned<Text>; 2]>,
+    pub unit: String,
+    pub saturation: Option<[Spanned<Text>; 2]>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileState {
-    pub(super) unit: String,
-    pub(super) initial: f64,
-    pub(super) tolerance: Option<f64>,
-    pub(super) derivative: Option<Spanned<Text>>,
-    pub(super) update: Option<Spanned<Text>>,
+    pub unit: String,
+    pub initial: f64,
+    pub tolerance: Option<f64>,
+    pub derivative: Option<Spanned<Text>>,
+    pub update: Option<Spanned<Text>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileOutput {
-    pub(super) unit: String,
-    pub(super) value: Spanned<Text>,
-    pub(super) noise: Option<f64>,
+    pub unit: String,
+    pub value: Spanned<Text>,
+    pub noise: Option<f64>,
     #[serde(default)]
-    pub(super) wraps: bool,
+    pub wraps: bool,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileSite {
-    pub(super) unit: String,
-    pub(super) enters: Ordered<Spanned<Text>>,
-    pub(super) position: Option<Spanned<Text>>,
-    pub(super) velocity: Option<Spanned<Text>>,
+    pub unit: String,
+    pub enters: Ordered<Spanned<Text>>,
+    pub position: Option<Spanned<Text>>,
+    pub velocity: Option<Spanned<Text>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileDelay {
-    pub(super) value: Spanned<Text>,
-    pub(super) time: Spanned<Text>,
+    pub value: Spanned<Text>,
+    pub time: Spanned<Text>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileTable {
-    pub(super) x: Vec<f64>,
-    pub(super) y: Vec<f64>,
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
     #[serde(default)]
-    pub(super) outside: Outside,
+    pub outside: Outside,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileController {
-    pub(super) sample_time: Option<f64>,
+    pub sample_time: Option<f64>,
     #[serde(default)]
-    pub(super) references: Ordered<FileReference>,
+    pub references: Ordered<FileReference>,
     #[serde(default)]
-    pub(super) states: Ordered<FileState>,
+    pub states: Ordered<FileState>,
     #[serde(default)]
-    pub(super) definitions: Ordered<Spanned<Text>>,
-    pub(super) signals: Ordered<Spanned<Text>>,
+    pub definitions: Ordered<Spanned<Text>>,
+    pub signals: Ordered<Spanned<Text>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileReference {
-    pub(super) unit: String,
+    pub unit: String,
 }
 
 /// An expression, or a plain number in its place.

@@ -23,25 +23,25 @@ impl fmt::Display for Version {
 /// What is needed of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Description {
-    pub(super) version: Version,
-    pub(super) name: String,
+    pub version: Version,
+    pub name: String,
     /// What an FMU of version 2 calls `guid`.
-    pub(super) token: String,
+    pub token: String,
     /// Name of the library.
-    pub(super) identifier: String,
+    pub identifier: String,
     /// Whether a process may have one instance only.
-    pub(super) is_single: bool,
-    pub(super) variables: Vec<Variable>,
+    pub is_single: bool,
+    pub variables: Vec<Variable>,
 }
 
 /// A variable of type `Real`, in version 3 a single one of type `Float64`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variable {
-    pub(super) name: String,
-    pub(super) reference: u32,
-    pub(super) causality: String,
-    pub(super) unit: Option<String>,
-    pub(super) start: Option<f64>,
+    pub name: String,
+    pub reference: u32,
+    pub causality: String,
+    pub unit: Option<String>,
+    pub start: Option<f64>,
 }
 
 /// What is wrong: where, what was expected, and what was found.

@@ -35,7 +35,7 @@ pub(in super::super) fn host() -> Option<&'static [String]> {
 #[derive(Debug)]
 pub(in super::super) struct HostedFmu {
     process: Process,
-    pub(in super::super) contract: Contract,
+    pub contract: Contract,
     /// What is unpacked is there as long as they run.
     _described: Described,
 }

@@ -24,10 +24,10 @@ const RUNS: u32 = 500;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct References {
     /// Inputs, then ports.
-    pub(super) inputs: Vec<u32>,
-    pub(super) outputs: Vec<u32>,
-    pub(super) parameters: Vec<u32>,
-    pub(super) states: Vec<u32>,
+    pub inputs: Vec<u32>,
+    pub outputs: Vec<u32>,
+    pub parameters: Vec<u32>,
+    pub states: Vec<u32>,
 }
 
 /// Where a run begins, and the bits of what can be seen there.

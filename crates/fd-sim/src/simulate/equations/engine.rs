@@ -17,12 +17,12 @@ use crate::{
 /// A running model.
 #[derive(Clone, Debug)]
 pub(in crate::simulate) struct Engine<V> {
-    pub(in crate::simulate) system: Arc<System>,
+    pub system: Arc<System>,
     pub(super) rates: Workspace<V>,
     pub(super) updates: Workspace<V>,
     pub(super) outputs: Workspace<V>,
     pub(super) control: Option<Workspace<V>>,
-    pub(in crate::simulate) x: Vec<V>,
+    pub x: Vec<V>,
     pub(super) u: Vec<V>,
     pub(super) u_next: Vec<V>,
     /// Signals of a sampled controller, then signs, then delayed values.
@@ -38,13 +38,13 @@ pub(in crate::simulate) struct Engine<V> {
     pub(super) delays: Vec<Workspace<V>>,
     pub(super) delay_times: Workspace<V>,
     /// Whether this is the first integration step of a run.
-    pub(in crate::simulate) is_first: bool,
+    pub is_first: bool,
     /// The four slopes of Runge-Kutta.
     pub(super) k: [Vec<V>; 4],
     /// Results of update laws and of the controller, until they are stored.
     pub(super) updated: Vec<V>,
     /// Sample number.
-    pub(in crate::simulate) sample: u64,
+    pub sample: u64,
 }
 
 impl<V: Value> Engine<V> {

@@ -41,16 +41,16 @@ pub(super) struct Signs<V> {
     count: usize,
     /// Length of a step.
     h: f64,
-    pub(super) velocities: Workspace<V>,
+    pub velocities: Workspace<V>,
     /// States at the start of the step.
-    pub(super) start: Vec<V>,
+    pub start: Vec<V>,
     /// Velocities at the start and at the end.
     before: Vec<V>,
     after: Vec<V>,
     /// Those at the end with other signs, or with those of the round before.
     other: Vec<V>,
     /// Slopes `∂v_i/∂s_j`, row by row, as they were found last; not a number before.
-    pub(super) slopes: Vec<V>,
+    pub slopes: Vec<V>,
     /// Signs of the round before, and those that are tried next.
     last: Vec<V>,
     next: Vec<V>,

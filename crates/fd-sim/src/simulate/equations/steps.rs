@@ -207,11 +207,11 @@ impl<V: Value> Engine<V> {
 
 /// A step of Runge-Kutta from a time on, `at` integration steps after the sample.
 pub(super) struct RungeKutta<'a, V> {
-    pub(super) engine: &'a mut Engine<V>,
-    pub(super) t: f64,
-    pub(super) at: f64,
+    pub engine: &'a mut Engine<V>,
+    pub t: f64,
+    pub at: f64,
     /// Where a part of a step begins, and how long it is, in steps; nothing for all of it.
-    pub(super) piece: Option<[V; 2]>,
+    pub piece: Option<[V; 2]>,
 }
 
 impl<V: Value> Work<V> for RungeKutta<'_, V> {

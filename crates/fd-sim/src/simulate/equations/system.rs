@@ -20,15 +20,15 @@ use crate::{
 /// delayed values.
 #[derive(Clone, Debug)]
 pub(in crate::simulate) struct System {
-    pub(in crate::simulate) ts: SampleTime,
+    pub ts: SampleTime,
     pub(super) timing: Timing,
     pub(super) hold: Hold,
     pub(super) nx: usize,
-    pub(in crate::simulate) inputs: Vec<Channel>,
+    pub inputs: Vec<Channel>,
     pub(super) ports: Vec<Port>,
-    pub(in crate::simulate) channels: Vec<Channel>,
+    pub channels: Vec<Channel>,
     pub(super) parameters: Vec<Parameter>,
-    pub(in crate::simulate) initial: Vec<Initial>,
+    pub initial: Vec<Initial>,
     pub(super) is_continuous: bool,
     pub(super) rates: Program,
     pub(super) updates: Program,
@@ -54,10 +54,10 @@ pub(in crate::simulate) struct System {
 #[derive(Clone, Debug)]
 pub(super) struct Control {
     /// Signals, then states.
-    pub(super) program: Program,
-    pub(super) signals: usize,
+    pub program: Program,
+    pub signals: usize,
     /// States that it writes to.
-    pub(super) updates: Vec<usize>,
+    pub updates: Vec<usize>,
 }
 
 impl System {

@@ -24,14 +24,14 @@ pub(super) struct Around {
     forces: Arc<[Mean]>,
     before: Option<Part>,
     /// Whether what happens before a step depends on outputs.
-    pub(super) needs_outputs: bool,
+    pub needs_outputs: bool,
     after: Option<Part>,
     handed_on: Workspace<f64>,
     /// Parameters, inputs, forces and outputs of the simulator inside.
-    pub(super) theta: Vec<f64>,
-    pub(super) seen: Vec<f64>,
-    pub(super) pushed: Vec<f64>,
-    pub(super) raw: Vec<f64>,
+    pub theta: Vec<f64>,
+    pub seen: Vec<f64>,
+    pub pushed: Vec<f64>,
+    pub raw: Vec<f64>,
     /// Inputs of the equations: those from outside, then the raw outputs.
     row: Vec<f64>,
     /// Where the raw outputs live, and where they were last: an angle goes on, though the simulator begins it anew.

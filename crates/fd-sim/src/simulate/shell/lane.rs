@@ -11,10 +11,10 @@ use crate::{
 /// What all lanes have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Shelled<'r> {
-    pub(super) around: &'r Around,
-    pub(super) steps: usize,
-    pub(super) model: &'r Model,
-    pub(super) ts: SampleTime,
+    pub around: &'r Around,
+    pub steps: usize,
+    pub model: &'r Model,
+    pub ts: SampleTime,
 }
 
 /// The equations around one lane of the simulator inside.

@@ -19,11 +19,11 @@ pub(super) enum Mean {
 /// Equations before or after the simulator inside.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    pub(super) equations: EquationSimulator<f64>,
-    pub(super) initial: Vec<f64>,
+    pub equations: EquationSimulator<f64>,
+    pub initial: Vec<f64>,
     /// States at the start of a step.
     at_start: Vec<f64>,
-    pub(super) outputs: Vec<f64>,
+    pub outputs: Vec<f64>,
 }
 
 impl Part {

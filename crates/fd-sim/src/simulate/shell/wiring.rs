@@ -14,17 +14,17 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) struct Wiring {
     /// Parameters of the simulator inside, from those of the shell.
-    pub(super) parameters: Program,
+    pub parameters: Program,
     /// What the inputs inside are.
-    pub(super) inputs: Vec<Source>,
+    pub inputs: Vec<Source>,
     /// What the forces inside are.
-    pub(super) forces: Vec<Source>,
+    pub forces: Vec<Source>,
     /// Where these come from, unless all of them are passed on.
-    pub(super) before: Option<Model>,
+    pub before: Option<Model>,
     /// Whether `before` depends on raw outputs.
-    pub(super) needs_outputs: bool,
+    pub needs_outputs: bool,
     /// What the sensors make of the raw outputs, unless these are passed on.
-    pub(super) after: Option<Model>,
+    pub after: Option<Model>,
 }
 
 /// Where the mean of a signal over a step comes from.

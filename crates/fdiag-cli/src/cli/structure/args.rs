@@ -19,21 +19,21 @@ docs/structure.md says how to read the answer.";
 pub(crate) struct StructureArgs {
     /// Model file (TOML) with equations as text, or a linear one
     #[arg(long, value_name = "FILE")]
-    pub(crate) model: PathBuf,
+    pub model: PathBuf,
     /// Where faults are assumed, with commas: sensors, actuators, laws, definitions, all, none, and
     /// inputs, states, definitions and outputs by name
     #[arg(long, value_name = "LIST", default_value = "sensors,actuators,laws")]
-    pub(crate) faults: FaultPlaces,
+    pub faults: FaultPlaces,
     /// Unknowns that could be measured with more sensors, with commas; without it all but rates
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub(crate) measurable: Vec<String>,
+    pub measurable: Vec<String>,
     /// New sensors may fail, and their faults must be isolated as well
     #[arg(long)]
-    pub(crate) sensors_may_fail: bool,
+    pub sensors_may_fail: bool,
     /// Most minimal overdetermined sets, and most test supports, that are listed
     #[arg(long, value_name = "N", default_value_t = 10_000,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub(crate) most: u32,
+    pub most: u32,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub output: OutputArgs,
 }

@@ -19,55 +19,55 @@ const MOST_TRIALS: usize = 20;
 /// What the structure of a model says.
 #[derive(Debug, Serialize)]
 pub(super) struct Study<'a> {
-    pub(super) model: &'a StructuralModel,
+    pub model: &'a StructuralModel,
     /// The equations as text.
-    pub(super) texts: Vec<String>,
-    pub(super) parts: Decomposition,
-    pub(super) causalities: Vec<Judged>,
-    pub(super) mso_sets: Family,
-    pub(super) test_supports: Family,
+    pub texts: Vec<String>,
+    pub parts: Decomposition,
+    pub causalities: Vec<Judged>,
+    pub mso_sets: Family,
+    pub test_supports: Family,
     /// Tests that isolate what the listed sets can isolate.
-    pub(super) tests: Tests,
+    pub tests: Tests,
     /// What could be measured.
-    pub(super) measurable: Vec<usize>,
-    pub(super) detecting_sensors: Placed,
-    pub(super) isolating_sensors: Placed,
+    pub measurable: Vec<usize>,
+    pub detecting_sensors: Placed,
+    pub isolating_sensors: Placed,
 }
 
 /// What tests of one causality can do.
 #[derive(Debug, Serialize)]
 pub(super) struct Judged {
-    pub(super) causality: Causality,
+    pub causality: Causality,
     #[serde(flatten)]
-    pub(super) isolability: Isolability,
+    pub isolability: Isolability,
 }
 
 /// Chosen tests.
 #[derive(Debug, Serialize)]
 pub(super) struct Tests {
-    pub(super) residuals: Vec<Test>,
-    pub(super) is_smallest: bool,
+    pub residuals: Vec<Test>,
+    pub is_smallest: bool,
 }
 
 /// A residual.
 #[derive(Debug, Serialize)]
 pub(super) struct Test {
-    pub(super) equations: EquationSet,
-    pub(super) residual: usize,
-    pub(super) flow: Flow,
+    pub equations: EquationSet,
+    pub residual: usize,
+    pub flow: Flow,
     /// Numbers of the faults.
-    pub(super) reacts_to: Vec<usize>,
+    pub reacts_to: Vec<usize>,
     /// Logged signals, if the residual can be run.
-    pub(super) signals: Vec<String>,
+    pub signals: Vec<String>,
     /// Why it cannot be run.
-    pub(super) refused: Option<String>,
+    pub refused: Option<String>,
 }
 
 /// Sensors, or why none were placed.
 #[derive(Debug, Serialize)]
 pub(super) struct Placed {
-    pub(super) placements: Option<Placements>,
-    pub(super) refused: Option<String>,
+    pub placements: Option<Placements>,
+    pub refused: Option<String>,
 }
 
 impl<'a> Study<'a> {

@@ -26,9 +26,9 @@ const FAREWELL: Duration = Duration::from_secs(2);
 /// What the loop knows of brokers.
 #[derive(Default)]
 pub(super) struct Brokers {
-    pub(super) outlet: Option<Outlet>,
+    pub outlet: Option<Outlet>,
     /// Questions to whoever listens.
-    pub(super) questions: Option<Questions>,
+    pub questions: Option<Questions>,
     /// For messages whose samples are not yet on the disk.
     owed: Vec<Receipt>,
 }

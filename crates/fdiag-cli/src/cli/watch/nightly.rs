@@ -17,17 +17,17 @@ pub(super) struct Nightly {
     samples: usize,
     units: HashMap<String, Recent>,
     /// Whether a unit had to do without.
-    pub(super) is_full: bool,
+    pub is_full: bool,
 }
 
 /// A stretch of one unit that should be looked at.
 #[derive(Debug, PartialEq)]
 pub(super) struct Stretch {
-    pub(super) unit: String,
+    pub unit: String,
     /// Time of the newest sample, in s.
-    pub(super) time: f64,
+    pub time: f64,
     /// Rows of time and values, one after another.
-    pub(super) rows: Vec<f64>,
+    pub rows: Vec<f64>,
 }
 
 #[derive(Default)]

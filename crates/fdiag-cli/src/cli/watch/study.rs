@@ -33,11 +33,11 @@ type Running = Arc<Mutex<Option<Child>>>;
 #[derive(Clone)]
 pub(super) struct StudyPlan {
     /// Model file that is studied.
-    pub(super) model: PathBuf,
+    pub model: PathBuf,
     /// Longest time of a study.
-    pub(super) longest: Duration,
+    pub longest: Duration,
     /// First line of a log: time, then the channels with their units.
-    pub(super) header: String,
+    pub header: String,
 }
 
 impl Studies {

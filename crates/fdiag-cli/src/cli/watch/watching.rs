@@ -30,25 +30,25 @@ const SAVING: Duration = Duration::from_millis(10);
 
 /// A monitor at work.
 pub(super) struct Watching<W> {
-    pub(super) monitor: Monitor,
-    pub(super) rows: RowReader,
-    pub(super) format: Format,
-    pub(super) state: Option<StateFolder>,
-    pub(super) out: W,
-    pub(super) pulse: Pulse,
+    pub monitor: Monitor,
+    pub rows: RowReader,
+    pub format: Format,
+    pub state: Option<StateFolder>,
+    pub out: W,
+    pub pulse: Pulse,
     #[cfg(feature = "mqtt")]
-    pub(super) brokers: Brokers,
-    pub(super) stop: Arc<AtomicBool>,
+    pub brokers: Brokers,
+    pub stop: Arc<AtomicBool>,
     /// Taken from the feed and not yet looked at.
-    pub(super) next: Option<Chunk>,
+    pub next: Option<Chunk>,
     /// What is done about units that have moved away from their model.
-    pub(super) diagnosing: Option<(Nightly, Studies)>,
+    pub diagnosing: Option<(Nightly, Studies)>,
     /// Whether it was told that some units cannot be studied.
-    pub(super) is_short: bool,
+    pub is_short: bool,
     /// Told on standard error once, until saving works again.
-    pub(super) cannot_save: bool,
+    pub cannot_save: bool,
     /// Time between two rounds of saving.
-    pub(super) save_every: Duration,
+    pub save_every: Duration,
 }
 
 impl<W: Write> Watching<W> {

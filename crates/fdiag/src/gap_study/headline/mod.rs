@@ -12,7 +12,7 @@ use fd_gap::{
 use fd_model::{duration, figure};
 
 use crate::gap_study::{
-    findings::{LogDefect, LogFinding, TimeBaseDefect},
+    log_finding::{LogDefect, LogFinding, TimeBaseDefect},
     report::Report,
     words::{self, capital, list, p, percent, share, with_strength},
 };

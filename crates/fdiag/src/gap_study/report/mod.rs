@@ -19,14 +19,13 @@ use fd_gap::{
 use schemars::JsonSchema;
 use serde::Serialize;
 
-pub(super) use self::inputs::file_name;
 pub use self::{
-    inputs::{Inputs, LogPart, Pace, Role},
+    inputs::Inputs,
     schema::schema,
     settings::{HorizonKind, HorizonSource, StudySettings},
 };
 use super::{
-    findings::LogFinding, law::Law, patched::PatchedModel, sparing::Sparing, whole::Whole,
+    law::Law, log_finding::LogFinding, patched::PatchedModel, sparing::Sparing, whole::Whole,
 };
 
 /// The version of the schema; it rises when a key changes its meaning or disappears.

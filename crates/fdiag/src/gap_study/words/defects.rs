@@ -4,8 +4,8 @@ use fd_model::figure;
 
 use super::numbers::four;
 use crate::gap_study::{
-    findings::{LogDefect, SimulatorDefect, TimeBaseDefect},
-    report::Pace,
+    log_finding::{LogDefect, SimulatorDefect, TimeBaseDefect},
+    log_part::Pace,
 };
 
 /// What was found, without file and channel.

@@ -18,9 +18,9 @@ pub enum DeviationSpec {
 
 /// A channel: its name, its size, and what is usual for it; none where a number has to be given.
 pub(super) struct Sized<'a> {
-    pub(super) name: &'a str,
-    pub(super) size: f64,
-    pub(super) usual: Option<f64>,
+    pub name: &'a str,
+    pub size: f64,
+    pub usual: Option<f64>,
 }
 
 impl DeviationSpec {

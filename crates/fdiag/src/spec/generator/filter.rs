@@ -18,10 +18,10 @@ use crate::spec::NominalPlant;
 
 /// What all filters of a spec have in common.
 pub(super) struct FilterSpec<'a> {
-    pub(super) model: &'a ModelSource,
-    pub(super) process_noise: &'a DeviationSpec,
-    pub(super) output_noise: Option<&'a DeviationSpec>,
-    pub(super) initial: Option<&'a DeviationSpec>,
+    pub model: &'a ModelSource,
+    pub process_noise: &'a DeviationSpec,
+    pub output_noise: Option<&'a DeviationSpec>,
+    pub initial: Option<&'a DeviationSpec>,
 }
 
 /// Which filter.

@@ -36,12 +36,12 @@ pub(super) enum NonlinearFile {
 
 /// State equations with the names of everything in them.
 pub(super) struct NamedEquations {
-    pub(super) equations: Box<dyn StateEquations>,
-    pub(super) states: Vec<Initial>,
-    pub(super) inputs: Vec<Channel>,
-    pub(super) outputs: Vec<Channel>,
+    pub equations: Box<dyn StateEquations>,
+    pub states: Vec<Initial>,
+    pub inputs: Vec<Channel>,
+    pub outputs: Vec<Channel>,
     /// Standard deviations of the noise of the outputs that the file states.
-    pub(super) noise: Vec<Option<f64>>,
+    pub noise: Vec<Option<f64>>,
 }
 
 impl ModelSource {

@@ -18,11 +18,11 @@ use crate::spec::NominalPlant;
 
 /// What a spec says of a simulation with tracked parameters.
 pub(super) struct PatchedSpec<'a> {
-    pub(super) model: &'a ModelSource,
-    pub(super) track: &'a BTreeMap<String, f64>,
-    pub(super) suspicion: f64,
-    pub(super) memory_s: f64,
-    pub(super) settle_s: f64,
+    pub model: &'a ModelSource,
+    pub track: &'a BTreeMap<String, f64>,
+    pub suspicion: f64,
+    pub memory_s: f64,
+    pub settle_s: f64,
 }
 
 /// A simulation with tracked parameters at design time. Its form is that of an open-loop simulation of the

@@ -18,9 +18,9 @@ pub(super) const DELAYS: [usize; 4] = [0, 1, 2, 4];
 /// One form of the bias model.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::training) struct Candidate {
-    pub(in crate::training) structure: StructureSpec,
-    pub(in crate::training) orders: ArxOrders,
-    pub(in crate::training) learning: LearningSpec,
+    pub structure: StructureSpec,
+    pub orders: ArxOrders,
+    pub learning: LearningSpec,
 }
 
 /// A constant; then the paper's orders up to `most`, order 0 being a gain, with and without a constant, delayed.

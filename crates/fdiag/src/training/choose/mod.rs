@@ -39,9 +39,9 @@ pub struct Compared {
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// None when no bias model is worth its parameters.
-    pub(super) candidate: Option<Candidate>,
+    pub candidate: Option<Candidate>,
     /// The simplest first.
-    pub(super) table: Vec<Compared>,
+    pub table: Vec<Compared>,
 }
 
 /// Compares all forms that a spec leaves open, with orders up to `most`.

@@ -25,11 +25,11 @@ const OWN: f64 = 0.2;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Shape {
     /// Sample, size, standard errors.
-    pub(super) jump: Option<(usize, f64, f64)>,
+    pub jump: Option<(usize, f64, f64)>,
     /// Size over the log, standard errors.
-    pub(super) drift: Option<(f64, f64)>,
+    pub drift: Option<(f64, f64)>,
     /// First sample, number of samples, the largest in deviations.
-    pub(super) outliers: Option<(usize, usize, f64)>,
+    pub outliers: Option<(usize, usize, f64)>,
 }
 
 /// Looks for a jump or a drift, whichever explains more, and for outliers next to it.

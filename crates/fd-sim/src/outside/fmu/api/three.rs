@@ -36,12 +36,12 @@ const DISCARD: c_int = 2;
 #[derive(Debug)]
 pub(super) struct Three {
     instantiate: Instantiate,
-    pub(super) free: unsafe extern "C" fn(Handle),
-    pub(super) enter: unsafe extern "C" fn(Handle, bool, f64, f64, bool, f64) -> c_int,
-    pub(super) exit: Simple,
-    pub(super) reset: Simple,
-    pub(super) set: unsafe extern "C" fn(Handle, *const c_uint, usize, *const f64, usize) -> c_int,
-    pub(super) get: unsafe extern "C" fn(Handle, *const c_uint, usize, *mut f64, usize) -> c_int,
+    pub free: unsafe extern "C" fn(Handle),
+    pub enter: unsafe extern "C" fn(Handle, bool, f64, f64, bool, f64) -> c_int,
+    pub exit: Simple,
+    pub reset: Simple,
+    pub set: unsafe extern "C" fn(Handle, *const c_uint, usize, *const f64, usize) -> c_int,
+    pub get: unsafe extern "C" fn(Handle, *const c_uint, usize, *mut f64, usize) -> c_int,
     do_step: DoStep,
 }
 

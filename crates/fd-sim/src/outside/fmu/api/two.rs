@@ -24,14 +24,14 @@ type Simple = unsafe extern "C" fn(Handle) -> c_int;
 #[derive(Debug)]
 pub(super) struct Two {
     instantiate: Instantiate,
-    pub(super) free: unsafe extern "C" fn(Handle),
-    pub(super) setup: unsafe extern "C" fn(Handle, c_int, f64, f64, c_int, f64) -> c_int,
-    pub(super) enter: Simple,
-    pub(super) exit: Simple,
-    pub(super) reset: Simple,
-    pub(super) set: unsafe extern "C" fn(Handle, *const c_uint, usize, *const f64) -> c_int,
-    pub(super) get: unsafe extern "C" fn(Handle, *const c_uint, usize, *mut f64) -> c_int,
-    pub(super) step: unsafe extern "C" fn(Handle, f64, f64, c_int) -> c_int,
+    pub free: unsafe extern "C" fn(Handle),
+    pub setup: unsafe extern "C" fn(Handle, c_int, f64, f64, c_int, f64) -> c_int,
+    pub enter: Simple,
+    pub exit: Simple,
+    pub reset: Simple,
+    pub set: unsafe extern "C" fn(Handle, *const c_uint, usize, *const f64) -> c_int,
+    pub get: unsafe extern "C" fn(Handle, *const c_uint, usize, *mut f64) -> c_int,
+    pub step: unsafe extern "C" fn(Handle, f64, f64, c_int) -> c_int,
 }
 
 impl Two {

@@ -40,11 +40,11 @@ impl Receipt {
 /// What is wanted of a broker.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Inlet {
-    pub(in super::super) broker: Broker,
+    pub broker: Broker,
     /// Topic filters.
-    pub(in super::super) topics: Vec<String>,
+    pub topics: Vec<String>,
     /// The level of the topic, from 1, that names the unit.
-    pub(in super::super) unit_level: Option<usize>,
+    pub unit_level: Option<usize>,
 }
 
 impl Inlet {
@@ -146,13 +146,13 @@ impl Inlet {
 /// A message of a broker.
 pub(in super::super) struct Delivery {
     /// The unit that its topic names, if topics do.
-    pub(in super::super) unit: Option<String>,
+    pub unit: Option<String>,
     /// Lines of samples.
-    pub(in super::super) payload: Vec<u8>,
+    pub payload: Vec<u8>,
     /// When it came.
-    pub(in super::super) read: Instant,
+    pub read: Instant,
     /// To be signed when the samples are safe; none where nobody waits for one.
-    pub(in super::super) receipt: Option<Receipt>,
+    pub receipt: Option<Receipt>,
     /// Its place among those that wait.
-    pub(in super::super) room: Admitted,
+    pub room: Admitted,
 }
