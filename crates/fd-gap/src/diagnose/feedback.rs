@@ -92,7 +92,7 @@ impl<'a> Feedback<'a> {
             return Ok(problem.clone());
         }
         let simulator = case.nominal.patched(model, problem.simulator().ts())?;
-        let logs = Log::held_out(case.logs, &*simulator, &[], problem.plan())?;
+        let logs = Log::held_out(case.logs, &*simulator, &[], &problem.plan().logs)?;
         let plan = Plan { logs, ..(**problem.plan()).clone() };
         let (effects, weights) = (problem.effects().to_vec(), problem.weights().clone());
         Problem::new(Arc::new(plan), simulator, effects, weights)

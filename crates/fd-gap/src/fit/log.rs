@@ -5,7 +5,7 @@ use std::ops::Range;
 use fd_model::{Channel, Circle, Record};
 use fd_sim::simulate::Simulator;
 
-use super::{error::FitError, plan::Plan};
+use super::error::FitError;
 
 /// Relative difference of two sample times that are meant to be equal.
 const ROUNDING: f64 = 1e-6;
@@ -160,16 +160,16 @@ impl Log {
         each.collect()
     }
 
-    /// The logs of held-out records: they begin in motion where those of the fit, cut by the `plan`, do.
+    /// The logs of held-out records: they begin in motion where the `fitted` ones do.
     pub(crate) fn held_out(
         records: &[Record],
         simulator: &dyn Simulator,
         earlier: &[Record],
-        plan: &Plan,
+        fitted: &[Self],
     ) -> Result<Vec<Self>, FitError> {
         let mut logs = Self::all(records, simulator, earlier)?;
         // A stretch of a run is in motion whatever its run began with.
-        let is_in_motion = plan.logs.iter().any(|log| log.is_in_motion && log.first == 0);
+        let is_in_motion = fitted.iter().any(|log| log.is_in_motion && log.first == 0);
         for log in &mut logs {
             log.is_in_motion |= is_in_motion && log.lead == 0;
             log.row = None;

@@ -9,7 +9,7 @@ use fd_effect::Candidate;
 
 use super::{
     elimination::left,
-    floating::above_the_noise,
+    floating::{above_the_noise, takes_the_mean},
     result::End,
     selection::{Found, Named, Selection},
 };
@@ -142,12 +142,6 @@ fn probability_of(place: usize, round: &Round, standings: &[(usize, f64)]) -> f6
     let cause = |place: usize| round.more[place].members.last().map(Candidate::identity);
     let own = standings.iter().find(|(best, _)| cause(*best) == cause(place));
     own.map_or(0.0, |(_, probability)| *probability)
-}
-
-/// Whether what took squares from `before` to `after` may be the best of so many laws that leave nothing together: that one takes
-/// at least the mean.
-pub(super) fn takes_the_mean([before, after]: [f64; 2], of: usize) -> bool {
-    after <= (1.0 - 1.0 / of as f64) * before
 }
 
 impl Selection<'_> {

@@ -5,7 +5,7 @@ use super::{
     selection::{Found, Named, Selection},
 };
 use crate::{
-    diagnose::{Cause, Diagnosis, EffectSet, HeldOut, Regime, Settings, adjustable},
+    diagnose::{Cause, Diagnosis, EffectSet, Regime, Settings, adjustable},
     fit::{FitError, Horizon},
     shrink::{Errors, gap},
 };
@@ -140,12 +140,6 @@ pub(super) fn judged_at(diagnosis: &Diagnosis, settings: &Settings) -> Option<Ho
     let mut horizons = diagnosis.held_out.iter().map(|held_out| held_out.horizon);
     let longest = diagnosis.held_out.last().map(|held_out| held_out.horizon);
     horizons.find(|horizon| *horizon == settings.horizon).or(longest)
-}
-
-/// Held-out gaps at a horizon, or at the longest one where it is not there.
-pub(super) fn at(diagnosis: &Diagnosis, horizon: Option<Horizon>) -> Option<&HeldOut> {
-    let wanted = diagnosis.held_out.iter().find(|held_out| Some(held_out.horizon) == horizon);
-    wanted.or_else(|| diagnosis.held_out.last())
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 use fd_effect::Candidate;
 
 use super::{
-    by_forecasts::takes_the_mean,
     result::End,
     selection::{Found, Named, Selection},
 };
@@ -234,4 +233,10 @@ enum Shown {
     Faintly,
     /// Held-out forecasts are clearly worse.
     Contradicted,
+}
+
+/// Whether what took squares from `before` to `after` may be the best of so many laws that leave nothing together: that one takes
+/// at least the mean.
+pub(super) fn takes_the_mean([before, after]: [f64; 2], of: usize) -> bool {
+    after <= (1.0 - 1.0 / of as f64) * before
 }

@@ -27,9 +27,10 @@ mod elimination;
 mod floating;
 mod result;
 mod selection;
+mod stepwise;
 mod to_the_noise;
 
 pub use self::{
     result::{CauseList, End, ListedCause},
-    selection::{Bounds, road},
+    stepwise::{Bounds, road},
 };

@@ -89,7 +89,7 @@ fn is_beyond(
 fn begun(weighed: &Weighed<'_>, context: &Context<'_>) -> Result<Vec<Log>, FitError> {
     let Context { case, .. } = context;
     let base = &weighed.singles.base;
-    let held_out = Log::held_out(case.held_out, base.simulator(), case.logs, base.plan())?;
+    let held_out = Log::held_out(case.held_out, base.simulator(), case.logs, &base.plan().logs)?;
     let null = &weighed.singles.searched.null;
     let values = match &weighed.best.fit {
         Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),

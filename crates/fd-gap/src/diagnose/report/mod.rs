@@ -90,7 +90,7 @@ pub(super) fn report(
     let mut findings = findings(case.logs, &nominal, known, &noise.stated, &refit.errors)?;
     without_commands(&mut findings, case.logs.len(), context.case.nominal.commanded());
     findings.extend(elsewhere(nominal.plan(), &best.starts, nominal.simulator().initial()));
-    let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, nominal.plan())?;
+    let logs = Log::held_out(case.held_out, nominal.simulator(), case.logs, &nominal.plan().logs)?;
     let values = match &fit {
         Some(Fit { problem, minimum }) => FittedValues::of(problem, minimum),
         None => FittedValues::of(&null.problem, &null.minimum).on(nominal.simulator()),

@@ -7,7 +7,10 @@ use std::collections::HashMap;
 
 use fd_effect::{Candidate, SiteRef};
 
-use super::{of_causes, screened::Screened};
+use super::{
+    change::Change,
+    screened::{Screened, of_causes},
+};
 use crate::{
     fit::{LONG, LeastSquares, NullFit, Surroundings},
     together::each,
@@ -26,20 +29,6 @@ pub(in crate::diagnose) struct Changes {
 
 /// Label, site, partner and law of a candidate.
 type Law = (&'static str, SiteRef, Option<SiteRef>, &'static str);
-
-/// A change of residuals, by amplitudes within a range.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Change {
-    range: [f64; 2],
-    residuals: Vec<f32>,
-}
-
-impl Change {
-    #[expect(clippy::cast_possible_truncation, reason = "seven digits rank a thousand candidates")]
-    pub(super) fn new(range: [f64; 2], residuals: &[f64]) -> Self {
-        Self { range, residuals: residuals.iter().map(|r| *r as f32).collect() }
-    }
-}
 
 impl Changes {
     /// Those of what was screened beside `null`; `None` where that is too much, or where residuals are not white.

@@ -1,6 +1,7 @@
 //! From all candidates to fitted finalists.
 
 mod base;
+mod change;
 pub(super) mod changes;
 mod command;
 mod finalists;
@@ -10,10 +11,7 @@ pub(super) mod searched;
 pub(super) mod step_size;
 pub(super) mod trial;
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, OnceLock},
-};
+use std::sync::{Arc, OnceLock};
 
 use fd_effect::Candidate;
 use fd_sim::model::Model;
@@ -24,7 +22,7 @@ use self::{
     base::{base, is_of_the_fit},
     changes::Changes,
     finalists::go_on,
-    screened::Screened,
+    screened::{Screened, of_causes},
     searched::Searched,
     step_size::with_short_steps,
     trial::{MORE_THAN_PROMISED, Trial, is_hopeless},
@@ -226,21 +224,6 @@ fn refused(candidate: &Candidate, reason: &str) -> NotTested {
 fn tested<T>(outcomes: Vec<Result<T, NotTested>>, not_tested: &mut Vec<NotTested>) -> Vec<T> {
     let keep = |outcome: Result<T, _>| outcome.map_err(|reason| not_tested.push(reason)).ok();
     outcomes.into_iter().filter_map(keep).collect()
-}
-
-/// What the best law of the cause of each candidate promises, since laws are started from one another; and what all causes
-/// promise, the most first.
-fn of_causes<'c>(promises: impl Iterator<Item = (&'c Candidate, f64)>) -> (Vec<f64>, Vec<f64>) {
-    let (candidates, promises): (Vec<&Candidate>, Vec<f64>) = promises.unzip();
-    let mut best = HashMap::new();
-    for (candidate, promise) in candidates.iter().zip(promises) {
-        let known = best.entry(candidate.identity()).or_insert(0.0_f64);
-        *known = known.max(promise);
-    }
-    let each = candidates.iter().map(|candidate| best[&candidate.identity()]).collect();
-    let mut ranked: Vec<f64> = best.into_values().collect();
-    ranked.sort_by(|a, b| b.total_cmp(a));
-    (each, ranked)
 }
 
 /// Frequencies of the highest lines in the spectrum of what the null fit leaves, in Hz.

@@ -3,7 +3,7 @@
 use fd_effect::EffectParameter;
 
 use super::{
-    changes::Change,
+    change::Change,
     command::Command,
     trial::{SHORT_FITS, ScoredStart, Trial},
 };

@@ -1,5 +1,7 @@
 //! A candidate of which is known what it could explain.
 
+use std::collections::HashMap;
+
 use fd_effect::Candidate;
 
 use super::trial::{ScoredStart, Trial};
@@ -28,4 +30,21 @@ impl<'a> Screened<'a> {
     pub(super) fn gain(&self) -> f64 {
         ScoredStart::gain_of(&self.scored)
     }
+}
+
+/// What the best law of the cause of each candidate promises, since laws are started from one another; and what all causes
+/// promise, the most first.
+pub(super) fn of_causes<'c>(
+    promises: impl Iterator<Item = (&'c Candidate, f64)>,
+) -> (Vec<f64>, Vec<f64>) {
+    let (candidates, promises): (Vec<&Candidate>, Vec<f64>) = promises.unzip();
+    let mut best = HashMap::new();
+    for (candidate, promise) in candidates.iter().zip(promises) {
+        let known = best.entry(candidate.identity()).or_insert(0.0_f64);
+        *known = known.max(promise);
+    }
+    let each = candidates.iter().map(|candidate| best[&candidate.identity()]).collect();
+    let mut ranked: Vec<f64> = best.into_values().collect();
+    ranked.sort_by(|a, b| b.total_cmp(a));
+    (each, ranked)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fd_effect::{Candidate, EffectParameter};
 use fd_sim::{model::Model, simulate::Nominal};
 
-use super::{base::is_of_the_fit, changes::Change};
+use super::{base::is_of_the_fit, change::Change};
 use crate::{
     diagnose::prepare::step::with_step,
     fit::{

@@ -124,7 +124,8 @@ impl<'a> SetSearch<'a> {
         };
         let mut start = begin(settings.horizon)?;
         let simulator = start.null.problem.simulator().boxed();
-        let logs = Log::held_out(case.held_out, &*simulator, case.logs, start.null.problem.plan())?;
+        let logs =
+            Log::held_out(case.held_out, &*simulator, case.logs, &start.null.problem.plan().logs)?;
         let horizons = horizons::memory(&*simulator, &start.null, &logs);
         let windows = first.windows.filter(|_| may_be_in_windows);
         if let Some(windows) = windows {
